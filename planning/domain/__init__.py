@@ -1,0 +1,1 @@
+"""Frozen values that cross every boundary: numpy and str, no engine."""

@@ -1,0 +1,147 @@
+"""Curve: a piecewise polynomial on a configuration manifold, the exact form of every motion."""
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, Self
+
+import numpy as np
+from jaxtyping import Float64
+
+from planning.domain.joints import Joint
+from planning.domain.manifold import Manifold
+from planning.domain.value import Value
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
+
+
+@dataclass(frozen=True, eq=False)
+class Curve(Value):
+    """q(x) = bases[i] [+] delta_i(x), delta_i(x) = sum_k coefficients[i, k] (x - breaks[i])^k.
+
+    On piece i, breaks[i] <= x <= breaks[i + 1]. With the tangent delta in R^nv as the polynomial,
+    straight lines on any manifold are polynomials of degree one, and |delta'| bounds the speed.
+
+    Attributes:
+        joints: Whose manifold this is; `bases` and `coefficients` stack their coordinates.
+        breaks: Increasing parameter values, shape (n + 1,).
+        bases: Where each piece is anchored, shape (n, nq).
+        coefficients: Power basis, lowest first, shape (n, degree + 1, nv).
+    """
+
+    joints: tuple[Joint, ...]
+    breaks: Float64[np.ndarray, " n_plus_1"]
+    bases: Float64[np.ndarray, "n nq"]
+    coefficients: Float64[np.ndarray, "n degree_plus_1 nv"]
+
+    @cached_property
+    def manifold(self) -> Manifold:
+        """The manifold that the curve lies on."""
+        return Manifold(self.joints)
+
+    @property
+    def num_pieces(self) -> int:
+        """How many polynomials there are."""
+        return len(self.bases)
+
+    def locate(self, x: Float64[np.ndarray, " m"]) -> tuple[np.ndarray[Any, Any], Array]:
+        """Return the piece of each x and x relative to its break; the ends are extended."""
+        piece = np.clip(np.searchsorted(self.breaks, x, side="right") - 1, 0, self.num_pieces - 1)
+        return piece, x - self.breaks[piece]
+
+    def tangents(self, x: Float64[np.ndarray, " m"], order: int = 0) -> Array:
+        """Return the order-th derivative of delta at x, shape (m, nv)."""
+        piece, local = self.locate(x)
+        coefficients = derivative(self.coefficients, order)[piece]
+        total = np.zeros((len(x), coefficients.shape[2]))
+        for k in range(coefficients.shape[1] - 1, -1, -1):
+            total = total * local[:, None] + coefficients[:, k]
+        return total
+
+    def positions(self, x: Float64[np.ndarray, " m"]) -> Array:
+        """Return q(x), shape (m, nq)."""
+        piece, _ = self.locate(x)
+        return self.manifold.plus(self.bases[piece], self.tangents(x))
+
+    def velocities(self, x: Float64[np.ndarray, " m"]) -> Array:
+        """Return Drake's generalized velocities dq/dx, shape (m, nv)."""
+        if self.manifold.is_flat:
+            return self.tangents(x, 1)
+        q, delta = self.positions(x), self.tangents(x)
+        return self.manifold.generalized_velocity(q, delta, self.tangents(x, 1))
+
+    def accelerations(self, x: Float64[np.ndarray, " m"]) -> Array:
+        """Return the derivative of `velocities`, shape (m, nv)."""
+        if self.manifold.is_flat:
+            return self.tangents(x, 2)
+        q, delta = self.positions(x), self.tangents(x)
+        rates = self.tangents(x, 1), self.tangents(x, 2)
+        return self.manifold.generalized_acceleration(q, delta, *rates)
+
+    @property
+    def start(self) -> Array:
+        """The first configuration, shape (nq,)."""
+        return self.positions(self.breaks[:1])[0]
+
+    @property
+    def end(self) -> Array:
+        """The last configuration, shape (nq,)."""
+        return self.positions(self.breaks[-1:])[0]
+
+
+@dataclass(frozen=True, eq=False)
+class JointSpline(Curve):
+    """r(s), s in [0, 1]: a geometric path, not yet timed."""
+
+    @classmethod
+    def through(cls, joints: tuple[Joint, ...], waypoints: Float64[np.ndarray, "n nq"]) -> Self:
+        """Build the polyline of geodesics, parametrised by length."""
+        manifold = Manifold(joints)
+        steps = manifold.minus(waypoints[1:], waypoints[:-1])
+        lengths = np.linalg.norm(steps, axis=-1)
+        keep = lengths > 1e-12
+        if not keep.any():
+            keep[:1] = True
+            lengths = np.ones_like(lengths)
+        fractions = lengths[keep] / lengths[keep].sum()
+        breaks = np.concatenate([[0.0], np.cumsum(fractions)])
+        breaks[-1] = 1.0
+        slopes = steps[keep] / np.diff(breaks)[:, None]
+        coefficients = np.stack([np.zeros_like(slopes), slopes], axis=1)
+        return cls(joints, breaks, waypoints[:-1][keep], coefficients)
+
+
+@dataclass(frozen=True, eq=False)
+class TimedTrajectory(Curve):
+    """q(t), t in [0, duration] seconds."""
+
+    @property
+    def duration(self) -> float:
+        """How long the motion takes [s]."""
+        return float(self.breaks[-1])
+
+    def sample_times(self, period: float) -> Array:
+        """Return instants every `period` [s], the first and the last instant included."""
+        count = max(1, int(np.ceil(self.duration / period - 1e-9)))
+        times = np.minimum(np.arange(count + 1) * period, self.duration)
+        times[-1] = self.duration
+        return times
+
+    def slowed(self, factor: float) -> "TimedTrajectory":
+        """Return the same motion taking `factor` times as long."""
+        powers = factor ** -np.arange(self.coefficients.shape[1], dtype=np.float64)
+        return TimedTrajectory(
+            self.joints,
+            self.breaks * factor,
+            self.bases,
+            self.coefficients * powers[None, :, None],
+        )
+
+
+def derivative(coefficients: Float64[np.ndarray, "n k nv"], order: int) -> Array:
+    """Return the power-basis coefficients of the order-th derivative, shape (n, >= 1, nv)."""
+    for _ in range(order):
+        powers = np.arange(1, coefficients.shape[1], dtype=np.float64)
+        coefficients = coefficients[:, 1:] * powers[None, :, None]
+        if coefficients.shape[1] == 0:
+            return np.zeros((coefficients.shape[0], 1, coefficients.shape[2]))
+    return coefficients

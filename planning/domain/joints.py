@@ -1,0 +1,167 @@
+"""Joints, groups of joints, and what they may do."""
+
+from dataclasses import dataclass
+from enum import StrEnum
+from functools import cached_property
+
+import numpy as np
+from jaxtyping import Float64
+
+from planning.domain.value import Value
+
+
+class JointType(StrEnum):
+    """Kinds of joints; positions and velocities are in Drake's order."""
+
+    REVOLUTE = "revolute"
+    CONTINUOUS = "continuous"
+    PRISMATIC = "prismatic"
+    PLANAR = "planar"
+    FLOATING = "floating"
+
+
+_POSITIONS = {
+    JointType.PLANAR: ("x", "y", "yaw"),
+    JointType.FLOATING: ("qw", "qx", "qy", "qz", "x", "y", "z"),
+}
+_VELOCITIES = {
+    JointType.PLANAR: ("x", "y", "yaw"),
+    JointType.FLOATING: ("wx", "wy", "wz", "x", "y", "z"),
+}
+_LIMITED_TOGETHER = {
+    JointType.PLANAR: (("linear", (0, 1)), ("angular", (2,))),
+    JointType.FLOATING: (("angular", (0, 1, 2)), ("linear", (3, 4, 5))),
+}
+
+
+@dataclass(frozen=True, eq=False)
+class Joint(Value):
+    """One joint.
+
+    Attributes:
+        name: Full name, `robot::joint`.
+        type: What it can do.
+    """
+
+    name: str
+    type: JointType
+
+    @property
+    def position_names(self) -> tuple[str, ...]:
+        """A name for every position coordinate; a scalar joint's is its own."""
+        coordinates = _POSITIONS.get(self.type)
+        return tuple(f"{self.name}.{c}" for c in coordinates) if coordinates else (self.name,)
+
+    @property
+    def velocity_names(self) -> tuple[str, ...]:
+        """A name for every velocity coordinate; a scalar joint's is its own."""
+        coordinates = _VELOCITIES.get(self.type)
+        return tuple(f"{self.name}.{c}" for c in coordinates) if coordinates else (self.name,)
+
+    @property
+    def blocks(self) -> tuple[tuple[str, tuple[int, ...]], ...]:
+        """Sets of velocity coordinates whose Euclidean norm is limited, each with a name.
+
+        Scalar joints have one block of one coordinate; planar and floating joints have one for
+        their linear and one for their angular motion.
+        """
+        pairs = _LIMITED_TOGETHER.get(self.type)
+        if pairs is None:
+            return ((self.name, (0,)),)
+        return tuple((f"{self.name}.{kind}", indices) for kind, indices in pairs)
+
+
+@dataclass(frozen=True, eq=False)
+class JointGroup(Value):
+    """Joints that are planned for together.
+
+    Attributes:
+        name: `robot` (the robot's default group) or `robot::group`.
+        joints: In the group's own order; `q` and `v` stack their coordinates in this order.
+        tool_frames: Full names of the frames that the group moves; the first is the default.
+    """
+
+    name: str
+    joints: tuple[Joint, ...]
+    tool_frames: tuple[str, ...]
+
+    @cached_property
+    def position_names(self) -> tuple[str, ...]:
+        """A name for every coordinate of q."""
+        return tuple(name for joint in self.joints for name in joint.position_names)
+
+    @cached_property
+    def velocity_names(self) -> tuple[str, ...]:
+        """A name for every coordinate of v."""
+        return tuple(name for joint in self.joints for name in joint.velocity_names)
+
+    @property
+    def num_positions(self) -> int:
+        """The length of q."""
+        return len(self.position_names)
+
+    @property
+    def num_velocities(self) -> int:
+        """The length of v."""
+        return len(self.velocity_names)
+
+    @cached_property
+    def blocks(self) -> tuple[tuple[str, tuple[int, ...]], ...]:
+        """The joints' blocks, with indices into the group's v."""
+        stacked: list[tuple[str, tuple[int, ...]]] = []
+        offset = 0
+        for joint in self.joints:
+            stacked += [(name, tuple(i + offset for i in ix)) for name, ix in joint.blocks]
+            offset += len(joint.velocity_names)
+        return tuple(stacked)
+
+
+@dataclass(frozen=True, eq=False)
+class JointLimits(Value):
+    """What the joints of a group may do.
+
+    Positions are limited per position coordinate (infinite where free: quaternions, continuous
+    joints, the yaw of a planar joint). Rates are limited per block of `JointGroup.blocks`: the
+    Euclidean norm of the block's velocity coordinates stays below the number.
+
+    Attributes:
+        lower: Smallest position [rad or m], shape (nq,).
+        upper: Largest position [rad or m], shape (nq,).
+        velocity: [rad/s or m/s], shape (num_blocks,).
+        acceleration: [rad/s^2 or m/s^2], shape (num_blocks,).
+        jerk: [rad/s^3 or m/s^3], shape (num_blocks,).
+        effort: [N m or N], shape (num_blocks,).
+        blocks: The group's blocks, as index sets into v.
+    """
+
+    lower: Float64[np.ndarray, " nq"]
+    upper: Float64[np.ndarray, " nq"]
+    velocity: Float64[np.ndarray, " num_blocks"]
+    acceleration: Float64[np.ndarray, " num_blocks"]
+    jerk: Float64[np.ndarray, " num_blocks"]
+    effort: Float64[np.ndarray, " num_blocks"]
+    blocks: tuple[tuple[int, ...], ...]
+
+    def scaled(self, velocity: float, acceleration: float) -> "JointLimits":
+        """Return limits with velocity, and acceleration with jerk, scaled (factors in (0, 1])."""
+        return JointLimits(
+            self.lower,
+            self.upper,
+            self.velocity * velocity,
+            self.acceleration * acceleration,
+            self.jerk * acceleration,
+            self.effort,
+            self.blocks,
+        )
+
+    def per_coordinate(
+        self, rates: Float64[np.ndarray, " num_blocks"]
+    ) -> Float64[np.ndarray, " nv"]:
+        """Return bounds per velocity coordinate that imply the blocks' bounds.
+
+        A block of k coordinates gets the cube inscribed in its ball: rate / sqrt(k).
+        """
+        bounds = np.zeros(sum(len(block) for block in self.blocks))
+        for rate, block in zip(rates, self.blocks, strict=True):
+            bounds[list(block)] = rate / np.sqrt(len(block))
+        return bounds

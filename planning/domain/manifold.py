@@ -1,0 +1,149 @@
+"""The configuration manifold of some joints: plus, minus, interpolation and distance.
+
+`q [+] delta` moves along the geodesic that leaves q with tangent delta in R^nv; `q1 [-] q0` is the
+shortest such delta. R^1 for bounded joints, the circle for continuous joints and a planar joint's
+yaw, SO(3) x R^3 for floating joints (right-perturbed: R exp(delta), p + delta). See Sola et al.
+(2018), section II-E. Everything takes stacks along leading axes.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float64
+
+from planning.domain import rotation
+from planning.domain.joints import Joint, JointType
+from planning.domain.value import Value
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
+
+
+@dataclass(frozen=True, eq=False)
+class Manifold(Value):
+    """The product of the joints' manifolds, in the joints' order."""
+
+    joints: tuple[Joint, ...]
+
+    @cached_property
+    def num_positions(self) -> int:
+        """The length of q."""
+        return sum(len(joint.position_names) for joint in self.joints)
+
+    @cached_property
+    def num_velocities(self) -> int:
+        """The length of v and of delta."""
+        return sum(len(joint.velocity_names) for joint in self.joints)
+
+    @cached_property
+    def is_flat(self) -> bool:
+        """Whether q and delta are the same numbers, but for whole turns."""
+        return all(joint.type is not JointType.FLOATING for joint in self.joints)
+
+    @cached_property
+    def _floating(self) -> tuple[tuple[int, int], ...]:
+        """The offset in q and in v of each floating joint."""
+        found: list[tuple[int, int]] = []
+        iq = iv = 0
+        for joint in self.joints:
+            if joint.type is JointType.FLOATING:
+                found.append((iq, iv))
+            iq += len(joint.position_names)
+            iv += len(joint.velocity_names)
+        return tuple(found)
+
+    @cached_property
+    def _plain(self) -> tuple[list[int], list[int]]:
+        """The indices in q and in v that simply add."""
+        in_q = set(range(self.num_positions))
+        in_v = set(range(self.num_velocities))
+        for iq, iv in self._floating:
+            in_q -= set(range(iq, iq + 7))
+            in_v -= set(range(iv, iv + 6))
+        return sorted(in_q), sorted(in_v)
+
+    @cached_property
+    def wraps(self) -> tuple[bool, ...]:
+        """Whether each velocity coordinate is an angle on a circle (whole turns are nothing)."""
+        flags: list[bool] = []
+        for joint in self.joints:
+            match joint.type:
+                case JointType.CONTINUOUS:
+                    flags.append(True)
+                case JointType.PLANAR:
+                    flags += [False, False, True]
+                case JointType.FLOATING:
+                    flags += [False] * 6
+                case _:
+                    flags.append(False)
+        return tuple(flags)
+
+    def plus(self, q: Float64[np.ndarray, "*n nq"], delta: Float64[np.ndarray, "*#n nv"]) -> Array:
+        """Return q [+] delta; angles are not wrapped, so curves stay continuous."""
+        if self.is_flat:
+            return q + delta
+        shape = np.broadcast_shapes(q.shape[:-1], delta.shape[:-1])
+        moved = np.empty((*shape, self.num_positions))
+        in_q, in_v = self._plain
+        moved[..., in_q] = q[..., in_q] + delta[..., in_v]
+        for iq, iv in self._floating:
+            turned = rotation.multiply(q[..., iq : iq + 4], rotation.exp(delta[..., iv : iv + 3]))
+            moved[..., iq : iq + 4] = turned
+            moved[..., iq + 4 : iq + 7] = q[..., iq + 4 : iq + 7] + delta[..., iv + 3 : iv + 6]
+        return moved
+
+    def minus(self, q1: Float64[np.ndarray, "*n nq"], q0: Float64[np.ndarray, "*#n nq"]) -> Array:
+        """Return the shortest delta with q0 [+] delta = q1 (up to whole turns)."""
+        shape = np.broadcast_shapes(q1.shape[:-1], q0.shape[:-1])
+        delta = np.empty((*shape, self.num_velocities))
+        in_q, in_v = self._plain
+        delta[..., in_v] = q1[..., in_q] - q0[..., in_q]
+        for iq, iv in self._floating:
+            inverse = rotation.conjugate(q0[..., iq : iq + 4])
+            turn = rotation.log(rotation.multiply(inverse, q1[..., iq : iq + 4]))
+            delta[..., iv : iv + 3] = turn
+            delta[..., iv + 3 : iv + 6] = q1[..., iq + 4 : iq + 7] - q0[..., iq + 4 : iq + 7]
+        circle = list(self.wraps)
+        delta[..., circle] = np.remainder(delta[..., circle] + np.pi, 2 * np.pi) - np.pi
+        return delta
+
+    def interpolate(self, q0: Array, q1: Array, s: Float64[np.ndarray, " m"]) -> Array:
+        """Return the geodesic from q0 to q1 at fractions s, shape (m, nq)."""
+        return self.plus(q0[None], s[:, None] * self.minus(q1, q0)[None])
+
+    def distance(self, q1: Float64[np.ndarray, "*n nq"], q0: Float64[np.ndarray, "*#n nq"]) -> Array:
+        """Return the Euclidean length of q1 [-] q0 (radians and metres weigh the same)."""
+        return np.linalg.norm(self.minus(q1, q0), axis=-1)
+
+    def normalized(self, q: Float64[np.ndarray, "*n nq"]) -> Array:
+        """Return q with unit quaternions."""
+        unit = np.array(q)
+        for iq, _ in self._floating:
+            a = unit[..., iq : iq + 4]
+            unit[..., iq : iq + 4] = a / np.linalg.norm(a, axis=-1, keepdims=True)
+        return unit
+
+    def generalized_velocity(self, q: Array, delta: Array, rate: Array) -> Array:
+        """Return Drake's v at q = base [+] delta where delta' = rate.
+
+        Floating joints: angular velocity in the parent frame, R J_r(delta) delta'.
+        """
+        v = np.array(rate)
+        for iq, iv in self._floating:
+            body = rotation.right_jacobian(delta[..., iv : iv + 3], rate[..., iv : iv + 3])
+            v[..., iv : iv + 3] = rotation.rotate(q[..., iq : iq + 4], body)
+        return v
+
+    def generalized_acceleration(
+        self, q: Array, delta: Array, rate: Array, curvature: Array
+    ) -> Array:
+        """Return Drake's vdot at q = base [+] delta where delta' = rate, delta'' = curvature."""
+        vdot = np.array(curvature)
+        for iq, iv in self._floating:
+            turn = slice(iv, iv + 3)
+            body = rotation.body_acceleration(
+                delta[..., turn], rate[..., turn], curvature[..., turn]
+            )
+            vdot[..., turn] = rotation.rotate(q[..., iq : iq + 4], body)
+        return vdot

@@ -1,0 +1,35 @@
+"""JointPath: untimed waypoints joined by geodesics."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float64
+
+from planning.domain.curve import JointSpline
+from planning.domain.joints import JointGroup
+from planning.domain.manifold import Manifold
+from planning.domain.value import Value
+
+
+@dataclass(frozen=True, eq=False)
+class JointPath(Value):
+    """A path is not a trajectory: it has no time.
+
+    Attributes:
+        group: Whose configurations the waypoints are.
+        waypoints: Shape (n, nq), n >= 2, from start to goal.
+    """
+
+    group: JointGroup
+    waypoints: Float64[np.ndarray, "n nq"]
+
+    @property
+    def length(self) -> float:
+        """The sum of the geodesics' lengths (radians and metres weigh the same)."""
+        manifold = Manifold(self.group.joints)
+        return float(manifold.distance(self.waypoints[1:], self.waypoints[:-1]).sum())
+
+    @property
+    def spline(self) -> JointSpline:
+        """The path as a curve of degree one."""
+        return JointSpline.through(self.group.joints, self.waypoints)

@@ -1,0 +1,79 @@
+"""MotionPlan: what a solved problem gives, and Progress on the way there."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float64
+
+from planning.domain.certificate import Certificate
+from planning.domain.curve import TimedTrajectory
+from planning.domain.joints import JointGroup
+from planning.domain.path import JointPath
+from planning.domain.report import (
+    CertifyReport,
+    GoalConfigurations,
+    RefineReport,
+    RetimeReport,
+    SearchReport,
+)
+from planning.domain.value import Value, digest
+
+
+@dataclass(frozen=True, eq=False)
+class StageReports(Value):
+    """One report per stage; timings are kept apart because they differ from run to run."""
+
+    goals: GoalConfigurations
+    search: SearchReport
+    refine: RefineReport
+    retime: RetimeReport
+    certify: CertifyReport
+
+
+@dataclass(frozen=True, eq=False)
+class MotionPlan(Value):
+    """A certified motion and everything that is known of it.
+
+    Attributes:
+        group: What moves.
+        start: Where it starts, clipped into the limits, shape (nq,).
+        start_clipped: By how much the given start was clipped (at most 1e-6), shape (nq,).
+        goal_configuration: Where it ends, shape (nq,).
+        goal_index: Which of the goal's candidates that is.
+        path: The geometric path that was found.
+        trajectory: The timed motion, exactly.
+        certificate: The proof.
+        stages: What every stage did.
+        timings: Seconds per stage; not part of the digest.
+    """
+
+    group: JointGroup
+    start: Float64[np.ndarray, " nq"]
+    start_clipped: Float64[np.ndarray, " nq"]
+    goal_configuration: Float64[np.ndarray, " nq"]
+    goal_index: int
+    path: JointPath
+    trajectory: TimedTrajectory
+    certificate: Certificate
+    stages: StageReports
+    timings: dict[str, float]
+
+    @property
+    def digest(self) -> str:
+        """sha256 over the delivered numbers: path, trajectory and certificate."""
+        return digest((self.path, self.trajectory, self.certificate, self.goal_index))
+
+
+@dataclass(frozen=True)
+class Progress:
+    """How far a plan is.
+
+    Attributes:
+        stage: Its name.
+        fraction: Of the whole plan, 0 to 1.
+        detail: For a person.
+    """
+
+    stage: str
+    fraction: float
+    detail: str = ""

@@ -1,0 +1,37 @@
+"""PlanningProblem: everything that decides a plan, but for the world."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from jaxtyping import Float64
+
+from planning.domain.goal import Goal
+from planning.domain.options import IkOptions, RefineOptions, RetimeOptions, SearchOptions
+from planning.domain.value import Value
+
+
+@dataclass(frozen=True, eq=False)
+class PlanningProblem(Value):
+    """Move a group from a start to a goal.
+
+    Attributes:
+        group: `robot` or `robot::group`.
+        goal: What to reach.
+        start: The group's q, shape (nq,); None for the scene's current state.
+        ik: Options of the goals stage.
+        search: Options of the search stage.
+        refine: Options of the refine stage.
+        retime: Options of the retime stage.
+        margin: Distance that everything keeps [m]; None for the scene's.
+        seed: Of all randomness.
+    """
+
+    group: str
+    goal: Goal
+    start: Float64[np.ndarray, " nq"] | None = None
+    ik: IkOptions = field(default_factory=IkOptions)
+    search: SearchOptions = field(default_factory=SearchOptions)
+    refine: RefineOptions = field(default_factory=RefineOptions)
+    retime: RetimeOptions = field(default_factory=RetimeOptions)
+    margin: float | None = None
+    seed: int = 0

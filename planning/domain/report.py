@@ -1,0 +1,190 @@
+"""Reports: what every stage says about its work."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from jaxtyping import Float64
+
+from planning.domain.pose import Pose
+from planning.domain.value import Value
+
+
+@dataclass(frozen=True, eq=False)
+class BodyPair(Value):
+    """Two bodies and their signed distance.
+
+    Attributes:
+        bodies: Full names.
+        distance: Signed [m]; negative is the depth of penetration.
+        points: The nearest points in world, p_WA and p_WB, shape (2, 3) [m].
+    """
+
+    bodies: tuple[str, str]
+    distance: float
+    points: Float64[np.ndarray, "2 3"]
+
+
+@dataclass(frozen=True, eq=False)
+class PairTally(Value):
+    """How often two bodies were the deepest collision of a rejected configuration.
+
+    Attributes:
+        bodies: Full names.
+        count: Rejected configurations.
+        min_depth: Smallest depth among them [m].
+        max_depth: Largest depth among them [m].
+    """
+
+    bodies: tuple[str, str]
+    count: int
+    min_depth: float
+    max_depth: float
+
+
+@dataclass(frozen=True, eq=False)
+class Funnel(Value):
+    """How many IK samples survived what; every number is at most the one before it.
+
+    Attributes:
+        tried: Seeds given to the solver.
+        converged: Reached the target within tolerance.
+        within_limits: Kept the joint limits.
+        collision_free: Touch nothing.
+        distinct: Differ from all others; whole turns of joints do not make them differ here.
+        rejected_by: Which pairs the colliding ones hit.
+    """
+
+    tried: int = 0
+    converged: int = 0
+    within_limits: int = 0
+    collision_free: int = 0
+    distinct: int = 0
+    rejected_by: tuple[PairTally, ...] = ()
+
+
+@dataclass(frozen=True, eq=False)
+class NearestPose(Value):
+    """The nearest pose that the tool frame can take to one that it cannot.
+
+    Attributes:
+        pose: X_WT, the tool frame in world.
+        positions: The group's q there, shape (nq,).
+        translation_error: From the target [m].
+        rotation_error: From the target [rad].
+    """
+
+    pose: Pose
+    positions: Float64[np.ndarray, " nq"]
+    translation_error: float
+    rotation_error: float
+
+
+@dataclass(frozen=True, eq=False)
+class GoalConfigurations(Value):
+    """What the goals stage found.
+
+    Attributes:
+        positions: The group's q, nearest to the start first, shape (n, nq), n >= 1.
+        target_indices: Which candidate of the goal each row reaches.
+        funnel: How many samples survived what.
+    """
+
+    positions: Float64[np.ndarray, "n nq"]
+    target_indices: tuple[int, ...]
+    funnel: Funnel
+
+
+@dataclass(frozen=True, eq=False)
+class SearchReport(Value):
+    """What the search stage did.
+
+    Attributes:
+        planner: OMPL's name.
+        attempts: Solutions asked for.
+        solved: Exact solutions found.
+        num_states_checked: Configurations checked for collision, shortcutting included.
+        num_motions_checked: Edges checked.
+        raw_length: Length of the kept solution before shortcutting.
+        length: And after it.
+        num_waypoints: Of the delivered path.
+        resolution: At which edges were checked.
+        padding: Distance that was demanded beyond the margin [m].
+    """
+
+    planner: str
+    attempts: int
+    solved: int
+    num_states_checked: int
+    num_motions_checked: int
+    raw_length: float
+    length: float
+    num_waypoints: int
+    resolution: float
+    padding: float
+
+
+@dataclass(frozen=True, eq=False)
+class RefineReport(Value):
+    """What the refine stage did.
+
+    Attributes:
+        method: "trajopt" or "none".
+        improved: Whether the refined curve is what goes on.
+        reason: Why not, or "".
+        solver: Name of the solver, or "".
+        rounds: Times the program was solved, each with the violated instants added.
+        length_before: Joint-space length of the path.
+        length_after: Joint-space length of the refined curve.
+        duration_before: Optimiser's estimate for its initial guess [s].
+        duration_after: Optimiser's estimate for its solution [s].
+    """
+
+    method: str
+    improved: bool
+    reason: str = ""
+    solver: str = ""
+    rounds: int = 0
+    length_before: float = 0.0
+    length_after: float = 0.0
+    duration_before: float = 0.0
+    duration_after: float = 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class RetimeReport(Value):
+    """What the retime stage did.
+
+    Attributes:
+        method: "toppra" or "ruckig".
+        duration: Of the trajectory [s].
+        slowed: Factor by which the audit stretched the retimer's own answer (1 is not at all).
+        binding: Name of the coordinate and limit that is nearest its bound, per limit kind.
+        utilisation: Peak over limit, per limit kind.
+        stops: Instants of rest between start and goal.
+        blend_deviation: How far corners were rounded (joint-space length); 0 for none.
+    """
+
+    method: str
+    duration: float
+    slowed: float
+    binding: dict[str, str] = field(default_factory=dict)
+    utilisation: dict[str, float] = field(default_factory=dict)
+    stops: int = 0
+    blend_deviation: float = 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class CertifyReport(Value):
+    """What the certify stage did.
+
+    Attributes:
+        intervals: Intervals on which clearance was bounded.
+        distance_queries: Configurations at which distances were measured.
+        candidates: How many candidate motions were looked at, this one included.
+        refused: What was wrong with those before it, a line each.
+    """
+
+    intervals: int
+    distance_queries: int
+    candidates: int = 1
+    refused: tuple[str, ...] = ()

@@ -1,0 +1,146 @@
+"""Rotations: the exponential map of SO(3), its logarithm and its right Jacobian.
+
+Quaternions are `[w, x, y, z]`. Formulas: Sola, Deray, Atchuthan, "A micro Lie theory for state
+estimation in robotics" (2018), eqs. 132-148. All functions take stacks along leading axes.
+"""
+
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float64
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
+
+_SMALL = 1e-4
+
+
+def multiply(
+    a: Float64[np.ndarray, "*n 4"], b: Float64[np.ndarray, "*#n 4"]
+) -> Float64[np.ndarray, "*n 4"]:
+    """Return the Hamilton product of two quaternions."""
+    aw, ax, ay, az = np.moveaxis(a, -1, 0)
+    bw, bx, by, bz = np.moveaxis(b, -1, 0)
+    return np.stack(
+        [
+            aw * bw - ax * bx - ay * by - az * bz,
+            aw * bx + ax * bw + ay * bz - az * by,
+            aw * by - ax * bz + ay * bw + az * bx,
+            aw * bz + ax * by - ay * bx + az * bw,
+        ],
+        axis=-1,
+    )
+
+
+def conjugate(a: Float64[np.ndarray, "*n 4"]) -> Float64[np.ndarray, "*n 4"]:
+    """Return the inverse of unit quaternions."""
+    return a * np.array([1.0, -1.0, -1.0, -1.0])
+
+
+def exp(phi: Float64[np.ndarray, "*n 3"]) -> Float64[np.ndarray, "*n 4"]:
+    """Return the unit quaternions of rotation vectors [rad]."""
+    theta = np.linalg.norm(phi, axis=-1, keepdims=True)
+    half_sinc = 0.5 * np.sinc(theta / (2 * np.pi))
+    return np.concatenate([np.cos(theta / 2), half_sinc * phi], axis=-1)
+
+
+def log(a: Float64[np.ndarray, "*n 4"]) -> Float64[np.ndarray, "*n 3"]:
+    """Return the rotation vectors [rad] of unit quaternions, of length at most pi."""
+    a = np.where(a[..., :1] < 0, -a, a)
+    w, xyz = a[..., :1], a[..., 1:]
+    sine = np.linalg.norm(xyz, axis=-1, keepdims=True)
+    angle = 2 * np.arctan2(sine, w)
+    scale = np.where(sine > 1e-12, angle / np.maximum(sine, 1e-300), 2.0)
+    return scale * xyz
+
+
+def matrix(a: Float64[np.ndarray, "*n 4"]) -> Float64[np.ndarray, "*n 3 3"]:
+    """Return the rotation matrices of unit quaternions."""
+    w, x, y, z = np.moveaxis(a, -1, 0)
+    rows = [
+        [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+    ]
+    return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
+
+
+def from_matrix(r: Float64[np.ndarray, "3 3"]) -> Float64[np.ndarray, "4"]:
+    """Return the unit quaternion (w >= 0) of a rotation matrix, by its largest component."""
+    diagonal = np.array([r[0, 0] + r[1, 1] + r[2, 2], r[0, 0], r[1, 1], r[2, 2]])
+    i = int(np.argmax(diagonal))
+    skew = np.array([r[2, 1] - r[1, 2], r[0, 2] - r[2, 0], r[1, 0] - r[0, 1]])
+    if i == 0:
+        a = np.concatenate([[1 + diagonal[0]], skew])
+    else:
+        k = i - 1
+        a = np.zeros(4)
+        a[0] = skew[k]
+        a[1:] = r[k] + r[:, k]
+        a[i] = 1 + 2 * r[k, k] - diagonal[0]
+    a = a / np.linalg.norm(a)
+    return a if a[0] >= 0 else -a
+
+
+def from_rpy(rpy: Float64[np.ndarray, "3"]) -> Float64[np.ndarray, "4"]:
+    """Return the unit quaternion of roll, pitch, yaw [rad] about fixed x, y, z (URDF's)."""
+    roll, pitch, yaw = np.diag(rpy)
+    return multiply(multiply(exp(yaw), exp(pitch)), exp(roll))
+
+
+def rotate(a: Float64[np.ndarray, "*n 4"], p: Float64[np.ndarray, "*n 3"]) -> Array:
+    """Return the vectors `p` rotated by the unit quaternions `a`."""
+    axis = a[..., 1:]
+    t = 2 * np.cross(axis, p)
+    return p + a[..., :1] * t + np.cross(axis, t)
+
+
+def right_jacobian(phi: Float64[np.ndarray, "*n 3"], x: Float64[np.ndarray, "*n 3"]) -> Array:
+    """Return J_r(phi) x: the body angular velocity of exp(phi(t)) where phi' = x (eq. 143)."""
+    theta = np.linalg.norm(phi, axis=-1, keepdims=True)
+    cross = np.cross(phi, x)
+    return x - _b(theta) * cross + _c(theta) * np.cross(phi, cross)
+
+
+def body_acceleration(
+    phi: Float64[np.ndarray, "*n 3"],
+    rate: Float64[np.ndarray, "*n 3"],
+    curvature: Float64[np.ndarray, "*n 3"],
+) -> Array:
+    """Return the body angular acceleration of exp(phi(t)), with phi' = rate, phi'' = curvature.
+
+    It is J_r(phi) phi'' + (d/dt J_r(phi)) phi', by the product rule on eq. 143.
+    """
+    theta = np.linalg.norm(phi, axis=-1, keepdims=True)
+    theta_rate_times_theta = np.sum(phi * rate, axis=-1, keepdims=True)
+    cross = np.cross(phi, rate)
+    turning = (
+        -_b_slope(theta) * theta_rate_times_theta * cross
+        + _c_slope(theta) * theta_rate_times_theta * np.cross(phi, cross)
+        + _c(theta) * np.cross(rate, cross)
+    )
+    return right_jacobian(phi, curvature) + turning
+
+
+def _b(theta: Array) -> Array:
+    """(1 - cos theta) / theta^2."""
+    return 0.5 * np.sinc(theta / (2 * np.pi)) ** 2
+
+
+def _c(theta: Array) -> Array:
+    """(theta - sin theta) / theta^3."""
+    safe = np.maximum(theta, _SMALL)
+    return np.where(theta > _SMALL * 100, (safe - np.sin(safe)) / safe**3, 1 / 6 - theta**2 / 120)
+
+
+def _b_slope(theta: Array) -> Array:
+    """b'(theta) / theta."""
+    safe = np.maximum(theta, _SMALL)
+    slope = (safe * np.sin(safe) - 2 * (1 - np.cos(safe))) / safe**4
+    return np.where(theta > _SMALL * 1000, slope, -1 / 12 + theta**2 / 180)
+
+
+def _c_slope(theta: Array) -> Array:
+    """c'(theta) / theta."""
+    safe = np.maximum(theta, _SMALL)
+    slope = (3 * np.sin(safe) - 2 * safe - safe * np.cos(safe)) / safe**5
+    return np.where(theta > _SMALL * 1000, slope, -1 / 60 + theta**2 / 1260)

@@ -1,0 +1,120 @@
+"""Scene: what there is, as values; `World` is the same thing loaded into Drake."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float64
+
+from planning.domain.pose import Pose
+from planning.domain.shapes import Shape
+from planning.domain.value import Value, digest
+
+
+@dataclass(frozen=True, eq=False)
+class SceneRobot(Value):
+    """A robot in a scene.
+
+    Attributes:
+        name: Prefix of everything that is its: `name::link`.
+        model: Name of a bundled robot, or the path of a URDF, SDF or MJCF file.
+        base: X_WB, where its base link is welded.
+        positions: Name of a configuration, or values by joint name, or a list of values for its
+            default group; None for the configuration `home`, or zeros within limits.
+    """
+
+    name: str
+    model: str
+    base: Pose
+    positions: str | dict[str, float | tuple[float, ...]] | tuple[float, ...] | None
+
+
+@dataclass(frozen=True, eq=False)
+class SceneObject(Value):
+    """An obstacle or a thing to handle.
+
+    Attributes:
+        name: Of its body and of its frame.
+        shape: Its geometry.
+        pose: X_WO.
+        movable: Whether it may be attached and moved.
+        color: RGBA in 0..1, or None for a default, shape (4,).
+    """
+
+    name: str
+    shape: Shape
+    pose: Pose
+    movable: bool = False
+    color: Float64[np.ndarray, "4"] | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class SceneFrame(Value):
+    """A named pose.
+
+    Attributes:
+        name: Its name.
+        parent: An object, a frame, `robot::link` or "world".
+        pose: X_PF.
+    """
+
+    name: str
+    parent: str
+    pose: Pose
+
+
+@dataclass(frozen=True, eq=False)
+class NamedConfiguration(Value):
+    """A configuration of a group.
+
+    Attributes:
+        name: Its name.
+        group: The group's name.
+        positions: The group's q, shape (nq,).
+    """
+
+    name: str
+    group: str
+    positions: Float64[np.ndarray, " nq"]
+
+
+@dataclass(frozen=True, eq=False)
+class PairMargin(Value):
+    """A margin for two bodies that differs from the scene's.
+
+    Attributes:
+        bodies: Full names.
+        margin: Distance to keep [m].
+    """
+
+    bodies: tuple[str, str]
+    margin: float
+
+
+@dataclass(frozen=True, eq=False)
+class Scene(Value):
+    """A scene document, validated.
+
+    Attributes:
+        name: For people.
+        robots: In order; at least one.
+        objects: In order.
+        frames: In order; a frame's parent may be defined later.
+        allowed_collisions: Pairs of bodies that may touch.
+        configurations: Named configurations beside those of the robots.
+        margin: Distance that everything keeps from everything [m].
+        margins: Exceptions, by pair.
+    """
+
+    name: str
+    robots: tuple[SceneRobot, ...]
+    objects: tuple[SceneObject, ...] = ()
+    frames: tuple[SceneFrame, ...] = ()
+    allowed_collisions: tuple[tuple[str, str], ...] = ()
+    configurations: tuple[NamedConfiguration, ...] = ()
+    margin: float = 0.0
+    margins: tuple[PairMargin, ...] = ()
+
+    @property
+    def digest(self) -> str:
+        """sha256 of the content."""
+        return digest(self)

@@ -1,0 +1,73 @@
+"""Shapes of obstacles: boxes to meshes, all sizes in metres."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float64
+
+from planning.domain.value import Value
+
+
+@dataclass(frozen=True, eq=False)
+class Box(Value):
+    """Full side lengths, centred at the origin, shape (3,)."""
+
+    size: Float64[np.ndarray, "3"]
+
+
+@dataclass(frozen=True, eq=False)
+class Sphere(Value):
+    """Centred at the origin."""
+
+    radius: float
+
+
+@dataclass(frozen=True, eq=False)
+class Cylinder(Value):
+    """Axis along z, centred at the origin."""
+
+    radius: float
+    length: float
+
+
+@dataclass(frozen=True, eq=False)
+class Capsule(Value):
+    """Axis along z, centred at the origin; `length` is that of the cylindrical part."""
+
+    radius: float
+    length: float
+
+
+@dataclass(frozen=True, eq=False)
+class Ellipsoid(Value):
+    """Semi-axes along x, y, z, shape (3,)."""
+
+    semi_axes: Float64[np.ndarray, "3"]
+
+
+@dataclass(frozen=True, eq=False)
+class HalfSpace(Value):
+    """All points with z <= 0 in the object's frame."""
+
+
+@dataclass(frozen=True, eq=False)
+class Convex(Value):
+    """The convex hull of points, shape (n, 3)."""
+
+    points: Float64[np.ndarray, "n 3"]
+
+
+@dataclass(frozen=True, eq=False)
+class Mesh(Value):
+    """A mesh file; Drake takes its convex hull in every distance query.
+
+    Attributes:
+        uri: Path of an .obj, .vtk or .gltf file.
+        scale: Factor per axis, shape (3,).
+    """
+
+    uri: str
+    scale: Float64[np.ndarray, "3"]
+
+
+type Shape = Box | Sphere | Cylinder | Capsule | Ellipsoid | HalfSpace | Convex | Mesh

@@ -1,0 +1,197 @@
+"""Every way in which Wayproof can say no.
+
+WayproofError                 code, detail, evidence; pickles, so it crosses processes
+├── InputError                the request cannot be meant; nothing was computed
+│   ├── SceneInvalid          scene_invalid          a scene document with a fault, and where
+│   ├── AssetNotFound         asset_not_found        a robot or mesh file that is not there
+│   ├── ModelInvalid          model_invalid          a robot file that is unsafe or does not load
+│   ├── ProblemInvalid        problem_invalid        wrong counts, NaN, contradictory options
+│   └── UnknownName           unknown_name           a name that does not exist, and those that do
+├── PlanningFailure           stage; a plan that was tried and has no motion to give
+│   ├── StartInCollision      start_in_collision     the pairs and depths at the start
+│   ├── StartOutOfLimits      start_out_of_limits    the joints, values and bounds
+│   ├── GoalOutOfLimits       goal_out_of_limits     the joints, values and bounds
+│   ├── GoalInCollision       goal_in_collision      every goal configuration collides
+│   ├── GoalUnreachable       goal_unreachable       the funnel, and the nearest pose
+│   ├── NoPathFound           no_path_found          the planner, its attempts and checks
+│   ├── DeadlineExceeded      deadline_exceeded      how long it had, and where it stood
+│   ├── Canceled              canceled               somebody asked for it
+│   ├── RetimingFailed        retiming_failed        the retimer and why
+│   └── NotCertified          not_certified          the checks that failed
+└── ExecutionFailure          a motion that was started and did not end well
+    ├── IllegalTransition     illegal_transition     the state, the event, the legal ones
+    ├── TrackingLost          tracking_lost          the error and its bound
+    └── Contact               contact                the pair, the time
+"""
+
+from collections.abc import Iterable, Mapping
+from difflib import get_close_matches
+from typing import Any, ClassVar
+
+type Evidence = Mapping[str, Any]
+
+
+class WayproofError(Exception):
+    """Base of all our errors.
+
+    Attributes:
+        code: Stable machine-readable name, unique in the tree.
+        detail: One or two sentences for a person.
+        evidence: JSON-compatible facts behind the verdict (SI units, radians).
+    """
+
+    code: ClassVar[str] = "error"
+
+    def __init__(self, detail: str, evidence: Evidence | None = None) -> None:
+        super().__init__(detail)
+        self.detail = detail
+        self.evidence: dict[str, Any] = dict(evidence or {})
+
+    def __reduce__(self) -> tuple[type["WayproofError"], tuple[str, dict[str, Any]]]:
+        return type(self), (self.detail, self.evidence)
+
+
+class InputError(WayproofError):
+    """The request cannot be meant; nothing was computed."""
+
+
+class SceneInvalid(InputError):
+    """A scene document has a fault; evidence: `path`, and `line` if it came as text."""
+
+    code = "scene_invalid"
+
+
+class AssetNotFound(InputError):
+    """A robot description, mesh or package is not there; evidence: `uri`, `known`."""
+
+    code = "asset_not_found"
+
+
+class ModelInvalid(InputError):
+    """A robot file is unsafe or does not load; evidence: `file`, `reason`."""
+
+    code = "model_invalid"
+
+
+class ProblemInvalid(InputError):
+    """A planning problem has a fault; evidence: `field`."""
+
+    code = "problem_invalid"
+
+
+class UnknownName(InputError):
+    """A name does not exist; evidence: `kind`, `name`, `known`, `nearest`."""
+
+    code = "unknown_name"
+
+    @classmethod
+    def among(cls, kind: str, name: str, known: Iterable[str]) -> "UnknownName":
+        """Build the error that names the wrong thing and the right ones."""
+        names = sorted(known)
+        nearest = get_close_matches(name, names, n=3)
+        hint = f"; did you mean {nearest[0]!r}?" if nearest else ""
+        return cls(
+            f"{kind} {name!r} does not exist{hint} {kind}s: {names}",
+            {"kind": kind, "name": name, "known": names, "nearest": nearest},
+        )
+
+
+class PlanningFailure(WayproofError):
+    """A plan was tried and has no motion to give.
+
+    Attributes:
+        stage: The stage of the pipeline that gave up.
+    """
+
+    stage: ClassVar[str] = "plan"
+
+
+class StartInCollision(PlanningFailure):
+    """The start collides; evidence: `pairs` with `depth` [m]."""
+
+    code = "start_in_collision"
+    stage = "goals"
+
+
+class StartOutOfLimits(PlanningFailure):
+    """The start violates position limits; evidence: `joints`."""
+
+    code = "start_out_of_limits"
+    stage = "goals"
+
+
+class GoalOutOfLimits(PlanningFailure):
+    """Every goal configuration violates position limits; evidence: `joints`."""
+
+    code = "goal_out_of_limits"
+    stage = "goals"
+
+
+class GoalInCollision(PlanningFailure):
+    """Goal configurations exist and all collide; evidence: `funnel`, `pairs`."""
+
+    code = "goal_in_collision"
+    stage = "goals"
+
+
+class GoalUnreachable(PlanningFailure):
+    """No configuration reaches the goal pose; evidence: `funnel`, `nearest`."""
+
+    code = "goal_unreachable"
+    stage = "goals"
+
+
+class NoPathFound(PlanningFailure):
+    """The planner ended without an exact solution; evidence: its report."""
+
+    code = "no_path_found"
+    stage = "search"
+
+
+class DeadlineExceeded(PlanningFailure):
+    """The allowed time ran out; evidence: `allowed` [s], `during`."""
+
+    code = "deadline_exceeded"
+    stage = "search"
+
+
+class Canceled(PlanningFailure):
+    """Somebody asked for the end of this plan."""
+
+    code = "canceled"
+
+
+class RetimingFailed(PlanningFailure):
+    """No timing of the path keeps the limits; evidence: `method`."""
+
+    code = "retiming_failed"
+    stage = "retime"
+
+
+class NotCertified(PlanningFailure):
+    """No candidate motion passed the certifier; evidence: `checks` that failed."""
+
+    code = "not_certified"
+    stage = "certify"
+
+
+class ExecutionFailure(WayproofError):
+    """A motion was started and did not end well."""
+
+
+class IllegalTransition(ExecutionFailure):
+    """An event that the present state does not allow; evidence: `state`, `event`, `legal`."""
+
+    code = "illegal_transition"
+
+
+class TrackingLost(ExecutionFailure):
+    """The robot left the trajectory; evidence: `error`, `bound`, `time`."""
+
+    code = "tracking_lost"
+
+
+class Contact(ExecutionFailure):
+    """The robot touched something; evidence: `pair`, `time`."""
+
+    code = "contact"

@@ -1,0 +1,1 @@
+"""Scenes loaded into Drake: the sole owner of Drake state."""

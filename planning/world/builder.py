@@ -1,0 +1,273 @@
+"""Build a scene in Drake."""
+
+import logging
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from pydrake.geometry import (
+    CollisionFilterDeclaration,
+    GeometryId,
+    GeometrySet,
+)
+from pydrake.math import RigidTransform
+from pydrake.multibody.plant import CoulombFriction, MultibodyPlant
+from pydrake.multibody.tree import (
+    BodyIndex,
+    FixedOffsetFrame,
+    Frame,
+    JointIndex,
+    ModelInstanceIndex,
+    QuaternionFloatingJoint,
+    SpatialInertia,
+)
+from pydrake.planning import RobotDiagramBuilder
+
+from planning.domain.pose import Pose
+from planning.domain.scene import Scene, SceneFrame, SceneObject, SceneRobot
+from planning.errors import ModelInvalid, SceneInvalid, UnknownName
+from planning.world.drake_model import Coupling, DrakeModel
+from planning.world.model_file import ModelFile, inspect_model
+from planning.world.model_library import ModelLibrary, RobotSource
+from planning.world.shapes import drake_shape
+
+# Drake warns of every URDF tag that it leaves to us (mimic, floating, transmissions).
+logging.getLogger("drake").setLevel(logging.ERROR)
+
+DEFAULT_COLOR = np.array([0.72, 0.62, 0.48, 1.0])
+
+
+@dataclass(frozen=True)
+class LoadedRobot:
+    """A robot of the scene with its files and Drake's name for it."""
+
+    scene_robot: SceneRobot
+    source: RobotSource
+    file: ModelFile
+    instance: ModelInstanceIndex
+
+
+@dataclass
+class _Build:
+    """What grows while the scene is built."""
+
+    builder: Any
+    plant: MultibodyPlant
+    robots: list[LoadedRobot] = field(default_factory=list)
+    bodies: dict[str, BodyIndex] = field(default_factory=dict)
+    frames: dict[str, Frame] = field(default_factory=dict)
+
+
+def build_diagram(
+    scene: Scene, library: ModelLibrary, *, time_step: float = 0.001
+) -> tuple[DrakeModel, tuple[LoadedRobot, ...]]:
+    """Return the scene in Drake, and what is known of each robot.
+
+    Args:
+        scene: What to build.
+        library: Where robots are found.
+        time_step: Of the plant [s]; matters only to simulation.
+
+    Raises:
+        SceneInvalid: A name is given twice, or a frame hangs on itself.
+        AssetNotFound: A file is not there.
+        ModelInvalid: A robot does not load.
+        UnknownName: A robot, parent frame or body does not exist.
+    """
+    builder = RobotDiagramBuilder(time_step=time_step)
+    build = _Build(builder, builder.plant())
+    build.frames["world"] = build.plant.world_frame()
+    build.bodies["world"] = build.plant.world_body().index()
+    for i, robot in enumerate(scene.robots):
+        _refuse_second(build, robot.name, f"robots.{i}.name")
+        _add_robot(build, robot, library.find(robot.model))
+    for i, thing in enumerate(scene.objects):
+        _refuse_second(build, thing.name, f"objects.{i}.name")
+        _add_object(build, thing, f"objects.{i}.shape")
+    _add_frames(build, scene.frames)
+    build.plant.Finalize()
+    _allow_collisions(build, scene)
+    scene_graph = builder.scene_graph()
+    model = DrakeModel(
+        diagram=builder.Build(),
+        plant=build.plant,
+        scene_graph=scene_graph,
+        body_names={index: name for name, index in build.bodies.items()},
+        bodies=build.bodies,
+        frames=build.frames,
+        joint_indices=_joint_indices(build),
+        couplings=_couplings(build),
+    )
+    return model, tuple(build.robots)
+
+
+def _refuse_second(build: _Build, name: str, path: str) -> None:
+    taken = name in build.bodies or name in build.frames
+    if taken or any(robot.scene_robot.name == name for robot in build.robots):
+        message = f"{path}: the name {name!r} is taken; robots, objects and frames share names"
+        raise SceneInvalid(message, {"path": path, "name": name})
+
+
+def _add_robot(build: _Build, robot: SceneRobot, source: RobotSource) -> None:
+    file = inspect_model(source.file)
+    parser = build.builder.parser()
+    parser.SetAutoRenaming(True)
+    for package, folder in file.packages.items():
+        if not parser.package_map().Contains(package):
+            parser.package_map().Add(package, str(folder))
+    try:
+        instances = parser.AddModels(str(source.file))
+    except (RuntimeError, ValueError) as fault:
+        message = f"robot {robot.name!r}: {source.file.name} does not load: {fault}"
+        raise ModelInvalid(message, {"file": str(source.file), "reason": str(fault)}) from fault
+    if not instances:
+        message = f"robot {robot.name!r}: {source.file.name} describes no model"
+        raise ModelInvalid(message, {"file": str(source.file), "reason": "no model"})
+    for instance in instances:
+        for index in build.plant.GetBodyIndices(instance):
+            body = build.plant.get_body(index)
+            full = f"{robot.name}::{body.name()}"
+            build.bodies[full] = index
+            build.frames[full] = body.body_frame()
+    loaded = LoadedRobot(robot, source, file, instances[0])
+    build.robots.append(loaded)
+    _weld_base(build, loaded)
+    for name, parent, child in file.floating:
+        frames = (build.frames[f"{robot.name}::{link}"] for link in (parent, child))
+        build.plant.AddJoint(QuaternionFloatingJoint(name, *frames))
+
+
+def _weld_base(build: _Build, loaded: LoadedRobot) -> None:
+    card = loaded.source.card
+    link = card.base if card else loaded.file.root_link
+    base = build.bodies.get(f"{loaded.scene_robot.name}::{link}")
+    if base is None:
+        if card:
+            links = [name.partition("::")[2] for name in build.bodies if "::" in name]
+            raise UnknownName.among("link", link, links)
+        return
+    body = build.plant.get_body(base)
+    joints = map(build.plant.get_joint, build.plant.GetJointIndices(loaded.instance))
+    if not any(joint.child_body().index() == base for joint in joints):
+        x_wb = RigidTransform(loaded.scene_robot.base.matrix)
+        build.plant.WeldFrames(build.plant.world_frame(), body.body_frame(), x_wb)
+
+
+def _add_object(build: _Build, thing: SceneObject, path: str) -> None:
+    try:
+        shape, x_og = drake_shape(thing.shape)
+        instance = build.plant.AddModelInstance(thing.name)
+        body = build.plant.AddRigidBody(thing.name, instance, SpatialInertia.NaN())
+        color = DEFAULT_COLOR if thing.color is None else thing.color
+        build.plant.RegisterCollisionGeometry(
+            body, x_og, shape, thing.name, CoulombFriction(0.9, 0.8)
+        )
+        build.plant.RegisterVisualGeometry(body, x_og, shape, thing.name, color)
+    except (RuntimeError, ValueError) as fault:
+        message = f"{path}: object {thing.name!r} does not load: {fault}"
+        raise SceneInvalid(message, {"path": path}) from fault
+    x_wo = RigidTransform(thing.pose.matrix)
+    build.plant.WeldFrames(build.plant.world_frame(), body.body_frame(), x_wo)
+    build.bodies[thing.name] = body.index()
+    build.frames[thing.name] = body.body_frame()
+
+
+def _add_frames(build: _Build, frames: tuple[SceneFrame, ...]) -> None:
+    """Add frames in an order in which every parent comes first, whatever their own order."""
+    for i, frame in enumerate(frames):
+        _refuse_second(build, frame.name, f"frames.{i}.name")
+        if any(other.name == frame.name for other in frames[:i]):
+            message = f"frames.{i}.name: the name {frame.name!r} is taken by another frame"
+            raise SceneInvalid(message, {"path": f"frames.{i}.name", "name": frame.name})
+    pending = list(frames)
+    while pending:
+        ready = [frame for frame in pending if frame.parent in build.frames]
+        if not ready:
+            _refuse_orphan(build, pending, frames)
+        for frame in ready:
+            parent = build.frames[frame.parent]
+            offset = FixedOffsetFrame(
+                f"frame::{frame.name}", parent, RigidTransform(frame.pose.matrix)
+            )
+            build.frames[frame.name] = build.plant.AddFrame(offset)
+            pending.remove(frame)
+
+
+def _refuse_orphan(
+    build: _Build, pending: list[SceneFrame], frames: tuple[SceneFrame, ...]
+) -> None:
+    names = [frame.name for frame in pending]
+    for frame in pending:
+        if frame.parent not in names:
+            fault = UnknownName.among("frame", frame.parent, [*build.frames, *names])
+            path = f"frames.{frames.index(frame)}.parent"
+            raise SceneInvalid(f"{path}: {fault.detail}", {"path": path, **fault.evidence})
+    message = f"frames hang on one another in a circle: {names}"
+    raise SceneInvalid(message, {"path": "frames", "frames": names})
+
+
+def _allow_collisions(build: _Build, scene: Scene) -> None:
+    pairs = [(f"allowed_collisions.{i}", pair) for i, pair in enumerate(scene.allowed_collisions)]
+    for robot in build.robots:
+        prefix = robot.scene_robot.name
+        card = robot.source.card
+        own = [(a, b) for a, b in card.allowed_collisions] if card else robot.file.disabled_pairs
+        pairs += [("", (f"{prefix}::{a}", f"{prefix}::{b}")) for a, b in own]
+    for path, pair in pairs:
+        unknown = [name for name in pair if name not in build.bodies]
+        if unknown and path:
+            fault = UnknownName.among("body", unknown[0], build.bodies)
+            raise SceneInvalid(f"{path}: {fault.detail}", {"path": path, **fault.evidence})
+        if not unknown:
+            _exclude(build, pair)
+
+
+def _exclude(build: _Build, pair: tuple[str, str]) -> None:
+    sets: list[GeometrySet] = []
+    for name in pair:
+        body = build.plant.get_body(build.bodies[name])
+        ids: list[GeometryId] = list(build.plant.GetCollisionGeometriesForBody(body))
+        sets.append(GeometrySet(ids))
+    filters = build.builder.scene_graph().collision_filter_manager()
+    filters.Apply(CollisionFilterDeclaration().ExcludeBetween(*sets))
+
+
+def _joint_indices(build: _Build) -> dict[str, JointIndex]:
+    indices: dict[str, JointIndex] = {}
+    for index in build.plant.GetJointIndices():
+        joint = build.plant.get_joint(index)
+        child = next(
+            (name for name, body in build.bodies.items() if body == joint.child_body().index()), ""
+        )
+        robot, scoped, _ = child.partition("::")
+        if scoped and joint.num_positions() > 0:
+            indices[f"{robot}::{joint.name()}"] = index
+    return indices
+
+
+def _couplings(build: _Build) -> tuple[Coupling, ...]:
+    indices = _joint_indices(build)
+    couplings: list[Coupling] = []
+    for robot in build.robots:
+        for mimic in robot.file.mimics:
+            names = (f"{robot.scene_robot.name}::{n}" for n in (mimic.follower, mimic.leader))
+            found = [indices.get(name) for name in names]
+            if None in found:
+                continue  # a fixed joint may carry a leftover mimic tag: nothing moves
+            follower, leader = (build.plant.get_joint(index) for index in found if index)
+            couplings.append(
+                Coupling(
+                    follower.position_start(),
+                    leader.position_start(),
+                    follower.velocity_start(),
+                    leader.velocity_start(),
+                    mimic.multiplier,
+                    mimic.offset,
+                )
+            )
+    return tuple(couplings)
+
+
+def pose_of(transform: RigidTransform) -> Pose:
+    """Return our pose of Drake's transform."""
+    return Pose.from_matrix(transform.GetAsMatrix4())

@@ -1,0 +1,99 @@
+"""DrakeModel: a scene's engine objects, borrowed read-only by the stages."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float64
+from pydrake.geometry import SceneGraph
+from pydrake.multibody.plant import MultibodyPlant
+from pydrake.multibody.tree import BodyIndex, Frame, JointIndex
+from pydrake.planning import RobotDiagram
+
+from planning.domain.joints import JointGroup
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
+type Indices = np.ndarray[Any, np.dtype[np.intp]]
+
+
+@dataclass(frozen=True)
+class Coupling:
+    """A joint that follows another one of its plant (indices into q, and into v)."""
+
+    follower_position: int
+    leader_position: int
+    follower_velocity: int
+    leader_velocity: int
+    multiplier: float
+    offset: float
+
+
+@dataclass(frozen=True)
+class DrakeModel:
+    """A scene in Drake. Never leaves the process, never crosses a stage as a value.
+
+    Attributes:
+        diagram: Owns the plant and the scene graph; stages make their own contexts of it.
+        plant: Finalized.
+        scene_graph: With every allowed collision filtered out.
+        body_names: Full name of every body.
+        bodies: The same, by full name.
+        frames: Drake frames by full name; "world" is one of them.
+        joint_indices: Drake's joint by full name.
+        couplings: Mimic joints; the plant itself does not know of them.
+    """
+
+    diagram: RobotDiagram
+    plant: MultibodyPlant
+    scene_graph: SceneGraph
+    body_names: Mapping[BodyIndex, str]
+    bodies: Mapping[str, BodyIndex]
+    frames: Mapping[str, Frame]
+    joint_indices: Mapping[str, JointIndex]
+    couplings: tuple[Coupling, ...]
+
+    @property
+    def mimics(self) -> tuple[tuple[int, int, float], ...]:
+        """(follower, leader, multiplier) of every coupling, as indices into v."""
+        return tuple(
+            (c.follower_velocity, c.leader_velocity, c.multiplier) for c in self.couplings
+        )
+
+    def position_indices(self, group: JointGroup) -> Indices:
+        """Return where the group's q is in the plant's, shape (nq,)."""
+        return np.concatenate(
+            [
+                np.arange(joint.position_start(), joint.position_start() + joint.num_positions())
+                for joint in self._joints(group)
+            ]
+        )
+
+    def velocity_indices(self, group: JointGroup) -> Indices:
+        """Return where the group's v is in the plant's, shape (nv,)."""
+        return np.concatenate(
+            [
+                np.arange(joint.velocity_start(), joint.velocity_start() + joint.num_velocities())
+                for joint in self._joints(group)
+            ]
+        )
+
+    def embed(
+        self,
+        group: JointGroup,
+        q: Float64[np.ndarray, "*n nq"],
+        state: Float64[np.ndarray, " num_positions"],
+    ) -> Array:
+        """Return full configurations: the group at q, mimics following, the rest at `state`."""
+        full = np.broadcast_to(state, (*q.shape[:-1], len(state))).copy()
+        full[..., self.position_indices(group)] = q
+        return self.follow(full)
+
+    def follow(self, full: Float64[np.ndarray, "*n num_positions"]) -> Array:
+        """Set every mimic joint in `full` to where its leader puts it, and return `full`."""
+        for c in self.couplings:
+            full[..., c.follower_position] = c.multiplier * full[..., c.leader_position] + c.offset
+        return full
+
+    def _joints(self, group: JointGroup) -> list[Any]:
+        return [self.plant.get_joint(self.joint_indices[joint.name]) for joint in group.joints]

@@ -1,0 +1,209 @@
+"""Look at a robot description before Drake does, and read what Drake's parser does not.
+
+Drake's parser ends the process (SystemExit) at a box of size zero, downloads some packages, and
+accepts negative masses; URDF's `floating` joints and `mimic` it passes over. A description is
+refused here for all of the former, and the latter are returned.
+"""
+
+import math
+import re
+from dataclasses import dataclass
+from pathlib import Path
+from xml.etree import ElementTree as ET
+
+from planning.errors import AssetNotFound, ModelInvalid
+
+_MAX_BYTES = 20_000_000
+_POSITIVE = {
+    "box": ("size",),
+    "sphere": ("radius",),
+    "cylinder": ("radius", "length"),
+    "capsule": ("radius", "length"),
+    "ellipsoid": ("a", "b", "c"),
+}
+_PACKAGE = re.compile(r"^(?:package|model)://([^/]+)/(.*)$")
+
+
+@dataclass(frozen=True)
+class Mimic:
+    """A joint that follows another: q = multiplier * q_leader + offset."""
+
+    follower: str
+    leader: str
+    multiplier: float
+    offset: float
+
+
+@dataclass(frozen=True)
+class ModelFile:
+    """What a description says beside what Drake reads.
+
+    Attributes:
+        file: The description.
+        root_link: The link that is nobody's child, or "" where the format hides it.
+        floating: (name, parent link, child link) of every URDF joint of type floating.
+        mimics: Joints that follow others.
+        effort: Largest effort by joint, where the file says it [N m or N].
+        packages: Folder of every package that the file names.
+        disabled_pairs: Pairs of links that an SRDF of the same name lets touch.
+    """
+
+    file: Path
+    root_link: str
+    floating: tuple[tuple[str, str, str], ...]
+    mimics: tuple[Mimic, ...]
+    effort: dict[str, float]
+    packages: dict[str, Path]
+    disabled_pairs: tuple[tuple[str, str], ...]
+
+
+def inspect_model(file: Path) -> ModelFile:
+    """Return what a description says, if it is safe to give to Drake.
+
+    Raises:
+        AssetNotFound: A package or mesh that it names is not there.
+        ModelInvalid: It is not XML, too large, or has entities, sizes that are not positive, or
+            masses that are negative.
+    """
+    root = _parse(file)
+    for element in root.iter():
+        _refuse_bad_sizes(file, element)
+    packages = _find_packages(file, root)
+    links = [link.get("name", "") for link in root.iter("link")]
+    children = {child.get("link", "") for child in root.iter("child")}
+    roots = [name for name in links if name not in children] if root.tag == "robot" else []
+    return ModelFile(
+        file=file,
+        root_link=roots[0] if roots else "",
+        floating=tuple(
+            (joint.get("name", ""), _link(joint, "parent"), _link(joint, "child"))
+            for joint in root.iter("joint")
+            if joint.get("type") == "floating"
+        ),
+        mimics=tuple(_mimics(file, root)),
+        effort=_efforts(root),
+        packages=packages,
+        disabled_pairs=tuple(_disabled_pairs(file)),
+    )
+
+
+def _parse(file: Path) -> ET.Element:
+    content = file.read_bytes()
+    if len(content) > _MAX_BYTES:
+        raise _invalid(file, f"it has {len(content)} bytes; at most {_MAX_BYTES} are read")
+    if b"<!DOCTYPE" in content or b"<!ENTITY" in content:
+        raise _invalid(file, "document types and entities are not allowed")
+    try:
+        return ET.fromstring(content)  # noqa: S314  (entities were refused above)
+    except (ET.ParseError, ValueError) as fault:
+        raise _invalid(file, f"not XML: {fault}") from fault
+
+
+def _refuse_bad_sizes(file: Path, element: ET.Element) -> None:
+    tag = element.tag.rsplit("}", 1)[-1].removeprefix("drake:")
+    if tag == "mass":
+        mass = element.get("value", element.text)
+        if mass is not None and not _number(file, tag, mass) >= 0:
+            raise _invalid(file, f"mass {mass} must not be negative")
+    for size in _POSITIVE.get(tag, ()):
+        child = element.find(size)
+        text = element.get(size) or (child.text if child is not None else None)
+        for word in (text or "").split():
+            if not _number(file, tag, word) > 0:
+                raise _invalid(file, f"{tag} {size} must be positive, got {text!r}")
+
+
+def _number(file: Path, tag: str, word: str) -> float:
+    try:
+        number = float(word)
+    except ValueError as fault:
+        raise _invalid(file, f"{tag} has {word!r} where a number is wanted") from fault
+    if not math.isfinite(number):
+        raise _invalid(file, f"{tag} has {word!r} where a finite number is wanted")
+    return number
+
+
+def _find_packages(file: Path, root: ET.Element) -> dict[str, Path]:
+    """Return the folder of each package, and make sure that every mesh file exists."""
+    packages: dict[str, Path] = {}
+    for element in root.iter():
+        tag = element.tag.rsplit("}", 1)[-1]
+        child = element.find("uri")
+        uri = element.get("filename") or (child.text if child is not None else None)
+        if tag != "mesh" or not uri:
+            continue
+        match = _PACKAGE.match(uri.strip())
+        if match:
+            name = match[1]
+            packages.setdefault(name, _package_folder(file, name, uri))
+            target = packages[name] / match[2]
+        elif "://" in uri:
+            message = f"{file.name} names {uri!r}; only files and package:// are read"
+            raise AssetNotFound(message, {"uri": uri, "known": ["package://", "relative path"]})
+        else:
+            target = file.parent / uri
+        if not target.is_file():
+            message = f"{file.name} names the mesh {uri!r}, which is not at {target}"
+            raise AssetNotFound(message, {"uri": uri, "known": sorted(packages)})
+    return packages
+
+
+def _package_folder(file: Path, name: str, uri: str) -> Path:
+    """Find a package among the folders above the file: by its package.xml or its folder's name."""
+    for folder in file.parents:
+        manifest = folder / "package.xml"
+        if folder.name == name:
+            return folder
+        if manifest.is_file() and f"<name>{name}</name>" in manifest.read_text("utf-8", "replace"):
+            return folder
+        if (folder / name).is_dir():
+            return folder / name
+    message = f"{file.name} names {uri!r}, but no folder above it is the package {name!r}"
+    raise AssetNotFound(message, {"uri": uri, "known": [str(p) for p in file.parents[:3]]})
+
+
+def _mimics(file: Path, root: ET.Element) -> list[Mimic]:
+    found: list[Mimic] = []
+    for joint in root.iter("joint"):
+        mimic = next(joint.iter("mimic"), None)
+        if mimic is None:
+            continue
+        offset = mimic.get("offset") or mimic.findtext("offset") or "0"
+        multiplier = mimic.get("multiplier") or mimic.findtext("multiplier") or "1"
+        found.append(
+            Mimic(
+                joint.get("name", ""),
+                mimic.get("joint", ""),
+                _number(file, "mimic", multiplier),
+                _number(file, "mimic", offset),
+            )
+        )
+    return found
+
+
+def _efforts(root: ET.Element) -> dict[str, float]:
+    efforts: dict[str, float] = {}
+    for joint in root.iter("joint"):
+        limit = joint.find("limit")
+        word = limit.get("effort") if limit is not None else None
+        if word is not None:
+            efforts[joint.get("name", "")] = float(word)
+    return efforts
+
+
+def _disabled_pairs(file: Path) -> list[tuple[str, str]]:
+    """Read the SRDF beside a URDF, if there is one (MoveIt's `disable_collisions`)."""
+    srdf = file.with_suffix(".srdf")
+    if file.suffix.lower() != ".urdf" or not srdf.is_file():
+        return []
+    pairs = _parse(srdf).iter("disable_collisions")
+    return [(pair.get("link1", ""), pair.get("link2", "")) for pair in pairs]
+
+
+def _link(joint: ET.Element, role: str) -> str:
+    element = joint.find(role)
+    return "" if element is None else element.get("link", "")
+
+
+def _invalid(file: Path, reason: str) -> ModelInvalid:
+    return ModelInvalid(f"{file.name}: {reason}", {"file": str(file), "reason": reason})

@@ -1,0 +1,85 @@
+"""RobotCard: the robot.yaml beside a robot's description."""
+
+from pathlib import Path
+from typing import Annotated
+
+import yaml
+from pydantic import Field, ValidationError
+
+from planning.errors import ModelInvalid
+from planning.world.strict import Number, Positive, Strictest
+
+type Range = Annotated[list[Number], Field(min_length=2, max_length=2)]
+
+
+class GroupCard(Strictest):
+    """Joints that are planned for together."""
+
+    joints: list[str] = Field(min_length=1)
+    tool_frames: list[str] = []
+
+
+class RateCard(Strictest):
+    """Limits on the norm of a linear [m] or angular [rad] rate."""
+
+    velocity: Positive
+    acceleration: Positive
+    jerk: Positive
+
+
+class EffortCard(Strictest):
+    """Largest force [N] and torque [N m] of a planar or floating joint."""
+
+    force: Positive
+    torque: Positive
+
+
+class LimitsCard(Strictest):
+    """Limits of one joint; scalar joints use the plain rates, others `linear` and `angular`."""
+
+    velocity: Positive | None = None
+    acceleration: Positive | None = None
+    jerk: Positive | None = None
+    effort: Positive | EffortCard | None = None
+    position: dict[str, Range] = {}
+    linear: RateCard | None = None
+    angular: RateCard | None = None
+
+
+class SourceCard(Strictest):
+    """Where a number is from."""
+
+    what: str
+    from_: str = Field(alias="from")
+
+
+class RobotCard(Strictest):
+    """What a robot's description file cannot say."""
+
+    name: str
+    description: str = ""
+    file: str
+    base: str
+    default_group: str
+    groups: dict[str, GroupCard] = Field(min_length=1)
+    limits: dict[str, LimitsCard] = {}
+    configurations: dict[str, dict[str, list[Number]]] = {}
+    allowed_collisions: list[Annotated[list[str], Field(min_length=2, max_length=2)]] = []
+    sources: list[SourceCard] = []
+
+
+def read_robot_card(path: Path) -> RobotCard:
+    """Return the card in a file.
+
+    Raises:
+        ModelInvalid: It is not a robot card.
+    """
+    try:
+        card = RobotCard.model_validate(yaml.safe_load(path.read_text(encoding="utf-8")))
+    except (yaml.YAMLError, ValidationError, UnicodeDecodeError) as fault:
+        message = f"{path.name} of {path.parent.name} is not a robot card: {fault}"
+        raise ModelInvalid(message, {"file": str(path), "reason": str(fault)}) from fault
+    if card.default_group not in card.groups:
+        message = f"default_group {card.default_group!r} is not a group: {sorted(card.groups)}"
+        raise ModelInvalid(message, {"file": str(path), "reason": message})
+    return card

@@ -1,0 +1,169 @@
+"""Read a scene from YAML, JSON or a decoded document; say which line is at fault."""
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import yaml
+from pydantic import ValidationError
+
+from planning.domain.scene import Scene
+from planning.errors import AssetNotFound, SceneInvalid
+from planning.world.scene_document import SceneDocument
+
+# A scene of a thousand obstacles is 100 kB; libyaml's tree of 8 MB takes minutes and gigabytes.
+MAX_TEXT_BYTES = 4_000_000
+MAX_EVENTS = 500_000
+MAX_DEPTH = 64
+_MAX_FAULTS = 20
+
+
+def _refuse_bombs(text: str | bytes) -> None:
+    """Raise on aliases and endless nesting, by a pass over the events that builds nothing."""
+    depth = count = 0
+    for event in yaml.parse(text, Loader=yaml.CSafeLoader):
+        count += 1
+        if isinstance(event, yaml.AliasEvent):
+            raise yaml.YAMLError(_at("aliases are not allowed in scenes", event.start_mark))
+        if isinstance(event, yaml.CollectionStartEvent):
+            depth += 1
+        elif isinstance(event, yaml.CollectionEndEvent):
+            depth -= 1
+        if count > MAX_EVENTS or depth > MAX_DEPTH:
+            limits = f"at most {MAX_EVENTS} values, nested at most {MAX_DEPTH} deep"
+            raise yaml.YAMLError(_at(f"too large for a scene: {limits}", event.start_mark))
+
+
+def parse_scene(source: str | bytes | Mapping[str, Any], name: str = "the scene") -> Scene:
+    """Return the scene that a text or a decoded document describes.
+
+    Args:
+        source: YAML or JSON text, or a mapping.
+        name: How messages call the source, for example a file name.
+
+    Raises:
+        SceneInvalid: With the `path` of every fault and, for text, its `line`.
+    """
+    if isinstance(source, Mapping):
+        return _validate(source, None, name)
+    if len(source) > MAX_TEXT_BYTES:
+        message = f"{name} has {len(source)} bytes; at most {MAX_TEXT_BYTES} are read"
+        raise SceneInvalid(message, {"bytes": len(source), "bound": MAX_TEXT_BYTES})
+    try:
+        _refuse_bombs(source)
+        node: Any = yaml.compose(source, Loader=yaml.CSafeLoader)
+        _refuse_repeated_keys(node)
+        document: Any = yaml.load(source, Loader=yaml.CSafeLoader)  # noqa: S506  (it is safe)
+    except (yaml.YAMLError, ValueError, RecursionError) as fault:
+        raise _unreadable(fault, name) from fault
+    if not isinstance(document, Mapping):
+        kind = type(document).__name__
+        message = f"{name} must be a mapping with the key `robots`, not {kind}"
+        raise SceneInvalid(message, {"path": "", "line": 1})
+    return _validate(document, node, name)
+
+
+def read_scene(path: Path) -> Scene:
+    """Return the scene in a file.
+
+    Raises:
+        AssetNotFound: There is no such file.
+        SceneInvalid: It is not a scene.
+    """
+    try:
+        text = path.read_bytes()
+    except OSError as fault:
+        message = f"cannot read the scene {path}: {fault.strerror}"
+        raise AssetNotFound(message, {"uri": str(path)}) from fault
+    return parse_scene(text, path.name)
+
+
+def _validate(document: Mapping[str, Any], node: Any, name: str) -> Scene:
+    try:
+        return SceneDocument.model_validate(document).value()
+    except ValidationError as refusal:
+        faults = [
+            {
+                "path": ".".join(str(step) for step in _real_steps(document, fault["loc"])),
+                "line": _line_of(node, fault["loc"]),
+                "message": fault["msg"].removeprefix("Value error, "),
+            }
+            for fault in refusal.errors(include_url=False, include_context=False)[:_MAX_FAULTS]
+        ]
+    first = faults[0]
+    where = f", line {first['line']}" if first["line"] else ""
+    more = f" (and {len(faults) - 1} more faults)" if len(faults) > 1 else ""
+    place = first["path"] or "the document"
+    message = f"{name}{where}: {place}: {first['message']}{more}"
+    raise SceneInvalid(
+        message, {"path": first["path"], "line": first["line"], "faults": faults}
+    )
+
+
+def _real_steps(document: Any, location: Sequence[str | int]) -> list[str | int]:
+    """Return the location without the steps that pydantic made up, such as a union's branches."""
+    real: list[str | int] = []
+    for i, step in enumerate(location):
+        is_key = isinstance(document, Mapping) and step in document
+        is_index = isinstance(document, Sequence) and isinstance(step, int) and step < len(document)
+        if is_key or is_index:
+            document = document[step]
+            real.append(step)
+        elif i == len(location) - 1 and isinstance(document, Mapping):
+            real.append(step)
+    return real
+
+
+def _line_of(node: Any, location: Sequence[str | int]) -> int | None:
+    """Return the line (from 1) of the deepest part of `location` that the text has."""
+    if node is None:
+        return None
+    line: int = node.start_mark.line
+    for step in location:
+        children = _children(node)
+        if step not in children:
+            continue  # a step that pydantic made up, such as the branch of a union
+        line, node = children[step]
+    return line + 1
+
+
+def _children(node: Any) -> dict[str | int, tuple[int, Any]]:
+    """Return the line and the node of every child, by key or index."""
+    if isinstance(node, yaml.MappingNode):
+        return {key.value: (key.start_mark.line, child) for key, child in node.value}
+    if isinstance(node, yaml.SequenceNode):
+        return {i: (child.start_mark.line, child) for i, child in enumerate(node.value)}
+    return {}
+
+
+def _refuse_repeated_keys(node: Any) -> None:
+    """Raise on a key that is given twice: YAML would silently keep the last one."""
+    pending = [node]
+    while pending:
+        current = pending.pop()
+        if isinstance(current, yaml.MappingNode):
+            seen: set[str] = set()
+            for key, child in current.value:
+                if key.value in seen:
+                    raise yaml.YAMLError(_at(f"key {key.value!r} is given twice", key.start_mark))
+                seen.add(str(key.value))
+                pending.append(child)
+        elif isinstance(current, yaml.SequenceNode):
+            pending += current.value
+
+
+def _at(problem: str, mark: Any) -> str:
+    return f"line {mark.line + 1}: {problem}"
+
+
+def _unreadable(fault: Exception, name: str) -> SceneInvalid:
+    """Return our error for text that is not YAML."""
+    mark = getattr(fault, "problem_mark", None)
+    if mark is not None:
+        problem = getattr(fault, "problem", None) or "not YAML"
+        line = mark.line + 1
+        return SceneInvalid(f"{name}, line {line}: {problem}", {"path": "", "line": line})
+    text = str(fault)[:300]
+    digits = text.removeprefix("line ").split(":", 1)[0]
+    line = int(digits) if text.startswith("line ") and digits.isdigit() else None
+    return SceneInvalid(f"{name}: {text}", {"path": "", "line": line})
