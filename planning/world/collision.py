@@ -1,0 +1,128 @@
+"""Collision verdicts on configurations, by Drake's exact geometry."""
+
+from typing import Any
+
+import numpy as np
+from jaxtyping import Bool, Float64
+from pydrake.common import Parallelism
+from pydrake.planning import CollisionCheckerParams, SceneGraphCollisionChecker
+
+from planning.domain.joints import JointGroup
+from planning.domain.report import BodyPair
+from planning.world.drake_model import DrakeModel
+from planning.world.margins import PairMargins
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
+
+
+class DrakeCollisionOracle:
+    """Says whether configurations of a group keep their distances; one context, one thread."""
+
+    def __init__(
+        self,
+        model: DrakeModel,
+        group: JointGroup,
+        state: Float64[np.ndarray, " num_positions"],
+        margins: PairMargins,
+    ) -> None:
+        """Make a checker whose verdicts demand `margins` of every pair of bodies."""
+        self._model = model
+        self._group = group
+        self._state = state
+        self._checker = _make_checker(model, margins)
+        self._full = model.follow(np.array(state))
+        self._indices = model.position_indices(group)
+
+    def is_free(self, q: Float64[np.ndarray, " nq"]) -> bool:
+        """Return whether the group at q, shape (nq,), keeps its distances."""
+        self._full[self._indices] = q
+        self._model.follow(self._full)
+        return bool(self._checker.CheckConfigCollisionFree(self._full))
+
+    def are_free(self, qs: Float64[np.ndarray, "m nq"]) -> Bool[np.ndarray, " m"]:
+        """Return the same for each row."""
+        full = self._model.embed(self._group, qs, self._state)
+        verdicts = self._checker.CheckConfigsCollisionFree(full, parallelize=Parallelism(1))
+        return np.array(verdicts, dtype=bool)
+
+
+class DistanceProbe:
+    """Measures signed distances of pairs of bodies; one context, one thread."""
+
+    def __init__(self, model: DrakeModel, margins: PairMargins) -> None:
+        """Make a context of its own."""
+        self._model = model
+        self._margins = margins
+        self._context = model.diagram.CreateDefaultContext()
+        self._plant_context = model.plant.GetMyMutableContextFromRoot(self._context)
+        self._query_port = model.scene_graph.get_query_output_port()
+        self._query_context = model.scene_graph.GetMyContextFromRoot(self._context)
+
+    def pairs_within(
+        self, full: Float64[np.ndarray, " num_positions"], distance: float
+    ) -> tuple[BodyPair, ...]:
+        """Return every pair of bodies at most `distance` [m] apart, nearest first.
+
+        One entry per pair of bodies: that of its two nearest geometries.
+        """
+        self._model.plant.SetPositions(self._plant_context, full)
+        query = self._query_port.Eval(self._query_context)
+        inspector = query.inspector()
+        nearest: dict[tuple[str, str], BodyPair] = {}
+        for found in query.ComputeSignedDistancePairwiseClosestPoints(distance):
+            body_a, body_b = self._body(inspector, found.id_A), self._body(inspector, found.id_B)
+            names = (body_a, body_b) if body_a < body_b else (body_b, body_a)
+            if names in nearest and nearest[names].distance <= found.distance:
+                continue
+            p_wa = query.GetPoseInWorld(found.id_A).multiply(found.p_ACa)
+            p_wb = query.GetPoseInWorld(found.id_B).multiply(found.p_BCb)
+            points = np.array([p_wa, p_wb] if body_a < body_b else [p_wb, p_wa])
+            nearest[names] = BodyPair(names, float(found.distance), points)
+        return tuple(sorted(nearest.values(), key=lambda pair: (pair.distance, pair.bodies)))
+
+    def violations(self, full: Float64[np.ndarray, " num_positions"]) -> tuple[BodyPair, ...]:
+        """Return every pair of bodies that is nearer than its margin, nearest first."""
+        found = self.pairs_within(full, max(self._margins.largest, 1e-9))
+        return tuple(pair for pair in found if pair.distance < self._margins.of(*pair.bodies))
+
+    def _body(self, inspector: Any, geometry: Any) -> str:
+        body = self._model.plant.GetBodyFromFrameId(inspector.GetFrameId(geometry))
+        return self._model.body_names.get(body.index(), body.name())
+
+
+def _make_checker(model: DrakeModel, margins: PairMargins) -> SceneGraphCollisionChecker:
+    plant = model.plant
+    robots = sorted(
+        {
+            plant.get_joint(index).child_body().model_instance()
+            for index in model.joint_indices.values()
+        },
+        key=int,
+    )
+    checker = SceneGraphCollisionChecker(
+        CollisionCheckerParams(
+            model=model.diagram,
+            robot_model_instances=robots,
+            edge_step_size=0.05,
+            implicit_context_parallelism=Parallelism(1),
+        )
+    )
+    if margins.largest > 0:
+        _apply_margins(checker, model, margins)
+    return checker
+
+
+def _apply_margins(
+    checker: SceneGraphCollisionChecker, model: DrakeModel, margins: PairMargins
+) -> None:
+    """Tell Drake's checker the margin of every pair of bodies as its padding."""
+    plant = model.plant
+    bodies = [plant.get_body(index) for index in model.body_names]
+    padding = np.array(checker.GetPaddingMatrix())
+    for a in bodies:
+        for b in bodies:
+            i, j = int(a.index()), int(b.index())
+            if i < j and (checker.IsPartOfRobot(a) or checker.IsPartOfRobot(b)):
+                names = model.body_names[a.index()], model.body_names[b.index()]
+                padding[i, j] = padding[j, i] = margins.of(*names)
+    checker.SetPaddingMatrix(padding)
