@@ -1,1 +1,103 @@
-"""Motion planning that proves what it plans."""
+"""Motion planning that proves what it plans: load a world, plan, check, solve IK, execute.
+
+These names are the doors; what lies behind them may move. Drake, OMPL, toppra and ruckig are
+imported when a door that needs them is first opened, so that `import planning` stays light.
+"""
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from planning.domain.deadline import Deadline
+    from planning.domain.goal import ConfigurationGoal, JointGoal, PoseGoal, PoseTarget
+    from planning.domain.options import IkOptions, RefineOptions, RetimeOptions, SearchOptions
+    from planning.domain.plan import MotionPlan, Progress
+    from planning.domain.pose import Pose
+    from planning.domain.problem import PlanningProblem
+    from planning.domain.scene import Scene
+    from planning.ik import solve_ik
+    from planning.pipeline import plan
+    from planning.search.planners import list_planners
+    from planning.world.catalogue import describe_model, list_models
+    from planning.world.check import check_configurations
+    from planning.world.kinematics import forward_kinematics
+    from planning.world.model_library import ModelLibrary, bundled_folder
+    from planning.world.replay import replay_html
+    from planning.world.scene_document import SceneDocument
+    from planning.world.scene_file import parse_scene, read_scene
+    from planning.world.simulation import Simulation
+    from planning.world.world import World, load_world
+
+_DOORS = {
+    "ConfigurationGoal": "planning.domain.goal",
+    "Deadline": "planning.domain.deadline",
+    "IkOptions": "planning.domain.options",
+    "JointGoal": "planning.domain.goal",
+    "ModelLibrary": "planning.world.model_library",
+    "MotionPlan": "planning.domain.plan",
+    "PlanningProblem": "planning.domain.problem",
+    "Pose": "planning.domain.pose",
+    "PoseGoal": "planning.domain.goal",
+    "PoseTarget": "planning.domain.goal",
+    "Progress": "planning.domain.plan",
+    "RefineOptions": "planning.domain.options",
+    "RetimeOptions": "planning.domain.options",
+    "Scene": "planning.domain.scene",
+    "SceneDocument": "planning.world.scene_document",
+    "SearchOptions": "planning.domain.options",
+    "Simulation": "planning.world.simulation",
+    "World": "planning.world.world",
+    "bundled_folder": "planning.world.model_library",
+    "check_configurations": "planning.world.check",
+    "describe_model": "planning.world.catalogue",
+    "forward_kinematics": "planning.world.kinematics",
+    "list_models": "planning.world.catalogue",
+    "list_planners": "planning.search.planners",
+    "load_world": "planning.world.world",
+    "parse_scene": "planning.world.scene_file",
+    "plan": "planning.pipeline",
+    "read_scene": "planning.world.scene_file",
+    "replay_html": "planning.world.replay",
+    "solve_ik": "planning.ik",
+}
+
+__all__ = [
+    "ConfigurationGoal",
+    "Deadline",
+    "IkOptions",
+    "JointGoal",
+    "ModelLibrary",
+    "MotionPlan",
+    "PlanningProblem",
+    "Pose",
+    "PoseGoal",
+    "PoseTarget",
+    "Progress",
+    "RefineOptions",
+    "RetimeOptions",
+    "Scene",
+    "SceneDocument",
+    "SearchOptions",
+    "Simulation",
+    "World",
+    "bundled_folder",
+    "check_configurations",
+    "describe_model",
+    "forward_kinematics",
+    "list_models",
+    "list_planners",
+    "load_world",
+    "parse_scene",
+    "plan",
+    "read_scene",
+    "replay_html",
+    "solve_ik",
+]
+
+
+def __getattr__(name: str) -> Any:
+    """Open a door (PEP 562)."""
+    if name not in _DOORS:
+        message = f"module 'planning' has no attribute {name!r}"
+        raise AttributeError(message)
+    return getattr(import_module(_DOORS[name]), name)

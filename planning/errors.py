@@ -26,7 +26,7 @@ WayproofError                 code, detail, evidence; pickles, so it crosses pro
 
 from collections.abc import Iterable, Mapping
 from difflib import get_close_matches
-from typing import Any, ClassVar
+from typing import Any, ClassVar, override
 
 type Evidence = Mapping[str, Any]
 
@@ -47,6 +47,7 @@ class WayproofError(Exception):
         self.detail = detail
         self.evidence: dict[str, Any] = dict(evidence or {})
 
+    @override
     def __reduce__(self) -> tuple[type["WayproofError"], tuple[str, dict[str, Any]]]:
         return type(self), (self.detail, self.evidence)
 

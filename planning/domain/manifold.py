@@ -112,7 +112,9 @@ class Manifold(Value):
         """Return the geodesic from q0 to q1 at fractions s, shape (m, nq)."""
         return self.plus(q0[None], s[:, None] * self.minus(q1, q0)[None])
 
-    def distance(self, q1: Float64[np.ndarray, "*n nq"], q0: Float64[np.ndarray, "*#n nq"]) -> Array:
+    def distance(
+        self, q1: Float64[np.ndarray, "*n nq"], q0: Float64[np.ndarray, "*#n nq"]
+    ) -> Array:
         """Return the Euclidean length of q1 [-] q0 (radians and metres weigh the same)."""
         return np.linalg.norm(self.minus(q1, q0), axis=-1)
 

@@ -68,5 +68,3 @@ class RetimeOptions(Value):
     velocity_scale: float = 1.0
     acceleration_scale: float = 1.0
     sample_period: float = 0.01
-
-

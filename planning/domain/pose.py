@@ -78,7 +78,9 @@ class Pose(Value):
 
     def distance(self, other: "Pose") -> tuple[float, float]:
         """Return how far apart two poses are: translation [m] and rotation angle [rad]."""
-        turn = rotation.log(rotation.multiply(rotation.conjugate(self.quaternion), other.quaternion))
+        turn = rotation.log(
+            rotation.multiply(rotation.conjugate(self.quaternion), other.quaternion)
+        )
         shift = float(np.linalg.norm(self.position - other.position))
         return shift, float(np.linalg.norm(turn))
 

@@ -3,9 +3,9 @@
 import dataclasses
 import hashlib
 import struct
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from enum import Enum
-from typing import Any, override
+from typing import Any, cast, override
 
 import numpy as np
 
@@ -76,27 +76,34 @@ def _feed(sha: Any, content: Any) -> None:
             sha.update(f"array{content.dtype.str}{content.shape}".encode())
             sha.update(np.ascontiguousarray(content).tobytes())
         case Value():
-            sha.update(f"value{type(content).__qualname__}".encode())
-            for field in dataclasses.fields(content):  # pyright: ignore[reportArgumentType]
-                _feed(sha, field.name)
-                _feed(sha, getattr(content, field.name))
-        case Enum():
-            _feed(sha, content.value)
-        case None | bool():
-            sha.update(f"atom{content}".encode())
-        case int() | float() | np.floating() | np.integer():
-            sha.update(b"number" + struct.pack("<d", float(content)))
-        case str():
-            sha.update(f"text{len(content)}:{content}".encode())
+            names = [field.name for field in dataclasses.fields(cast("Any", content))]
+            kind = f"value{type(content).__qualname__}"
+            _feed_all(sha, kind, [part for n in names for part in (n, getattr(content, n))])
         case Mapping():
-            sha.update(f"map{len(content)}".encode())
-            for key in sorted(content):
-                _feed(sha, key)
-                _feed(sha, content[key])
+            items = [part for key in sorted(content) for part in (key, content[key])]
+            _feed_all(sha, "map", items)
         case tuple() | list():
-            sha.update(f"list{len(content)}".encode())
-            for item in content:
-                _feed(sha, item)
+            _feed_all(sha, "list", content)
+        case _:
+            sha.update(_scalar(content))
+
+
+def _feed_all(sha: Any, kind: str, items: Sequence[Any]) -> None:
+    sha.update(f"{kind}{len(items)}".encode())
+    for item in items:
+        _feed(sha, item)
+
+
+def _scalar(content: Any) -> bytes:
+    match content:
+        case Enum():
+            return _scalar(content.value)
+        case None | bool():
+            return f"atom{content}".encode()
+        case int() | float() | np.floating() | np.integer():
+            return b"number" + struct.pack("<d", float(content))
+        case str():
+            return f"text{len(content)}:{content}".encode()
         case _:
             message = f"{type(content).__name__} is not a value and has no digest"
             raise TypeError(message)

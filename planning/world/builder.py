@@ -74,7 +74,7 @@ def build_diagram(
         ModelInvalid: A robot does not load.
         UnknownName: A robot, parent frame or body does not exist.
     """
-    builder = RobotDiagramBuilder(time_step=time_step)
+    builder: Any = RobotDiagramBuilder(time_step=time_step)
     build = _Build(builder, builder.plant())
     build.frames["world"] = build.plant.world_frame()
     build.bodies["world"] = build.plant.world_body().index()
@@ -111,7 +111,7 @@ def _refuse_second(build: _Build, name: str, path: str) -> None:
 def _add_robot(build: _Build, robot: SceneRobot, source: RobotSource) -> None:
     file = inspect_model(source.file)
     parser = build.builder.parser()
-    parser.SetAutoRenaming(True)
+    parser.SetAutoRenaming(value=True)
     for package, folder in file.packages.items():
         if not parser.package_map().Contains(package):
             parser.package_map().Add(package, str(folder))
@@ -133,8 +133,8 @@ def _add_robot(build: _Build, robot: SceneRobot, source: RobotSource) -> None:
     build.robots.append(loaded)
     _weld_base(build, loaded)
     for name, parent, child in file.floating:
-        frames = (build.frames[f"{robot.name}::{link}"] for link in (parent, child))
-        build.plant.AddJoint(QuaternionFloatingJoint(name, *frames))
+        frame_p, frame_c = (build.frames[f"{robot.name}::{link}"] for link in (parent, child))
+        build.plant.AddJoint(QuaternionFloatingJoint(name, frame_p, frame_c))
 
 
 def _weld_base(build: _Build, loaded: LoadedRobot) -> None:

@@ -42,7 +42,7 @@ class DrakeCollisionOracle:
     def are_free(self, qs: Float64[np.ndarray, "m nq"]) -> Bool[np.ndarray, " m"]:
         """Return the same for each row."""
         full = self._model.embed(self._group, qs, self._state)
-        verdicts = self._checker.CheckConfigsCollisionFree(full, parallelize=Parallelism(1))
+        verdicts = self._checker.CheckConfigsCollisionFree(list(full), parallelize=Parallelism(1))
         return np.array(verdicts, dtype=bool)
 
 
@@ -66,7 +66,7 @@ class DistanceProbe:
         One entry per pair of bodies: that of its two nearest geometries.
         """
         self._model.plant.SetPositions(self._plant_context, full)
-        query = self._query_port.Eval(self._query_context)
+        query: Any = self._query_port.Eval(self._query_context)
         inspector = query.inspector()
         nearest: dict[tuple[str, str], BodyPair] = {}
         for found in query.ComputeSignedDistancePairwiseClosestPoints(distance):

@@ -56,27 +56,21 @@ class DrakeModel:
     @property
     def mimics(self) -> tuple[tuple[int, int, float], ...]:
         """(follower, leader, multiplier) of every coupling, as indices into v."""
-        return tuple(
-            (c.follower_velocity, c.leader_velocity, c.multiplier) for c in self.couplings
-        )
+        return tuple((c.follower_velocity, c.leader_velocity, c.multiplier) for c in self.couplings)
 
     def position_indices(self, group: JointGroup) -> Indices:
         """Return where the group's q is in the plant's, shape (nq,)."""
-        return np.concatenate(
-            [
-                np.arange(joint.position_start(), joint.position_start() + joint.num_positions())
-                for joint in self._joints(group)
-            ]
-        )
+        return np.concatenate([
+            np.arange(joint.position_start(), joint.position_start() + joint.num_positions())
+            for joint in self._joints(group)
+        ])
 
     def velocity_indices(self, group: JointGroup) -> Indices:
         """Return where the group's v is in the plant's, shape (nv,)."""
-        return np.concatenate(
-            [
-                np.arange(joint.velocity_start(), joint.velocity_start() + joint.num_velocities())
-                for joint in self._joints(group)
-            ]
-        )
+        return np.concatenate([
+            np.arange(joint.velocity_start(), joint.velocity_start() + joint.num_velocities())
+            for joint in self._joints(group)
+        ])
 
     def embed(
         self,

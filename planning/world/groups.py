@@ -16,7 +16,7 @@ from planning.domain.joints import Joint, JointGroup, JointLimits, JointType
 from planning.errors import ModelInvalid, UnknownName
 from planning.world.builder import LoadedRobot
 from planning.world.drake_model import DrakeModel
-from planning.world.robot_card import LimitsCard
+from planning.world.robot_card import EffortCard, LimitsCard
 from planning.world.srdf import read_srdf_groups
 
 # Where nobody states them: half a second to full speed, a tenth of a second to full acceleration.
@@ -183,7 +183,7 @@ def _block_rates(joint: Joint, stated: LimitsCard) -> list[tuple[float, float, f
         is_linear = name.endswith(".linear")
         card = stated.linear if is_linear else stated.angular
         effort = np.inf
-        if stated.effort is not None and not isinstance(stated.effort, float):
+        if isinstance(stated.effort, EffortCard):
             effort = stated.effort.force if is_linear else stated.effort.torque
         v = card.velocity if card else _ASSUMED_VELOCITY
         a = card.acceleration if card else v * _ACCELERATION_PER_VELOCITY

@@ -4,7 +4,6 @@ from typing import Annotated, Any, Literal, Self
 
 import numpy as np
 from pydantic import (
-    AllowInfNan,
     ConfigDict,
     Field,
     StringConstraints,
@@ -31,7 +30,7 @@ type Path_ = Annotated[
 ]
 type Triple = Annotated[list[Number], Field(min_length=3, max_length=3)]
 type Quadruple = Annotated[list[Number], Field(min_length=4, max_length=4)]
-type Unit = Annotated[float, AllowInfNan(False), Field(ge=0, le=1)]
+type Unit = Annotated[float, Field(allow_inf_nan=False, ge=0, le=1)]
 
 
 class PoseDocument(Strictest):
@@ -99,9 +98,7 @@ class ObjectDocument(Strictest):
     def value(self) -> SceneObject:
         """Return the domain's object."""
         color = None if self.color is None else np.array([*self.color, 1.0][:4])
-        return SceneObject(
-            self.name, self.shape.value(), self.pose.value(), self.movable, color
-        )
+        return SceneObject(self.name, self.shape.value(), self.pose.value(), self.movable, color)
 
 
 class FrameDocument(Strictest):
@@ -129,7 +126,7 @@ class MarginDocument(Strictest):
     """A distance that two bodies keep, other than the scene's margin."""
 
     bodies: Annotated[list[Path_], Field(min_length=2, max_length=2)]
-    margin: Annotated[float, AllowInfNan(False), Field(ge=0, le=10)] = Field(description="[m]")
+    margin: Annotated[float, Field(allow_inf_nan=False, ge=0, le=10)] = Field(description="[m]")
 
 
 type BodyPairDocument = Annotated[list[Path_], Field(min_length=2, max_length=2)]
@@ -172,7 +169,7 @@ class SceneDocument(Strictest):
     configurations: dict[Name, ConfigurationDocument] = Field(
         default={}, description="Named configurations beside those of the robots"
     )
-    margin: Annotated[float, AllowInfNan(False), Field(ge=0, le=10)] = Field(
+    margin: Annotated[float, Field(allow_inf_nan=False, ge=0, le=10)] = Field(
         default=0.0, description="Distance kept from everything but the robot itself [m]"
     )
     margins: list[MarginDocument] = Field(
@@ -197,5 +194,3 @@ class SceneDocument(Strictest):
                 for entry in self.margins
             ),
         )
-
-

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import yaml
 from pydantic import ValidationError
@@ -20,9 +20,8 @@ _MAX_FAULTS = 20
 
 def _refuse_bombs(text: str | bytes) -> None:
     """Raise on aliases and endless nesting, by a pass over the events that builds nothing."""
-    depth = count = 0
-    for event in yaml.parse(text, Loader=yaml.CSafeLoader):
-        count += 1
+    depth = 0
+    for count, event in enumerate(yaml.parse(text, Loader=yaml.CSafeLoader)):
         if isinstance(event, yaml.AliasEvent):
             raise yaml.YAMLError(_at("aliases are not allowed in scenes", event.start_mark))
         if isinstance(event, yaml.CollectionStartEvent):
@@ -53,7 +52,7 @@ def parse_scene(source: str | bytes | Mapping[str, Any], name: str = "the scene"
         _refuse_bombs(source)
         node: Any = yaml.compose(source, Loader=yaml.CSafeLoader)
         _refuse_repeated_keys(node)
-        document: Any = yaml.load(source, Loader=yaml.CSafeLoader)  # noqa: S506  (it is safe)
+        document: Any = yaml.load(source, Loader=yaml.CSafeLoader)
     except (yaml.YAMLError, ValueError, RecursionError) as fault:
         raise _unreadable(fault, name) from fault
     if not isinstance(document, Mapping):
@@ -95,22 +94,20 @@ def _validate(document: Mapping[str, Any], node: Any, name: str) -> Scene:
     more = f" (and {len(faults) - 1} more faults)" if len(faults) > 1 else ""
     place = first["path"] or "the document"
     message = f"{name}{where}: {place}: {first['message']}{more}"
-    raise SceneInvalid(
-        message, {"path": first["path"], "line": first["line"], "faults": faults}
-    )
+    raise SceneInvalid(message, {"path": first["path"], "line": first["line"], "faults": faults})
 
 
 def _real_steps(document: Any, location: Sequence[str | int]) -> list[str | int]:
     """Return the location without the steps that pydantic made up, such as a union's branches."""
     real: list[str | int] = []
     for i, step in enumerate(location):
-        is_key = isinstance(document, Mapping) and step in document
-        is_index = isinstance(document, Sequence) and isinstance(step, int) and step < len(document)
-        if is_key or is_index:
-            document = document[step]
-            real.append(step)
-        elif i == len(location) - 1 and isinstance(document, Mapping):
-            real.append(step)
+        if isinstance(document, Mapping):
+            is_real = step in document or i == len(location) - 1
+            document = document.get(step) if is_real else document
+        else:
+            is_real = isinstance(document, list) and step in range(len(document))
+            document = document[step] if is_real else document
+        real += [step] if is_real else []
     return real
 
 

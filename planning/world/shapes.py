@@ -22,7 +22,7 @@ _HALF_SPACE_WIDTH = 200.0
 _HALF_SPACE_DEPTH = 20.0
 
 
-def drake_shape(shape: Shape) -> tuple[geometry.Shape, RigidTransform]:  # noqa: PLR0911
+def drake_shape(shape: Shape) -> tuple[geometry.Shape, RigidTransform]:  # noqa: C901, PLR0911  (one case per shape)
     """Return Drake's shape G of the object O, and X_OG."""
     identity = RigidTransform()
     match shape:
@@ -37,9 +37,11 @@ def drake_shape(shape: Shape) -> tuple[geometry.Shape, RigidTransform]:  # noqa:
         case Ellipsoid():
             return geometry.Ellipsoid(*shape.semi_axes), identity
         case Convex():
-            return geometry.Convex(np.asarray(shape.points).T, "convex"), identity
+            return geometry.Convex(
+                np.asfortranarray(np.asarray(shape.points).T), "convex"
+            ), identity
         case Mesh():
             return geometry.Mesh(shape.uri, scale3=np.asarray(shape.scale)), identity
         case HalfSpace():
             slab = geometry.Box(_HALF_SPACE_WIDTH, _HALF_SPACE_WIDTH, _HALF_SPACE_DEPTH)
-            return slab, RigidTransform([0.0, 0.0, -_HALF_SPACE_DEPTH / 2])
+            return slab, RigidTransform(np.array([0.0, 0.0, -_HALF_SPACE_DEPTH / 2]))

@@ -4,9 +4,7 @@ from pathlib import Path
 from xml.etree import ElementTree as ET
 
 
-def read_srdf_groups(
-    urdf: Path, movable: list[str]
-) -> dict[str, tuple[list[str], list[str]]]:
+def read_srdf_groups(urdf: Path, movable: list[str]) -> dict[str, tuple[list[str], list[str]]]:
     """Return joints and tool frames by group, chains first; empty without an SRDF.
 
     Args:

@@ -2,7 +2,7 @@
 
 from typing import Annotated, Any
 
-from pydantic import AllowInfNan, BaseModel, BeforeValidator, ConfigDict, Field
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
 
 
 def _no_lookalikes(number: Any) -> Any:
@@ -14,10 +14,10 @@ def _no_lookalikes(number: Any) -> Any:
 
 
 type Number = Annotated[
-    float, BeforeValidator(_no_lookalikes), AllowInfNan(False), Field(ge=-1e6, le=1e6)
+    float, BeforeValidator(_no_lookalikes), Field(allow_inf_nan=False), Field(ge=-1e6, le=1e6)
 ]
 type Positive = Annotated[
-    float, BeforeValidator(_no_lookalikes), AllowInfNan(False), Field(ge=1e-6, le=1e4)
+    float, BeforeValidator(_no_lookalikes), Field(allow_inf_nan=False), Field(ge=1e-6, le=1e4)
 ]
 
 

@@ -322,5 +322,3 @@ def require_positions(group: JointGroup, q: Any, field: str) -> Array:
         raise ProblemInvalid(message, {"field": field, "joints": bad})
     positions.flags.writeable = False
     return positions
-
-

@@ -1,0 +1,107 @@
+"""Candidates: the motions that one path can become, quickest first."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from planning.domain.curve import JointSpline, TimedTrajectory
+from planning.domain.deadline import Deadline
+from planning.domain.joints import JointLimits
+from planning.domain.path import JointPath
+from planning.domain.problem import PlanningProblem
+from planning.domain.report import RefineReport, RetimeReport
+from planning.errors import RetimingFailed
+from planning.refine.refiner import RefineRequest, refine
+from planning.retime.blend import blend_corners
+from planning.retime.retimer import retime
+from planning.stopwatch import Stopwatch
+from planning.world.margins import PairMargins
+from planning.world.world import World
+
+# How far corners may be rounded, largest first (joint-space length). The last resort, 0, follows
+# the very path that was checked and rests at every corner.
+_DEVIATIONS = (0.1, 0.03, 0.008, 0.0)
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """A timed motion that is not certified yet."""
+
+    name: str
+    trajectory: TimedTrajectory
+    refine: RefineReport
+    retime: RetimeReport
+
+
+def candidates(
+    world: World,
+    path: JointPath,
+    problem: PlanningProblem,
+    margins: PairMargins,
+    deadline: Deadline,
+    watch: Stopwatch,
+) -> Iterator[Candidate]:
+    """Yield timed motions along a path: the quicker of refined and rounded first.
+
+    Raises:
+        RetimingFailed: Not even the path itself, with a rest at every corner, can be timed.
+        DeadlineExceeded: Time ran out.
+        Canceled: Somebody asked for the end.
+    """
+    limits = world.limits(world.group(problem.group))
+    retime_options = problem.retime
+    with watch.stage("refine"):
+        scaled = limits.scaled(retime_options.velocity_scale, retime_options.acceleration_scale)
+        request = RefineRequest(path, scaled, margins, problem.refine)
+        refined, report = refine(world, request, deadline)
+    first: list[Candidate] = []
+    if refined is not None:
+        made = _timed("refined curve", refined, limits, problem, report, watch)
+        first += [made] if made else []
+    unrefined = RefineReport(**{**report.__dict__, "improved": False})
+    if report.improved:
+        unrefined = RefineReport(
+            report.method, improved=False, reason="the unrefined path is quicker or safer"
+        )
+    rounded = _rounded(path, _DEVIATIONS[0], limits, problem, unrefined, watch)
+    first += [rounded] if rounded else []
+    yield from sorted(first, key=lambda candidate: candidate.trajectory.duration)
+    for deviation in _DEVIATIONS[1:]:
+        deadline.check("retime")
+        made = _rounded(path, deviation, limits, problem, unrefined, watch)
+        if made is not None:
+            yield made
+
+
+def _rounded(
+    path: JointPath,
+    deviation: float,
+    limits: JointLimits,
+    problem: PlanningProblem,
+    report: RefineReport,
+    watch: Stopwatch,
+) -> Candidate | None:
+    smoothness = 2 if problem.retime.method == "ruckig" else 1
+    spline = blend_corners(path, deviation, smoothness)
+    name = f"path with corners rounded by {deviation:g}" if deviation else "path itself"
+    made = _timed(name, spline, limits, problem, report, watch)
+    if made is None and deviation == 0:
+        message = f"{problem.retime.method} cannot time the path, even with a rest at every corner"
+        raise RetimingFailed(message, {"method": problem.retime.method})
+    return made
+
+
+def _timed(
+    name: str,
+    spline: JointSpline,
+    limits: JointLimits,
+    problem: PlanningProblem,
+    report: RefineReport,
+    watch: Stopwatch,
+) -> Candidate | None:
+    """Time a curve; a curve that cannot be timed is no candidate."""
+    try:
+        with watch.stage("retime"):
+            trajectory, timing = retime(spline, limits, problem.retime)
+    except RetimingFailed:
+        return None
+    return Candidate(name, trajectory, report, timing)

@@ -1,0 +1,207 @@
+"""plan(): the stages in order. Read this first.
+
+    scene -> goals (Drake IK) -> search (OMPL) -> refine (Drake trajectory optimisation)
+          -> retime (toppra or ruckig) -> certify (Drake, fresh context) -> MotionPlan
+
+The stages do not know each other. What a stage cannot do better it leaves alone: several candidate
+motions are timed, the quickest one that the certifier proves is delivered, and if none is proven
+the search is asked again, for more distance and with a finer eye.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from planning.candidates import Candidate, candidates
+from planning.certify.certifier import CertifyRequest, certify
+from planning.domain.certificate import Certificate
+from planning.domain.deadline import Deadline
+from planning.domain.joints import JointGroup, JointLimits
+from planning.domain.plan import MotionPlan, Progress, StageReports
+from planning.domain.problem import PlanningProblem
+from planning.domain.report import CertifyReport, GoalConfigurations
+from planning.errors import DeadlineExceeded, NoPathFound, NotCertified, ProblemInvalid
+from planning.goals.sampler import GoalQuery, find_goals
+from planning.goals.start import admit_start
+from planning.paddings import endpoint_padding
+from planning.search.solver import SearchResult, SearchTask, search
+from planning.stopwatch import Stopwatch
+from planning.world.margins import PairMargins
+from planning.world.world import Array, World, require_positions
+
+# How often the search is asked again, each time with half the resolution, before we give up.
+_MAX_ROUNDS = 4
+# Share of the time for a search that keeps more distance than is demanded.
+_PADDED_SHARE = 0.6
+
+
+def ignore_progress(_: Progress) -> None:
+    """Do nothing with it."""
+
+
+@dataclass(frozen=True)
+class _Task:
+    """What every step needs."""
+
+    world: World
+    problem: PlanningProblem
+    group: JointGroup
+    limits: JointLimits
+    margins: PairMargins
+    start: Array
+    goals: GoalConfigurations
+    deadline: Deadline
+    report: Callable[[Progress], None]
+    watch: Stopwatch
+
+
+def plan(
+    problem: PlanningProblem,
+    world: World,
+    *,
+    deadline: Deadline,
+    on_progress: Callable[[Progress], None] = ignore_progress,
+) -> MotionPlan:
+    """Plan a certified motion.
+
+    The same problem in the same scene gives the same bytes, as long as the deadline cuts nothing.
+
+    Args:
+        problem: Group, start, goal, options, seed.
+        world: The scene, loaded.
+        deadline: When to give up; also asked whether anybody still wants the answer.
+        on_progress: Told of every stage.
+
+    Raises:
+        InputError: The problem names what does not exist, or its numbers do not fit.
+        PlanningFailure: There is no motion to give; code, stage and evidence say why.
+    """
+    watch = Stopwatch(deadline.clock)
+    group = world.group(problem.group)
+    given = world.positions(group) if problem.start is None else problem.start
+    given = require_positions(group, given, "start")
+    margins = world.margins(problem.margin)
+    if problem.search.allowed_planning_time <= 0:
+        message = "search.allowed_planning_time must be positive"
+        raise ProblemInvalid(message, {"field": "search.allowed_planning_time"})
+    on_progress(Progress("goals", 0.02, "looking for goal configurations"))
+    with watch.stage("goals"):
+        start, clipped = admit_start(world, group, given, margins)
+        query = GoalQuery(group, problem.goal, start, margins, problem.ik)
+        goals = find_goals(world, query, np.random.default_rng(problem.seed), deadline.share(0.5))
+    limits = world.limits(group)
+    task = _Task(world, problem, group, limits, margins, start, goals, deadline, on_progress, watch)
+    found, chosen, certificate, certified = _prove_one(task)
+    return MotionPlan(
+        group=group,
+        start=start,
+        start_clipped=clipped,
+        goal_configuration=chosen.trajectory.end,
+        goal_index=goals.target_indices[found.goal_row],
+        path=found.path,
+        trajectory=chosen.trajectory,
+        certificate=certificate,
+        stages=StageReports(goals, found.report, chosen.refine, chosen.retime, certified),
+        timings=watch.seconds,
+    )
+
+
+def _prove_one(task: _Task) -> tuple[SearchResult, Candidate, Certificate, CertifyReport]:
+    """Search, refine, retime and certify until a motion is proven."""
+    refused: list[str] = []
+    failed: Certificate | None = None
+    for round_ in range(_MAX_ROUNDS):
+        if round_ and task.deadline.is_over:
+            break
+        task.report(Progress("search", 0.15, f"searching, round {round_ + 1}"))
+        with task.watch.stage("search"):
+            found = _search(task, round_)
+        task.report(Progress("refine", 0.5, "refining and timing"))
+        for candidate in candidates(
+            task.world, found.path, task.problem, task.margins, task.deadline, task.watch
+        ):
+            task.report(Progress("certify", 0.8, f"certifying the {candidate.name}"))
+            with task.watch.stage("certify"):
+                certificate, report = _certify(task, candidate)
+            if certificate.proven:
+                seen = CertifyReport(
+                    report.intervals, report.distance_queries, len(refused) + 1, tuple(refused)
+                )
+                return found, candidate, certificate, seen
+            failed = certificate
+            worst = ", ".join(f"{check.name} {check.where}" for check in certificate.failed)
+            refused.append(f"round {round_ + 1}, {candidate.name}: {worst}")
+    task.deadline.check("certify")
+    raise _not_certified(failed, refused)
+
+
+def _search(task: _Task, round_: int) -> SearchResult:
+    """Search with some distance to spare; without, if there is no path that way."""
+    padding = endpoint_padding(
+        task.world, task.group, task.start, task.goals.positions, task.problem.margin
+    )
+    if padding * (round_ + 1) > 0:
+        try:
+            return _search_padded(task, round_, padding, task.deadline.share(_PADDED_SHARE))
+        except (NoPathFound, DeadlineExceeded):
+            task.deadline.check("search")
+    return _search_padded(task, round_, 0.0, task.deadline)
+
+
+def _search_padded(task: _Task, round_: int, padding: float, deadline: Deadline) -> SearchResult:
+    margins = task.world.margins(task.problem.margin, padding)
+    oracle = task.world.collision_oracle(task.group, margins)
+    rows = np.flatnonzero(oracle.are_free(task.goals.positions))
+    request = SearchTask(
+        start=task.start,
+        goals=task.goals.positions[rows],
+        options=task.problem.search,
+        resolution=task.problem.search.resolution / 2**round_,
+        padding=padding,
+        seed=task.problem.seed + round_,
+    )
+    found = search(task.group, task.limits, oracle, request, deadline)
+    return SearchResult(found.path, int(rows[found.goal_row]), found.report)
+
+
+def _certify(task: _Task, candidate: Candidate) -> tuple[Certificate, CertifyReport]:
+    request = CertifyRequest(
+        group=task.group,
+        trajectory=candidate.trajectory,
+        state=task.world.state,
+        start=task.start,
+        goals=task.goals.positions,
+        limits=task.limits.scaled(
+            task.problem.retime.velocity_scale, task.problem.retime.acceleration_scale
+        ),
+        margins=task.margins,
+        jerk=task.problem.retime.method == "ruckig",
+    )
+    return certify(task.world.drake, request, task.deadline)
+
+
+def _not_certified(failed: Certificate | None, refused: list[str]) -> NotCertified:
+    checks = [] if failed is None else failed.failed
+    message = f"none of {len(refused)} candidate motions passed the certifier; the last failed " + (
+        ", ".join(
+            f"{check.name} ({check.value:.4g} {check.unit}, bound {check.bound:.4g}, "
+            f"{check.where} at {check.time:.3f} s)"
+            for check in checks
+        )
+    )
+    evidence = {
+        "refused": refused,
+        "checks": [
+            {
+                "name": check.name,
+                "value": check.value,
+                "bound": check.bound,
+                "unit": check.unit,
+                "where": check.where,
+                "time": check.time,
+            }
+            for check in checks
+        ],
+    }
+    return NotCertified(message, evidence)

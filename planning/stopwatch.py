@@ -1,0 +1,28 @@
+"""Stopwatch: seconds per stage, by a clock that is given."""
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+
+
+class Stopwatch:
+    """Adds up how long each stage took."""
+
+    def __init__(self, clock: Callable[[], float]) -> None:
+        """Start at zero, with a clock of monotonic seconds."""
+        self._clock = clock
+        self._began = clock()
+        self._seconds: dict[str, float] = {}
+
+    @contextmanager
+    def stage(self, name: str) -> Iterator[None]:
+        """Count the time inside towards a stage."""
+        began = self._clock()
+        try:
+            yield
+        finally:
+            self._seconds[name] = self._seconds.get(name, 0.0) + self._clock() - began
+
+    @property
+    def seconds(self) -> dict[str, float]:
+        """Seconds by stage, and in `total` those since the start."""
+        return {**self._seconds, "total": self._clock() - self._began}

@@ -1,0 +1,87 @@
+"""Say of configurations whether they are valid, and everything that speaks against them."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float64
+
+from planning.domain.report import BodyPair
+from planning.domain.value import Value
+from planning.errors import ProblemInvalid
+from planning.world.world import World, require_positions
+
+# How far to look for the nearest pair of a configuration [m].
+_HORIZON = 10.0
+
+
+@dataclass(frozen=True, eq=False)
+class LimitViolation(Value):
+    """A position outside its limits [rad or m]."""
+
+    joint: str
+    position: float
+    lower: float
+    upper: float
+
+
+@dataclass(frozen=True, eq=False)
+class StateVerdict(Value):
+    """What there is to say of one configuration.
+
+    Attributes:
+        valid: Within limits, and every pair keeps its margin.
+        violations: Every pair that is nearer than its margin, nearest first.
+        limit_violations: Every position outside its limits.
+        nearest: The pair that is nearest of all, or None if nothing can collide.
+    """
+
+    valid: bool
+    violations: tuple[BodyPair, ...]
+    limit_violations: tuple[LimitViolation, ...]
+    nearest: BodyPair | None
+
+
+def check_configurations(
+    world: World,
+    group: str,
+    configurations: Float64[np.ndarray, "n nq"],
+    margin: float | None = None,
+) -> tuple[StateVerdict, ...]:
+    """Return a verdict on each configuration of a group.
+
+    Args:
+        world: The scene, loaded.
+        group: `robot` or `robot::group`.
+        configurations: The group's q [rad or m], a row each.
+        margin: Distance to keep [m]; None for the scene's.
+
+    Raises:
+        UnknownName: There is no such group.
+        ProblemInvalid: A row has the wrong count or is not finite, or the margin is negative.
+    """
+    joints = world.group(group)
+    if margin is not None and not margin >= 0:
+        message = f"margin must not be negative, got {margin}"
+        raise ProblemInvalid(message, {"field": "margin"})
+    margins = world.margins(margin)
+    probe = world.distance_probe(margins)
+    limits = world.limits(joints)
+    verdicts: list[StateVerdict] = []
+    for i, row in enumerate(configurations):
+        q = require_positions(joints, row, f"configurations.{i}")
+        full = world.embed(joints, q)
+        pairs = probe.pairs_within(full, _HORIZON)
+        near = tuple(pair for pair in pairs if pair.distance < margins.of(*pair.bodies))
+        outside = _outside(joints.position_names, q, limits.lower, limits.upper)
+        nearest = pairs[0] if pairs else None
+        verdicts.append(StateVerdict(not near and not outside, near, outside, nearest))
+    return tuple(verdicts)
+
+
+def _outside(names: Any, q: Any, lower: Any, upper: Any) -> tuple[LimitViolation, ...]:
+    return tuple(
+        LimitViolation(name, float(x), float(low), float(high))
+        for name, x, low, high in zip(names, q, lower, upper, strict=True)
+        if not low <= x <= high
+    )
