@@ -1,0 +1,245 @@
+"""Execution: what to do next, decided apart from doing it."""
+
+from dataclasses import dataclass, field, replace
+from typing import Any, Self
+
+import numpy as np
+
+from planning.domain.curve import TimedTrajectory
+from planning.domain.joints import JointLimits
+from planning.domain.value import Value
+from planning.errors import Contact, ExecutionFailure, ProblemInvalid, TrackingLost
+from planning.execute.driver import Measurement, Setpoint
+from planning.execute.states import ExecutionEvent, ExecutionState, advance
+from planning.execute.status import ExecutionStatus
+from planning.execute.time_scaling import choose_ramp, ramp_bounds
+from planning.execute.tolerances import Tolerances
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
+
+# Rates nearer than this are the same: rounding must not keep a robot from standing still.
+_SAME_RATE = 1e-12
+
+
+@dataclass(frozen=True, eq=False)
+class Execution(Value):
+    """A trajectory on its way through a robot; every method returns what comes after.
+
+    The robot is never told to jump: pausing, canceling and changes of speed move along the
+    trajectory's own path, with a rate that changes as quickly as the acceleration limits allow
+    (see `time_scaling`). Only an abort gives up the path: the robot holds where it is.
+
+    Attributes:
+        trajectory: What to follow.
+        limits: Of the group; the accelerations are kept while the rate changes.
+        tolerances: When it has arrived, and when it is lost.
+        state: Where it stands.
+        speed: The rate that it is to have when it moves freely, in (0, 1].
+        time: Along the trajectory [s].
+        rate: Seconds of trajectory per second, at present.
+        ramp: Change of the rate until the next step [1/s].
+        clock: When it was last stepped, on the driver's clock [s].
+        still_since: When the last moving setpoint was sent, on the driver's clock [s], or None.
+        failure: Why it was aborted, or None.
+    """
+
+    trajectory: TimedTrajectory
+    limits: JointLimits
+    tolerances: Tolerances = field(default_factory=Tolerances)
+    state: ExecutionState = ExecutionState.ACCEPTED
+    speed: float = 1.0
+    time: float = 0.0
+    rate: float = 0.0
+    ramp: float = 0.0
+    clock: float = 0.0
+    still_since: float | None = None
+    failure: ExecutionFailure | None = None
+
+    def start(self) -> Self:
+        """Begin to move.
+
+        Raises:
+            IllegalTransition: It began before.
+        """
+        # The trajectory starts at rest, so full rate at once is no jump.
+        state = advance(self.state, ExecutionEvent.START)
+        return replace(self, state=state, rate=self.speed, still_since=None)
+
+    def pause(self) -> Self:
+        """Come to rest on the path, until `resume`.
+
+        Raises:
+            IllegalTransition: It does not move, or is to end.
+        """
+        return replace(self, state=advance(self.state, ExecutionEvent.PAUSE))
+
+    def resume(self) -> Self:
+        """Move on.
+
+        Raises:
+            IllegalTransition: It is not paused and does not move.
+        """
+        state = advance(self.state, ExecutionEvent.RESUME)
+        return replace(self, state=state, still_since=None)
+
+    def cancel(self) -> Self:
+        """Come to rest on the path and end.
+
+        Raises:
+            IllegalTransition: It has ended.
+        """
+        return replace(self, state=advance(self.state, ExecutionEvent.CANCEL), still_since=None)
+
+    def with_speed(self, speed: float) -> Self:
+        """Change the rate at which it moves.
+
+        Raises:
+            ProblemInvalid: `speed` is not in (0, 1]: beyond 1 the limits would not hold.
+            IllegalTransition: It has ended or is to end.
+        """
+        if not 0 < speed <= 1:
+            message = f"speed must be above 0 and at most 1, got {speed}"
+            raise ProblemInvalid(message, {"field": "speed"})
+        return replace(self, state=advance(self.state, ExecutionEvent.SET_SPEED), speed=speed)
+
+    def fail(self, failure: ExecutionFailure) -> Self:
+        """Give up.
+
+        Raises:
+            IllegalTransition: It has ended.
+        """
+        state = advance(self.state, ExecutionEvent.FAIL)
+        return replace(self, state=state, failure=failure, rate=0.0, ramp=0.0)
+
+    def step(self, measured: Measurement, period: float) -> tuple[Self, Setpoint]:
+        """Judge what the robot does and decide what it does during the next `period` [s].
+
+        Args:
+            measured: What the robot does now; its time is now.
+            period: Until the next step [s], positive.
+
+        Returns:
+            The execution after that, and what to send; a terminal execution holds the robot.
+        """
+        judged = self._judged(measured)
+        if judged.state is ExecutionState.ABORTED:
+            return judged, _hold(measured.time, measured.q, len(measured.v))
+        if judged.state.is_terminal:
+            return judged, _hold(measured.time, judged.desired, len(measured.v))
+        return judged._moved(period)  # noqa: SLF001  (its own class)
+
+    def status(self, measured: Measurement) -> ExecutionStatus:
+        """Return how it goes, given what the robot does."""
+        duration = self.trajectory.duration
+        return ExecutionStatus(
+            state=self.state,
+            progress=self.time / duration if duration > 0 else 1.0,
+            time=self.time,
+            clock=measured.time,
+            rate=self.rate,
+            measured=measured.q,
+            desired=self.desired,
+            tracking_error=self.tracking_error(measured.q),
+            contacts=measured.contacts,
+            failure=self.failure,
+        )
+
+    @property
+    def desired(self) -> Array:
+        """Where the group should be, shape (nq,)."""
+        return self.trajectory.positions(np.array([self.time]))[0]
+
+    def tracking_error(self, q: Array) -> float:
+        """Return the largest coordinate of `q [-] desired` [rad or m]."""
+        return float(np.max(np.abs(self.trajectory.manifold.minus(q, self.desired))))
+
+    def _judged(self, measured: Measurement) -> Self:
+        """Return the same, after what the measurement says has happened."""
+        now = replace(self, clock=measured.time)
+        if self.state.is_terminal:
+            return now
+        if measured.contacts:
+            return now.fail(_contact(measured))
+        error = self.tracking_error(measured.q)
+        if error > self.tolerances.tracking:
+            return now.fail(_lost(error, self.tolerances.tracking, measured.time))
+        if self.still_since is None or self.state is ExecutionState.PAUSED:
+            return now
+        return now._settled(error, measured)
+
+    def _settled(self, error: float, measured: Measurement) -> Self:
+        """Return the same after the last moving setpoint: arrived, still on its way, or lost."""
+        bounds = self.tolerances
+        is_at_rest = bool(np.max(np.abs(measured.v)) <= bounds.rest)
+        is_there = self.state is ExecutionState.CANCELING or error <= bounds.goal
+        if is_at_rest and is_there:
+            is_canceling = self.state is ExecutionState.CANCELING
+            event = ExecutionEvent.STOPPED if is_canceling else ExecutionEvent.SUCCEED
+            return replace(self, state=advance(self.state, event))
+        waited = measured.time - (self.still_since or 0.0)
+        if waited > bounds.settle_time:
+            return self.fail(_lost(error, bounds.goal, measured.time))
+        return self
+
+    def _moved(self, period: float) -> tuple[Self, Setpoint]:
+        """Return the execution one period later, and the setpoint until then."""
+        ramp = self._ramp(period)
+        after = self.rate + ramp * period
+        if abs(after - self._target) < _SAME_RATE:
+            after = self._target
+        step = 0.5 * (self.rate + after) * period
+        duration = self.trajectory.duration
+        time = min(self.time + step, duration)
+        has_ended = time >= duration
+        is_still = has_ended or (self._target == 0.0 and after == 0.0)
+        still = self.still_since if self.still_since is not None else self.clock + period
+        later = replace(
+            self,
+            time=time,
+            rate=0.0 if has_ended else after,
+            ramp=ramp,
+            still_since=still if is_still else None,
+        )
+        return later, self._setpoint(ramp)
+
+    def _setpoint(self, ramp: float) -> Setpoint:
+        at = np.array([self.time])
+        slope = self.trajectory.velocities(at)[0]
+        curvature = self.trajectory.accelerations(at)[0]
+        is_over = self.time >= self.trajectory.duration
+        rate, ramp = (0.0, 0.0) if is_over else (self.rate, ramp)
+        vdot = curvature * rate**2 + slope * ramp
+        return Setpoint(self.clock, self.desired, slope * rate, vdot)
+
+    def _ramp(self, period: float) -> float:
+        """Return the change of rate [1/s] during the next period."""
+        if self.rate == self._target:
+            return 0.0
+        ahead = min(self.time + self.rate * period, self.trajectory.duration)
+        times = np.array([self.time, ahead])
+        least, largest = ramp_bounds(self.trajectory, self.limits, times, self.rate)
+        steepest = 1.0 / self.tolerances.ramp_time
+        bounds = max(least, -steepest), min(largest, steepest)
+        return choose_ramp(bounds, self.rate, self._target, period)
+
+    @property
+    def _target(self) -> float:
+        return self.speed if self.state is ExecutionState.EXECUTING else 0.0
+
+
+def _hold(time: float, q: Array, num_velocities: int) -> Setpoint:
+    return Setpoint(time, q, np.zeros(num_velocities), np.zeros(num_velocities))
+
+
+def _contact(measured: Measurement) -> Contact:
+    deepest = measured.contacts[0]
+    a, b = deepest.bodies
+    depth = -deepest.distance
+    message = f"{a} touches {b}, {depth * 1000:.2f} mm deep, at {measured.time:.3f} s"
+    evidence = {"pair": list(deepest.bodies), "depth": depth, "time": measured.time}
+    return Contact(message, evidence)
+
+
+def _lost(error: float, bound: float, time: float) -> TrackingLost:
+    message = f"the robot is {error:.4f} rad or m from its trajectory at {time:.3f} s; it may be "
+    return TrackingLost(f"{message}{bound:g}", {"error": error, "bound": bound, "time": time})

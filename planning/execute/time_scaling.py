@@ -1,0 +1,70 @@
+r"""Time scaling: how quickly a trajectory may be slowed down or sped up along its own path.
+
+A trajectory q(t) that is followed at t = s(clock) has, in tangent coordinates,
+
+    v    = q'(s) s',        vdot = q''(s) s'^2 + q'(s) s''
+
+(Siciliano et al., Robotics: Modelling, Planning and Control, section 4.2.2). `rate` is s' and
+`ramp` is s''. A block of joints keeps its bound a if |q'' s'^2 + q' s''| <= a, a quadratic
+inequality in s''. For 0 <= s' <= 1, s'' = 0 always satisfies it where the trajectory itself keeps
+the bound, so what is decided step by step never runs into a dead end.
+"""
+
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float64
+
+from planning.domain.curve import TimedTrajectory
+from planning.domain.joints import JointLimits
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
+
+# A block that moves slower than this [rad/s or m/s] cannot bound the ramp.
+_STILL = 1e-9
+
+
+def ramp_bounds(
+    trajectory: TimedTrajectory,
+    limits: JointLimits,
+    times: Float64[np.ndarray, " m"],
+    rate: float,
+) -> tuple[float, float]:
+    """Return the least and the largest s'' [1/s] that keep the acceleration limits at all `times`.
+
+    Where the trajectory's own acceleration is beyond a limit, that acceleration is the bound.
+    Nothing is promised between the `times`, nor of jerk.
+
+    Args:
+        trajectory: What is followed.
+        limits: Whose `acceleration` holds, per block.
+        times: Instants along the trajectory [s], shape (m,).
+        rate: s', in [0, 1].
+    """
+    slopes, curvatures = trajectory.velocities(times), trajectory.accelerations(times)
+    least, largest = -np.inf, np.inf
+    for bound, block in zip(limits.acceleration, limits.blocks, strict=True):
+        b, c = slopes[:, list(block)], curvatures[:, list(block)]
+        own = np.sum(c * c, axis=1)
+        low, high = _roots(b, c * rate**2, np.maximum(bound**2, own))
+        least, largest = max(least, low), min(largest, high)
+    return least, largest
+
+
+def _roots(b: Array, c: Array, squared_bound: Array) -> tuple[float, float]:
+    """Return the x for which |b x + c|^2 <= squared_bound in every row, as an interval."""
+    bb, bc = np.sum(b * b, axis=1), np.sum(b * c, axis=1)
+    moving = bb > _STILL**2
+    if not moving.any():
+        return -np.inf, np.inf
+    bb, bc = bb[moving], bc[moving]
+    slack = (squared_bound - np.sum(c * c, axis=1))[moving]
+    root = np.sqrt(np.maximum(bc * bc + bb * slack, 0.0))
+    return float(np.max((-bc - root) / bb)), float(np.min((-bc + root) / bb))
+
+
+def choose_ramp(bounds: tuple[float, float], rate: float, target: float, period: float) -> float:
+    """Return the s'' [1/s] within `bounds` that brings s' as near to `target` as one period can."""
+    wanted = (target - rate) / period
+    least, largest = min(bounds[0], 0.0), max(bounds[1], 0.0)
+    return float(np.clip(wanted, least, largest))

@@ -1,0 +1,202 @@
+"""Replay: a motion as one HTML page that needs no server, by Drake's Meshcat."""
+
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float64
+from pydrake.geometry import (
+    Cylinder,
+    GeometryId,
+    Meshcat,
+    MeshcatAnimation,
+    MeshcatParams,
+    Obb,
+    Rgba,
+    Role,
+)
+from pydrake.math import RigidTransform, RotationMatrix
+from pydrake.multibody.tree import Frame
+
+from planning.domain.curve import TimedTrajectory
+from planning.domain.joints import JointGroup
+from planning.world.world import World
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
+
+_DEFAULT_COLOR = Rgba(0.7, 0.7, 0.7, 1.0)
+_TRACE_COLOR = Rgba(0.95, 0.45, 0.05, 1.0)
+_AXIS_COLORS = (Rgba(0.85, 0.1, 0.1, 1.0), Rgba(0.1, 0.65, 0.1, 1.0), Rgba(0.1, 0.2, 0.9, 1.0))
+_AXIS_LENGTH, _AXIS_RADIUS = 0.06, 0.0025
+# Twice the number of frames gives a smoother line than the animation needs.
+_TRACE_POINTS_PER_FRAME = 2
+# Three quarters from the front, or from nearly above for what moves in a horizontal plane.
+_VIEW, _VIEW_FROM_ABOVE = np.array([1.0, -0.8, 0.6]), np.array([0.0, -0.3, 1.0])
+_FLAT = 0.2
+# The camera's field of view is 75 degrees: at this distance a ball of radius 1 fills most of it.
+_DISTANCE_PER_RADIUS = 1.7
+_FOREVER = 1_000_000
+
+
+def replay_html(
+    world: World,
+    group: JointGroup,
+    trajectory: TimedTrajectory,
+    frames_per_second: float = 30.0,
+) -> str:
+    """Return a page that shows the motion over and over, with the path of the tool frame.
+
+    Meshcat insists on a web server while it works: it listens on the loopback interface, on a port
+    that the system chooses, and is gone when this returns.
+
+    Args:
+        world: Where; what `group` does not move stays at the world's state.
+        group: What moves.
+        trajectory: Of the group.
+        frames_per_second: Of the animation.
+    """
+    meshcat = Meshcat(MeshcatParams(host="localhost", port=0, show_stats_plot=False))
+    return _Replay(world, meshcat).page(group, trajectory, frames_per_second)
+
+
+class _Replay:
+    """Draws a world in Meshcat and moves what moves."""
+
+    def __init__(self, world: World, meshcat: Meshcat) -> None:
+        self._world = world
+        self._plant = world.drake.plant
+        self._inspector = world.drake.scene_graph.model_inspector()
+        self._meshcat = meshcat
+        self._root = world.drake.diagram.CreateDefaultContext()
+        self._context = self._plant.GetMyMutableContextFromRoot(self._root)
+        fixed = self._plant.GetBodiesWeldedTo(self._plant.world_body())
+        self._fixed = {body.index() for body in fixed}
+
+    def page(self, group: JointGroup, trajectory: TimedTrajectory, rate: float) -> str:
+        """Draw everything and return the page."""
+        states = self._states(group, trajectory, rate)
+        self._plant.SetPositions(self._context, states[0])
+        drawn = {**self._draw_bodies(), **self._draw_frames()}
+        for path, frame in drawn.items():
+            self._meshcat.SetTransform(path, frame.CalcPoseInWorld(self._context))
+        self._aim_camera(states)
+        self._draw_trace(group, self._states(group, trajectory, rate * _TRACE_POINTS_PER_FRAME))
+        self._meshcat.SetAnimation(self._animation(drawn, states, rate))
+        for path in ("/Grid", "/Axes"):
+            self._meshcat.SetProperty(path, "visible", value=False)
+        return self._meshcat.StaticHtml()
+
+    def _states(self, group: JointGroup, trajectory: TimedTrajectory, rate: float) -> Array:
+        """Return full configurations, `rate` a second, shape (n, num_positions)."""
+        times = trajectory.sample_times(1.0 / rate)
+        return self._world.drake.embed(group, trajectory.positions(times), self._world.state)
+
+    def _visible(self) -> list[tuple[Frame, str, list[GeometryId]]]:
+        """Return every body that shows: its frame, its Meshcat path and what it shows."""
+        visible: list[tuple[Frame, str, list[GeometryId]]] = []
+        for index, name in self._world.drake.body_names.items():
+            body = self._plant.get_body(index)
+            frame_id = self._plant.GetBodyFrameIdIfExists(index)
+            if frame_id is None:
+                continue
+            geometries = list(self._inspector.GetGeometries(frame_id, Role.kIllustration))
+            if geometries:
+                path = f"/bodies/{name.replace('::', '/')}"
+                visible.append((body.body_frame(), path, geometries))
+        return visible
+
+    def _draw_bodies(self) -> dict[str, Frame]:
+        """Draw the bodies and return their frames by path."""
+        drawn: dict[str, Frame] = {}
+        for frame, path, geometries in self._visible():
+            for i, geometry in enumerate(geometries):
+                self._draw_geometry(f"{path}/{i}", geometry)
+            drawn[path] = frame
+        return drawn
+
+    def _draw_geometry(self, path: str, geometry: GeometryId) -> None:
+        properties = self._inspector.GetIllustrationProperties(geometry)
+        color = _DEFAULT_COLOR
+        if properties is not None and properties.HasProperty("phong", "diffuse"):
+            color = properties.GetProperty("phong", "diffuse")
+        self._meshcat.SetObject(path, self._inspector.GetShape(geometry), color)
+        self._meshcat.SetTransform(path, self._inspector.GetPoseInFrame(geometry))
+
+    def _draw_frames(self) -> dict[str, Frame]:
+        """Draw the scene's named frames as small triads and return them by path."""
+        turns = (
+            RotationMatrix.MakeYRotation(np.pi / 2),
+            RotationMatrix.MakeXRotation(-np.pi / 2),
+            RotationMatrix(),
+        )
+        bar = Cylinder(_AXIS_RADIUS, _AXIS_LENGTH)
+        drawn: dict[str, Frame] = {}
+        for named in self._world.scene.frames:
+            path = f"/frames/{named.name}"
+            drawn[path] = self._world.drake.frames[named.name]
+            for i, turn in enumerate(turns):
+                center = _AXIS_LENGTH / 2 * np.eye(3)[i]
+                self._meshcat.SetObject(f"{path}/{i}", bar, _AXIS_COLORS[i])
+                self._meshcat.SetTransform(f"{path}/{i}", RigidTransform(turn, center))
+        return drawn
+
+    def _draw_trace(self, group: JointGroup, states: Float64[np.ndarray, "n nx"]) -> None:
+        """Draw where the default tool frame goes."""
+        if not group.tool_frames:
+            return
+        tool = self._world.drake.frames[group.tool_frames[0]]
+        points = np.empty((3, len(states)))
+        for i, state in enumerate(states):
+            self._plant.SetPositions(self._context, state)
+            points[:, i] = tool.CalcPoseInWorld(self._context).translation()
+        self._meshcat.SetLine("/trace", points, 4.0, _TRACE_COLOR)
+
+    def _animation(
+        self, drawn: dict[str, Frame], states: Float64[np.ndarray, "n nx"], rate: float
+    ) -> MeshcatAnimation:
+        animation = MeshcatAnimation(rate)
+        animation.set_loop_mode(MeshcatAnimation.LoopMode.kLoopRepeat)
+        animation.set_repetitions(_FOREVER)
+        moving = {p: f for p, f in drawn.items() if f.body().index() not in self._fixed}
+        for i, state in enumerate(states):
+            self._plant.SetPositions(self._context, state)
+            for path, frame in moving.items():
+                animation.SetTransform(i, path, frame.CalcPoseInWorld(self._context))
+        return animation
+
+    def _aim_camera(self, states: Float64[np.ndarray, "n nx"]) -> None:
+        """Show everything that moves, at the start, on the way and at the end."""
+        corners: list[Array] = []
+        for state in states[[0, len(states) // 2, -1]]:
+            self._plant.SetPositions(self._context, state)
+            corners += self._moving_corners()
+        if not corners:
+            return
+        points = np.concatenate(corners)
+        lower, upper = points.min(axis=0), points.max(axis=0)
+        extent = upper - lower
+        is_flat = extent[2] < _FLAT * np.max(extent)
+        direction = _VIEW_FROM_ABOVE if is_flat else _VIEW
+        distance = _DISTANCE_PER_RADIUS * float(np.linalg.norm(extent)) / 2
+        target = (lower + upper) / 2
+        camera = target + distance * direction / np.linalg.norm(direction)
+        self._meshcat.SetCameraPose(camera, target)
+
+    def _moving_corners(self) -> list[Array]:
+        """Return the corners of the boxes around what moves, in world, each of shape (8, 3)."""
+        corners: list[Array] = []
+        for frame, _, geometries in self._visible():
+            if frame.body().index() in self._fixed:
+                continue
+            x_wf = frame.CalcPoseInWorld(self._context)
+            for geometry in geometries:
+                box = self._inspector.GetObbInGeometryFrame(geometry)
+                if box is not None:
+                    x_fg = self._inspector.GetPoseInFrame(geometry)
+                    corners.append(_corners(box, x_wf @ x_fg))
+        return corners
+
+
+def _corners(box: Obb, x_wg: RigidTransform) -> Array:
+    signs = np.stack(np.meshgrid(*[[-1.0, 1.0]] * 3), axis=-1).reshape(8, 3)
+    in_box = (signs * box.half_width()).T
+    return (x_wg @ box.pose()).multiply(in_box).T
