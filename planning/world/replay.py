@@ -10,7 +10,6 @@ from pydrake.geometry import (
     Meshcat,
     MeshcatAnimation,
     MeshcatParams,
-    Obb,
     Rgba,
     Role,
 )
@@ -18,7 +17,8 @@ from pydrake.math import RigidTransform, RotationMatrix
 from pydrake.multibody.tree import Frame
 
 from planning.domain.curve import TimedTrajectory
-from planning.domain.joints import JointGroup
+from planning.domain.joints import JointGroup, JointType
+from planning.world.camera import SolidBox, place_camera
 from planning.world.world import World
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
@@ -29,11 +29,6 @@ _AXIS_COLORS = (Rgba(0.85, 0.1, 0.1, 1.0), Rgba(0.1, 0.65, 0.1, 1.0), Rgba(0.1, 
 _AXIS_LENGTH, _AXIS_RADIUS = 0.06, 0.0025
 # Twice the number of frames gives a smoother line than the animation needs.
 _TRACE_POINTS_PER_FRAME = 2
-# Three quarters from the front, or from nearly above for what moves in a horizontal plane.
-_VIEW, _VIEW_FROM_ABOVE = np.array([1.0, -0.8, 0.6]), np.array([0.0, -0.3, 1.0])
-_FLAT = 0.2
-# The camera's field of view is 75 degrees: at this distance a ball of radius 1 fills most of it.
-_DISTANCE_PER_RADIUS = 1.7
 _FOREVER = 1_000_000
 
 
@@ -78,7 +73,7 @@ class _Replay:
         drawn = {**self._draw_bodies(), **self._draw_frames()}
         for path, frame in drawn.items():
             self._meshcat.SetTransform(path, frame.CalcPoseInWorld(self._context))
-        self._aim_camera(states)
+        self._aim_camera(group, states)
         self._draw_trace(group, self._states(group, trajectory, rate * _TRACE_POINTS_PER_FRAME))
         self._meshcat.SetAnimation(self._animation(drawn, states, rate))
         for path in ("/Grid", "/Axes"):
@@ -163,40 +158,34 @@ class _Replay:
                 animation.SetTransform(i, path, frame.CalcPoseInWorld(self._context))
         return animation
 
-    def _aim_camera(self, states: Float64[np.ndarray, "n nx"]) -> None:
+    def _aim_camera(self, group: JointGroup, states: Float64[np.ndarray, "n nx"]) -> None:
         """Show everything that moves, at the start, on the way and at the end."""
-        corners: list[Array] = []
+        points: list[Array] = []
         for state in states[[0, len(states) // 2, -1]]:
             self._plant.SetPositions(self._context, state)
-            corners += self._moving_corners()
-        if not corners:
-            return
-        points = np.concatenate(corners)
-        lower, upper = points.min(axis=0), points.max(axis=0)
-        extent = upper - lower
-        is_flat = extent[2] < _FLAT * np.max(extent)
-        direction = _VIEW_FROM_ABOVE if is_flat else _VIEW
-        distance = _DISTANCE_PER_RADIUS * float(np.linalg.norm(extent)) / 2
-        target = (lower + upper) / 2
-        camera = target + distance * direction / np.linalg.norm(direction)
-        self._meshcat.SetCameraPose(camera, target)
+            points += [_corners(box) for box in self._boxes(moving=True)]
+        if points:
+            in_plane = any(joint.type is JointType.PLANAR for joint in group.joints)
+            around = self._boxes(moving=False)
+            camera, target = place_camera(np.concatenate(points), around, from_above=in_plane)
+            self._meshcat.SetCameraPose(camera, target)
 
-    def _moving_corners(self) -> list[Array]:
-        """Return the corners of the boxes around what moves, in world, each of shape (8, 3)."""
-        corners: list[Array] = []
+    def _boxes(self, *, moving: bool) -> list[SolidBox]:
+        """Return the boxes around what shows and moves, or around what shows and does not."""
+        boxes: list[SolidBox] = []
         for frame, _, geometries in self._visible():
-            if frame.body().index() in self._fixed:
+            if (frame.body().index() in self._fixed) is moving:
                 continue
             x_wf = frame.CalcPoseInWorld(self._context)
             for geometry in geometries:
                 box = self._inspector.GetObbInGeometryFrame(geometry)
                 if box is not None:
-                    x_fg = self._inspector.GetPoseInFrame(geometry)
-                    corners.append(_corners(box, x_wf @ x_fg))
-        return corners
+                    x_wb = x_wf @ self._inspector.GetPoseInFrame(geometry) @ box.pose()
+                    boxes.append(SolidBox(x_wb.GetAsMatrix4(), np.array(box.half_width())))
+        return boxes
 
 
-def _corners(box: Obb, x_wg: RigidTransform) -> Array:
+def _corners(box: SolidBox) -> Array:
+    """Return the corners of a box in world, shape (8, 3)."""
     signs = np.stack(np.meshgrid(*[[-1.0, 1.0]] * 3), axis=-1).reshape(8, 3)
-    in_box = (signs * box.half_width()).T
-    return (x_wg @ box.pose()).multiply(in_box).T
+    return signs * box.half_width @ box.pose[:3, :3].T + box.pose[:3, 3]
