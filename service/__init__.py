@@ -1,0 +1,1 @@
+"""The Wayproof service: planning over HTTP, as durable jobs in killable processes."""

@@ -1,0 +1,1 @@
+"""The command line: it speaks HTTP like anyone else."""

@@ -1,0 +1,58 @@
+"""What `--to` means: a frame to bring the tool to, or a configuration by name."""
+
+from typing import Any
+
+import typer
+
+from service.cli.screen import complaints
+from service.schemas.scene import Scene
+from service.schemas.summary import GroupWire
+
+
+def group_of(scene: Scene, name: str | None) -> GroupWire:
+    """Return a group of the scene, by default its first.
+
+    Raises:
+        typer.Exit: There is none of that name.
+    """
+    for group in scene.groups:
+        if name in {None, group.name, *group.aliases}:
+            return group
+    known = ", ".join(group.name for group in scene.groups)
+    complaints.print(f"group {name!r} does not exist; groups: {known}", markup=False)
+    raise typer.Exit(1)
+
+
+def goal_of(scene: Scene, group: GroupWire, target: str) -> dict[str, Any]:
+    """Return the goal that a name means: a frame, else a configuration.
+
+    Raises:
+        typer.Exit: It is neither.
+    """
+    if target in scene.frames:
+        return {"type": "pose", "poses": [{"position": [0, 0, 0], "frame": target}]}
+    if target in group.configurations:
+        return {"type": "configuration", "name": target}
+    complaints.print(
+        f"{target!r} is neither a frame nor a configuration; "
+        f"frames: {', '.join(scene.frames)}; configurations: {', '.join(group.configurations)}",
+        markup=False,
+    )
+    raise typer.Exit(1)
+
+
+def start_of(group: GroupWire, name: str | None) -> list[float] | None:
+    """Return the configuration to start from, None for the scene's current state.
+
+    Raises:
+        typer.Exit: There is none of that name.
+    """
+    if name is None:
+        return None
+    if name not in group.configurations:
+        known = ", ".join(group.configurations)
+        complaints.print(
+            f"configuration {name!r} does not exist; configurations: {known}", markup=False
+        )
+        raise typer.Exit(1)
+    return group.configurations[name]

@@ -1,0 +1,79 @@
+"""wayproof plan: one motion in one scene."""
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from service.cli.goal import goal_of, group_of, start_of
+from service.cli.scene_source import read_scene_text
+from service.cli.screen import console, follow, show_failure, show_plans
+from service.cli.session import session
+from service.client.client import Client
+from service.schemas.job import Job
+
+
+def plan(  # noqa: PLR0913  (one parameter per option)
+    scene: Annotated[str, typer.Argument(help="A bundled scene, or a YAML or JSON file.")],
+    *,
+    to: Annotated[str, typer.Option(help="A frame to bring the tool to, or a configuration.")],
+    from_: Annotated[
+        str | None, typer.Option("--from", help="A configuration; else the scene's state.")
+    ] = None,
+    group: Annotated[str | None, typer.Option(help="What moves; else the first group.")] = None,
+    seed: Annotated[int, typer.Option(help="Of all randomness.")] = 0,
+    seconds: Annotated[float, typer.Option(help="Allowed planning time [s].")] = 10.0,
+    out: Annotated[
+        Path | None,
+        typer.Option(help="Where to write the motion: .json (everything), .csv or .html (replay)."),
+    ] = None,
+    server: Annotated[str | None, typer.Option(help="URL of a running server.")] = None,
+) -> None:
+    """Plan a certified motion. Without --server, a private one runs for as long as it takes."""
+    if out is not None and out.suffix not in {".json", ".csv", ".html"}:
+        message = "must end in .json, .csv or .html"
+        raise typer.BadParameter(message, param_hint="--out")
+    with session(server) as client:
+        posted = client.add_scene(*read_scene_text(scene))
+        moving = group_of(posted, group)
+        request: dict[str, Any] = {
+            "scene": posted.id,
+            "group": moving.name,
+            "start": start_of(moving, from_),
+            "goal": goal_of(posted, moving, to),
+            "search": {"allowed_planning_time": seconds},
+            "seed": seed,
+        }
+        job = finished(client, f"to {to}", request)
+        show_plans({f"to {to}": job})
+        if out is not None:
+            write(client, job, out)
+            console.print(f"written to {out}", markup=False)
+
+
+def finished(client: Client, title: str, request: dict[str, Any]) -> Job:
+    """Ask for a plan, show its progress, and return it once it succeeded.
+
+    Raises:
+        typer.Exit: With 1, after a message, if it did not.
+    """
+    job = client.submit_plan(request)
+    follow(title, client.plan_events(job.id))
+    job = client.plan(job.id)
+    if job.result is None:
+        show_failure(f"the plan {title}", job.failure)
+        raise typer.Exit(1)
+    return job
+
+
+def write(client: Client, job: Job, out: Path) -> None:
+    """Write a plan to a file, as its ending says."""
+    out.parent.mkdir(parents=True, exist_ok=True)
+    match out.suffix:
+        case ".csv":
+            text = client.trajectory_csv(job.id)
+        case ".html":
+            text = client.replay(job.id)
+        case _:
+            text = job.model_dump_json(indent=1)
+    out.write_text(text, encoding="utf-8")

@@ -1,0 +1,126 @@
+"""What people see: progress bars and summaries."""
+
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+from rich.console import Console
+from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+from rich.table import Table
+
+from service.client.events import Event
+from service.schemas.execution import Execution
+from service.schemas.job import Job
+from service.schemas.problem import Failure
+from service.schemas.result import PlanResult
+
+console = Console(highlight=False)
+complaints = Console(stderr=True, highlight=False)
+
+_STAGES = ("load", "goals", "search", "refine", "retime", "certify", "total")
+
+
+def follow(title: str, events: Iterable[Event]) -> dict[str, Any]:
+    """Show events as a progress bar until they end; return the data of the last one."""
+    last: dict[str, Any] = {}
+    columns = (
+        TextColumn(f"{title:<16}"),
+        BarColumn(bar_width=32),
+        TextColumn("{task.percentage:>3.0f} %"),
+        TimeElapsedColumn(),
+        TextColumn("{task.description}"),
+    )
+    with Progress(*columns, console=console) as bar:
+        task = bar.add_task("", total=1.0)
+        for event in events:
+            last = event.data
+            bar.update(
+                task,
+                completed=float(last.get("progress", 0.0)),
+                description=_described(event),
+            )
+    return last
+
+
+def _described(event: Event) -> str:
+    error = event.data.get("tracking_error")
+    if error is not None:
+        return f"{event.data['state']}, t = {event.data['time']:.2f} s, off by {error:.1e}"
+    return str(event.data.get("stage") or event.data.get("state") or event.type)
+
+
+def show_plans(plans: Mapping[str, Job]) -> None:
+    """Print the summary of plans that succeeded, a column each."""
+    table = Table(title="What was planned, and what is proven of it", title_justify="left")
+    table.add_column("")
+    for name in plans:
+        table.add_column(name, justify="right")
+    columns = [_facts(job) for job in plans.values()]
+    for row in dict.fromkeys(row for column in columns for row in column):
+        table.add_row(row, *(column.get(row, "") for column in columns))
+    console.print(table)
+
+
+def _facts(job: Job) -> dict[str, str]:
+    result = job.result
+    if result is None:
+        return {"state": str(job.state)}
+    facts = {
+        f"{stage} [ms]": f"{1000 * job.timings[stage]:.0f}"
+        for stage in _STAGES
+        if stage in job.timings
+    }
+    return {**facts, **_motion_facts(result), **_proof_facts(result)}
+
+
+def _motion_facts(result: PlanResult) -> dict[str, str]:
+    funnel, search, retime = result.stages.goals.funnel, result.stages.search, result.stages.retime
+    refine = result.stages.refine
+    return {
+        "IK: tried": str(funnel.tried),
+        "IK: converged": str(funnel.converged),
+        "IK: within limits": str(funnel.within_limits),
+        "IK: collision-free": str(funnel.collision_free),
+        "IK: distinct": str(funnel.distinct),
+        "planner": search.planner,
+        "configurations checked": str(search.num_states_checked),
+        "path length [rad]": f"{search.length:.3f}",
+        "refined": "yes" if refine.improved else f"no: {refine.reason or refine.method}",
+        "timed by": retime.method,
+        "duration [s]": f"{retime.duration:.3f}",
+    }
+
+
+def _proof_facts(result: PlanResult) -> dict[str, str]:
+    proof = result.certificate
+    nearest = "nothing to hit" if proof.min_clearance is None else f"{proof.min_clearance:.4f}"
+    return {
+        "proven": "yes" if proof.proven else "NO",
+        "min clearance [m]": nearest,
+        "between": " and ".join(name for name in proof.pair if name),
+        "at [s]": f"{proof.time:.3f}",
+        **{
+            f"check: {check.name}": "passed" if check.passed else "FAILED" for check in proof.checks
+        },
+        "digest": result.digest[:16],
+    }
+
+
+def show_execution(name: str, execution: Execution) -> None:
+    """Print how an execution ended, in a line."""
+    status = execution.status
+    if status is None:
+        console.print(f"{name}: {execution.state}")
+        return
+    console.print(
+        f"{name}: {execution.state} after {status.time:.2f} s, never further than "
+        f"{status.max_tracking_error:.1e} rad from the plan, {len(status.contacts)} contacts"
+    )
+
+
+def show_failure(what: str, failure: Failure | None) -> None:
+    """Print why something has no result, on stderr."""
+    if failure is None:
+        complaints.print(f"{what}: no result, and no reason given")
+        return
+    stage = f" (stage {failure.stage})" if failure.stage else ""
+    complaints.print(f"{what} failed{stage}: {failure.code}: {failure.detail}", markup=False)

@@ -1,0 +1,89 @@
+"""wayproof serve: run the service until it is told to stop."""
+
+import json
+import socket
+import sys
+import threading
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+import uvicorn
+from pydantic import ValidationError
+
+from service.app import create_app
+from service.settings import Settings
+
+# Streams of events would hold a stopping server for ever.
+_GRACE = 2
+
+
+def serve(  # noqa: PLR0913  (one parameter per option)
+    *,
+    host: Annotated[str | None, typer.Option(help="Address to listen on.")] = None,
+    port: Annotated[int | None, typer.Option(help="Port to listen on; 0 for a free one.")] = None,
+    data_dir: Annotated[Path | None, typer.Option(help="Where records are kept.")] = None,
+    plan_slots: Annotated[int | None, typer.Option(help="Plans that may run at once.")] = None,
+    engine: Annotated[str | None, typer.Option(help="process or inline.")] = None,
+    announce: Annotated[Path | None, typer.Option(hidden=True)] = None,
+    leashed: Annotated[bool, typer.Option("--leashed", hidden=True)] = False,
+    verbose: Annotated[bool, typer.Option("--verbose", help="Log every request.")] = False,
+) -> None:
+    """Run the service. Settings come from options, else from WAYPROOF_* in the environment."""
+    chosen: dict[str, Any] = {
+        "host": host,
+        "port": port,
+        "data_dir": data_dir,
+        "plan_slots": plan_slots,
+        "engine": engine,
+    }
+    try:
+        settings = Settings(**{name: item for name, item in chosen.items() if item is not None})
+    except ValidationError as fault:
+        typer.echo(f"the settings are wrong: {fault}", err=True)
+        raise typer.Exit(2) from fault
+    bound = bind(settings.host, settings.port)
+    url = url_of(bound)
+    server = uvicorn.Server(
+        uvicorn.Config(
+            create_app(settings),
+            log_level="info" if verbose else "warning",
+            timeout_graceful_shutdown=_GRACE,
+        )
+    )
+    if leashed:
+        threading.Thread(target=_stop_with_stdin, args=(server,), daemon=True).start()
+    if announce is not None:
+        announce.write_text(json.dumps({"url": url}), encoding="utf-8")
+    typer.echo(f"Wayproof listens on {url}  (documentation: {url}/docs)", err=True)
+    server.run(sockets=[bound])
+
+
+def bind(host: str, port: int) -> socket.socket:
+    """Return a socket bound to an address.
+
+    Raises:
+        typer.Exit: It is taken, or not ours.
+    """
+    family = socket.AF_INET6 if ":" in host else socket.AF_INET
+    bound = socket.socket(family, socket.SOCK_STREAM)
+    bound.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+    try:
+        bound.bind((host, port))
+    except OSError as fault:
+        bound.close()
+        typer.echo(f"cannot listen on {host}, port {port}: {fault.strerror or fault}", err=True)
+        raise typer.Exit(1) from fault
+    return bound
+
+
+def url_of(bound: socket.socket) -> str:
+    """Return the URL at which a bound socket is reached."""
+    host, port = bound.getsockname()[:2]
+    return f"http://[{host}]:{port}" if ":" in host else f"http://{host}:{port}"
+
+
+def _stop_with_stdin(server: uvicorn.Server) -> None:
+    """Stop the server when whoever started it is gone: its end of our stdin closes with it."""
+    sys.stdin.buffer.read()
+    server.should_exit = True

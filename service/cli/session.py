@@ -1,0 +1,34 @@
+"""A session: a server, private or somebody's, and every failure as a message and an exit code."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import httpx
+import typer
+
+from service.cli.private_server import ServerFailed, private_server
+from service.cli.scene_source import NoSuchScene
+from service.cli.screen import complaints
+from service.client.client import Client
+from service.client.refused import Refused
+
+
+@contextmanager
+def session(server: str | None) -> Iterator[Client]:
+    """Lend a client of the server at a URL, or of a private one that lives as long as this.
+
+    Raises:
+        typer.Exit: With 1, after a message, if the server refuses or cannot be reached.
+    """
+    try:
+        with private_server() if server is None else Client(server) as client:
+            yield client
+    except Refused as refusal:
+        complaints.print(f"the server refused: {refusal}", markup=False)
+        raise typer.Exit(1) from refusal
+    except httpx.TransportError as fault:
+        complaints.print(f"cannot reach the server: {fault}", markup=False)
+        raise typer.Exit(1) from fault
+    except (ServerFailed, NoSuchScene) as fault:
+        complaints.print(str(fault), markup=False)
+        raise typer.Exit(1) from fault

@@ -1,0 +1,133 @@
+"""Client: the HTTP API as methods."""
+
+from collections.abc import Iterator
+from types import TracebackType
+from typing import Any, Self
+
+import httpx
+
+from service.client.events import Event, decode_events
+from service.client.refused import checked
+from service.schemas.execution import Execution
+from service.schemas.job import Job
+from service.schemas.scene import Scene
+from service.schemas.summary import ModelWire
+
+_CONNECT_TIMEOUT = 5.0
+_ANSWER_TIMEOUT = 120.0
+
+
+class Client:
+    """Speaks to one server. Use it as a context manager.
+
+    Every method raises `Refused` for a problem document and `httpx.TransportError` if the server
+    cannot be reached.
+    """
+
+    def __init__(self, url: str, *, transport: httpx.BaseTransport | None = None) -> None:
+        """Speak to the server at `url`, for example `http://127.0.0.1:8470`."""
+        timeout = httpx.Timeout(_ANSWER_TIMEOUT, connect=_CONNECT_TIMEOUT)
+        # Proxies of the environment are for the outside world, not for a server on this machine.
+        self._http = httpx.Client(
+            base_url=url, timeout=timeout, transport=transport, trust_env=False
+        )
+
+    def __enter__(self) -> Self:
+        """Begin to use it."""
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        """Close all connections."""
+        self._http.close()
+
+    def is_ready(self) -> bool:
+        """Return whether the server takes jobs."""
+        return self._http.get("/readyz").is_success
+
+    def models(self) -> list[str]:
+        """Return the names of the robots there are."""
+        names: list[str] = checked(self._http.get("/v1/models")).json()["items"]
+        return names
+
+    def model(self, name: str) -> ModelWire:
+        """Return what a robot can do."""
+        return ModelWire.model_validate_json(checked(self._http.get(f"/v1/models/{name}")).content)
+
+    def add_scene(self, text: str | bytes, media_type: str = "application/yaml") -> Scene:
+        """Post a scene."""
+        headers = {"Content-Type": media_type}
+        answer = self._http.post("/v1/scenes", content=text, headers=headers)
+        return Scene.model_validate_json(checked(answer).content)
+
+    def scene(self, scene: str) -> Scene:
+        """Return a scene."""
+        return Scene.model_validate_json(checked(self._http.get(f"/v1/scenes/{scene}")).content)
+
+    def delete_scene(self, scene: str) -> None:
+        """Forget a scene."""
+        checked(self._http.delete(f"/v1/scenes/{scene}"))
+
+    def submit_plan(self, request: dict[str, Any], key: str | None = None) -> Job:
+        """Ask for a plan.
+
+        Args:
+            request: A `PlanRequest`.
+            key: Idempotency key: the same key and request give the same job.
+        """
+        headers = {} if key is None else {"Idempotency-Key": key}
+        answer = self._http.post("/v1/plans", json=request, headers=headers)
+        return Job.model_validate_json(checked(answer).content)
+
+    def plan(self, plan: str) -> Job:
+        """Return how far a plan is."""
+        return Job.model_validate_json(checked(self._http.get(f"/v1/plans/{plan}")).content)
+
+    def cancel_plan(self, plan: str) -> Job:
+        """Ask for the end of a plan."""
+        answer = self._http.post(f"/v1/plans/{plan}/cancel")
+        return Job.model_validate_json(checked(answer).content)
+
+    def plan_events(self, plan: str, after: str | None = None) -> Iterator[Event]:
+        """Yield what happens to a plan, from the first event or after one, until it is over."""
+        return self._events(f"/v1/plans/{plan}/events", after)
+
+    def trajectory_csv(self, plan: str) -> str:
+        """Return the trajectory of a plan as CSV."""
+        path = f"/v1/plans/{plan}/trajectory"
+        return checked(self._http.get(path, params={"format": "csv"})).text
+
+    def replay(self, plan: str) -> str:
+        """Return a page that replays a plan in 3-D."""
+        return checked(self._http.get(f"/v1/plans/{plan}/replay.html")).text
+
+    def execute(self, plan: str, speed: float = 1.0) -> Execution:
+        """Carry out a plan in simulation, `speed` times as fast as real time."""
+        body = {"plan": plan, "driver": "simulated", "speed": speed}
+        answer = checked(self._http.post("/v1/executions", json=body))
+        return Execution.model_validate_json(answer.content)
+
+    def execution(self, execution: str) -> Execution:
+        """Return how far an execution is."""
+        answer = checked(self._http.get(f"/v1/executions/{execution}"))
+        return Execution.model_validate_json(answer.content)
+
+    def cancel_execution(self, execution: str) -> Execution:
+        """Ask for the end of an execution."""
+        answer = checked(self._http.post(f"/v1/executions/{execution}/cancel"))
+        return Execution.model_validate_json(answer.content)
+
+    def execution_events(self, execution: str, after: str | None = None) -> Iterator[Event]:
+        """Yield what happens to an execution, until it is over."""
+        return self._events(f"/v1/executions/{execution}/events", after)
+
+    def _events(self, path: str, after: str | None) -> Iterator[Event]:
+        headers = {} if after is None else {"Last-Event-ID": after}
+        with self._http.stream("GET", path, headers=headers) as answer:
+            if answer.is_error:
+                answer.read()
+            yield from decode_events(checked(answer).iter_lines())

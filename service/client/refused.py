@@ -1,0 +1,40 @@
+"""Refused: the server said no, and why."""
+
+import httpx
+from pydantic import ValidationError
+
+from service.schemas.problem import Problem
+
+
+class Refused(Exception):
+    """An answer that is a problem document.
+
+    Attributes:
+        problem: What the server said.
+    """
+
+    def __init__(self, problem: Problem) -> None:
+        super().__init__(f"{problem.status} {problem.code}: {problem.detail}")
+        self.problem = problem
+
+
+def checked(response: httpx.Response) -> httpx.Response:
+    """Return an answer that is no error.
+
+    Raises:
+        Refused: It is one.
+    """
+    if not response.is_error:
+        return response
+    try:
+        problem = Problem.model_validate_json(response.content)
+    except ValidationError:
+        problem = Problem(
+            type="about:blank",
+            title=response.reason_phrase,
+            status=response.status_code,
+            code="http_error",
+            detail=response.text[:300],
+            evidence={},
+        )
+    raise Refused(problem)

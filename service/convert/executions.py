@@ -1,0 +1,36 @@
+"""Execution states to the wire."""
+
+from typing import Any
+
+from planning.domain.report import BodyPair
+from planning.execute.status import ExecutionStatus
+from service.convert.numbers import listed
+
+
+class StatusLog:
+    """Turns statuses into wire form and remembers the worst: contacts and tracking errors."""
+
+    def __init__(self) -> None:
+        """Remember nothing yet."""
+        self._max_error = 0.0
+        self._contacts: dict[tuple[str, str], dict[str, Any]] = {}
+
+    def wire(self, status: ExecutionStatus) -> dict[str, Any]:
+        """Return the data of a `status` event."""
+        self._max_error = max(self._max_error, status.tracking_error)
+        for contact in status.contacts:
+            self._contacts.setdefault(contact.bodies, contact_wire(contact, status.time))
+        return {
+            "state": str(status.state),
+            "progress": min(1.0, max(0.0, status.progress)),
+            "time": status.time,
+            "positions": listed(status.measured),
+            "tracking_error": status.tracking_error,
+            "max_tracking_error": self._max_error,
+            "contacts": list(self._contacts.values()),
+        }
+
+
+def contact_wire(contact: BodyPair, time: float) -> dict[str, Any]:
+    """Return a contact for the wire."""
+    return {"bodies": list(contact.bodies), "depth": max(0.0, -contact.distance), "time": time}

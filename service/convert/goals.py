@@ -1,0 +1,79 @@
+"""Poses, goals and problems: from the wire to the domain."""
+
+import numpy as np
+
+from planning.domain.goal import ConfigurationGoal, Goal, JointGoal, PoseGoal, PoseTarget
+from planning.domain.options import IkOptions, RefineOptions, RetimeOptions, SearchOptions
+from planning.domain.pose import Pose
+from planning.domain.problem import PlanningProblem
+from service.schemas.goal import ConfigurationGoalWire, GoalWire, JointGoalWire, PoseGoalWire
+from service.schemas.plan import IkWire, PlanRequest
+from service.schemas.pose import PoseWire
+
+
+def pose_value(pose: PoseWire) -> Pose:
+    """Return the domain's pose, without its frame."""
+    return Pose.from_parts(pose.position, pose.quaternion, pose.rpy)
+
+
+def pose_wire(pose: Pose) -> dict[str, object]:
+    """Return a pose in world for the wire."""
+    return {
+        "position": pose.position.tolist(),
+        "quaternion": pose.quaternion.tolist(),
+        "frame": "world",
+    }
+
+
+def pose_goal_value(goal: PoseGoalWire) -> PoseGoal:
+    """Return the domain's pose goal."""
+    return PoseGoal(
+        targets=tuple(PoseTarget(pose_value(pose), pose.frame) for pose in goal.poses),
+        frame=goal.frame or "",
+        position_tolerance=np.array(goal.tolerance.position, dtype=np.float64),
+        rotation_tolerance=np.array(goal.tolerance.rotation, dtype=np.float64),
+    )
+
+
+def goal_value(goal: GoalWire) -> Goal:
+    """Return the domain's goal."""
+    match goal:
+        case JointGoalWire():
+            return JointGoal(np.atleast_2d(np.array(goal.positions, dtype=np.float64)))
+        case ConfigurationGoalWire():
+            return ConfigurationGoal(goal.name)
+        case PoseGoalWire():
+            return pose_goal_value(goal)
+
+
+def ik_value(ik: IkWire) -> IkOptions:
+    """Return the domain's IK options."""
+    return IkOptions(ik.max_configurations, ik.max_trials)
+
+
+def problem_value(request: PlanRequest) -> PlanningProblem:
+    """Return the domain's problem; every field of the request is in it but for the scene."""
+    search, retime = request.search, request.retime
+    return PlanningProblem(
+        group=request.group,
+        goal=goal_value(request.goal),
+        start=None if request.start is None else np.array(request.start, dtype=np.float64),
+        ik=ik_value(request.ik),
+        search=SearchOptions(
+            planner=search.planner,
+            parameters=dict(search.parameters),
+            attempts=search.attempts,
+            allowed_planning_time=search.allowed_planning_time,
+            resolution=search.resolution,
+            num_states=search.num_states,
+        ),
+        refine=RefineOptions(request.refine.method),
+        retime=RetimeOptions(
+            method=retime.method,
+            velocity_scale=retime.velocity_scale,
+            acceleration_scale=retime.acceleration_scale,
+            sample_period=retime.sample_period,
+        ),
+        margin=request.margin,
+        seed=request.seed,
+    )

@@ -1,0 +1,70 @@
+"""MotionPlan to the wire."""
+
+import dataclasses
+from typing import Any
+
+from planning.domain.certificate import Certificate
+from planning.domain.plan import MotionPlan, StageReports
+from planning.domain.report import Funnel
+from service.convert.numbers import finite, listed
+from service.convert.trajectories import sampled_wire
+
+
+def plan_wire(plan: MotionPlan, period: float) -> dict[str, Any]:
+    """Return the `result` of a job.
+
+    Args:
+        plan: What was found.
+        period: Between samples of the trajectory [s].
+    """
+    return {
+        "goal_configuration": listed(plan.goal_configuration),
+        "goal_index": plan.goal_index,
+        "start": listed(plan.start),
+        "start_clipped": listed(plan.start_clipped),
+        "path": listed(plan.path.waypoints),
+        "trajectory": sampled_wire(plan.trajectory, period),
+        "certificate": certificate_wire(plan.certificate),
+        "stages": stages_wire(plan.stages),
+        "digest": plan.digest,
+    }
+
+
+def certificate_wire(certificate: Certificate) -> dict[str, Any]:
+    """Return a certificate for the wire."""
+    return {
+        "proven": certificate.proven,
+        "min_clearance": finite(certificate.min_clearance),
+        "pair": list(certificate.pair),
+        "time": certificate.time,
+        "checks": [
+            {
+                **dataclasses.asdict(check),
+                "value": finite(check.value),
+                "bound": finite(check.bound),
+                "resolution": finite(check.resolution),
+            }
+            for check in certificate.checks
+        ],
+    }
+
+
+def funnel_wire(funnel: Funnel) -> dict[str, Any]:
+    """Return an IK funnel for the wire."""
+    tallies = [dataclasses.asdict(tally) for tally in funnel.rejected_by]
+    return {**dataclasses.asdict(funnel), "rejected_by": tallies}
+
+
+def stages_wire(stages: StageReports) -> dict[str, Any]:
+    """Return the reports of all stages for the wire."""
+    certify = dataclasses.asdict(stages.certify)
+    return {
+        "goals": {
+            "num_configurations": len(stages.goals.positions),
+            "funnel": funnel_wire(stages.goals.funnel),
+        },
+        "search": dataclasses.asdict(stages.search),
+        "refine": dataclasses.asdict(stages.refine),
+        "retime": dataclasses.asdict(stages.retime),
+        "certify": {**certify, "refused": list(stages.certify.refused)},
+    }

@@ -1,0 +1,51 @@
+"""Trajectories: sampled for the wire, and exactly there and back."""
+
+from typing import Any
+
+import numpy as np
+
+from planning.domain.curve import TimedTrajectory
+from planning.domain.joints import Joint, JointType
+from service.convert.numbers import listed
+
+
+def sampled_wire(trajectory: TimedTrajectory, period: float) -> dict[str, Any]:
+    """Return the samples of a trajectory.
+
+    Args:
+        trajectory: What to sample.
+        period: Between samples [s].
+    """
+    times = trajectory.sample_times(period)
+    return {
+        "joint_names": [name for joint in trajectory.joints for name in joint.position_names],
+        "velocity_names": [name for joint in trajectory.joints for name in joint.velocity_names],
+        "times": listed(times),
+        "positions": listed(trajectory.positions(times)),
+        "velocities": listed(trajectory.velocities(times)),
+        "accelerations": listed(trajectory.accelerations(times)),
+        "duration": trajectory.duration,
+    }
+
+
+def polynomial_wire(trajectory: TimedTrajectory) -> dict[str, Any]:
+    """Return the exact trajectory: floats survive JSON bit for bit."""
+    return {
+        "breaks": listed(trajectory.breaks),
+        "bases": listed(trajectory.bases),
+        "coefficients": listed(trajectory.coefficients),
+        "joint_names": [joint.name for joint in trajectory.joints],
+        "joint_types": [str(joint.type) for joint in trajectory.joints],
+    }
+
+
+def trajectory_value(polynomial: dict[str, Any]) -> TimedTrajectory:
+    """Return the trajectory that `polynomial_wire` wrote."""
+    names, types = polynomial["joint_names"], polynomial["joint_types"]
+    joints = tuple(Joint(name, JointType(kind)) for name, kind in zip(names, types, strict=True))
+    return TimedTrajectory(
+        joints,
+        np.array(polynomial["breaks"], dtype=np.float64),
+        np.array(polynomial["bases"], dtype=np.float64),
+        np.array(polynomial["coefficients"], dtype=np.float64),
+    )

@@ -1,0 +1,175 @@
+"""Every refusal over HTTP, and the one table from our errors to a status.
+
+Requests that could not become jobs are answered with a problem document (RFC 9457). A plan that
+was tried and failed is no HTTP error: it is a finished job that carries its failure.
+"""
+
+from http import HTTPStatus
+from typing import Any, ClassVar
+
+from planning import errors as planning_errors
+from planning.errors import Evidence, UnknownName, WayproofError
+
+
+class Refusal(WayproofError):
+    """A request that the service does not carry out.
+
+    Attributes:
+        status: The HTTP status of the answer.
+        headers: More headers of the answer.
+    """
+
+    status: ClassVar[int] = 400
+    headers: ClassVar[dict[str, str]] = {}
+
+
+class UnreadableBody(Refusal):
+    """The body is not what its content type says; evidence: `line` or `position`."""
+
+    code = "unreadable_body"
+    status = 400
+
+
+class UnknownResource(Refusal):
+    """There is nothing of that id; evidence: `kind`, `id`."""
+
+    code = "not_found"
+    status = 404
+
+    @classmethod
+    def of(cls, kind: str, identifier: str) -> "UnknownResource":
+        """Build the error for an id that does not exist."""
+        shown = identifier if len(identifier) <= 80 else f"{identifier[:80]}..."
+        return cls(f"there is no {kind} {shown!r}", {"kind": kind, "id": shown})
+
+
+class MethodNotAllowed(Refusal):
+    """The resource is there, but does not do that."""
+
+    code = "method_not_allowed"
+    status = 405
+
+
+class WrongCount(Refusal):
+    """A list of joint values that does not fit the group; evidence: `expected`, `got`, `names`."""
+
+    code = "wrong_joint_count"
+    status = 409
+
+
+class IdempotencyConflict(Refusal):
+    """The same Idempotency-Key came with a different request; evidence: `key`, `id`."""
+
+    code = "idempotency_conflict"
+    status = 409
+
+
+class NotFinished(Refusal):
+    """The plan has no trajectory (yet); evidence: `state`, `failure`."""
+
+    code = "no_trajectory"
+    status = 409
+
+
+class StartMismatch(Refusal):
+    """The plan does not start where the robot is; evidence: `start`, `positions`, `distance`."""
+
+    code = "start_mismatch"
+    status = 409
+
+
+class RobotBusy(Refusal):
+    """Another execution moves this group; evidence: `execution`."""
+
+    code = "robot_busy"
+    status = 409
+
+
+class BodyTooLarge(Refusal):
+    """The body has more bytes than are read; evidence: `bound`."""
+
+    code = "body_too_large"
+    status = 413
+
+
+class UnsupportedMediaType(Refusal):
+    """The body has a content type that is not read here; evidence: `known`."""
+
+    code = "unsupported_media_type"
+    status = 415
+
+
+class RequestInvalid(Refusal):
+    """The body or the parameters have faults; evidence: `faults` with path and message."""
+
+    code = "request_invalid"
+    status = 422
+
+
+class NotSupported(Refusal):
+    """A part of the contract that this version does not do; evidence: `faults`."""
+
+    code = "not_supported"
+    status = 422
+
+
+class UnknownInScene(Refusal):
+    """A posted scene names what nobody has; evidence: `kind`, `name`, `known`, `nearest`."""
+
+    code = "unknown_name"
+    status = 422
+
+
+class TooBusy(Refusal):
+    """The queue is full; try again later. Evidence: `queued`, `bound`."""
+
+    code = "queue_full"
+    status = 429
+    headers: ClassVar[dict[str, str]] = {"Retry-After": "1"}
+
+
+class WorkerLost(Refusal):
+    """The process that worked on this request died or hung; the scene or robot may be at fault."""
+
+    code = "worker_lost"
+    status = 503
+    headers: ClassVar[dict[str, str]] = {"Retry-After": "1"}
+
+
+# What the scene does not have is impossible there (409); what nobody has is a fault of the payload.
+_IN_SCENE = frozenset({"body", "configuration", "frame", "group", "joint", "object"})
+
+_STATUS: dict[type[WayproofError], int] = {
+    planning_errors.SceneInvalid: 422,
+    planning_errors.AssetNotFound: 422,
+    planning_errors.ModelInvalid: 422,
+    planning_errors.ProblemInvalid: 422,
+    planning_errors.UnknownName: 422,
+    planning_errors.IllegalTransition: 409,
+    planning_errors.InputError: 422,
+    planning_errors.PlanningFailure: 409,
+    planning_errors.ExecutionFailure: 409,
+    WayproofError: 500,
+}
+
+
+def status_of(error: WayproofError) -> int:
+    """Return the HTTP status that an error is answered with."""
+    if isinstance(error, Refusal):
+        return error.status
+    if isinstance(error, UnknownName) and error.evidence.get("kind") in _IN_SCENE:
+        return 409
+    return next(_STATUS[base] for base in type(error).__mro__ if base in _STATUS)
+
+
+def problem_of(code: str, status: int, detail: str, evidence: Evidence) -> dict[str, Any]:
+    """Return the problem document of a refusal."""
+    title = code.replace("_", " ").capitalize() if code else HTTPStatus(status).phrase
+    return {
+        "type": f"urn:wayproof:problem:{code}",
+        "title": title,
+        "status": status,
+        "code": code,
+        "detail": detail,
+        "evidence": dict(evidence),
+    }

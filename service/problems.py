@@ -1,0 +1,116 @@
+"""Exception handlers: every error that leaves the service is a problem document."""
+
+import logging
+import math
+from collections.abc import Mapping, Sequence
+from http import HTTPStatus
+from typing import Any
+
+from fastapi import FastAPI, Request
+from fastapi.exceptions import RequestValidationError
+from fastapi.responses import JSONResponse
+from starlette.exceptions import HTTPException
+
+from planning.errors import WayproofError
+from service.errors import NotSupported, Refusal, RequestInvalid, UnreadableBody, problem_of
+from service.errors import status_of as status_of_error
+
+MEDIA_TYPE = "application/problem+json"
+_MAX_FAULTS = 20
+_CODES = {
+    400: "unreadable_body",
+    404: "not_found",
+    405: "method_not_allowed",
+    413: "body_too_large",
+    415: "unsupported_media_type",
+}
+_log = logging.getLogger(__name__)
+
+
+class ProblemResponse(JSONResponse):
+    """A problem document."""
+
+    media_type = MEDIA_TYPE
+
+
+def install(app: FastAPI) -> None:
+    """Make every error of `app` a problem document."""
+    app.add_exception_handler(WayproofError, _on_error)
+    app.add_exception_handler(RequestValidationError, _on_validation_error)
+    app.add_exception_handler(HTTPException, _on_http_error)
+    app.add_exception_handler(Exception, _on_surprise)
+
+
+def finite(content: Any) -> Any:
+    """Return JSON content with null for every number that JSON cannot hold."""
+    match content:
+        case float() if not math.isfinite(content):
+            return None
+        case str() | bytes():
+            return content
+        case Mapping():
+            return {str(key): finite(item) for key, item in content.items()}
+        case Sequence():
+            return [finite(item) for item in content]
+        case _:
+            return content
+
+
+def respond(error: WayproofError) -> ProblemResponse:
+    """Return the answer to a request that ended with one of our errors."""
+    status = status_of_error(error)
+    content = problem_of(error.code, status, error.detail, finite(error.evidence))
+    headers = error.headers if isinstance(error, Refusal) else None
+    return ProblemResponse(content, status, headers)
+
+
+def refusal_of(faults: Sequence[Mapping[str, Any]]) -> Refusal:
+    """Return our error for pydantic's or FastAPI's list of faults."""
+    first = faults[0]
+    if first["type"] == "json_invalid":
+        reason = first.get("ctx", {}).get("error", "not JSON")
+        evidence = {"position": first["loc"][-1], "reason": reason}
+        return UnreadableBody(f"the body is not JSON: {reason}", evidence)
+    shown = [_fault(fault) for fault in faults[:_MAX_FAULTS]]
+    unsupported = [fault for fault in shown if fault["type"] == "not_supported"]
+    more = f" (and {len(faults) - 1} more faults)" if len(faults) > 1 else ""
+    if unsupported:
+        return NotSupported(unsupported[0]["message"], {"faults": unsupported})
+    detail = f"{shown[0]['path'] or 'body'}: {shown[0]['message']}{more}"
+    return RequestInvalid(detail, {"faults": shown})
+
+
+def _fault(fault: Mapping[str, Any]) -> dict[str, Any]:
+    """Return what helps of a fault; the input is left out, it may be huge."""
+    path = ".".join(str(step)[:80] for step in fault["loc"])
+    message = str(fault["msg"]).removeprefix("Value error, ")[:500]
+    return {"path": path, "message": message, "type": fault["type"]}
+
+
+def _on_error(_: Request, error: Exception) -> ProblemResponse:
+    assert isinstance(error, WayproofError)  # noqa: S101  (Starlette dispatches by class)
+    return respond(error)
+
+
+def _on_validation_error(_: Request, error: Exception) -> ProblemResponse:
+    assert isinstance(error, RequestValidationError)  # noqa: S101
+    return respond(refusal_of(error.errors()))
+
+
+def _on_http_error(request: Request, error: Exception) -> ProblemResponse:
+    assert isinstance(error, HTTPException)  # noqa: S101
+    code = _CODES.get(error.status_code, "http_error")
+    detail = str(error.detail)
+    if error.status_code in {404, 405}:
+        detail = (
+            f"{HTTPStatus(error.status_code).phrase}: {request.method} {request.url.path[:200]}"
+        )
+    content = problem_of(code, error.status_code, detail, {})
+    return ProblemResponse(content, error.status_code, error.headers)
+
+
+def _on_surprise(_: Request, error: Exception) -> ProblemResponse:
+    _log.error("unexpected error", exc_info=error)
+    kind = type(error).__name__
+    content = problem_of("internal_error", 500, f"an unexpected {kind}; see the server's log", {})
+    return ProblemResponse(content, 500)

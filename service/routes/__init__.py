@@ -1,0 +1,1 @@
+"""Endpoints: they translate and delegate, and declare every answer they give."""

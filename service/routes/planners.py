@@ -1,0 +1,17 @@
+"""/v1/planners: OMPL's planners."""
+
+from fastapi import APIRouter
+
+from service.dependencies import DeskDep
+from service.routes.answers import problems
+from service.schemas.planner import PlannerList
+
+router = APIRouter(prefix="/v1/planners", tags=["planners"])
+
+
+@router.get(
+    "", operation_id="listPlanners", response_model=PlannerList, responses=problems(429, 503)
+)
+async def list_planners(desk: DeskDep) -> object:
+    """List the planners that a plan may name, with their parameters."""
+    return {"items": await desk.planners()}

@@ -1,0 +1,47 @@
+"""/v1/scenes/{id}/check, fk, ik: questions to a scene."""
+
+from fastapi import APIRouter
+
+from service.dependencies import DeskDep, ScenesDep
+from service.routes.answers import SceneId, problems
+from service.scenes.preflight import require_count, require_frames, require_goal, require_group
+from service.schemas.check import CheckRequest, CheckResponse
+from service.schemas.kinematics import FkRequest, FkResponse, IkRequest, IkResponse
+
+router = APIRouter(
+    prefix="/v1/scenes/{scene}",
+    tags=["queries"],
+    responses=problems(400, 404, 409, 413, 422, 429, 503),
+)
+
+
+@router.post("/check", operation_id="checkConfigurations", response_model=CheckResponse)
+async def check(scene: SceneId, request: CheckRequest, scenes: ScenesDep, desk: DeskDep) -> object:
+    """Check configurations: limits, and every pair of bodies that collides, with its depth."""
+    record = await scenes.get(scene)
+    group = require_group(record, request.group)
+    for i, q in enumerate(request.configurations):
+        require_count(group, q, f"configurations.{i}")
+    return await desk.ask_scene("service.tasks.queries:check", record, request)
+
+
+@router.post("/fk", operation_id="computeForwardKinematics", response_model=FkResponse)
+async def fk(scene: SceneId, request: FkRequest, scenes: ScenesDep, desk: DeskDep) -> object:
+    """Compute where frames are in given configurations."""
+    record = await scenes.get(scene)
+    group = require_group(record, request.group)
+    require_frames(record, request.frames or [])
+    for i, q in enumerate(request.configurations):
+        require_count(group, q, f"configurations.{i}")
+    return await desk.ask_scene("service.tasks.queries:fk", record, request)
+
+
+@router.post("/ik", operation_id="solveInverseKinematics", response_model=IkResponse)
+async def ik(scene: SceneId, request: IkRequest, scenes: ScenesDep, desk: DeskDep) -> object:
+    """Find all distinct configurations that reach a pose, or say why there is none."""
+    record = await scenes.get(scene)
+    group = require_group(record, request.group)
+    require_goal(record, group, request.goal)
+    if request.start is not None:
+        require_count(group, request.start, "start")
+    return await desk.ask_scene("service.tasks.queries:ik", record, request)

@@ -1,0 +1,68 @@
+"""/v1/scenes: post, list, show, forget."""
+
+from typing import Any
+
+from fastapi import APIRouter, Request, Response
+
+from planning.errors import UnknownName
+from service.dependencies import DeskDep, ScenesDep
+from service.errors import UnknownInScene
+from service.routes.answers import Cursor, Limit, SceneId, problems
+from service.scenes.body import read_scene_body
+from service.scenes.wire import scene_brief, scene_resource
+from service.schemas.scene import Scene, ScenePage
+from service.schemas.scene_examples import REQUEST_BODY
+
+router = APIRouter(prefix="/v1/scenes", tags=["scenes"])
+
+
+@router.post(
+    "",
+    operation_id="createScene",
+    status_code=201,
+    response_model=Scene,
+    response_model_exclude_none=True,
+    responses=problems(400, 413, 415, 422, 429, 503),
+    openapi_extra={"requestBody": REQUEST_BODY},
+)
+async def create_scene(
+    request: Request, response: Response, scenes: ScenesDep, desk: DeskDep
+) -> Any:
+    """Post a scene as JSON or YAML; it is loaded at once, and its faults are named by line."""
+    text, media = await read_scene_body(request)
+    payload = {**desk.common, "text": text, "media": media}
+    try:
+        loaded = await desk.ask("service.tasks.scenes:load_scene", payload)
+    except UnknownName as fault:
+        raise UnknownInScene(fault.detail, fault.evidence) from fault
+    record = await scenes.add(loaded)
+    response.headers["Location"] = f"/v1/scenes/{record.id}"
+    return scene_resource(record)
+
+
+@router.get("", operation_id="listScenes", response_model=ScenePage, responses=problems(422))
+async def list_scenes(scenes: ScenesDep, limit: Limit = 50, cursor: Cursor = None) -> Any:
+    """List scenes, newest first."""
+    records = await scenes.page(limit, None if cursor is None else int(cursor))
+    following = str(records[-1].serial) if len(records) == limit else None
+    return {"items": [scene_brief(record) for record in records], "next": following}
+
+
+@router.get(
+    "/{scene}",
+    operation_id="getScene",
+    response_model=Scene,
+    response_model_exclude_none=True,
+    responses=problems(404, 422),
+)
+async def get_scene(scene: SceneId, scenes: ScenesDep) -> Any:
+    """Show a scene: its document, groups, frames and bodies."""
+    return scene_resource(await scenes.get(scene))
+
+
+@router.delete(
+    "/{scene}", operation_id="deleteScene", status_code=204, responses=problems(404, 422)
+)
+async def delete_scene(scene: SceneId, scenes: ScenesDep) -> None:
+    """Forget a scene; plans that were made in it stay."""
+    await scenes.delete(scene)

@@ -1,0 +1,74 @@
+"""Preflight: what a scene cannot do is refused before anything is queued, by its summary alone."""
+
+from collections.abc import Sequence
+from typing import Any
+
+from planning.errors import UnknownName
+from service.errors import WrongCount
+from service.scenes.records import SceneRecord
+from service.schemas.goal import ConfigurationGoalWire, GoalWire, JointGoalWire, PoseGoalWire
+
+type Group = dict[str, Any]
+
+
+def require_group(scene: SceneRecord, name: str) -> Group:
+    """Return the summary of a group.
+
+    Raises:
+        UnknownName: The scene has none of that name.
+    """
+    groups: list[Group] = scene.summary["groups"]
+    for group in groups:
+        if name == group["name"] or name in group["aliases"]:
+            return group
+    raise UnknownName.among("group", name, [group["name"] for group in groups])
+
+
+def require_frames(scene: SceneRecord, names: Sequence[str]) -> None:
+    """Go on only if the scene has all these frames.
+
+    Raises:
+        UnknownName: It does not.
+    """
+    frames: list[str] = scene.summary["frames"]
+    for name in names:
+        if name not in frames:
+            raise UnknownName.among("frame", name, frames)
+
+
+def require_count(group: Group, positions: Sequence[float], field: str) -> None:
+    """Go on only if there is one number per position coordinate of the group.
+
+    Raises:
+        WrongCount: There is not.
+    """
+    names: list[str] = group["position_names"]
+    if len(positions) != len(names):
+        message = f"{field}: {group['name']} has {len(names)} positions, got {len(positions)}"
+        evidence = {"field": field, "expected": len(names), "got": len(positions), "names": names}
+        raise WrongCount(message, evidence)
+
+
+def require_goal(scene: SceneRecord, group: Group, goal: GoalWire) -> None:
+    """Go on only if the goal can be meant in this scene.
+
+    Raises:
+        UnknownName: A frame or configuration does not exist.
+        WrongCount: A list of positions does not fit the group.
+    """
+    match goal:
+        case JointGoalWire():
+            for q in rows(goal.positions):
+                require_count(group, q, "goal.positions")
+        case ConfigurationGoalWire():
+            if goal.name not in group["configurations"]:
+                raise UnknownName.among("configuration", goal.name, group["configurations"])
+        case PoseGoalWire():
+            tool = [] if goal.frame is None else [goal.frame]
+            require_frames(scene, [*tool, *(pose.frame for pose in goal.poses)])
+
+
+def rows(positions: Sequence[float] | Sequence[Sequence[float]]) -> list[list[float]]:
+    """Return one list of positions, or several, as several."""
+    several = [list(row) for row in positions if not isinstance(row, int | float)]
+    return several or [[float(x) for x in positions if isinstance(x, int | float)]]

@@ -1,0 +1,46 @@
+"""SceneShelf: the scene store for coroutines."""
+
+from pathlib import Path
+from typing import Any
+
+from anyio import to_thread
+
+from service.scenes.records import SceneRecord
+from service.scenes.store import SceneStore
+
+
+class SceneShelf:
+    """Asks the store in a thread, because databases and disks make one wait."""
+
+    def __init__(self, store: SceneStore) -> None:
+        """Ask `store`."""
+        self._store = store
+
+    async def add(self, loaded: dict[str, Any]) -> SceneRecord:
+        """Record a scene that a slot has loaded."""
+        fields = (loaded["name"], loaded["digest"], loaded["document"], loaded["summary"])
+        return await to_thread.run_sync(self._store.add, *fields)
+
+    async def get(self, identifier: str, revision: int | None = None) -> SceneRecord:
+        """Return a revision of a scene, by default the latest.
+
+        Raises:
+            UnknownResource: There is none.
+        """
+        return await to_thread.run_sync(self._store.get, identifier, revision)
+
+    async def page(self, limit: int, before: int | None) -> list[SceneRecord]:
+        """Return scenes older than the serial `before`, newest first."""
+        return await to_thread.run_sync(self._store.page, limit, before)
+
+    async def delete(self, identifier: str) -> None:
+        """Forget a scene.
+
+        Raises:
+            UnknownResource: There is none.
+        """
+        await to_thread.run_sync(self._store.delete, identifier)
+
+    async def file(self, record: SceneRecord) -> Path:
+        """Return the file of a scene's document."""
+        return await to_thread.run_sync(self._store.file, record)

@@ -1,0 +1,1 @@
+"""Wire types: what goes over HTTP, validated strictly, described for generated clients."""

@@ -1,0 +1,104 @@
+"""Goals on the wire: what a motion shall reach."""
+
+from typing import Annotated, Any, Literal
+
+from pydantic import BeforeValidator, ConfigDict, Field
+from pydantic_core import PydanticCustomError
+
+from service.schemas.numbers import NonNegative, Positions, Triple
+from service.schemas.pose import PoseWire
+from service.schemas.wire import Name, Wire
+
+_LATER = {
+    "region": "use a `pose` goal with `tolerance`, where pi or more frees a rotation axis",
+    "relative": "give the absolute `pose`, in any `frame`",
+    "line": "plan to the `pose`; the way there is free",
+}
+
+
+def not_supported(what: str, instead: str) -> PydanticCustomError:
+    """Build the fault for a part of the contract that this version does not do."""
+    return PydanticCustomError(
+        "not_supported",
+        "{what} is not supported by this version; {instead}",
+        {"what": what, "instead": instead},
+    )
+
+
+def _no_approach(approach: Any) -> Any:
+    if approach is not None:
+        raise not_supported("`approach`", "leave it out and plan to a pose before the target first")
+    return approach
+
+
+def _known_type(goal: Any) -> Any:
+    kind: Any = goal.get("type") if isinstance(goal, dict) else None
+    if isinstance(kind, str) and kind in _LATER:
+        raise not_supported(f"goal type {kind!r}", _LATER[kind])
+    return goal
+
+
+class ToleranceWire(Wire):
+    """How far from a target the tool frame may end, in the target's own axes."""
+
+    position: Annotated[list[NonNegative], Field(min_length=3, max_length=3)] = Field(
+        default=[0.0, 0.0, 0.0], description="Half-widths of a box about the target [m]"
+    )
+    rotation: Annotated[list[NonNegative], Field(min_length=3, max_length=3)] = Field(
+        default=[0.0, 0.0, 0.0],
+        description="Largest rotation about each axis [rad]; pi or more leaves the axis free",
+    )
+
+
+class JointGoalWire(Wire):
+    """Reach a configuration, or any of several."""
+
+    type: Literal["joint"] = Field(description="Says which goal this is")
+    positions: Positions | Annotated[list[Positions], Field(min_length=1, max_length=1000)] = Field(
+        description="The group's positions, one list or several [rad or m]"
+    )
+
+
+class ConfigurationGoalWire(Wire):
+    """Reach a configuration that the scene or the robot names."""
+
+    type: Literal["configuration"] = Field(description="Says which goal this is")
+    name: Name = Field(description="Of the configuration, for example `home`")
+
+
+class PoseGoalWire(Wire):
+    """Bring a tool frame to a pose, or to any of several."""
+
+    model_config = ConfigDict(
+        json_schema_extra={
+            "examples": [
+                {
+                    "type": "pose",
+                    "poses": [{"position": [0, 0, 0], "frame": "pick"}],
+                    "tolerance": {"position": [0, 0, 0], "rotation": [0, 0, 3.15]},
+                }
+            ]
+        }
+    )
+
+    type: Literal["pose"] = Field(description="Says which goal this is")
+    poses: Annotated[list[PoseWire], Field(min_length=1, max_length=1000)] = Field(
+        description="The candidates; `goal_index` of the result says which one was reached"
+    )
+    frame: Name | None = Field(
+        default=None, description="The tool frame: any that the group moves; null for its default"
+    )
+    tolerance: ToleranceWire = Field(
+        default_factory=ToleranceWire, description="How far off it may be"
+    )
+    approach: Annotated[Triple | None, BeforeValidator(_no_approach)] = Field(
+        default=None,
+        description="Displacement of a pose to come from, in the target's axes [m]; not supported "
+        "by this version: anything but null is refused with the code `not_supported`",
+    )
+
+
+type GoalWire = Annotated[
+    Annotated[JointGoalWire | ConfigurationGoalWire | PoseGoalWire, Field(discriminator="type")],
+    BeforeValidator(_known_type),
+]

@@ -1,0 +1,22 @@
+"""Health of the server."""
+
+from typing import Literal
+
+from pydantic import Field
+
+from service.schemas.wire import Wire
+
+
+class Health(Wire):
+    """That the server is there."""
+
+    status: Literal["ok"] = Field(description="Always `ok`: no answer is the other answer")
+    version: str = Field(description="Of Wayproof")
+
+
+class Readiness(Wire):
+    """Whether the server takes jobs."""
+
+    status: Literal["ready"] = Field(description="Always `ready`; else the answer is 503")
+    queued: dict[str, int] = Field(description="Jobs that wait, by lane")
+    running: dict[str, int] = Field(description="Jobs that run, by lane")

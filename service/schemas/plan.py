@@ -1,0 +1,121 @@
+"""PlanRequest: what to plan."""
+
+from typing import Annotated, Any, Literal
+
+from pydantic import BeforeValidator, ConfigDict, Field
+
+from service.schemas.goal import GoalWire, not_supported
+from service.schemas.numbers import Integer, NonNegative, Positions, Real, Scale
+from service.schemas.wire import Identifier, Name, Wire
+
+type ParameterValue = bool | Integer | Real | Annotated[str, Field(max_length=256)]
+
+EXAMPLE = {
+    "scene": "scn_3f0c5b1e9a7d4c62",
+    "group": "arm",
+    "start": None,
+    "goal": {
+        "type": "pose",
+        "poses": [{"position": [0.4, 0.2, 0.3], "quaternion": [0, 1, 0, 0]}],
+        "frame": "arm::tool0",
+    },
+    "search": {"planner": "RRTConnect", "allowed_planning_time": 5.0},
+    "retime": {"method": "toppra", "velocity_scale": 0.5},
+    "seed": 7,
+}
+
+
+def _no_constraints(constraints: Any) -> Any:
+    if isinstance(constraints, list) and constraints:
+        raise not_supported("`path_constraints`", "leave it empty: the way to the goal is free")
+    return constraints
+
+
+class IkWire(Wire):
+    """How hard to look for goal configurations."""
+
+    max_configurations: Annotated[Integer, Field(ge=1, le=10_000)] = Field(
+        default=100, description="Stop at this many distinct free ones"
+    )
+    max_trials: Annotated[Integer, Field(ge=1, le=100_000)] = Field(
+        default=300, description="Stop after this many seeds of the solver, over all poses"
+    )
+
+
+class SearchWire(Wire):
+    """How to search for a path."""
+
+    planner: Name = Field(default="RRTConnect", description="OMPL's name; see GET /v1/planners")
+    parameters: dict[Name, ParameterValue] = Field(
+        default={}, max_length=64, description="OMPL's names and values of its parameters"
+    )
+    attempts: Annotated[Integer, Field(ge=1, le=100)] = Field(
+        default=1, description="How many solutions to look for; the shortest is kept"
+    )
+    allowed_planning_time: Annotated[Real, Field(gt=0, le=3600)] = Field(
+        default=5.0, description="For the whole plan, all stages [s]"
+    )
+    resolution: Annotated[Real, Field(ge=1e-4, le=10)] = Field(
+        default=0.05,
+        description="Largest joint-space distance between two checked states of an edge [rad or m]",
+    )
+    num_states: Annotated[Integer, Field(ge=2, le=100_000)] | None = Field(
+        default=None, description="Interpolate the path to at least this many waypoints"
+    )
+
+
+class RefineWire(Wire):
+    """Whether and how to optimise the path."""
+
+    method: Literal["trajopt", "none"] = Field(
+        default="trajopt", description="Drake trajectory optimisation, or leave the path as it is"
+    )
+
+
+class RetimeWire(Wire):
+    """How to time the path."""
+
+    method: Literal["toppra", "ruckig"] = Field(
+        default="toppra",
+        description="toppra keeps velocity and acceleration limits; ruckig keeps jerk limits too",
+    )
+    velocity_scale: Scale = Field(default=1.0, description="Factor on every velocity limit, 0..1")
+    acceleration_scale: Scale = Field(
+        default=1.0, description="Factor on every acceleration and jerk limit, 0..1"
+    )
+    sample_period: Annotated[Real, Field(ge=1e-3, le=10)] = Field(
+        default=0.01, description="Of the delivered samples [s]"
+    )
+
+
+class PlanRequest(Wire):
+    """Move a group of a scene from a start to a goal."""
+
+    model_config = ConfigDict(json_schema_extra={"examples": [EXAMPLE]})
+
+    scene: Identifier = Field(description="Id of a scene")
+    revision: Annotated[Integer, Field(ge=1)] | None = Field(
+        default=None, description="Of the scene; null for its latest"
+    )
+    group: Name = Field(description="`robot` for its default group, or `robot::group`")
+    start: Positions | None = Field(
+        default=None,
+        description="The group's positions [rad or m]; null for the scene's current state",
+    )
+    goal: GoalWire = Field(description="What to reach")
+    path_constraints: Annotated[list[Any], BeforeValidator(_no_constraints)] = Field(
+        default=[],
+        max_length=0,
+        description="Not supported by this version: anything but an empty list is refused with "
+        "the code `not_supported`",
+    )
+    ik: IkWire = Field(default_factory=IkWire, description="Options of the goals stage")
+    search: SearchWire = Field(default_factory=SearchWire, description="Options of the search")
+    refine: RefineWire = Field(default_factory=RefineWire, description="Options of the refinement")
+    retime: RetimeWire = Field(default_factory=RetimeWire, description="Options of the timing")
+    margin: Annotated[NonNegative, Field(le=10)] | None = Field(
+        default=None, description="Distance that everything keeps [m]; null for the scene's"
+    )
+    seed: Annotated[Integer, Field(ge=0, le=2**32 - 1)] = Field(
+        default=0, description="Of all randomness: the same seed gives the same bytes"
+    )

@@ -1,0 +1,53 @@
+"""Problem: every error answer, RFC 9457."""
+
+from typing import Any
+
+from pydantic import BaseModel, ConfigDict, Field
+
+
+class Problem(BaseModel):
+    """Why a request was refused (`application/problem+json`, RFC 9457)."""
+
+    model_config = ConfigDict(
+        json_schema_extra={
+            "examples": [
+                {
+                    "type": "urn:wayproof:problem:unknown_name",
+                    "title": "Unknown name",
+                    "status": 409,
+                    "code": "unknown_name",
+                    "detail": "frame 'pik' does not exist; did you mean 'pick'? frames: ['pick']",
+                    "evidence": {"kind": "frame", "name": "pik", "known": ["pick"]},
+                }
+            ]
+        }
+    )
+
+    type: str = Field(description="`urn:wayproof:problem:` and the code")
+    title: str = Field(description="The kind of problem, for a person")
+    status: int = Field(description="The HTTP status, again")
+    code: str = Field(description="Stable machine-readable name of the kind")
+    detail: str = Field(description="What is wrong with this request, for a person")
+    evidence: dict[str, Any] = Field(description="Facts behind it [SI units, radians]")
+
+
+class Failure(BaseModel):
+    """Why a job has no result."""
+
+    model_config = ConfigDict(
+        json_schema_extra={
+            "examples": [
+                {
+                    "code": "goal_unreachable",
+                    "stage": "goals",
+                    "detail": "no configuration reaches the goal pose",
+                    "evidence": {"funnel": {"tried": 300, "converged": 0}},
+                }
+            ]
+        }
+    )
+
+    code: str = Field(description="Stable machine-readable name of the kind")
+    stage: str = Field(description="The stage that gave up, for example `goals`, or empty")
+    detail: str = Field(description="What went wrong, for a person")
+    evidence: dict[str, Any] = Field(description="Facts behind it [SI units, radians]")

@@ -1,0 +1,102 @@
+"""What every stage of a plan says about its work."""
+
+from pydantic import Field
+
+from service.schemas.pose import PoseWire
+from service.schemas.wire import Wire
+
+
+class PairTallyWire(Wire):
+    """How often two bodies were the deepest collision of a rejected configuration."""
+
+    bodies: tuple[str, str] = Field(description="Full names")
+    count: int = Field(description="Rejected configurations")
+    min_depth: float = Field(description="Smallest depth among them [m]")
+    max_depth: float = Field(description="Largest depth among them [m]")
+
+
+class FunnelWire(Wire):
+    """How many IK samples survived what; every number is at most the one before it."""
+
+    tried: int = Field(description="Seeds given to the solver")
+    converged: int = Field(description="Reached the target within tolerance")
+    within_limits: int = Field(description="Kept the joint limits")
+    collision_free: int = Field(description="Touch nothing")
+    distinct: int = Field(description="Differ from all others")
+    rejected_by: list[PairTallyWire] = Field(description="Which pairs the colliding ones hit")
+
+
+class NearestPoseWire(Wire):
+    """The nearest pose that the tool frame can take to one that it cannot."""
+
+    pose: PoseWire = Field(description="Of the tool frame in world")
+    positions: list[float] = Field(description="The group's positions there [rad or m]")
+    translation_error: float = Field(description="From the target [m]")
+    rotation_error: float = Field(description="From the target [rad]")
+
+
+class GoalsReportWire(Wire):
+    """What the goals stage found."""
+
+    num_configurations: int = Field(description="Goal configurations that were offered to search")
+    funnel: FunnelWire = Field(description="How many samples survived what")
+
+
+class SearchReportWire(Wire):
+    """What the search stage did; lengths are in joint space [rad or m]."""
+
+    planner: str = Field(description="OMPL's name")
+    attempts: int = Field(description="Solutions asked for")
+    solved: int = Field(description="Exact solutions found")
+    num_states_checked: int = Field(description="Configurations checked for collision")
+    num_motions_checked: int = Field(description="Edges checked")
+    raw_length: float = Field(description="Of the kept solution, before shortcutting [rad or m]")
+    length: float = Field(description="And after it [rad or m]")
+    num_waypoints: int = Field(description="Of the delivered path")
+    resolution: float = Field(description="At which edges were checked [rad or m]")
+    padding: float = Field(description="Distance that was demanded beyond the margin [m]")
+
+
+class RefineReportWire(Wire):
+    """What the refine stage did."""
+
+    method: str = Field(description="`trajopt` or `none`")
+    improved: bool = Field(description="Whether the refined curve is what was delivered")
+    reason: str = Field(description="Why not, or empty")
+    solver: str = Field(description="Name of the solver, or empty")
+    rounds: int = Field(description="Times the program was solved")
+    length_before: float = Field(description="Of the path [rad or m]")
+    length_after: float = Field(description="Of the refined curve [rad or m]")
+    duration_before: float = Field(description="Estimate for the initial guess [s]")
+    duration_after: float = Field(description="Estimate for the solution [s]")
+
+
+class RetimeReportWire(Wire):
+    """What the retime stage did."""
+
+    method: str = Field(description="`toppra` or `ruckig`")
+    duration: float = Field(description="Of the trajectory [s]")
+    slowed: float = Field(description="Factor by which the audit stretched it; 1 is not at all")
+    binding: dict[str, str] = Field(description="The coordinate nearest its bound, per limit")
+    utilisation: dict[str, float] = Field(description="Peak over limit, per limit [1]")
+    stops: int = Field(description="Instants of rest between start and goal")
+    blend_deviation: float = Field(description="How far corners were rounded [rad or m]")
+
+
+class CertifyReportWire(Wire):
+    """What the certify stage did."""
+
+    intervals: int = Field(description="Intervals on which clearance was bounded")
+    distance_queries: int = Field(description="Configurations at which distances were measured")
+    candidates: int = Field(description="Candidate motions that were looked at")
+    refused: list[str] = Field(description="What was wrong with those before the delivered one")
+
+
+class StagesWire(Wire):
+    """One report per stage."""
+
+    goals: GoalsReportWire = Field(description="Goal configurations")
+    search: SearchReportWire = Field(description="The path")
+    refine: RefineReportWire = Field(description="The optimisation")
+    retime: RetimeReportWire = Field(description="The timing")
+    certify: CertifyReportWire = Field(description="The proof")

@@ -1,0 +1,50 @@
+"""PlanResult: a certified motion and everything that is known of it."""
+
+from pydantic import ConfigDict, Field
+
+from service.schemas.report import StagesWire
+from service.schemas.trajectory import TrajectoryWire
+from service.schemas.wire import Wire
+
+
+class CheckWire(Wire):
+    """One property that was checked on the whole interval."""
+
+    name: str = Field(description="position, velocity, acceleration, jerk, clearance, start, ...")
+    value: float | None = Field(description="The worst value found, in `unit`; null for none")
+    bound: float | None = Field(description="What it was held against, in `unit`; null for none")
+    unit: str = Field(description="Of value, bound and resolution; `1` for peak over limit")
+    resolution: float = Field(description="How far the true worst value may lie beyond `value`")
+    passed: bool = Field(description="Whether the property holds")
+    where: str = Field(description="The joint or pair that is worst, or empty")
+    time: float = Field(description="When it is worst [s]")
+
+
+class CertificateWire(Wire):
+    """The verdict on the motion, between its samples too."""
+
+    model_config = ConfigDict(title="Certificate")
+
+    proven: bool = Field(description="Every check passed on the whole interval")
+    min_clearance: float | None = Field(
+        description="Smallest signed distance found [m]; null if there is no pair to look at"
+    )
+    pair: tuple[str, str] = Field(description="The two bodies that come closest, or empty names")
+    time: float = Field(description="When they do [s]")
+    checks: list[CheckWire] = Field(description="All checks, passed or not")
+
+
+class PlanResult(Wire):
+    """What a solved problem gives."""
+
+    goal_configuration: list[float] = Field(description="Where the motion ends [rad or m]")
+    goal_index: int = Field(description="Which of the goal's candidates that is, from 0")
+    start: list[float] = Field(description="Where it starts, clipped into the limits [rad or m]")
+    start_clipped: list[float] = Field(
+        description="By how much the given start was clipped, at most 1e-6 [rad or m]"
+    )
+    path: list[list[float]] = Field(description="Untimed waypoints, one row each [rad or m]")
+    trajectory: TrajectoryWire = Field(description="The timed motion, sampled as asked for")
+    certificate: CertificateWire = Field(description="The proof")
+    stages: StagesWire = Field(description="What every stage did")
+    digest: str = Field(description="sha256 over the delivered numbers")

@@ -1,0 +1,42 @@
+"""Scenes as resources."""
+
+from datetime import datetime
+
+from pydantic import ConfigDict, Field
+
+from planning.world.scene_document import SceneDocument
+from service.schemas.summary import GroupWire
+from service.schemas.wire import Wire
+
+
+class SceneBrief(Wire):
+    """A scene without its content."""
+
+    id: str = Field(description="Of the scene")
+    revision: int = Field(description="Of its content, from 1")
+    digest: str = Field(description="sha256 of the content")
+    name: str = Field(description="For people")
+    created_at: datetime = Field(description="When it was posted (UTC)")
+
+
+class Scene(SceneBrief):
+    """A scene: its document and what it holds once loaded."""
+
+    model_config = ConfigDict(title="Scene")
+
+    groups: list[GroupWire] = Field(description="What can be planned for")
+    frames: list[str] = Field(description="Frames that poses may be given in")
+    bodies: list[str] = Field(description="Everything that can collide")
+    num_pairs: int = Field(description="Pairs of bodies that are kept apart")
+    assumed: list[str] = Field(
+        description="Joints whose rate limits nobody states, so that ours are assumed"
+    )
+    warnings: list[str] = Field(description="What was found odd, for example concave meshes")
+    document: SceneDocument = Field(description="As it was posted, defaults filled in")
+
+
+class ScenePage(Wire):
+    """Scenes, newest first."""
+
+    items: list[SceneBrief] = Field(description="On this page")
+    next: str | None = Field(description="Cursor of the next page; null on the last one")

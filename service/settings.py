@@ -1,0 +1,69 @@
+"""Settings: what an operator may choose, from arguments or `WAYPROOF_*` in the environment."""
+
+import ipaddress
+import os
+from pathlib import Path
+from typing import Literal
+
+from pydantic import Field
+from pydantic_settings import BaseSettings, SettingsConfigDict
+
+
+def default_data_dir() -> Path:
+    """Return the user's state folder for this program (XDG base directories)."""
+    state = os.environ.get("XDG_STATE_HOME", "")
+    return (Path(state) if state else Path.home() / ".local" / "state") / "wayproof"
+
+
+def default_plan_slots() -> int:
+    """Return one slot less than there are processors, at least one, at most eight."""
+    return min(8, max(1, (os.cpu_count() or 1) - 1))
+
+
+class Settings(BaseSettings):
+    """How this server runs. Frozen: a running server does not change its mind."""
+
+    model_config = SettingsConfigDict(env_prefix="WAYPROOF_", frozen=True, extra="forbid")
+
+    host: str = Field(default="127.0.0.1", description="Address to listen on")
+    port: int = Field(default=8470, ge=0, le=65535, description="Port; 0 for a free one")
+    data_dir: Path = Field(default_factory=default_data_dir, description="Where records are kept")
+    database_url: str | None = Field(
+        default=None, description="SQLAlchemy URL; null for SQLite in the data folder"
+    )
+    engine: Literal["process", "inline"] = Field(
+        default="process", description="Killable worker processes, or this one (for tests)"
+    )
+    plan_slots: int = Field(default_factory=default_plan_slots, ge=1, le=256)
+    query_slots: int = Field(default=1, ge=1, le=64)
+    execution_slots: int = Field(default=2, ge=1, le=64)
+    max_queued: int = Field(default=1000, ge=1, description="Jobs that may wait, per lane")
+    model_roots: tuple[Path, ...] = Field(default=(), description="More folders of robots")
+    allow_model_paths: bool | None = Field(
+        default=None,
+        description="Whether scenes may name robot and mesh files by path; null for only if the "
+        "server listens on a loopback address",
+    )
+    max_body_bytes: int = Field(default=32 * 1024 * 1024, ge=1024)
+    max_wait: float = Field(default=60.0, gt=0, description="Longest `?wait=` [s]")
+    query_timeout: float = Field(default=60.0, gt=0, description="For checks, IK and so on [s]")
+
+    @property
+    def url(self) -> str:
+        """The database's URL."""
+        return self.database_url or f"sqlite:///{self.data_dir / 'wayproof.sqlite'}"
+
+    @property
+    def is_loopback(self) -> bool:
+        """Whether only this machine can reach the server."""
+        if self.host == "localhost":
+            return True
+        try:
+            return ipaddress.ip_address(self.host).is_loopback
+        except ValueError:
+            return False
+
+    @property
+    def may_load_paths(self) -> bool:
+        """Whether scenes may name files by path."""
+        return self.is_loopback if self.allow_model_paths is None else self.allow_model_paths

@@ -1,0 +1,12 @@
+"""Which planners there are."""
+
+from typing import Any
+
+from planning import list_planners
+from service.convert.planners import planner_wire
+from service.tasks.channel import Channel
+
+
+def name_planners(_: dict[str, Any], __: Channel) -> dict[str, Any]:
+    """Return all planners with their parameters."""
+    return {"items": [planner_wire(card) for card in list_planners()]}

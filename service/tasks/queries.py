@@ -1,0 +1,88 @@
+"""Questions to a loaded scene: validity, forward and inverse kinematics."""
+
+import time
+from typing import Any
+
+import numpy as np
+
+from planning import Deadline, check_configurations, forward_kinematics, solve_ik
+from planning.errors import GoalInCollision, GoalUnreachable, PlanningFailure
+from service.convert.failures import failure_wire
+from service.convert.goals import ik_value, pose_goal_value, pose_wire
+from service.convert.numbers import listed
+from service.convert.plans import funnel_wire
+from service.convert.verdicts import verdict_wire
+from service.schemas.check import CheckRequest
+from service.schemas.kinematics import FkRequest, IkRequest
+from service.tasks.channel import Channel
+from service.tasks.worlds import borrow_world
+
+
+def check(payload: dict[str, Any], _: Channel) -> dict[str, Any]:
+    """Return a verdict per configuration.
+
+    Raises:
+        InputError: The group or a count is wrong.
+    """
+    request = CheckRequest.model_validate(payload["request"])
+    with borrow_world(payload) as world:
+        configurations = np.array(request.configurations, dtype=np.float64)
+        verdicts = check_configurations(world, request.group, configurations, request.margin)
+    return {"results": [verdict_wire(verdict) for verdict in verdicts]}
+
+
+def fk(payload: dict[str, Any], _: Channel) -> dict[str, Any]:
+    """Return the poses of frames per configuration.
+
+    Raises:
+        InputError: The group, a frame or a count is wrong.
+    """
+    request = FkRequest.model_validate(payload["request"])
+    with borrow_world(payload) as world:
+        frames = tuple(request.frames or world.group(request.group).tool_frames)
+        configurations = np.array(request.configurations, dtype=np.float64)
+        found = forward_kinematics(world, request.group, configurations, frames)
+    return {
+        "results": [
+            {frame: pose_wire(pose) for frame, pose in by_frame.items()} for by_frame in found
+        ]
+    }
+
+
+def ik(payload: dict[str, Any], channel: Channel) -> dict[str, Any]:
+    """Return all goal configurations that were found, or why there is none.
+
+    Raises:
+        InputError: The group, a frame or a count is wrong.
+        PlanningFailure: The start is invalid, or time ran out.
+    """
+    request = IkRequest.model_validate(payload["request"])
+    start = None if request.start is None else np.array(request.start, dtype=np.float64)
+    deadline = Deadline.after(request.allowed_time, time.monotonic, channel.is_canceled)
+    with borrow_world(payload) as world:
+        try:
+            found = solve_ik(
+                world,
+                request.group,
+                pose_goal_value(request.goal),
+                deadline=deadline,
+                start=start,
+                options=ik_value(request.ik),
+                margin=request.margin,
+                seed=request.seed,
+            )
+        except (GoalUnreachable, GoalInCollision) as failure:
+            return _no_configuration(failure)
+    return {
+        "configurations": [
+            {"positions": listed(q), "pose_index": index}
+            for q, index in zip(found.positions, found.target_indices, strict=True)
+        ],
+        "funnel": funnel_wire(found.funnel),
+        "failure": None,
+    }
+
+
+def _no_configuration(failure: PlanningFailure) -> dict[str, Any]:
+    funnel = failure.evidence.get("funnel")
+    return {"configurations": [], "funnel": funnel, "failure": failure_wire(failure)}
