@@ -1,0 +1,161 @@
+"""One solution by an OMPL planner, from a fresh start."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float64
+from ompl import base as ob
+from ompl import util as ou
+
+from planning.domain.deadline import Deadline
+from planning.domain.value import Value
+from planning.search.edges import EdgeChecker
+from planning.search.motions import space_information
+from planning.search.oracle import WatchedOracle
+from planning.search.parameters import Scalar
+from planning.search.planners import make_planner
+from planning.search.roadmap import is_roadmap_planner, solve_by_roadmap
+from planning.search.spaces import SearchSpace
+from planning.search.stopping import Stopping
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
+
+# A path that ends this near a goal ends there: the planner copies the goal's state.
+_SAME = 1e-6
+
+
+@dataclass(frozen=True)
+class Query:
+    """What every attempt needs.
+
+    Attributes:
+        space: Where to search.
+        oracle: What is free.
+        start: The group's q, shape (nq,).
+        goals: Free configurations, shape (n, nq).
+        planner: OMPL's name.
+        parameters: Of the planner.
+        deadline: When to give up.
+    """
+
+    space: SearchSpace
+    oracle: WatchedOracle
+    start: Float64[np.ndarray, " nq"]
+    goals: Float64[np.ndarray, "n nq"]
+    planner: str
+    parameters: Mapping[str, Scalar]
+    deadline: Deadline
+
+
+@dataclass(frozen=True, eq=False)
+class Attempt(Value):
+    """What a planner did.
+
+    Attributes:
+        status: OMPL's word for how it ended.
+        waypoints: From the start to a goal, shape (n, nq); n = 0 if it found no exact solution.
+        goal_row: Which goal, or -1.
+        num_vertices: Of its trees or roadmap.
+        num_edges: And between them.
+        goal_distance: Of the nearest it came, in OMPL's metric; infinite if it does not tell.
+    """
+
+    status: str
+    waypoints: Float64[np.ndarray, "n nq"]
+    goal_row: int
+    num_vertices: int
+    num_edges: int
+    goal_distance: float
+
+
+def attempt(query: Query, edges: EdgeChecker, seed: int) -> Attempt:
+    """Let the planner look for a path; the same seed gives the same path.
+
+    OMPL's random numbers are global to the process: one search at a time.
+
+    Args:
+        query: What to search.
+        edges: How motions are checked.
+        seed: Of OMPL's random numbers, 1 to 2^32 - 1.
+
+    Raises:
+        Canceled: Somebody asked for the end.
+        DeadlineExceeded: The time has run out.
+    """
+    ou.RNG.setSeed(seed)
+    information = space_information(query.space, query.oracle, edges)
+    planner = make_planner(information, query.planner, query.parameters)
+    definition = _define(information, query)
+    planner.setProblemDefinition(definition)
+    planner.setup()
+    stopping = Stopping(planner, query.oracle, query.deadline)
+    if is_roadmap_planner(planner):
+        found = solve_by_roadmap(planner, information, query.space, stopping, len(query.goals))
+        status = "Timeout" if found is None else "Exact solution"
+    else:
+        status = planner.solve(ob.PlannerTerminationCondition(stopping)).asString()
+        found = _solution(definition, query.space)
+    if found is None:
+        query.deadline.check("search")
+    return _report(query, found, status, planner, definition)
+
+
+def _define(information: Any, query: Query) -> Any:
+    definition = ob.ProblemDefinition(information)
+    definition.addStartState(query.space.write(query.start))
+    goals = ob.GoalStates(information)
+    for q in query.goals:
+        goals.addState(query.space.write(q))
+    definition.setGoal(goals)
+    return definition
+
+
+def _solution(definition: Any, space: SearchSpace) -> Array | None:
+    """Return the waypoints if there is an exact solution; an approximate one is none."""
+    if not definition.hasExactSolution():
+        return None
+    return np.array([space.read(state) for state in definition.getSolutionPath().getStates()])
+
+
+def _report(
+    query: Query, found: Array | None, status: str, planner: Any, definition: Any
+) -> Attempt:
+    goal_row = -1
+    waypoints = np.empty((0, len(query.start)))
+    if found is not None:
+        distances = query.space.manifold.distance(query.goals, found[-1])
+        row = int(np.argmin(distances))
+        if distances[row] < _SAME:
+            goal_row = row
+            waypoints = _unrolled(query, found, query.goals[row])
+    graph = ob.PlannerData(planner.getSpaceInformation())
+    planner.getPlannerData(graph)
+    return Attempt(
+        status=status,
+        waypoints=waypoints,
+        goal_row=goal_row,
+        num_vertices=graph.numVertices(),
+        num_edges=graph.numEdges(),
+        goal_distance=(
+            definition.getSolutionDifference()
+            if definition.hasApproximateSolution()
+            else float("inf")
+        ),
+    )
+
+
+def _unrolled(query: Query, waypoints: Array, goal: Array) -> Array:
+    """Return the waypoints with the given start and goal, and without jumps of whole turns.
+
+    The goal is left as it was given: it may lie whole turns from the last waypoint before it.
+    """
+    manifold = query.space.manifold
+    path = np.array(waypoints)
+    path[0] = query.start
+    if not manifold.is_flat or any(manifold.wraps):
+        for i in range(1, len(path)):
+            path[i] = manifold.plus(path[i - 1], manifold.minus(path[i], path[i - 1]))
+    path[-1] = goal
+    return path if len(path) > 1 else np.stack([query.start, goal])

@@ -1,0 +1,165 @@
+"""Parameters of OMPL's planners, by OMPL's names.
+
+The wheel does not bind `ParamSet`, but a planner prints the parameters it declares, with their
+values, and its setters are bound. A declared `goal_bias` belongs to `setGoalBias`; the few names
+that differ are in a table. Ranges are those that OMPL's `declareParam` suggests.
+"""
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+from planning.errors import ProblemInvalid, UnknownName
+
+type Scalar = str | float | int | bool
+
+# Setters whose names are not those of their parameters.
+_SETTERS = {
+    "cache_cc": ("CacheCC",),
+    "delay_collision_checking": ("DelayCC",),
+    "delay_rewiring_to_first_solution": ("DelayRewiringUntilInitialSolution",),
+    "drop_unconnected_samples_on_prune": ("DropSamplesOnPrune",),
+    "extended_fmt": ("ExtendedFMT",),
+    "failed_expansion_score_factor": ("FailedExpansionCellScoreFactor",),
+    "find_approximate_solutions": ("ConsiderApproximateSolutions",),
+    "number_sampling_attempts": ("NumSamplingAttempts",),
+    "ordering_batch_size": ("BatchSize",),
+    "prune_threshold_as_fractional_cost_change": ("PruneThresholdFraction",),
+    "stop_on_each_solution_improvement": ("StopOnSolnImprovement",),
+    "use_admissible_heuristic": ("AdmissibleCostToCome",),
+    "use_graph_pruning": ("Pruning",),
+    "use_just_in_time_sampling": ("JustInTimeSampling",),
+    "use_k_nearest": ("UseKNearest", "KNearest", "NearestK"),
+    "use_strict_queue_ordering": ("StrictQueueOrdering",),
+}
+
+_FRACTION = (0.0, 1.0)
+_RANGES: dict[str, tuple[float, float]] = {
+    "border_fraction": _FRACTION,
+    "failed_expansion_score_factor": _FRACTION,
+    "goal_bias": _FRACTION,
+    "max_nearest_neighbors": (1, 1000),
+    "min_valid_path_fraction": _FRACTION,
+    "num_samples": (10, 1_000_000),
+    "number_sampling_attempts": (10, 100_000),
+    "ordering_batch_size": (1, 1_000_000),
+    "prune_threshold": _FRACTION,
+    "prune_threshold_as_fractional_cost_change": _FRACTION,
+    "radius_multiplier": (0.1, 50.0),
+    "range": (0.0, 10_000.0),
+    "rewire_factor": (1.0, 3.0),
+    "samples_per_batch": (1, 1_000_000),
+}
+_LEAST = (0.0, math.inf)
+
+# BFMT's way of sampling on after a failure crashes the process (2.0.1) where there is no solution.
+_CRASHES = {("BFMT", "extended_fmt")}
+
+_WORDS = {"true": True, "1": True, "false": False, "0": False}
+
+
+def declared(planner: Any) -> dict[str, str]:
+    """Return the settable parameters of an OMPL planner and their setters' names, sorted."""
+    lines = planner.printSettings().splitlines()[1:]
+    names = [line.partition("=")[0].strip() for line in lines if "=" in line]
+    found = {name: _setter(planner, name) for name in names} if names else _undeclared(planner)
+    kind = type(planner).__name__
+    return {
+        name: setter
+        for name, setter in sorted(found.items())
+        if setter is not None and (kind, name) not in _CRASHES
+    }
+
+
+def value_of(planner: Any, setter: str) -> bool | int | float:
+    """Return what a parameter is now."""
+    return getattr(planner, f"get{setter}")()
+
+
+def describe_range(name: str, value: float) -> str:
+    """Return the values that a parameter may have, for a person."""
+    if isinstance(value, bool):
+        return "true or false"
+    low, high = _RANGES.get(name, _LEAST)
+    kind = "integer" if isinstance(value, int) else "number"
+    return f"{kind}, at least {low:.9g}" + ("" if math.isinf(high) else f", at most {high:.9g}")
+
+
+def set_parameters(planner: Any, parameters: Mapping[str, Scalar]) -> None:
+    """Set parameters of an OMPL planner.
+
+    Raises:
+        UnknownName: The planner has no such parameter.
+        ProblemInvalid: A value has the wrong type or lies outside its range.
+    """
+    setters = declared(planner)
+    for name, given in sorted(parameters.items()):
+        if name not in setters:
+            raise UnknownName.among("parameter", name, setters)
+        setter = setters[name]
+        now = value_of(planner, setter)
+        value = _converted(given, now)
+        if value is None or not _admits(name, value):
+            raise ProblemInvalid(
+                f"parameter {name!r} of {type(planner).__name__} is {given!r}; "
+                f"it must be: {describe_range(name, now)}",
+                {
+                    "field": f"search.parameters.{name}",
+                    "value": str(given),
+                    "range": describe_range(name, now),
+                },
+            )
+        try:
+            getattr(planner, f"set{setter}")(value)
+        except RuntimeError as error:  # OMPL's exceptions: combinations that it cannot do
+            message = f"{type(planner).__name__} refuses parameter {name!r} = {given!r}: {error}"
+            evidence = {"field": f"search.parameters.{name}", "value": str(given)}
+            raise ProblemInvalid(message, evidence) from error
+
+
+def _setter(planner: Any, name: str) -> str | None:
+    """Return X of the pair setX and getX that a declared parameter belongs to."""
+    regular = "".join(word.capitalize() for word in name.split("_"))
+    for candidate in (regular, *_SETTERS.get(name, ())):
+        if hasattr(planner, f"set{candidate}") and hasattr(planner, f"get{candidate}"):
+            return candidate
+    return None
+
+
+def _undeclared(planner: Any) -> dict[str, str | None]:
+    """Return what a planner that declares nothing lets us set all the same."""
+    found: dict[str, str | None] = {}
+    for method in dir(planner):
+        setter = method.removeprefix("set")
+        if method == setter or not hasattr(planner, f"get{setter}"):
+            continue
+        value: Any = value_of(planner, setter)
+        if isinstance(value, bool | int | float):
+            try:
+                getattr(planner, method)(value)
+            except RuntimeError:  # OMPL's exceptions: it fixes this one itself
+                continue
+            found["".join(f"_{c.lower()}" if c.isupper() else c for c in setter)[1:]] = setter
+    return found
+
+
+def _converted(given: Scalar, like: float) -> bool | int | float | None:
+    """Return the given value in the type of the present one, or None if it has no meaning there."""
+    if isinstance(like, bool):
+        return given if isinstance(given, bool) else _WORDS.get(str(given).lower())
+    if isinstance(given, bool):
+        return None
+    try:
+        number = float(given)
+    except ValueError:
+        return None
+    if not math.isfinite(number):
+        return None
+    if isinstance(like, int):
+        return int(number) if number.is_integer() else None
+    return number
+
+
+def _admits(name: str, value: float) -> bool:
+    low, high = _RANGES.get(name, _LEAST)
+    return isinstance(value, bool) or low <= value <= high

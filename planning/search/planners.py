@@ -1,0 +1,125 @@
+"""The planners that OMPL's wheel binds, found in the module, so that new ones appear by themselves.
+
+Which of them end how is told in `stopping` and `roadmap`.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from ompl import base as ob
+from ompl import geometric as og
+from ompl import util as ou
+
+from planning.domain.value import Value
+from planning.errors import UnknownName
+from planning.search.parameters import (
+    Scalar,
+    declared,
+    describe_range,
+    set_parameters,
+    value_of,
+)
+
+# OMPL logs to the terminal by default; what it has to say is in our reports and errors.
+ou.setLogLevel(ou.LogLevel.LOG_NONE)
+
+
+@dataclass(frozen=True, eq=False)
+class PlannerParameter(Value):
+    """A parameter of a planner.
+
+    Attributes:
+        name: OMPL's.
+        default: Its value if it is not given, as text ("range" 0 means that OMPL chooses).
+        range: The values that it may have, for a person.
+    """
+
+    name: str
+    default: str
+    range: str
+
+
+@dataclass(frozen=True, eq=False)
+class PlannerCard(Value):
+    """A planner that a search may name.
+
+    Attributes:
+        name: OMPL's.
+        parameters: What can be set, sorted by name.
+    """
+
+    name: str
+    parameters: tuple[PlannerParameter, ...]
+
+
+def planner_names() -> list[str]:
+    """Return the names of all geometric planners, sorted."""
+    return sorted(name for name, item in vars(og).items() if _is_planner(item))
+
+
+def check_planner(name: str, parameters: Mapping[str, Scalar]) -> None:
+    """Return if there is such a planner and it takes such parameters.
+
+    Raises:
+        UnknownName: No planner, or no parameter of this one, has such a name.
+        ProblemInvalid: A parameter's value has the wrong type or lies outside its range.
+    """
+    make_planner(_nowhere(), name, parameters)
+
+
+def list_planners() -> tuple[PlannerCard, ...]:
+    """Return all planners with their parameters, sorted by name."""
+    information = _nowhere()
+    return tuple(_card(information, name) for name in planner_names())
+
+
+def make_planner(information: Any, name: str, parameters: Mapping[str, Scalar]) -> Any:
+    """Return an OMPL planner with its parameters set.
+
+    Raises:
+        UnknownName: No planner, or no parameter of this one, has such a name.
+        ProblemInvalid: A parameter's value has the wrong type or lies outside its range.
+    """
+    names = planner_names()
+    if name not in names:
+        raise UnknownName.among("planner", name, names)
+    planner = getattr(og, name)(information)
+    if name == "BFMT":
+        # See `parameters`: it would crash the process.
+        planner.setExtendedFMT(False)
+    try:
+        set_parameters(planner, parameters)
+    finally:
+        # An AORRTC that was never set up crashes the process when it is thrown away (2.0.1).
+        planner.setup()
+    return planner
+
+
+def _is_planner(item: Any) -> bool:
+    return isinstance(item, type) and issubclass(item, ob.Planner) and item is not ob.Planner
+
+
+def _nowhere() -> Any:
+    """Return the least that a planner can be made for."""
+    space = ob.RealVectorStateSpace(2)
+    space.setBounds(0.0, 1.0)
+    information = ob.SpaceInformation(space)
+    information.setStateValidityChecker(_accept)
+    information.setup()
+    return information
+
+
+def _accept(_: Any) -> bool:
+    return True
+
+
+def _card(information: Any, name: str) -> PlannerCard:
+    planner = getattr(og, name)(information)
+    parameters: list[PlannerParameter] = []
+    for parameter, setter in declared(planner).items():
+        value = value_of(planner, setter)
+        text = str(value).lower() if isinstance(value, bool) else f"{value:g}"
+        parameters.append(PlannerParameter(parameter, text, describe_range(parameter, value)))
+    planner.setup()
+    return PlannerCard(name, tuple(parameters))

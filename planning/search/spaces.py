@@ -1,0 +1,174 @@
+"""SearchSpace: the OMPL state space of a group, and the way between its states and q.
+
+Joints of one coordinate and limits are a vector; continuous joints are SO(2), planar joints SE(2),
+floating joints SE(3); a group that mixes them is a compound. OMPL measures a compound by the sum
+of its parts' distances, `Manifold.distance` by the root of their squares: the two agree within the
+square root of the number of parts, and exactly for a group of bounded joints.
+"""
+
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float64
+from ompl import base as ob
+
+from planning.domain.joints import Joint, JointGroup, JointLimits, JointType
+from planning.domain.manifold import Manifold
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
+
+# Where a translation has no limits, this is how far from the world's origin is searched [m] ...
+_REACH = 10.0
+# ... or so far beyond the start and the goals, if they lie outside [m].
+_SURROUNDINGS = 1.0
+# OMPL wants each range to have a width.
+_LEAST_WIDTH = 1e-9
+
+_SE3_FROM_Q = (4, 5, 6, 1, 2, 3, 0)
+
+
+class SearchSpace:
+    """A state space with a fixed order of its values.
+
+    Attributes:
+        manifold: The same set with our metric.
+        ompl: OMPL's state space; it never leaves `planning.search`.
+        lower: Search bounds, finite but for circles and quaternions, shape (nq,).
+        upper: And above, shape (nq,).
+    """
+
+    def __init__(
+        self,
+        group: JointGroup,
+        limits: JointLimits,
+        anchors: Float64[np.ndarray, "m nq"],
+    ) -> None:
+        """Build the space.
+
+        Args:
+            group: The joints.
+            limits: Their position limits.
+            anchors: Configurations that must lie inside, shape (m, nq).
+        """
+        self.manifold = Manifold(group.joints)
+        self.lower, self.upper = _search_bounds(group, limits, anchors)
+        parts = _parts(group)
+        self.ompl = self._assemble(parts)
+        self.ompl.setup()
+        self._from_q = [i for _, indices in parts for i in indices]
+        self._to_q = [int(i) for i in np.argsort(self._from_q)]
+        self._angles = [i for i, wraps in zip(self._from_q, _circles(parts), strict=True) if wraps]
+        is_vector = len(parts) == 1 and isinstance(self.ompl, ob.RealVectorStateSpace)
+        self._slice = slice(0, len(self._from_q)) if is_vector else None
+
+    def read(self, state: Any) -> Array:
+        """Return the q of an OMPL state, shape (nq,)."""
+        if self._slice is not None:
+            return np.array(state[self._slice])
+        value = self.ompl.getValueAddressAtIndex
+        return np.array([value(state, i) for i in self._to_q])
+
+    def write(self, q: Float64[np.ndarray, " nq"]) -> Any:
+        """Return a new OMPL state at q, shape (nq,); quaternions are normalised."""
+        q = np.clip(self.manifold.normalized(q), self.lower, self.upper)
+        q[self._angles] = np.remainder(q[self._angles] + np.pi, 2 * np.pi) - np.pi
+        state = self.ompl.allocState()
+        self.ompl.copyFromReals(state, q[self._from_q].tolist())
+        return state
+
+    def contains(self, q: Float64[np.ndarray, " nq"]) -> bool:
+        """Return whether q, shape (nq,), lies in the searched box."""
+        return bool(((q >= self.lower - 1e-9) & (q <= self.upper + 1e-9)).all())
+
+    def _assemble(self, parts: list[tuple[Any, list[int]]]) -> Any:
+        spaces = [self._sub_space(kind, indices) for kind, indices in parts]
+        if len(spaces) == 1:
+            return spaces[0]
+        compound = ob.CompoundStateSpace(spaces, [1.0] * len(spaces))
+        compound.lock()
+        # What KPIECE and its kin spread over: the first part, which has the most to say.
+        compound.registerDefaultProjection(ob.SubspaceProjectionEvaluator(compound, 0))
+        return compound
+
+    def _sub_space(self, kind: JointType, indices: list[int]) -> Any:
+        match kind:
+            case JointType.CONTINUOUS:
+                return ob.SO2StateSpace()
+            case JointType.PLANAR:
+                space = ob.SE2StateSpace()
+                space.setBounds(self._bounds(indices[:2]))
+                space.setSubspaceWeight(1, 1.0)
+            case JointType.FLOATING:
+                space = ob.SE3StateSpace()
+                space.setBounds(self._bounds(indices[:3]))
+                # OMPL's distance on SO(3) is half the angle of the rotation.
+                space.setSubspaceWeight(1, 2.0)
+            case _:
+                space = ob.RealVectorStateSpace(len(indices))
+                space.setBounds(self._bounds(indices))
+        return space
+
+    def _bounds(self, indices: list[int]) -> Any:
+        bounds = ob.RealVectorBounds(len(indices))
+        for i, k in enumerate(indices):
+            bounds.setLow(i, float(self.lower[k]))
+            bounds.setHigh(i, float(self.upper[k]))
+        return bounds
+
+
+def _search_bounds(group: JointGroup, limits: JointLimits, anchors: Array) -> tuple[Array, Array]:
+    """Return finite bounds wherever OMPL needs them."""
+    nearest = np.minimum(-_REACH, anchors.min(axis=0) - _SURROUNDINGS)
+    furthest = np.maximum(_REACH, anchors.max(axis=0) + _SURROUNDINGS)
+    lower = np.where(np.isfinite(limits.lower), limits.lower, nearest)
+    upper = np.where(np.isfinite(limits.upper), limits.upper, furthest)
+    free = _unbounded(group)
+    lower[free], upper[free] = -np.inf, np.inf
+    return lower, np.maximum(upper, lower + _LEAST_WIDTH)
+
+
+def _unbounded(group: JointGroup) -> list[int]:
+    """Return the coordinates of q that have no bounds in OMPL: circles and quaternions."""
+    found: list[int] = []
+    iq = 0
+    for joint in group.joints:
+        match joint.type:
+            case JointType.CONTINUOUS:
+                found.append(iq)
+            case JointType.PLANAR:
+                found.append(iq + 2)
+            case JointType.FLOATING:
+                found += range(iq, iq + 4)
+            case _:
+                pass
+        iq += len(joint.position_names)
+    return found
+
+
+def _parts(group: JointGroup) -> list[tuple[JointType, list[int]]]:
+    """Return each part with the indices into q of its values, in OMPL's order."""
+    vector: list[int] = []
+    others: list[tuple[JointType, list[int]]] = []
+    iq = 0
+    for joint in group.joints:
+        indices = _value_order(joint, iq)
+        if joint.type in {JointType.REVOLUTE, JointType.PRISMATIC}:
+            vector += indices
+        else:
+            others.append((joint.type, indices))
+        iq += len(joint.position_names)
+    return ([(JointType.REVOLUTE, vector)] if vector else []) + others
+
+
+def _value_order(joint: Joint, iq: int) -> list[int]:
+    if joint.type is JointType.FLOATING:
+        return [iq + k for k in _SE3_FROM_Q]
+    return list(range(iq, iq + len(joint.position_names)))
+
+
+def _circles(parts: list[tuple[JointType, list[int]]]) -> list[bool]:
+    flags: list[bool] = []
+    for kind, indices in parts:
+        wraps = {JointType.CONTINUOUS: [True], JointType.PLANAR: [False, False, True]}
+        flags += wraps.get(kind, [False] * len(indices))
+    return flags

@@ -1,0 +1,55 @@
+"""Stopping: when a planner that is still at work shall end, by counts and never by the clock.
+
+Planners that only look for a path end with it. Those that improve it (RRTstar and its kin, BITstar,
+AORRTC, PRMstar) would use up any time that they are given, and what they deliver would depend on
+how fast the machine is. They get as much work again as their first solution took, and no less than
+a fixed least; work is counted in checked states and in questions to this condition.
+"""
+
+import math
+from typing import Any
+
+from planning.domain.deadline import Deadline
+from planning.search.oracle import WatchedOracle
+
+_LEAST_STATES = 4_000
+_LEAST_QUESTIONS = 20_000
+
+
+class Stopping:
+    """OMPL's termination condition; the deadline cuts all.
+
+    Attributes:
+        questions: How often the planner asked.
+    """
+
+    def __init__(self, planner: Any, oracle: WatchedOracle, deadline: Deadline) -> None:
+        """Watch a planner's best cost, if it tells one, and the oracle's counter."""
+        self.questions = 0
+        self._best_cost = getattr(planner, "bestCost", None)
+        self._oracle = oracle
+        self._deadline = deadline
+        self._states_before = oracle.num_states
+        self._last_states = math.inf
+        self._last_questions = math.inf
+
+    def __call__(self) -> bool:
+        """Return whether to end."""
+        self.questions += 1
+        if self._deadline.is_over:
+            return True
+        if self._best_cost is None:
+            return False
+        if math.isinf(self._last_questions):
+            if math.isfinite(self._best_cost().value()):
+                self.note_solution()
+            return False
+        return (
+            self._oracle.num_states >= self._last_states or self.questions >= self._last_questions
+        )
+
+    def note_solution(self) -> None:
+        """Set the amount of work that may still be spent on improving the first solution."""
+        spent = self._oracle.num_states - self._states_before
+        self._last_states = self._oracle.num_states + max(spent, _LEAST_STATES)
+        self._last_questions = self.questions + max(self.questions, _LEAST_QUESTIONS)
