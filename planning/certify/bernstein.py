@@ -35,9 +35,7 @@ def halves(
     return left @ bernstein, right @ bernstein
 
 
-def peak(
-    bernstein: Float64[np.ndarray, "n k"], tolerance: float
-) -> tuple[float, int, float]:
+def peak(bernstein: Float64[np.ndarray, "n k"], tolerance: float) -> tuple[float, int, float]:
     """Return an upper bound on the largest value of n polynomials, each on its own interval.
 
     Args:
@@ -103,7 +101,7 @@ def _halving(degree: int) -> tuple[Array, Array]:
 def _product(degree: int) -> tuple[Array, tuple[slice, ...]]:
     """Return weights C(d,i) C(d,j) / C(2d,i+j) and where row i of the products goes."""
     d = degree
-    weights = np.array(
-        [[comb(d, i) * comb(d, j) / comb(2 * d, i + j) for j in range(d + 1)] for i in range(d + 1)]
-    )
+    weights = np.array([
+        [comb(d, i) * comb(d, j) / comb(2 * d, i + j) for j in range(d + 1)] for i in range(d + 1)
+    ])
     return weights, tuple(slice(i, i + d + 1) for i in range(d + 1))

@@ -51,9 +51,7 @@ def certify(
     return _verdict(checks, check_clearance(model, request, deadline))
 
 
-def _verdict(
-    checks: list[Check], clearance: Clearance | None
-) -> tuple[Certificate, CertifyReport]:
+def _verdict(checks: list[Check], clearance: Clearance | None) -> tuple[Certificate, CertifyReport]:
     if clearance is None:
         certificate = Certificate(False, float("nan"), ("", ""), 0.0, tuple(checks))  # noqa: FBT003
         return certificate, CertifyReport(0, 0)

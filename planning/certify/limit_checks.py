@@ -59,7 +59,9 @@ def rate_check(request: CertifyRequest, name: str, order: int) -> Check:
         if not used <= worst.value:
             time = float(curve.breaks[row] + fraction * widths[row])
             passed = used <= MAX_UTILISATION
-            worst = Check(name, used, MAX_UTILISATION, "1", _RELATIVE_GAP * used, passed, block, time)
+            worst = Check(
+                name, used, MAX_UTILISATION, "1", _RELATIVE_GAP * used, passed, block, time
+            )
     return worst
 
 

@@ -64,9 +64,10 @@ class MotionBounds:
             self._chain_table[i, : len(chain)] = chain
         offsets = [m.joint.frame_on_child().GetFixedPoseInBodyFrame() for m in self._joints]
         self._p_bm = np.array([x.translation() for x in offsets]).reshape(-1, 3)
-        self._axes_b = np.array(
-            [x.rotation().multiply(_axis(m.joint)) for m, x in zip(self._joints, offsets, strict=True)]
-        ).reshape(-1, 3)
+        self._axes_b = np.array([
+            x.rotation().multiply(_axis(m.joint))
+            for m, x in zip(self._joints, offsets, strict=True)
+        ]).reshape(-1, 3)
         self._has_axis = np.array([_has_axis(m.joint) for m in self._joints], dtype=bool)
         self._sphere_rows = np.repeat(
             np.arange(len(chains)),
@@ -84,12 +85,10 @@ class MotionBounds:
 
     def displacements(self, delta: Float64[np.ndarray, " nv"]) -> tuple[Array, Array]:
         """Return turn [rad] and shift [m] of every moving joint, from those of the group's v."""
-        turn = np.array(
-            [abs(m.scale) * np.linalg.norm(delta[list(m.turn)]) for m in self._joints]
-        )
-        shift = np.array(
-            [abs(m.scale) * np.linalg.norm(delta[list(m.shift)]) for m in self._joints]
-        )
+        turn = np.array([abs(m.scale) * np.linalg.norm(delta[list(m.turn)]) for m in self._joints])
+        shift = np.array([
+            abs(m.scale) * np.linalg.norm(delta[list(m.shift)]) for m in self._joints
+        ])
         return turn, shift
 
     def motions(self, context: Any, delta: Float64[np.ndarray, " nv"]) -> Array:
