@@ -62,10 +62,13 @@ def candidates(
         unrefined = RefineReport(
             report.method, improved=False, reason="the unrefined path is quicker or safer"
         )
-    rounded = _rounded(path, _DEVIATIONS[0], limits, problem, unrefined, watch)
-    first += [rounded] if rounded else []
+    # With jerk limits a wide corner may well be slower than a rest: all of them are compared.
+    num_compared = len(_DEVIATIONS) if problem.retime.method == "ruckig" else 1
+    for deviation in _DEVIATIONS[:num_compared]:
+        made = _rounded(path, deviation, limits, problem, unrefined, watch)
+        first += [made] if made else []
     yield from sorted(first, key=lambda candidate: candidate.trajectory.duration)
-    for deviation in _DEVIATIONS[1:]:
+    for deviation in _DEVIATIONS[num_compared:]:
         deadline.check("retime")
         made = _rounded(path, deviation, limits, problem, unrefined, watch)
         if made is not None:

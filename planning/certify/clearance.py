@@ -19,6 +19,7 @@ from planning.domain.deadline import Deadline
 from planning.world.drake_model import DrakeModel
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
+type Indices = np.ndarray[Any, np.dtype[np.intp]]
 
 # Distances that Drake reports are trusted to this much [m].
 _SOLVER_TOLERANCE = 1e-7
@@ -72,7 +73,7 @@ class _Node:
     t0: float
     width: float
     bernstein: Array
-    pairs: Array | None
+    pairs: Indices | None
     floor: float
 
 
@@ -183,7 +184,9 @@ class _Prover:
             self._deadline.check("certify")
         left, right = bernstein.halves(node.bernstein)
         motions = self._go_to(node, left[-1])
-        open_pairs = np.arange(len(self._pairs)) if node.pairs is None else node.pairs
+        open_pairs = (
+            np.arange(len(self._pairs), dtype=np.intp) if node.pairs is None else node.pairs
+        )
         moved = motions[open_pairs]
         distances = self._distances(open_pairs, moved, node.t0 + node.width / 2)
         if (distances < self._required[open_pairs] - _SOLVER_TOLERANCE).any():
@@ -217,7 +220,7 @@ class _Prover:
         a, b, depth = self._rows.T
         return motions[a, depth] + motions[b, depth]
 
-    def _distances(self, pairs: Array, moved: Array, time: float) -> Array:
+    def _distances(self, pairs: Indices, moved: Array, time: float) -> Array:
         """Return signed distances of some pairs now, or lower bounds where they are far apart."""
         self._counts.queries += 1
         query: Any = self._port.Eval(self._query_context)
@@ -248,7 +251,7 @@ class _Prover:
                 found[i] = pair.distance
         return found
 
-    def _remember(self, pairs: Array, distances: Array, time: float) -> None:
+    def _remember(self, pairs: Indices, distances: Array, time: float) -> None:
         if len(pairs) == 0:
             return
         nearest = self._nearest
@@ -274,7 +277,9 @@ class _Prover:
         for horizon in _HORIZONS if self._pairs else ():
             found = self._within(query, horizon)
             if found:
-                self._remember(np.array(list(found)), np.array(list(found.values())), time)
+                self._remember(
+                    np.array(list(found), dtype=np.intp), np.array(list(found.values())), time
+                )
                 return
 
     def _fixed_violation(self) -> Check | None:

@@ -59,7 +59,7 @@ def blend_corners(path: JointPath, deviation: float, smoothness: int = 1) -> Joi
     return _assemble(path, pieces)
 
 
-def _reaches(  # noqa: PLR0913
+def _reaches(
     waypoints: Array,
     units: Array,
     lengths: Array,

@@ -97,4 +97,5 @@ def _as_profile(trajectory: Any, stretch: JointSpline) -> SpeedProfile:
     # The phases add up to the length but for rounding; the parameter is scaled to end exactly.
     scale = (end - begin) / s
     places = np.append(begin + columns[0] * scale, end)
-    return SpeedProfile(places, *(columns[1:4] * scale), columns[4])
+    v0, a0, j0 = columns[1:4] * scale
+    return SpeedProfile(places, v0, a0, j0, columns[4])

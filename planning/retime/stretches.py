@@ -1,5 +1,6 @@
 """Cut a spline where it cannot be followed without resting."""
 
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -27,7 +28,7 @@ def smooth_stretches(spline: JointSpline, smoothness: int) -> list[JointSpline]:
             spline.bases[a:b],
             spline.coefficients[a:b],
         )
-        for a, b in zip(edges[:-1], edges[1:], strict=True)
+        for a, b in pairwise(edges)
     ]
 
 
