@@ -2,6 +2,7 @@
 
 import logging
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -116,7 +117,11 @@ def _add_robot(build: _Build, robot: SceneRobot, source: RobotSource) -> None:
         if not parser.package_map().Contains(package):
             parser.package_map().Add(package, str(folder))
     try:
-        instances = parser.AddModels(str(source.file))
+        instances = (
+            parser.AddModels(str(source.file))
+            if file.rewritten is None
+            else parser.AddModelsFromString(file.rewritten, _format_of(source.file))
+        )
     except (RuntimeError, ValueError) as fault:
         message = f"robot {robot.name!r}: {source.file.name} does not load: {fault}"
         raise ModelInvalid(message, {"file": str(source.file), "reason": str(fault)}) from fault
@@ -135,6 +140,11 @@ def _add_robot(build: _Build, robot: SceneRobot, source: RobotSource) -> None:
     for name, parent, child in file.floating:
         frame_p, frame_c = (build.frames[f"{robot.name}::{link}"] for link in (parent, child))
         build.plant.AddJoint(QuaternionFloatingJoint(name, frame_p, frame_c))
+
+
+def _format_of(file: Path) -> str:
+    """Return what Drake calls the format of a file with this ending."""
+    return {".urdf": "urdf", ".sdf": "sdf", ".xml": "xml"}[file.suffix.lower()]
 
 
 def _weld_base(build: _Build, loaded: LoadedRobot) -> None:

@@ -12,6 +12,7 @@ from pathlib import Path
 from xml.etree import ElementTree as ET
 
 from planning.errors import AssetNotFound, ModelInvalid
+from planning.world.mesh_files import with_readable_meshes
 
 _MAX_BYTES = 20_000_000
 _POSITIVE = {
@@ -45,6 +46,7 @@ class ModelFile:
         mimics: Joints that follow others.
         effort: Largest effort by joint, where the file says it [N m or N].
         packages: Folder of every package that the file names.
+        rewritten: The description with meshes that Drake reads; None if it reads its own.
         disabled_pairs: Pairs of links that an SRDF of the same name lets touch.
     """
 
@@ -54,6 +56,7 @@ class ModelFile:
     mimics: tuple[Mimic, ...]
     effort: dict[str, float]
     packages: dict[str, Path]
+    rewritten: str | None
     disabled_pairs: tuple[tuple[str, str], ...]
 
 
@@ -67,8 +70,10 @@ def inspect_model(file: Path) -> ModelFile:
     """
     root = _parse(file)
     for element in root.iter():
+        if "xacro" in element.tag:
+            raise _invalid(file, "this is xacro source; expand it to URDF first")
         _refuse_bad_sizes(file, element)
-    packages = _find_packages(file, root)
+    packages, meshes = _find_meshes(file, root)
     links = [link.get("name", "") for link in root.iter("link")]
     children = {child.get("link", "") for child in root.iter("child")}
     roots = [name for name in links if name not in children] if root.tag == "robot" else []
@@ -83,6 +88,7 @@ def inspect_model(file: Path) -> ModelFile:
         mimics=tuple(_mimics(file, root)),
         effort=_efforts(root),
         packages=packages,
+        rewritten=with_readable_meshes(file, root, meshes),
         disabled_pairs=tuple(_disabled_pairs(file)),
     )
 
@@ -123,29 +129,31 @@ def _number(file: Path, tag: str, word: str) -> float:
     return number
 
 
-def _find_packages(file: Path, root: ET.Element) -> dict[str, Path]:
-    """Return the folder of each package, and make sure that every mesh file exists."""
+def _find_meshes(file: Path, root: ET.Element) -> tuple[dict[str, Path], dict[str, Path]]:
+    """Return the folder of each package, and the path of each mesh by the name it is given."""
     packages: dict[str, Path] = {}
+    meshes: dict[str, Path] = {}
+    compiler = root.find("compiler")
+    mesh_folder = file.parent / (compiler.get("meshdir", "") if compiler is not None else "")
     for element in root.iter():
-        tag = element.tag.rsplit("}", 1)[-1]
         child = element.find("uri")
-        uri = element.get("filename") or (child.text if child is not None else None)
-        if tag != "mesh" or not uri:
+        uri = element.get("filename") or element.get("file")
+        uri = (uri or (child.text if child is not None else None) or "").strip()
+        if element.tag.rsplit("}", 1)[-1] != "mesh" or not uri:
             continue
-        match = _PACKAGE.match(uri.strip())
+        match = _PACKAGE.match(uri)
         if match:
-            name = match[1]
-            packages.setdefault(name, _package_folder(file, name, uri))
-            target = packages[name] / match[2]
+            packages.setdefault(match[1], _package_folder(file, match[1], uri))
+            meshes[uri] = packages[match[1]] / match[2]
         elif "://" in uri:
             message = f"{file.name} names {uri!r}; only files and package:// are read"
             raise AssetNotFound(message, {"uri": uri, "known": ["package://", "relative path"]})
         else:
-            target = file.parent / uri
-        if not target.is_file():
-            message = f"{file.name} names the mesh {uri!r}, which is not at {target}"
+            meshes[uri] = (mesh_folder if root.tag == "mujoco" else file.parent) / uri
+        if not meshes[uri].is_file():
+            message = f"{file.name} names the mesh {uri!r}, which is not at {meshes[uri]}"
             raise AssetNotFound(message, {"uri": uri, "known": sorted(packages)})
-    return packages
+    return packages, meshes
 
 
 def _package_folder(file: Path, name: str, uri: str) -> Path:

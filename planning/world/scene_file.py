@@ -103,10 +103,10 @@ def _real_steps(document: Any, location: Sequence[str | int]) -> list[str | int]
     for i, step in enumerate(location):
         if isinstance(document, Mapping):
             is_real = step in document or i == len(location) - 1
-            document = document.get(step) if is_real else document
+            document = cast("Any", document).get(step) if is_real else document
         else:
             is_real = isinstance(document, list) and step in range(len(document))
-            document = document[step] if is_real else document
+            document = cast("Any", document)[step] if is_real else document
         real += [step] if is_real else []
     return real
 

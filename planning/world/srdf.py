@@ -23,10 +23,10 @@ def read_srdf_groups(urdf: Path, movable: list[str]) -> dict[str, tuple[list[str
         if chain is not None:
             base, tip = chain.get("base_link", ""), chain.get("tip_link", "")
             members = _joints_between(parents, base, tip)
-            chains[name] = ([joint for joint in movable if joint in members], [tip])
+            chains[name] = ([joint for joint in members if joint in movable], [tip])
         else:
-            members = {joint.get("name", "") for joint in group.findall("joint")}
-            others[name] = ([joint for joint in movable if joint in members], [])
+            named = {joint.get("name", "") for joint in group.findall("joint")}
+            others[name] = ([joint for joint in movable if joint in named], [])
     found = {**chains, **others}
     return {name: group for name, group in found.items() if group[0]}
 
@@ -41,10 +41,10 @@ def _parent_joints(urdf: Path) -> dict[str, tuple[str, str]]:
     return parents
 
 
-def _joints_between(parents: dict[str, tuple[str, str]], base: str, tip: str) -> set[str]:
-    members: set[str] = set()
+def _joints_between(parents: dict[str, tuple[str, str]], base: str, tip: str) -> list[str]:
+    members: list[str] = []
     link = tip
     while link in parents and link != base:
         joint, link = parents[link]
-        members.add(joint)
+        members.insert(0, joint)
     return members

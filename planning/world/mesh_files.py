@@ -1,0 +1,77 @@
+"""Meshes that Drake does not read (STL, COLLADA, PLY) become OBJ files in a cache, by content."""
+
+import hashlib
+import os
+import tempfile
+from pathlib import Path
+from xml.etree import ElementTree as ET
+
+import trimesh
+
+from planning.errors import ModelInvalid
+
+_READ_BY_DRAKE = (".obj", ".vtk", ".gltf")
+_CONVERTED = (".stl", ".dae", ".ply", ".off", ".glb")
+
+
+def with_readable_meshes(file: Path, root: ET.Element, meshes: dict[str, Path]) -> str | None:
+    """Return the description with every mesh as the file:// address of one that Drake reads.
+
+    None if Drake reads all of them as they are.
+
+    Args:
+        file: The description.
+        root: The description, parsed; left as it is.
+        meshes: Where each mesh is, by the name that the description gives it.
+
+    Raises:
+        ModelInvalid: A mesh is of no known kind, or is broken.
+    """
+    if all(path.suffix.lower() in _READ_BY_DRAKE for path in meshes.values()):
+        return None
+    paths = {name: _readable(file, path).as_uri() for name, path in meshes.items()}
+    copy = ET.fromstring(ET.tostring(root))  # noqa: S314  (our own output)
+    for element in copy.iter():
+        for attribute in ("filename", "file"):
+            if element.get(attribute) in paths:
+                element.set(attribute, paths[element.get(attribute, "")])
+        if element.tag == "uri" and (element.text or "").strip() in paths:
+            element.text = paths[(element.text or "").strip()]
+    return ET.tostring(copy, encoding="unicode")
+
+
+def _readable(file: Path, mesh: Path) -> Path:
+    """Return the mesh itself, or its OBJ twin, made when it is first asked for."""
+    suffix = mesh.suffix.lower()
+    if suffix in _READ_BY_DRAKE:
+        return mesh
+    if suffix not in _CONVERTED:
+        known = [*_READ_BY_DRAKE, *_CONVERTED]
+        message = f"{file.name}: mesh {mesh.name} is of no kind that is read: {known}"
+        raise ModelInvalid(message, {"file": str(file), "reason": message})
+    content = mesh.read_bytes()
+    target = cache_folder() / f"{hashlib.sha256(content).hexdigest()}.obj"
+    if not target.is_file():
+        try:
+            loaded = trimesh.load(mesh, force="mesh")
+            text = trimesh.exchange.obj.export_obj(loaded, include_texture=False)
+        except Exception as fault:  # trimesh's readers raise whatever their formats do
+            message = f"{file.name}: mesh {mesh.name} cannot be read: {fault}"
+            raise ModelInvalid(message, {"file": str(file), "reason": str(fault)}) from fault
+        _write_whole(target, text)
+    return target
+
+
+def cache_folder() -> Path:
+    """Return the folder of things that can be made again, created if needed."""
+    home = os.environ.get("XDG_CACHE_HOME") or str(Path.home() / ".cache")
+    folder = Path(home) / "wayproof"
+    folder.mkdir(parents=True, exist_ok=True)
+    return folder
+
+
+def _write_whole(target: Path, text: str) -> None:
+    """Write a file that other processes see either whole or not at all."""
+    with tempfile.NamedTemporaryFile("w", dir=target.parent, delete=False) as part:
+        part.write(text)
+    Path(part.name).replace(target)
