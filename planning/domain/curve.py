@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, Self
+from typing import Any
 
 import numpy as np
 from jaxtyping import Float64
@@ -12,6 +12,7 @@ from planning.domain.manifold import Manifold
 from planning.domain.value import Value
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
+type Indices = np.ndarray[Any, np.dtype[np.intp]]
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,7 +44,7 @@ class Curve(Value):
         """How many polynomials there are."""
         return len(self.bases)
 
-    def locate(self, x: Float64[np.ndarray, " m"]) -> tuple[np.ndarray[Any, Any], Array]:
+    def locate(self, x: Float64[np.ndarray, " m"]) -> tuple[Indices, Array]:
         """Return the piece of each x and x relative to its break; the ends are extended."""
         piece = np.clip(np.searchsorted(self.breaks, x, side="right") - 1, 0, self.num_pieces - 1)
         return piece, x - self.breaks[piece]
@@ -93,7 +94,9 @@ class JointSpline(Curve):
     """r(s), s in [0, 1]: a geometric path, not yet timed."""
 
     @classmethod
-    def through(cls, joints: tuple[Joint, ...], waypoints: Float64[np.ndarray, "n nq"]) -> Self:
+    def through(
+        cls, joints: tuple[Joint, ...], waypoints: Float64[np.ndarray, "n nq"]
+    ) -> "JointSpline":
         """Build the polyline of geodesics, parametrised by length."""
         manifold = Manifold(joints)
         steps = manifold.minus(waypoints[1:], waypoints[:-1])

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 from jaxtyping import Float64
@@ -48,6 +48,7 @@ class Measurement(Value):
     contacts: tuple[BodyPair, ...] = ()
 
 
+@runtime_checkable
 class Driver(Protocol):
     """What moves a robot. It has a clock of its own, in seconds from when it began."""
 
@@ -60,6 +61,7 @@ class Driver(Protocol):
         ...
 
 
+@runtime_checkable
 class SimulatedGroup(Protocol):
     """What `SimulatedDriver` needs of `planning.world.simulation.Simulation`."""
 

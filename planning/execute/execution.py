@@ -1,7 +1,7 @@
 """Execution: what to do next, decided apart from doing it."""
 
 from dataclasses import dataclass, field, replace
-from typing import Any, Self
+from typing import Any
 
 import numpy as np
 
@@ -55,7 +55,7 @@ class Execution(Value):
     still_since: float | None = None
     failure: ExecutionFailure | None = None
 
-    def start(self) -> Self:
+    def start(self) -> "Execution":
         """Begin to move.
 
         Raises:
@@ -65,7 +65,7 @@ class Execution(Value):
         state = advance(self.state, ExecutionEvent.START)
         return replace(self, state=state, rate=self.speed, still_since=None)
 
-    def pause(self) -> Self:
+    def pause(self) -> "Execution":
         """Come to rest on the path, until `resume`.
 
         Raises:
@@ -73,7 +73,7 @@ class Execution(Value):
         """
         return replace(self, state=advance(self.state, ExecutionEvent.PAUSE))
 
-    def resume(self) -> Self:
+    def resume(self) -> "Execution":
         """Move on.
 
         Raises:
@@ -82,7 +82,7 @@ class Execution(Value):
         state = advance(self.state, ExecutionEvent.RESUME)
         return replace(self, state=state, still_since=None)
 
-    def cancel(self) -> Self:
+    def cancel(self) -> "Execution":
         """Come to rest on the path and end.
 
         Raises:
@@ -90,7 +90,7 @@ class Execution(Value):
         """
         return replace(self, state=advance(self.state, ExecutionEvent.CANCEL), still_since=None)
 
-    def with_speed(self, speed: float) -> Self:
+    def with_speed(self, speed: float) -> "Execution":
         """Change the rate at which it moves.
 
         Raises:
@@ -102,7 +102,7 @@ class Execution(Value):
             raise ProblemInvalid(message, {"field": "speed"})
         return replace(self, state=advance(self.state, ExecutionEvent.SET_SPEED), speed=speed)
 
-    def fail(self, failure: ExecutionFailure) -> Self:
+    def fail(self, failure: ExecutionFailure) -> "Execution":
         """Give up.
 
         Raises:
@@ -111,7 +111,7 @@ class Execution(Value):
         state = advance(self.state, ExecutionEvent.FAIL)
         return replace(self, state=state, failure=failure, rate=0.0, ramp=0.0)
 
-    def step(self, measured: Measurement, period: float) -> tuple[Self, Setpoint]:
+    def step(self, measured: Measurement, period: float) -> tuple["Execution", Setpoint]:
         """Judge what the robot does and decide what it does during the next `period` [s].
 
         Args:
@@ -153,7 +153,7 @@ class Execution(Value):
         """Return the largest coordinate of `q [-] desired` [rad or m]."""
         return float(np.max(np.abs(self.trajectory.manifold.minus(q, self.desired))))
 
-    def _judged(self, measured: Measurement) -> Self:
+    def _judged(self, measured: Measurement) -> "Execution":
         """Return the same, after what the measurement says has happened."""
         now = replace(self, clock=measured.time)
         if self.state.is_terminal:
@@ -167,7 +167,7 @@ class Execution(Value):
             return now
         return now._settled(error, measured)
 
-    def _settled(self, error: float, measured: Measurement) -> Self:
+    def _settled(self, error: float, measured: Measurement) -> "Execution":
         """Return the same after the last moving setpoint: arrived, still on its way, or lost."""
         bounds = self.tolerances
         is_at_rest = bool(np.max(np.abs(measured.v)) <= bounds.rest)
@@ -181,7 +181,7 @@ class Execution(Value):
             return self.fail(_lost(error, bounds.goal, measured.time))
         return self
 
-    def _moved(self, period: float) -> tuple[Self, Setpoint]:
+    def _moved(self, period: float) -> tuple["Execution", Setpoint]:
         """Return the execution one period later, and the setpoint until then."""
         ramp = self._ramp(period)
         after = self.rate + ramp * period

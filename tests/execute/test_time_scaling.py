@@ -1,0 +1,63 @@
+"""How quickly the rate along a trajectory may change."""
+
+import numpy as np
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from planning.domain.curve import TimedTrajectory
+from planning.domain.joints import Joint, JointLimits, JointType
+from planning.execute.time_scaling import choose_ramp, ramp_bounds
+
+JOINTS = (Joint("body::base", JointType.PLANAR), Joint("arm::a", JointType.REVOLUTE))
+BLOCKS = ((0, 1), (2,), (3,))
+
+
+def cubic(seed: int) -> TimedTrajectory:
+    coefficients = np.random.default_rng(seed).uniform(-1, 1, (1, 4, 4))
+    return TimedTrajectory(JOINTS, np.array([0.0, 1.0]), np.zeros((1, 4)), coefficients)
+
+
+def limits(acceleration: float) -> JointLimits:
+    unbounded = np.full(4, np.inf)
+    rates = np.full(3, acceleration)
+    return JointLimits(-unbounded, unbounded, rates, rates, rates, rates, BLOCKS)
+
+
+def utilisation(trajectory: TimedTrajectory, time: float, rate: float, ramp: float) -> float:
+    """Return the largest norm of a block's acceleration when followed like that."""
+    at = np.array([time])
+    vdot = trajectory.accelerations(at)[0] * rate**2 + trajectory.velocities(at)[0] * ramp
+    return max(float(np.linalg.norm(vdot[list(block)])) for block in BLOCKS)
+
+
+@settings(max_examples=60, deadline=None)
+@given(st.integers(0, 10_000), st.floats(0, 1), st.floats(0, 1), st.floats(0, 1))
+def test_the_bounds_are_where_a_limit_is_met(
+    seed: int, time: float, rate: float, fraction: float
+) -> None:
+    bound = 20.0  # no such cubic accelerates by more than 4 sqrt(2) + ... < 20
+    trajectory = cubic(seed)
+    least, largest = ramp_bounds(trajectory, limits(bound), np.array([time]), rate)
+    assert least <= 0 <= largest
+    for end in (least, largest):
+        assert abs(utilisation(trajectory, time, rate, end) - bound) < 1e-6 * bound
+    between = least + fraction * (largest - least)
+    assert utilisation(trajectory, time, rate, between) <= bound * (1 + 1e-9)
+
+
+def test_a_trajectory_beyond_its_limits_may_go_on_as_it_is() -> None:
+    trajectory = cubic(1)
+    least, largest = ramp_bounds(trajectory, limits(1e-3), np.linspace(0, 1, 5), 1.0)
+    assert least <= 1e-9
+    assert largest >= -1e-9
+
+
+def test_nothing_that_stands_still_bounds_the_ramp() -> None:
+    still = TimedTrajectory(JOINTS, np.array([0.0, 1.0]), np.zeros((1, 4)), np.zeros((1, 4, 4)))
+    assert ramp_bounds(still, limits(1.0), np.array([0.5]), 1.0) == (-np.inf, np.inf)
+
+
+def test_the_ramp_lands_on_the_target_when_it_can() -> None:
+    assert choose_ramp((-100.0, 100.0), 0.3, 0.0, 0.01) * 0.01 == -0.3
+    assert choose_ramp((-2.0, 100.0), 0.3, 0.0, 0.01) == -2.0
+    assert choose_ramp((-100.0, 5.0), 0.3, 1.0, 0.01) == 5.0
