@@ -1,0 +1,106 @@
+"""The replay page: complete in itself, and with the motion in it."""
+
+import base64
+import re
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from planning.domain.curve import JointSpline, TimedTrajectory
+from planning.world import replay
+from planning.world.model_library import bundled_folder
+from planning.world.replay import replay_html
+from planning.world.scene_file import parse_scene
+from planning.world.world import World, load_world
+
+
+def listening() -> set[str]:
+    """Return the sockets of this machine on which somebody listens (Linux)."""
+    rows = [row.split() for row in Path("/proc/net/tcp").read_text().splitlines()[1:]]
+    return {row[9] for row in rows if row[3] == "0A"}
+
+
+def own_sockets() -> set[str]:
+    found: set[str] = set()
+    for link in Path("/proc/self/fd").iterdir():
+        try:
+            target = str(link.readlink())
+        except FileNotFoundError:  # closed since the listing
+            continue
+        found |= set(re.findall(r"socket:\[(\d+)\]", target))
+    return found
+
+
+@pytest.fixture(scope="module")
+def world() -> World:
+    return load_world(
+        parse_scene((bundled_folder("scenes") / "ur5e_pickup.scene.yaml").read_text())
+    )
+
+
+@pytest.fixture(scope="module")
+def page(world: World) -> str:
+    return replay_html(world, world.group("arm"), motion(world), frames_per_second=20)
+
+
+def motion(world: World) -> TimedTrajectory:
+    group = world.group("arm")
+    start = world.positions(group)
+    line = JointSpline.through(group.joints, np.array([start, start + 0.3]))
+    return TimedTrajectory(line.joints, line.breaks, line.bases, line.coefficients)
+
+
+def messages(page: str) -> list[bytes]:
+    """Return what Meshcat is told when the page opens."""
+    found = re.findall(r"data:application/octet-binary;base64,([A-Za-z0-9+/=]+)", page)
+    return [base64.b64decode(text) for text in found]
+
+
+def test_the_page_loads_nothing(page: str) -> None:
+    assert page.lstrip().lower().startswith("<!doctype html>")
+    head_and_frame = re.sub(r"<script.*?</script>", "<script>", page, flags=re.DOTALL)
+    assert not re.findall(r"""(?:src|href|url)\s*[=(]\s*["']?(?!data:)\w""", head_and_frame)
+    assert not re.findall(r"""<(?:script|link|img|iframe)[^>]*(?:src|href)\s*=""", page)
+    assert not re.findall(r"""(?:fetch|import)\(\s*["'`](?!data:)""", page)
+    assert not re.findall(r"""url\(\s*["']?https?:""", page)
+
+
+def test_it_has_the_motion_of_every_link_that_moves(page: str) -> None:
+    (animation,) = [m for m in messages(page) if b"set_animation" in m]
+    for link in ("shoulder_link", "forearm_link", "wrist_3_link", "left_finger"):
+        assert f"/bodies/arm/{link}".encode() in animation
+    for still in (b"/bodies/table", b"/bodies/arm/base_link"):
+        assert still not in animation
+    # one second of 20 frames, its first and last instant included
+    clips = animation.count(b".quaternion")
+    assert clips == animation.count(b".position") >= 8
+
+
+def test_it_has_the_scene_its_frames_and_the_trace(page: str) -> None:
+    told = b"".join(messages(page))
+    for path in (b"/bodies/table/0", b"/bodies/can/0", b"/frames/pick/0", b"/frames/place/2"):
+        assert path in told
+    assert b"/trace" in told
+    assert b"set_property" in told
+
+
+def test_no_server_stays_and_it_was_a_local_one(
+    world: World, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asked: list[Any] = []
+    during: list[set[str]] = []
+
+    class Spy(replay.Meshcat):
+        def __init__(self, params: Any) -> None:
+            asked.append(params)
+            super().__init__(params)
+            during.append(own_sockets() & listening())
+
+    before = own_sockets() & listening()
+    monkeypatch.setattr(replay, "Meshcat", Spy)
+    replay_html(world, world.group("arm"), motion(world))
+    assert [params.host for params in asked] == ["localhost"]
+    assert during[0] - before
+    assert own_sockets() & listening() == before
