@@ -7,10 +7,12 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float64
 from ompl import base as ob
+from ompl import geometric as og
 from ompl import util as ou
 
 from planning.domain.deadline import Deadline
 from planning.domain.value import Value
+from planning.errors import DeadlineExceeded
 from planning.search.edges import EdgeChecker
 from planning.search.motions import space_information
 from planning.search.oracle import WatchedOracle
@@ -57,17 +59,14 @@ class Attempt(Value):
         status: OMPL's word for how it ended.
         waypoints: From the start to a goal, shape (n, nq); n = 0 if it found no exact solution.
         goal_row: Which goal, or -1.
-        num_vertices: Of its trees or roadmap.
-        num_edges: And between them.
-        goal_distance: Of the nearest it came, in OMPL's metric; infinite if it does not tell.
+        growth: Of its trees or roadmap `num_vertices` and `num_edges`, and `goal_distance`, the
+            least distance to a goal in OMPL's metric; None where it does not tell.
     """
 
     status: str
     waypoints: Float64[np.ndarray, "n nq"]
     goal_row: int
-    num_vertices: int
-    num_edges: int
-    goal_distance: float
+    growth: Mapping[str, int | float | None]
 
 
 def attempt(query: Query, edges: EdgeChecker, seed: int) -> Attempt:
@@ -91,15 +90,26 @@ def attempt(query: Query, edges: EdgeChecker, seed: int) -> Attempt:
     planner.setProblemDefinition(definition)
     planner.setup()
     stopping = Stopping(planner, query.oracle, query.deadline)
+    try:
+        status, found = _solve(planner, information, query, stopping)
+        if found is None:
+            query.deadline.check("search")
+    except DeadlineExceeded as error:
+        raise DeadlineExceeded(error.detail, error.evidence | _growth(planner)) from error
+    finally:
+        stopping.let_go()
+    return _report(query, found, status, planner)
+
+
+def _solve(
+    planner: Any, information: Any, query: Query, stopping: Stopping
+) -> tuple[str, Array | None]:
+    """Return OMPL's word for how it ended, and the waypoints if there is an exact solution."""
     if is_roadmap_planner(planner):
         found = solve_by_roadmap(planner, information, query.space, stopping, len(query.goals))
-        status = "Timeout" if found is None else "Exact solution"
-    else:
-        status = planner.solve(ob.PlannerTerminationCondition(stopping)).asString()
-        found = _solution(definition, query.space)
-    if found is None:
-        query.deadline.check("search")
-    return _report(query, found, status, planner, definition)
+        return "Timeout" if found is None else "Exact solution", found
+    status = planner.solve(ob.PlannerTerminationCondition(stopping)).asString()
+    return status, _solution(planner.getProblemDefinition(), query.space)
 
 
 def _define(information: Any, query: Query) -> Any:
@@ -119,9 +129,7 @@ def _solution(definition: Any, space: SearchSpace) -> Array | None:
     return np.array([space.read(state) for state in definition.getSolutionPath().getStates()])
 
 
-def _report(
-    query: Query, found: Array | None, status: str, planner: Any, definition: Any
-) -> Attempt:
+def _report(query: Query, found: Array | None, status: str, planner: Any) -> Attempt:
     goal_row = -1
     waypoints = np.empty((0, len(query.start)))
     if found is not None:
@@ -130,20 +138,24 @@ def _report(
         if distances[row] < _SAME:
             goal_row = row
             waypoints = _unrolled(query, found, query.goals[row])
-    graph = ob.PlannerData(planner.getSpaceInformation())
-    planner.getPlannerData(graph)
-    return Attempt(
-        status=status,
-        waypoints=waypoints,
-        goal_row=goal_row,
-        num_vertices=graph.numVertices(),
-        num_edges=graph.numEdges(),
-        goal_distance=(
-            definition.getSolutionDifference()
-            if definition.hasApproximateSolution()
-            else float("inf")
-        ),
-    )
+    return Attempt(status, waypoints, goal_row, _growth(planner))
+
+
+def _growth(planner: Any) -> dict[str, int | float | None]:
+    """Return how far the planner got."""
+    definition = planner.getProblemDefinition()
+    is_near = definition.hasApproximateSolution()
+    growth = {
+        "num_vertices": None,
+        "num_edges": None,
+        "goal_distance": definition.getSolutionDifference() if is_near else None,
+    }
+    # Asked for its graph, BITstar keeps the whole space information in memory for ever (2.0.1).
+    if not isinstance(planner, og.BITstar):
+        graph = ob.PlannerData(planner.getSpaceInformation())
+        planner.getPlannerData(graph)
+        growth |= {"num_vertices": graph.numVertices(), "num_edges": graph.numEdges()}
+    return growth
 
 
 def _unrolled(query: Query, waypoints: Array, goal: Array) -> Array:

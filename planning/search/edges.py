@@ -6,6 +6,7 @@ in base 2, which meets a collision of width w after about 1/w samples. The first
 one by one, because most blocked edges end there; the others in batches that grow.
 """
 
+import math
 from collections.abc import Iterator
 from functools import lru_cache
 from typing import Any
@@ -53,8 +54,8 @@ class EdgeChecker:
         self.num_motions += 1
         if not self._oracle.is_free(q1):
             return False
-        delta = q1 - q0 if self._is_vector else self.manifold.minus(q1, q0)
-        steps = num_steps(float(np.sqrt(delta @ delta)), self.resolution)
+        delta = self._minus(q1, q0)
+        steps = num_steps(math.sqrt(delta @ delta), self.resolution)
         for fractions in batches(steps):
             qs = self._along(q0, delta, fractions)
             if len(qs) == 1:
@@ -78,6 +79,23 @@ class EdgeChecker:
         if free:
             self._free.add(key)
         return free
+
+    def distance(self, q0: Float64[np.ndarray, " nq"], q1: Float64[np.ndarray, " nq"]) -> float:
+        """Return the length of the geodesic."""
+        delta = self._minus(q1, q0)
+        return math.sqrt(delta @ delta)
+
+    def geodesic(
+        self,
+        q0: Float64[np.ndarray, " nq"],
+        q1: Float64[np.ndarray, " nq"],
+        fractions: Float64[np.ndarray, " m"],
+    ) -> Array:
+        """Return the configurations at fractions of the way, shape (m, nq)."""
+        return self._along(q0, self._minus(q1, q0), fractions)
+
+    def _minus(self, q1: Array, q0: Array) -> Array:
+        return q1 - q0 if self._is_vector else self.manifold.minus(q1, q0)
 
     def _along(self, q0: Array, delta: Array, fractions: Array) -> Array:
         steps = fractions[:, None] * delta

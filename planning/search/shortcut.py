@@ -5,6 +5,7 @@ path at random, joins them if the geodesic is shorter and free, and drops the wa
 (partial shortcuts; Geraerts and Overmars, "Creating high-quality paths for motion planning", 2007).
 """
 
+from bisect import bisect_right
 from collections.abc import Callable
 from typing import Any
 
@@ -15,9 +16,9 @@ from planning.search.edges import EdgeChecker
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
-_MOST_ROUNDS = 300
+_MOST_ROUNDS = 1000
 # Draws in a row that gain nothing before we stop.
-_PATIENCE = 60
+_PATIENCE = 100
 # A draw that would gain less than this share of the length is not worth a check.
 _LEAST_GAIN = 1e-3
 
@@ -38,15 +39,15 @@ def shortcut(
         rng: Decides what is tried.
         is_over: Asked before each try; an early end leaves a path that is as good as the others.
     """
-    path = _without_detours(waypoints, edges, is_over)
+    line = _Polyline(_without_detours(waypoints, edges, is_over), edges)
     idle = 0
     for _ in range(_MOST_ROUNDS):
-        if len(path) < 3 or idle >= _PATIENCE or is_over():
+        if len(line.waypoints) < 3 or idle >= _PATIENCE or is_over():
             break
-        shorter = _joined(path, edges, rng)
+        shorter = _joined(line, edges, rng)
         idle = idle + 1 if shorter is None else 0
-        path = path if shorter is None else shorter
-    return _without_detours(path, edges, is_over)
+        line = line if shorter is None else _Polyline(shorter, edges)
+    return _without_detours(line.waypoints, edges, is_over)
 
 
 def path_length(waypoints: Float64[np.ndarray, "n nq"], edges: EdgeChecker) -> float:
@@ -71,40 +72,47 @@ def _without_detours(path: Array, edges: EdgeChecker, is_over: Callable[[], bool
     return path[kept]
 
 
-def _joined(path: Array, edges: EdgeChecker, rng: np.random.Generator) -> Array | None:
+class _Polyline:
+    """Waypoints with the length from the first one to each."""
+
+    def __init__(self, waypoints: Array, edges: EdgeChecker) -> None:
+        self.waypoints = waypoints
+        steps = edges.manifold.distance(waypoints[1:], waypoints[:-1])
+        self.along: list[float] = [0.0, *np.cumsum(steps).tolist()]
+
+    def edge(self, place: float) -> int:
+        """Return the edge at a place, measured by length."""
+        return min(max(bisect_right(self.along, place) - 1, 0), len(self.along) - 2)
+
+    def near(self, place: float, edges: EdgeChecker) -> tuple[float, int, Array]:
+        """Return a place, its edge and its q; waypoints attract, so that no tiny edges arise."""
+        i = self.edge(place)
+        for k in (i, i + 1):
+            if abs(place - self.along[k]) <= edges.resolution:
+                return self.along[k], i, self.waypoints[k]
+        fraction = (place - self.along[i]) / (self.along[i + 1] - self.along[i])
+        q = edges.geodesic(self.waypoints[i], self.waypoints[i + 1], np.array([fraction]))[0]
+        return place, i, q
+
+
+def _joined(line: _Polyline, edges: EdgeChecker, rng: np.random.Generator) -> Array | None:
     """Return the path with one random shortcut, or None if it gains nothing or is blocked."""
-    lengths = edges.manifold.distance(path[1:], path[:-1])
-    along = np.concatenate([[0.0], np.cumsum(lengths)])
-    places = sorted(_two_places(along, rng))
-    (s, before, p), (t, after, q) = (_snapped(path, along, x, edges) for x in places)
-    gain = t - s - float(edges.manifold.distance(q, p))
-    if gain <= _LEAST_GAIN * along[-1] or not edges.is_known_free(p, q):
+    (s, before, p), (t, after, q) = (line.near(x, edges) for x in sorted(_two_places(line, rng)))
+    gain = t - s - edges.distance(p, q)
+    if gain <= _LEAST_GAIN * line.along[-1] or not edges.is_known_free(p, q):
         return None
-    corners = [path[: before + 1], p[None], q[None], path[after + 1 :]]
-    joined = np.concatenate(corners)
+    head, tail = line.waypoints[: before + 1], line.waypoints[after + 1 :]
+    joined = np.concatenate([head, p[None], q[None], tail])
     fresh = np.append(True, (joined[1:] != joined[:-1]).any(axis=1))
     return joined[fresh]
 
 
-def _two_places(along: Array, rng: np.random.Generator) -> tuple[float, float]:
+def _two_places(line: _Polyline, rng: np.random.Generator) -> tuple[float, float]:
     """Draw two places by length, on two different edges."""
-    first = float(rng.uniform(0.0, along[-1]))
-    edge = _edge(along, first)
-    second = float(rng.uniform(0.0, along[-1] - (along[edge + 1] - along[edge])))
-    return first, second if second < along[edge] else second + float(along[edge + 1] - along[edge])
-
-
-def _edge(along: Array, place: float) -> int:
-    return int(np.clip(np.searchsorted(along, place, side="right") - 1, 0, len(along) - 2))
-
-
-def _snapped(
-    path: Array, along: Array, place: float, edges: EdgeChecker
-) -> tuple[float, int, Array]:
-    """Return a place, its edge and its q; waypoints attract, so that no tiny edges arise."""
-    i = _edge(along, place)
-    for k in (i, i + 1):
-        if abs(place - along[k]) <= edges.resolution:
-            return float(along[k]), i, path[k]
-    fraction = np.array([(place - along[i]) / (along[i + 1] - along[i])])
-    return place, i, edges.manifold.interpolate(path[i], path[i + 1], fraction)[0]
+    along = line.along
+    first, second = rng.random(2).tolist()
+    first *= along[-1]
+    edge = line.edge(first)
+    skipped = along[edge + 1] - along[edge]
+    second *= along[-1] - skipped
+    return first, second if second < along[edge] else second + skipped

@@ -254,11 +254,5 @@ def _evidence(query: Query, tally: _Tally) -> dict[str, Any]:
         "num_states_checked": query.oracle.num_states,
     }
     if tally.last is not None:
-        distance = tally.last.goal_distance
-        evidence |= {
-            "status": tally.last.status,
-            "num_vertices": tally.last.num_vertices,
-            "num_edges": tally.last.num_edges,
-            "goal_distance": distance if np.isfinite(distance) else None,
-        }
+        evidence |= {"status": tally.last.status, **tally.last.growth}
     return evidence

@@ -89,8 +89,8 @@ def sound_attempt(query: Query, closeness: Closeness, seeds: np.random.SeedSeque
         child = seeds.spawn(1)[0]
         edges = EdgeChecker(query.space.manifold, query.oracle, closeness.resolution / 2**halvings)
         found = attempt(query, edges, max(1, int(child.generate_state(1)[0])))
+        path = _shortened(query, found, edges, closeness, np.random.default_rng(child.spawn(1)[0]))
         num_motions += edges.num_motions
-        path = _shortened(query, found, closeness, np.random.default_rng(child.spawn(1)[0]))
         if path is None and halvings == _HALVINGS and len(found.waypoints):
             path = checked(found.waypoints, found.waypoints, found.goal_row, closeness)
         if path is not None or not len(found.waypoints) or halvings == _HALVINGS:
@@ -99,13 +99,22 @@ def sound_attempt(query: Query, closeness: Closeness, seeds: np.random.SeedSeque
 
 
 def _shortened(
-    query: Query, found: Attempt, closeness: Closeness, rng: np.random.Generator
+    query: Query,
+    found: Attempt,
+    edges: EdgeChecker,
+    closeness: Closeness,
+    rng: np.random.Generator,
 ) -> SoundPath | None:
+    """Return a shorter path; shortcuts are as coarse as the search unless that proves too bold."""
     if not len(found.waypoints):
         return None
-    time = query.deadline.share(_SHORTCUT_SHARE)
-    shorter = shortcut(found.waypoints, closeness.fine, rng, lambda: time.is_over)
-    return checked(shorter, found.waypoints, found.goal_row, closeness)
+    for checker in (edges, closeness.fine):
+        time = query.deadline.share(_SHORTCUT_SHARE)
+        shorter = shortcut(found.waypoints, checker, rng, lambda at=time: at.is_over)
+        path = checked(shorter, found.waypoints, found.goal_row, closeness)
+        if path is not None:
+            return path
+    return None
 
 
 def checked(waypoints: Array, raw: Array, goal_row: int, closeness: Closeness) -> SoundPath | None:

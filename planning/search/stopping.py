@@ -48,6 +48,10 @@ class Stopping:
             self._oracle.num_states >= self._last_states or self.questions >= self._last_questions
         )
 
+    def let_go(self) -> None:
+        """Forget the planner; one that keeps its condition would else live for ever with it."""
+        self._best_cost = None
+
     def note_solution(self) -> None:
         """Set the amount of work that may still be spent on improving the first solution."""
         spent = self._oracle.num_states - self._states_before
