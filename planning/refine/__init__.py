@@ -1,0 +1,1 @@
+"""Refine: turn a free path into a smooth, quick, free curve, or leave it alone."""

@@ -1,0 +1,59 @@
+"""A dense look at a curve: where it is too near to something."""
+
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float64
+
+from planning.domain.curve import JointSpline
+from planning.domain.joints import JointGroup, JointLimits
+from planning.refine.buffers import Buffers
+from planning.world.world import World
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
+
+# Between two samples the curve moves at most about this much (joint-space length)...
+_STEP = 0.01
+# ...unless that makes fewer or more samples than these.
+_FEWEST, _MOST = 400, 2000
+_POSITION_DUST = 1e-9
+
+
+class Auditor:
+    """Looks at curves of one group with the scene's own collision oracle.
+
+    It samples, so it promises nothing between its samples; that is the certifier's office.
+    """
+
+    def __init__(self, world: World, group: JointGroup, buffers: Buffers) -> None:
+        """Make the oracles: one for the ends, one that also wants a part of the buffers."""
+        self._exact = world.collision_oracle(group, buffers.margins)
+        self._padded = world.collision_oracle(group, buffers.audited)
+
+    def violated(self, curve: JointSpline) -> Array:
+        """Return the middle of every stretch of s on which the curve is too near, shape (m,).
+
+        Stretches come in order; none means that every sample is free.
+        """
+        count = int(np.clip(np.ceil(length_of(curve) / _STEP), _FEWEST, _MOST))
+        s = np.linspace(0.0, 1.0, count + 1)
+        positions = curve.positions(s)
+        free = self._padded.are_free(positions)
+        free[0] = self._exact.is_free(positions[0])
+        free[-1] = self._exact.is_free(positions[-1])
+        taken = np.flatnonzero(~free)
+        stretches = np.split(taken, np.flatnonzero(np.diff(taken) > 1) + 1)
+        return np.array([s[stretch[len(stretch) // 2]] for stretch in stretches if len(stretch)])
+
+
+def within_limits(curve: JointSpline, limits: JointLimits) -> bool:
+    """Return whether samples of the curve keep the position limits."""
+    positions = curve.positions(np.linspace(0.0, 1.0, _FEWEST + 1))
+    low, high = limits.lower - _POSITION_DUST, limits.upper + _POSITION_DUST
+    return bool(((positions >= low) & (positions <= high)).all())
+
+
+def length_of(curve: JointSpline) -> float:
+    """Return the curve's joint-space length (radians and metres weigh the same)."""
+    positions = curve.positions(np.linspace(0.0, 1.0, _FEWEST + 1))
+    return float(np.linalg.norm(np.diff(positions, axis=0), axis=1).sum())

@@ -1,0 +1,84 @@
+"""A Drake collision checker that measures what a group's motion can change."""
+
+from typing import Any
+
+import numpy as np
+from pydrake.common import Parallelism
+from pydrake.multibody.tree import BodyIndex, JointIndex
+from pydrake.planning import CollisionCheckerParams, SceneGraphCollisionChecker
+
+from planning.domain.joints import JointGroup
+from planning.refine.buffers import Buffers
+from planning.world.drake_model import DrakeModel
+
+
+def group_checker(
+    model: DrakeModel, group: JointGroup, buffers: Buffers
+) -> SceneGraphCollisionChecker:
+    """Return a checker whose clearances are zero where a pair is at its demanded distance.
+
+    Demands enter as Drake's padding, so that one bound (zero) serves all pairs. Pairs whose
+    distance does not depend on the group's q are left out: the optimiser can do nothing about
+    them, and a robot that stands near a wall would stop it for ever.
+    """
+    plant = model.plant
+    instances = {
+        plant.get_joint(index).child_body().model_instance()
+        for index in model.joint_indices.values()
+    }
+    checker = SceneGraphCollisionChecker(
+        CollisionCheckerParams(
+            model=model.diagram,
+            robot_model_instances=sorted(instances, key=int),
+            edge_step_size=0.05,
+            implicit_context_parallelism=Parallelism(1),
+        )
+    )
+    carriers = _carriers(model, group)
+    padding = np.array(checker.GetPaddingMatrix())
+    filters = np.array(checker.GetNominalFilteredCollisionMatrix())
+    bodies = [(index, plant.get_body(index)) for index in sorted(model.body_names, key=int)]
+    for i, (a, body_a) in enumerate(bodies):
+        for b, body_b in bodies[i + 1 :]:
+            if not (checker.IsPartOfRobot(body_a) or checker.IsPartOfRobot(body_b)):
+                continue
+            row, column = int(a), int(b)
+            demand = buffers.demanded(model.body_names[a], model.body_names[b])
+            padding[row, column] = padding[column, row] = demand
+            if carriers[a] == carriers[b] and filters[row, column] == 0:
+                filters[row, column] = filters[column, row] = 1
+    checker.SetPaddingMatrix(padding)
+    checker.SetCollisionFilterMatrix(filters)
+    return checker
+
+
+def _carriers(model: DrakeModel, group: JointGroup) -> dict[BodyIndex, JointIndex | None]:
+    """Return for every body the last joint on its way from the world that moves with the group.
+
+    Two bodies with the same one keep their relative pose, whatever the group does.
+    """
+    plant = model.plant
+    moving = _moving(model, group)
+    joint_to: dict[BodyIndex, Any] = {}
+    for index in plant.GetJointIndices():
+        joint = plant.get_joint(index)
+        joint_to[joint.child_body().index()] = joint
+    carriers: dict[BodyIndex, JointIndex | None] = {}
+    for body in model.body_names:
+        link, carrier = body, None
+        while carrier is None and link in joint_to:
+            joint = joint_to[link]
+            carrier = joint.index() if joint.index() in moving else None
+            link = joint.parent_body().index()
+        carriers[body] = carrier
+    return carriers
+
+
+def _moving(model: DrakeModel, group: JointGroup) -> set[JointIndex]:
+    moving = {model.joint_indices[joint.name] for joint in group.joints}
+    positions = set(model.position_indices(group).tolist())
+    followers = {c.follower_position for c in model.couplings if c.leader_position in positions}
+    for index in model.joint_indices.values():
+        if model.plant.get_joint(index).position_start() in followers:
+            moving.add(index)
+    return moving
