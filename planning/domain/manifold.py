@@ -79,7 +79,7 @@ class Manifold(Value):
                     flags.append(False)
         return tuple(flags)
 
-    def plus(self, q: Float64[np.ndarray, "*n nq"], delta: Float64[np.ndarray, "*#n nv"]) -> Array:
+    def plus(self, q: Float64[np.ndarray, "*#n nq"], delta: Float64[np.ndarray, "*#n nv"]) -> Array:
         """Return q [+] delta; angles are not wrapped, so curves stay continuous."""
         if self.is_flat:
             return q + delta
@@ -93,7 +93,7 @@ class Manifold(Value):
             moved[..., iq + 4 : iq + 7] = q[..., iq + 4 : iq + 7] + delta[..., iv + 3 : iv + 6]
         return moved
 
-    def minus(self, q1: Float64[np.ndarray, "*n nq"], q0: Float64[np.ndarray, "*#n nq"]) -> Array:
+    def minus(self, q1: Float64[np.ndarray, "*#n nq"], q0: Float64[np.ndarray, "*#n nq"]) -> Array:
         """Return the shortest delta with q0 [+] delta = q1 (up to whole turns)."""
         shape = np.broadcast_shapes(q1.shape[:-1], q0.shape[:-1])
         delta = np.empty((*shape, self.num_velocities))
@@ -113,10 +113,10 @@ class Manifold(Value):
         return self.plus(q0[None], s[:, None] * self.minus(q1, q0)[None])
 
     def distance(
-        self, q1: Float64[np.ndarray, "*n nq"], q0: Float64[np.ndarray, "*#n nq"]
+        self, q1: Float64[np.ndarray, "*#n nq"], q0: Float64[np.ndarray, "*#n nq"]
     ) -> Array:
         """Return the Euclidean length of q1 [-] q0 (radians and metres weigh the same)."""
-        return np.linalg.norm(self.minus(q1, q0), axis=-1)
+        return np.asarray(np.linalg.norm(self.minus(q1, q0), axis=-1))
 
     def normalized(self, q: Float64[np.ndarray, "*n nq"]) -> Array:
         """Return q with unit quaternions."""

@@ -109,6 +109,7 @@ class SearchReport(Value):
         num_waypoints: Of the delivered path.
         resolution: At which edges were checked.
         padding: Distance that was demanded beyond the margin [m].
+        direct: Whether a straight line was free, so that no planner was asked.
     """
 
     planner: str
@@ -121,6 +122,7 @@ class SearchReport(Value):
     num_waypoints: int
     resolution: float
     padding: float
+    direct: bool = False
 
 
 @dataclass(frozen=True, eq=False)

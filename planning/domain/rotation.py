@@ -14,9 +14,7 @@ type Array = np.ndarray[Any, np.dtype[np.float64]]
 _SMALL = 1e-4
 
 
-def multiply(
-    a: Float64[np.ndarray, "*n 4"], b: Float64[np.ndarray, "*#n 4"]
-) -> Float64[np.ndarray, "*n 4"]:
+def multiply(a: Float64[np.ndarray, "*#n 4"], b: Float64[np.ndarray, "*#n 4"]) -> Array:
     """Return the Hamilton product of two quaternions."""
     aw, ax, ay, az = np.moveaxis(a, -1, 0)
     bw, bx, by, bz = np.moveaxis(b, -1, 0)
@@ -87,14 +85,14 @@ def from_rpy(rpy: Float64[np.ndarray, "3"]) -> Float64[np.ndarray, "4"]:
     return multiply(multiply(exp(yaw), exp(pitch)), exp(roll))
 
 
-def rotate(a: Float64[np.ndarray, "*n 4"], p: Float64[np.ndarray, "*n 3"]) -> Array:
+def rotate(a: Float64[np.ndarray, "*#n 4"], p: Float64[np.ndarray, "*#n 3"]) -> Array:
     """Return the vectors `p` rotated by the unit quaternions `a`."""
     axis = a[..., 1:]
     t = 2 * np.cross(axis, p)
     return p + a[..., :1] * t + np.cross(axis, t)
 
 
-def right_jacobian(phi: Float64[np.ndarray, "*n 3"], x: Float64[np.ndarray, "*n 3"]) -> Array:
+def right_jacobian(phi: Float64[np.ndarray, "*#n 3"], x: Float64[np.ndarray, "*#n 3"]) -> Array:
     """Return J_r(phi) x: the body angular velocity of exp(phi(t)) where phi' = x (eq. 143)."""
     theta = np.linalg.norm(phi, axis=-1, keepdims=True)
     cross = np.cross(phi, x)

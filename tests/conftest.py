@@ -1,0 +1,80 @@
+"""What every test may use: the bundled scenes, loaded once, and a deadline."""
+
+import time
+from collections.abc import Callable
+from functools import cache
+
+import numpy as np
+import pytest
+from hypothesis import settings
+
+import planning
+from planning.domain.deadline import Deadline
+from planning.domain.joints import Joint, JointGroup, JointLimits, JointType
+from planning.world.world import World
+
+settings.register_profile("ci", derandomize=True, deadline=None, max_examples=25)
+settings.load_profile("ci")
+
+
+@cache
+def bundled_world(name: str) -> World:
+    """Return a bundled scene, loaded; it never changes, so tests share it."""
+    path = planning.bundled_folder("scenes") / f"{name}.scene.yaml"
+    return planning.load_world(planning.read_scene(path))
+
+
+@pytest.fixture(scope="session")
+def world_of() -> Callable[[str], World]:
+    return bundled_world
+
+
+@pytest.fixture(scope="session")
+def pickup() -> World:
+    return bundled_world("ur5e_pickup")
+
+
+@pytest.fixture
+def deadline() -> Deadline:
+    return Deadline.after(60.0, time.monotonic)
+
+
+def group_of(*types: JointType) -> JointGroup:
+    """Return a group of such joints that belongs to no robot."""
+    joints = tuple(Joint(f"g::j{i}", kind) for i, kind in enumerate(types))
+    return JointGroup("g", joints, ())
+
+
+def limits_of(
+    group: JointGroup, velocity: float = 2.0, acceleration: float = 10.0, jerk: float = 100.0
+) -> JointLimits:
+    """Return the same rates for every block, and positions within +-20."""
+    blocks = tuple(indices for _, indices in group.blocks)
+    num_blocks, nq = len(blocks), group.num_positions
+    return JointLimits(
+        lower=np.full(nq, -20.0),
+        upper=np.full(nq, 20.0),
+        velocity=np.full(num_blocks, velocity),
+        acceleration=np.full(num_blocks, acceleration),
+        jerk=np.full(num_blocks, jerk),
+        effort=np.full(num_blocks, np.inf),
+        blocks=blocks,
+    )
+
+
+def random_waypoints(group: JointGroup, seed: int, count: int, spread: float = 0.7) -> np.ndarray:
+    """Return a random walk on the group's manifold, shape (count, nq)."""
+    rng = np.random.default_rng(seed)
+    q = np.zeros(group.num_positions)
+    offset = 0
+    for joint in group.joints:
+        if joint.type is JointType.FLOATING:
+            q[offset] = 1.0
+        offset += len(joint.position_names)
+    from planning.domain.manifold import Manifold
+
+    manifold = Manifold(group.joints)
+    rows = [q]
+    for _ in range(count - 1):
+        rows.append(manifold.plus(rows[-1], rng.normal(0.0, spread, manifold.num_velocities)))
+    return manifold.normalized(np.stack(rows))
