@@ -121,7 +121,7 @@ class Execution(Value):
         Returns:
             The execution after that, and what to send; a terminal execution holds the robot.
         """
-        judged = self._judged(measured)
+        judged = replace(self._judged(measured), clock=measured.time)
         if judged.state is ExecutionState.ABORTED:
             return judged, _hold(measured.time, measured.q, len(measured.v))
         if judged.state.is_terminal:
@@ -155,17 +155,16 @@ class Execution(Value):
 
     def _judged(self, measured: Measurement) -> "Execution":
         """Return the same, after what the measurement says has happened."""
-        now = replace(self, clock=measured.time)
         if self.state.is_terminal:
-            return now
+            return self
         if measured.contacts:
-            return now.fail(_contact(measured))
+            return self.fail(_contact(measured))
         error = self.tracking_error(measured.q)
         if error > self.tolerances.tracking:
-            return now.fail(_lost(error, self.tolerances.tracking, measured.time))
+            return self.fail(_lost(error, self.tolerances.tracking, measured.time))
         if self.still_since is None or self.state is ExecutionState.PAUSED:
-            return now
-        return now._settled(error, measured)
+            return self
+        return self._settled(error, measured)
 
     def _settled(self, error: float, measured: Measurement) -> "Execution":
         """Return the same after the last moving setpoint: arrived, still on its way, or lost."""
@@ -215,10 +214,13 @@ class Execution(Value):
         """Return the change of rate [1/s] during the next period."""
         if self.rate == self._target:
             return 0.0
-        ahead = min(self.time + self.rate * period, self.trajectory.duration)
-        times = np.array([self.time, ahead])
-        least, largest = ramp_bounds(self.trajectory, self.limits, times, self.rate)
         steepest = 1.0 / self.tolerances.ramp_time
+        change = np.clip(self._target - self.rate, -steepest * period, steepest * period)
+        ahead = min(self.time + self.rate * period, self.trajectory.duration)
+        # The limits are to hold at the end of the period too, whatever the rate is by then.
+        times = np.array([self.time, ahead, ahead])
+        rates = np.array([self.rate, self.rate, self.rate + change])
+        least, largest = ramp_bounds(self.trajectory, self.limits, times, rates)
         bounds = max(least, -steepest), min(largest, steepest)
         return choose_ramp(bounds, self.rate, self._target, period)
 

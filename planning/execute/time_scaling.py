@@ -28,25 +28,26 @@ def ramp_bounds(
     trajectory: TimedTrajectory,
     limits: JointLimits,
     times: Float64[np.ndarray, " m"],
-    rate: float,
+    rates: Float64[np.ndarray, " m"],
 ) -> tuple[float, float]:
-    """Return the least and the largest s'' [1/s] that keep the acceleration limits at all `times`.
+    """Return the least and the largest s'' [1/s] that keep the acceleration limits everywhere.
 
     Where the trajectory's own acceleration is beyond a limit, that acceleration is the bound.
-    Nothing is promised between the `times`, nor of jerk.
+    The set is convex in s'' and s'^2: what holds at two rates holds at those between. Nothing is
+    promised between the `times`, nor of jerk.
 
     Args:
         trajectory: What is followed.
         limits: Whose `acceleration` holds, per block.
         times: Instants along the trajectory [s], shape (m,).
-        rate: s', in [0, 1].
+        rates: s' at each of them, in [0, 1], shape (m,).
     """
     slopes, curvatures = trajectory.velocities(times), trajectory.accelerations(times)
     least, largest = -np.inf, np.inf
     for bound, block in zip(limits.acceleration, limits.blocks, strict=True):
         b, c = slopes[:, list(block)], curvatures[:, list(block)]
         own = np.sum(c * c, axis=1)
-        low, high = _roots(b, c * rate**2, np.maximum(bound**2, own))
+        low, high = _roots(b, c * rates[:, None] ** 2, np.maximum(bound**2, own))
         least, largest = max(least, low), min(largest, high)
     return least, largest
 

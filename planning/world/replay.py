@@ -109,8 +109,9 @@ class _Replay:
         return drawn
 
     def _draw_geometry(self, path: str, geometry: GeometryId) -> None:
-        properties = self._inspector.GetIllustrationProperties(geometry)
-        color = _DEFAULT_COLOR
+        # Drake answers None for a geometry that only collides, whatever its stubs say.
+        properties: Any = self._inspector.GetIllustrationProperties(geometry)
+        color: Any = _DEFAULT_COLOR
         if properties is not None and properties.HasProperty("phong", "diffuse"):
             color = properties.GetProperty("phong", "diffuse")
         self._meshcat.SetObject(path, self._inspector.GetShape(geometry), color)

@@ -3,7 +3,7 @@
 The controller is inverse dynamics with feedback on the acceleration (Siciliano et al., Robotics:
 Modelling, Planning and Control, section 8.5.2),
 
-    tau = M(q) (vdot_d + Kd (v_d - v) + Kp (q_d [-] q)) + C(q, v) v - tau_g(q) - damping,
+    tau = M(q) (vdot_d + Kd (v_d - v) + Kp (q_d [-] q)) + C(q, v) v - tau_g(q) - tau_damping(v),
 
 so every joint's error obeys e'' + Kd e' + Kp e = 0 whatever the robot weighs, until tau is cut to
 the effort limits. Joints that follow the group's are controlled with them; all others are held.
@@ -21,7 +21,6 @@ from planning.domain.joints import JointGroup, JointLimits
 from planning.domain.manifold import Manifold
 from planning.domain.report import BodyPair
 from planning.errors import ModelInvalid, TrackingLost
-from planning.world.drake_model import DrakeModel
 from planning.world.world import World
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
@@ -60,7 +59,7 @@ class Simulation:
             ModelInvalid: The robot cannot be simulated: a joint moves no mass.
         """
         self.group = group
-        self._model: DrakeModel = world.drake
+        self._model = world.drake
         limits = world.limits(group)
         self._members, self._effort = _members(limits), limits.effort
         self._manifold = Manifold(group.joints)
@@ -69,7 +68,6 @@ class Simulation:
         self._in_v = self._model.velocity_indices(self.group)
         plant = self._model.plant
         self._followers = [c for c in self._model.couplings if c.leader_velocity in self._in_v]
-        self._damping = _damping(self._model)
         self._forces = MultibodyForces(plant)
         self._root = self._model.diagram.CreateDefaultContext()
         self._context = plant.GetMyMutableContextFromRoot(self._root)
@@ -154,7 +152,7 @@ class Simulation:
         vdot[self._in_v] = self._vdot_desired + feedback
         self._follow(plant.GetPositions(context), v, vdot)
         plant.CalcForceElementsContribution(context, self._forces)
-        tau = plant.CalcInverseDynamics(context, vdot, self._forces) + self._damping * v
+        tau = plant.CalcInverseDynamics(context, vdot, self._forces)
         tau[self._in_v] *= self._cut(tau[self._in_v])
         self._tau.GetMutableData().set_value(tau)
 
@@ -176,7 +174,8 @@ class Simulation:
             vdot[c.follower_velocity] = leader + self._kd * slip + self._kp * error
 
     def _touching(self) -> list[BodyPair]:
-        results = self._model.plant.get_contact_results_output_port().Eval(self._context)
+        port: Any = self._model.plant.get_contact_results_output_port()
+        results = port.Eval(self._context)
         infos = [
             results.point_pair_contact_info(i) for i in range(results.num_point_pair_contacts())
         ]
@@ -229,15 +228,3 @@ def _members(limits: JointLimits) -> Array:
     for row, block in zip(members, limits.blocks, strict=True):
         row[list(block)] = 1.0
     return members
-
-
-def _damping(model: DrakeModel) -> Array:
-    """Return the damping of every joint, shape (num_velocities,)."""
-    plant = model.plant
-    damping = np.zeros(plant.num_velocities())
-    for index in plant.GetJointIndices():
-        joint = plant.get_joint(index)
-        begin = joint.velocity_start()
-        if joint.num_velocities() > 0:
-            damping[begin : begin + joint.num_velocities()] = joint.default_damping_vector()
-    return damping

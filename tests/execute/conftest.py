@@ -39,7 +39,7 @@ def limits() -> JointLimits:
 
 @dataclass
 class EchoDriver:
-    """Does exactly what it is told, but for `offset`, and touches something from `touches_at` on."""
+    """Does what it is told, but for `offset`, and touches something from `touches_at` on."""
 
     offset: float = 0.0
     touches_at: float = np.inf

@@ -36,8 +36,9 @@ def assert_smooth(sent: list[Setpoint], acceleration: float) -> None:
     """Assert that what was sent keeps the acceleration limit and has no jump."""
     q, v, vdot = (np.array([getattr(s, name) for s in sent]) for name in ("q", "v", "vdot"))
     assert np.max(np.abs(vdot)) <= acceleration * (1 + 1e-6)
-    # within a period vdot is held, so v may differ from the next one only to second order
-    assert np.max(np.abs(np.diff(v, axis=0))) <= acceleration * PERIOD * 1.02
+    assert np.max(np.abs(np.diff(v, axis=0))) <= acceleration * PERIOD * (1 + 1e-3)
+    # what is sent belongs together: within a period vdot changes by its derivative only
+    assert np.max(np.abs(np.diff(v, axis=0) - PERIOD * vdot[:-1])) <= 0.15 * acceleration * PERIOD
     assert np.max(np.abs(np.diff(q, axis=0) - PERIOD * v[:-1])) <= acceleration * PERIOD**2
 
 

@@ -101,9 +101,7 @@ def test_a_driver_that_fails_aborts(execution: Execution, new_driver: Any) -> No
 
 
 @pytest.mark.parametrize("speed", [0.0, -2.0, 1000.0, float("nan")])
-def test_impossible_speeds_are_refused(
-    execution: Execution, new_driver: Any, speed: float
-) -> None:
+def test_impossible_speeds_are_refused(execution: Execution, new_driver: Any, speed: float) -> None:
     with pytest.raises(ProblemInvalid, match="speed"):
         Runner(execution, new_driver()).set_speed(speed)
 

@@ -32,6 +32,12 @@ def test_it_goes_around_a_wall() -> None:
     assert behind[0] > -0.6
 
 
+def test_what_is_behind_the_camera_or_its_point_hides_nothing() -> None:
+    camera, point = np.zeros(3), np.array([[1.0, 0.1, 0.1]])
+    assert num_visible(camera, point, [wall(-0.5), wall(1.1)]) == 1
+    assert num_visible(camera, point, [wall(0.5)]) == 0
+
+
 @settings(max_examples=30, deadline=None)
 @given(st.integers(0, 10_000))
 def test_a_point_is_hidden_where_its_sight_line_has_a_point_in_the_box(seed: int) -> None:

@@ -42,7 +42,7 @@ def world() -> World:
 
 @pytest.fixture(scope="module")
 def page(world: World) -> str:
-    return replay_html(world, world.group("arm"), motion(world), frames_per_second=20)
+    return replay_html(world, world.group("arm"), motion(world), frames_per_second=20.0)
 
 
 def motion(world: World) -> TimedTrajectory:
@@ -73,9 +73,10 @@ def test_it_has_the_motion_of_every_link_that_moves(page: str) -> None:
         assert f"/bodies/arm/{link}".encode() in animation
     for still in (b"/bodies/table", b"/bodies/arm/base_link"):
         assert still not in animation
-    # one second of 20 frames, its first and last instant included
-    clips = animation.count(b".quaternion")
-    assert clips == animation.count(b".position") >= 8
+    # every frame of a second of 20, its first and last instant included, for turn and place
+    num_links = animation.count(b".quaternion")
+    assert num_links == animation.count(b".position") >= 8
+    assert animation.count(b"\xa4time") == 2 * 21 * num_links
 
 
 def test_it_has_the_scene_its_frames_and_the_trace(page: str) -> None:

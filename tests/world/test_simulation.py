@@ -30,7 +30,7 @@ SLIDE = """<robot name="s"><link name="base"/><link name="cart"><inertial>
 <link name="shadow"><inertial><mass value="1"/>
 <inertia ixx="0.1" iyy="0.1" izz="0.1" ixy="0" ixz="0" iyz="0"/></inertial></link>
 <joint name="lift" type="prismatic"><parent link="base"/><child link="cart"/><axis xyz="0 0 1"/>
-<limit lower="-3" upper="3" velocity="9" effort="200"/></joint>
+<limit lower="-3" upper="3" velocity="9" effort="200"/><dynamics damping="30"/></joint>
 <joint name="echo" type="prismatic"><parent link="base"/><child link="shadow"/><axis xyz="1 0 0"/>
 <mimic joint="lift" multiplier="-0.5" offset="0.1"/>
 <limit lower="-3" upper="3" velocity="9" effort="200"/></joint></robot>"""
@@ -114,8 +114,8 @@ def test_joints_that_follow_do_follow(world_of: Callable[..., World]) -> None:
     runner = execute(world, "r", quintic(world, "r", [0.4], 1.0))
     run(runner, 3.0)
     assert runner.status.state == "succeeded"
-    simulation: Any = runner._driver  # noqa: SLF001  (what the group does not show)
-    q = world.drake.plant.GetPositions(simulation.simulation._context)  # noqa: SLF001
+    simulation: Any = runner._driver
+    q = world.drake.plant.GetPositions(simulation.simulation._context)
     (coupling,) = world.drake.couplings
     assert q[coupling.leader_position] == pytest.approx(0.4, abs=1e-4)
     assert q[coupling.follower_position] == pytest.approx(-0.5 * 0.4 + 0.1, abs=1e-4)
@@ -147,8 +147,8 @@ def test_what_does_not_belong_to_the_group_is_held() -> None:
     world = bundled("ur5e_pickup")
     runner = execute(world, "arm", quintic(world, "arm", [1.0, 0, 0, 0, 0, 0], 1.0))
     run(runner, 2.0)
-    driver: Any = runner._driver  # noqa: SLF001  (what the group does not show)
-    q = world.drake.plant.GetPositions(driver.simulation._context)  # noqa: SLF001
+    driver: Any = runner._driver
+    q = world.drake.plant.GetPositions(driver.simulation._context)
     others = np.setdiff1d(np.arange(len(q)), world.drake.position_indices(world.group("arm")))
     assert len(others) > 0
     np.testing.assert_allclose(q[others], world.state[others], atol=1e-5)
@@ -184,7 +184,7 @@ def test_a_cancel_ends_at_rest_within_the_acceleration_limits() -> None:
     run(runner, 0.7)
     assert runner.status.rate == 1.0
     runner.cancel()
-    driver: Any = runner._driver  # noqa: SLF001  (its velocities)
+    driver: Any = runner._driver
     before, peak = driver.simulation.v, np.zeros(6)
     for i in range(200):
         runner.tick(0.7 + 0.004 * (i + 1))
