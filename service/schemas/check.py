@@ -5,7 +5,7 @@ from typing import Annotated
 from pydantic import ConfigDict, Field
 
 from service.schemas.numbers import NonNegative, Positions
-from service.schemas.wire import Name, Wire
+from service.schemas.wire import Answer, Name, Wire
 
 
 class CheckRequest(Wire):
@@ -26,7 +26,7 @@ class CheckRequest(Wire):
     )
 
 
-class PairWire(Wire):
+class PairWire(Answer):
     """Two bodies and how near they are."""
 
     bodies: tuple[str, str] = Field(description="Full names")
@@ -35,7 +35,7 @@ class PairWire(Wire):
     points: list[list[float]] = Field(description="The nearest point of each, in world [m]")
 
 
-class LimitViolationWire(Wire):
+class LimitViolationWire(Answer):
     """A joint outside its position limits."""
 
     joint: str = Field(description="Name of the position coordinate")
@@ -44,7 +44,7 @@ class LimitViolationWire(Wire):
     upper: float | None = Field(description="Largest allowed [rad or m]; null for none")
 
 
-class VerdictWire(Wire):
+class VerdictWire(Answer):
     """What was found of one configuration."""
 
     valid: bool = Field(description="Within limits, and nothing nearer than the margin")
@@ -58,7 +58,7 @@ class VerdictWire(Wire):
     limit_violations: list[LimitViolationWire] = Field(description="Joints outside their limits")
 
 
-class CheckResponse(Wire):
+class CheckResponse(Answer):
     """A verdict per configuration, in order."""
 
     results: list[VerdictWire] = Field(description="In the order of the configurations")

@@ -8,7 +8,7 @@ from pydantic import ConfigDict, Field
 
 from service.schemas.numbers import Real
 from service.schemas.problem import Failure
-from service.schemas.wire import Identifier, Wire
+from service.schemas.wire import Answer, Identifier, Wire
 
 
 class ExecutionState(StrEnum):
@@ -41,7 +41,7 @@ class ExecutionRequest(Wire):
     )
 
 
-class ContactWire(Wire):
+class ContactWire(Answer):
     """Two bodies that touched during the motion."""
 
     bodies: tuple[str, str] = Field(description="Full names")
@@ -49,7 +49,7 @@ class ContactWire(Wire):
     time: float = Field(description="When, along the motion [s]")
 
 
-class ExecutionStatus(Wire):
+class ExecutionStatus(Answer):
     """How far an execution is; also the data of its events."""
 
     state: ExecutionState = Field(description="Where it stands")
@@ -63,7 +63,7 @@ class ExecutionStatus(Wire):
     contacts: list[ContactWire] = Field(description="Touches so far that the scene does not allow")
 
 
-class Execution(Wire):
+class Execution(Answer):
     """An execution of a plan; poll it until its state is final."""
 
     id: str = Field(description="Of the execution")
@@ -78,7 +78,7 @@ class Execution(Wire):
     failure: Failure | None = Field(description="Why it was aborted")
 
 
-class ExecutionPage(Wire):
+class ExecutionPage(Answer):
     """Executions, newest first."""
 
     items: list[Execution] = Field(description="On this page")

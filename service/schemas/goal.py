@@ -99,6 +99,9 @@ class PoseGoalWire(Wire):
 
 
 type GoalWire = Annotated[
-    Annotated[JointGoalWire | ConfigurationGoalWire | PoseGoalWire, Field(discriminator="type")],
+    Annotated[
+        JointGoalWire | ConfigurationGoalWire | PoseGoalWire,
+        Field(discriminator="type", description="What a motion shall reach"),
+    ],
     BeforeValidator(_known_type),
 ]

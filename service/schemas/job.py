@@ -8,7 +8,7 @@ from pydantic import Field
 from service.schemas.plan import PlanRequest
 from service.schemas.problem import Failure
 from service.schemas.result import PlanResult
-from service.schemas.wire import Wire
+from service.schemas.wire import Answer
 
 
 class JobState(StrEnum):
@@ -21,7 +21,7 @@ class JobState(StrEnum):
     CANCELED = "canceled"
 
 
-class JobBrief(Wire):
+class JobBrief(Answer):
     """A plan without its result."""
 
     id: str = Field(description="Of the plan")
@@ -45,7 +45,7 @@ class Job(JobBrief):
     result: PlanResult | None = Field(description="What it gave, once it succeeded")
 
 
-class JobPage(Wire):
+class JobPage(Answer):
     """Plans, newest first."""
 
     items: list[JobBrief] = Field(description="On this page, without their results")

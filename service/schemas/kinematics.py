@@ -2,15 +2,15 @@
 
 from typing import Annotated
 
-from pydantic import ConfigDict, Field
+from pydantic import ConfigDict, Field, Strict
 
 from service.schemas.goal import PoseGoalWire
-from service.schemas.numbers import Integer, NonNegative, Positions, Real
+from service.schemas.numbers import WHOLE, NonNegative, Positions, Real
 from service.schemas.plan import IkWire
 from service.schemas.pose import PoseWire
 from service.schemas.problem import Failure
 from service.schemas.report import FunnelWire
-from service.schemas.wire import Name, Wire
+from service.schemas.wire import Answer, Name, Wire
 
 
 class FkRequest(Wire):
@@ -31,7 +31,7 @@ class FkRequest(Wire):
     )
 
 
-class FkResponse(Wire):
+class FkResponse(Answer):
     """Poses per configuration, in order."""
 
     results: list[dict[str, PoseWire]] = Field(
@@ -70,19 +70,19 @@ class IkRequest(Wire):
     allowed_time: Annotated[Real, Field(gt=0, le=60)] = Field(
         default=5.0, description="Stop after this long, with what was found [s]"
     )
-    seed: Annotated[Integer, Field(ge=0, le=2**32 - 1)] = Field(
+    seed: Annotated[int, Strict(), Field(ge=0, le=2**32 - 1), WHOLE] = Field(
         default=0, description="Of all randomness"
     )
 
 
-class IkSolutionWire(Wire):
+class IkSolutionWire(Answer):
     """A goal configuration."""
 
     positions: list[float] = Field(description="The group's positions [rad or m]")
     pose_index: int = Field(description="Which of the goal's poses it reaches, from 0")
 
 
-class IkResponse(Wire):
+class IkResponse(Answer):
     """All distinct goal configurations, nearest to the start first, or why there are none."""
 
     configurations: list[IkSolutionWire] = Field(description="Free, within limits, distinct")

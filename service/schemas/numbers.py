@@ -11,11 +11,16 @@ def integral(number: Any) -> Any:
     return int(number) if is_whole else number
 
 
-type Integer = Annotated[int, Strict(), BeforeValidator(integral)]
-type Real = Annotated[float, Strict(), AllowInfNan(False)]
-type Coordinate = Annotated[float, Strict(), AllowInfNan(False), Field(ge=-1e6, le=1e6)]
-type NonNegative = Annotated[float, Strict(), AllowInfNan(False), Field(ge=0, le=1e6)]
-type Scale = Annotated[float, Strict(), AllowInfNan(False), Field(gt=0, le=1)]
+# Last in an `Annotated`, so that bounds before it stay bounds of the number.
+WHOLE = BeforeValidator(integral)
+
+type Integer = Annotated[int, Strict(), WHOLE]
+type Real = Annotated[float, Strict(), AllowInfNan(allow_inf_nan=False)]
+type Coordinate = Annotated[
+    float, Strict(), AllowInfNan(allow_inf_nan=False), Field(ge=-1e6, le=1e6)
+]
+type NonNegative = Annotated[float, Strict(), AllowInfNan(allow_inf_nan=False), Field(ge=0, le=1e6)]
+type Scale = Annotated[float, Strict(), AllowInfNan(allow_inf_nan=False), Field(gt=0, le=1)]
 type Triple = Annotated[list[Coordinate], Field(min_length=3, max_length=3)]
 type Quadruple = Annotated[list[Coordinate], Field(min_length=4, max_length=4)]
 type Positions = Annotated[list[Coordinate], Field(min_length=1, max_length=256)]

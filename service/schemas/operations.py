@@ -4,17 +4,17 @@ from typing import Literal
 
 from pydantic import Field
 
-from service.schemas.wire import Wire
+from service.schemas.wire import Answer
 
 
-class Health(Wire):
+class Health(Answer):
     """That the server is there."""
 
     status: Literal["ok"] = Field(description="Always `ok`: no answer is the other answer")
     version: str = Field(description="Of Wayproof")
 
 
-class Readiness(Wire):
+class Readiness(Answer):
     """Whether the server takes jobs."""
 
     status: Literal["ready"] = Field(description="Always `ready`; else the answer is 503")

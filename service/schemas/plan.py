@@ -2,10 +2,10 @@
 
 from typing import Annotated, Any, Literal
 
-from pydantic import BeforeValidator, ConfigDict, Field
+from pydantic import BeforeValidator, ConfigDict, Field, Strict
 
 from service.schemas.goal import GoalWire, not_supported
-from service.schemas.numbers import Integer, NonNegative, Positions, Real, Scale
+from service.schemas.numbers import WHOLE, Integer, NonNegative, Positions, Real, Scale
 from service.schemas.wire import Identifier, Name, Wire
 
 type ParameterValue = bool | Integer | Real | Annotated[str, Field(max_length=256)]
@@ -34,10 +34,10 @@ def _no_constraints(constraints: Any) -> Any:
 class IkWire(Wire):
     """How hard to look for goal configurations."""
 
-    max_configurations: Annotated[Integer, Field(ge=1, le=10_000)] = Field(
+    max_configurations: Annotated[int, Strict(), Field(ge=1, le=10_000), WHOLE] = Field(
         default=100, description="Stop at this many distinct free ones"
     )
-    max_trials: Annotated[Integer, Field(ge=1, le=100_000)] = Field(
+    max_trials: Annotated[int, Strict(), Field(ge=1, le=100_000), WHOLE] = Field(
         default=300, description="Stop after this many seeds of the solver, over all poses"
     )
 
@@ -49,7 +49,7 @@ class SearchWire(Wire):
     parameters: dict[Name, ParameterValue] = Field(
         default={}, max_length=64, description="OMPL's names and values of its parameters"
     )
-    attempts: Annotated[Integer, Field(ge=1, le=100)] = Field(
+    attempts: Annotated[int, Strict(), Field(ge=1, le=100), WHOLE] = Field(
         default=1, description="How many solutions to look for; the shortest is kept"
     )
     allowed_planning_time: Annotated[Real, Field(gt=0, le=3600)] = Field(
@@ -59,7 +59,7 @@ class SearchWire(Wire):
         default=0.05,
         description="Largest joint-space distance between two checked states of an edge [rad or m]",
     )
-    num_states: Annotated[Integer, Field(ge=2, le=100_000)] | None = Field(
+    num_states: Annotated[int, Strict(), Field(ge=2, le=100_000), WHOLE] | None = Field(
         default=None, description="Interpolate the path to at least this many waypoints"
     )
 
@@ -94,7 +94,7 @@ class PlanRequest(Wire):
     model_config = ConfigDict(json_schema_extra={"examples": [EXAMPLE]})
 
     scene: Identifier = Field(description="Id of a scene")
-    revision: Annotated[Integer, Field(ge=1)] | None = Field(
+    revision: Annotated[int, Strict(), Field(ge=1), WHOLE] | None = Field(
         default=None, description="Of the scene; null for its latest"
     )
     group: Name = Field(description="`robot` for its default group, or `robot::group`")
@@ -116,6 +116,6 @@ class PlanRequest(Wire):
     margin: Annotated[NonNegative, Field(le=10)] | None = Field(
         default=None, description="Distance that everything keeps [m]; null for the scene's"
     )
-    seed: Annotated[Integer, Field(ge=0, le=2**32 - 1)] = Field(
+    seed: Annotated[int, Strict(), Field(ge=0, le=2**32 - 1), WHOLE] = Field(
         default=0, description="Of all randomness: the same seed gives the same bytes"
     )

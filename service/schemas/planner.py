@@ -2,10 +2,10 @@
 
 from pydantic import ConfigDict, Field
 
-from service.schemas.wire import Wire
+from service.schemas.wire import Answer
 
 
-class ParameterWire(Wire):
+class ParameterWire(Answer):
     """A parameter of a planner."""
 
     name: str = Field(description="OMPL's name")
@@ -13,7 +13,7 @@ class ParameterWire(Wire):
     range: str = Field(description="Values that OMPL suggests, or empty")
 
 
-class PlannerWire(Wire):
+class PlannerWire(Answer):
     """A planner that a plan may name."""
 
     model_config = ConfigDict(title="Planner")
@@ -22,7 +22,7 @@ class PlannerWire(Wire):
     parameters: list[ParameterWire] = Field(description="What can be set")
 
 
-class PlannerList(Wire):
+class PlannerList(Answer):
     """All planners."""
 
     items: list[PlannerWire] = Field(description="Sorted by name")

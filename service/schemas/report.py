@@ -3,10 +3,10 @@
 from pydantic import Field
 
 from service.schemas.pose import PoseWire
-from service.schemas.wire import Wire
+from service.schemas.wire import Answer
 
 
-class PairTallyWire(Wire):
+class PairTallyWire(Answer):
     """How often two bodies were the deepest collision of a rejected configuration."""
 
     bodies: tuple[str, str] = Field(description="Full names")
@@ -15,7 +15,7 @@ class PairTallyWire(Wire):
     max_depth: float = Field(description="Largest depth among them [m]")
 
 
-class FunnelWire(Wire):
+class FunnelWire(Answer):
     """How many IK samples survived what; every number is at most the one before it."""
 
     tried: int = Field(description="Seeds given to the solver")
@@ -26,7 +26,7 @@ class FunnelWire(Wire):
     rejected_by: list[PairTallyWire] = Field(description="Which pairs the colliding ones hit")
 
 
-class NearestPoseWire(Wire):
+class NearestPoseWire(Answer):
     """The nearest pose that the tool frame can take to one that it cannot."""
 
     pose: PoseWire = Field(description="Of the tool frame in world")
@@ -35,14 +35,14 @@ class NearestPoseWire(Wire):
     rotation_error: float = Field(description="From the target [rad]")
 
 
-class GoalsReportWire(Wire):
+class GoalsReportWire(Answer):
     """What the goals stage found."""
 
     num_configurations: int = Field(description="Goal configurations that were offered to search")
     funnel: FunnelWire = Field(description="How many samples survived what")
 
 
-class SearchReportWire(Wire):
+class SearchReportWire(Answer):
     """What the search stage did; lengths are in joint space [rad or m]."""
 
     planner: str = Field(description="OMPL's name")
@@ -55,9 +55,12 @@ class SearchReportWire(Wire):
     num_waypoints: int = Field(description="Of the delivered path")
     resolution: float = Field(description="At which edges were checked [rad or m]")
     padding: float = Field(description="Distance that was demanded beyond the margin [m]")
+    direct: bool = Field(
+        default=False, description="Whether the straight line was free, so that nobody searched"
+    )
 
 
-class RefineReportWire(Wire):
+class RefineReportWire(Answer):
     """What the refine stage did."""
 
     method: str = Field(description="`trajopt` or `none`")
@@ -71,7 +74,7 @@ class RefineReportWire(Wire):
     duration_after: float = Field(description="Estimate for the solution [s]")
 
 
-class RetimeReportWire(Wire):
+class RetimeReportWire(Answer):
     """What the retime stage did."""
 
     method: str = Field(description="`toppra` or `ruckig`")
@@ -83,7 +86,7 @@ class RetimeReportWire(Wire):
     blend_deviation: float = Field(description="How far corners were rounded [rad or m]")
 
 
-class CertifyReportWire(Wire):
+class CertifyReportWire(Answer):
     """What the certify stage did."""
 
     intervals: int = Field(description="Intervals on which clearance was bounded")
@@ -92,7 +95,7 @@ class CertifyReportWire(Wire):
     refused: list[str] = Field(description="What was wrong with those before the delivered one")
 
 
-class StagesWire(Wire):
+class StagesWire(Answer):
     """One report per stage."""
 
     goals: GoalsReportWire = Field(description="Goal configurations")

@@ -4,10 +4,10 @@ from pydantic import ConfigDict, Field
 
 from service.schemas.report import StagesWire
 from service.schemas.trajectory import TrajectoryWire
-from service.schemas.wire import Wire
+from service.schemas.wire import Answer
 
 
-class CheckWire(Wire):
+class CheckWire(Answer):
     """One property that was checked on the whole interval."""
 
     name: str = Field(description="position, velocity, acceleration, jerk, clearance, start, ...")
@@ -20,7 +20,7 @@ class CheckWire(Wire):
     time: float = Field(description="When it is worst [s]")
 
 
-class CertificateWire(Wire):
+class CertificateWire(Answer):
     """The verdict on the motion, between its samples too."""
 
     model_config = ConfigDict(title="Certificate")
@@ -34,7 +34,7 @@ class CertificateWire(Wire):
     checks: list[CheckWire] = Field(description="All checks, passed or not")
 
 
-class PlanResult(Wire):
+class PlanResult(Answer):
     """What a solved problem gives."""
 
     goal_configuration: list[float] = Field(description="Where the motion ends [rad or m]")

@@ -6,10 +6,10 @@ from pydantic import ConfigDict, Field
 
 from planning.world.scene_document import SceneDocument
 from service.schemas.summary import GroupWire
-from service.schemas.wire import Wire
+from service.schemas.wire import Answer
 
 
-class SceneBrief(Wire):
+class SceneBrief(Answer):
     """A scene without its content."""
 
     id: str = Field(description="Of the scene")
@@ -35,7 +35,7 @@ class Scene(SceneBrief):
     document: SceneDocument = Field(description="As it was posted, defaults filled in")
 
 
-class ScenePage(Wire):
+class ScenePage(Answer):
     """Scenes, newest first."""
 
     items: list[SceneBrief] = Field(description="On this page")

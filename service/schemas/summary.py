@@ -2,19 +2,19 @@
 
 from pydantic import ConfigDict, Field
 
-from service.schemas.wire import Wire
+from service.schemas.wire import Answer
 
 type Bound = float | None
 
 
-class JointWire(Wire):
+class JointWire(Answer):
     """A joint of a group."""
 
     name: str = Field(description="Full name, `robot::joint`")
     type: str = Field(description="revolute, continuous, prismatic, planar or floating")
 
 
-class LimitsWire(Wire):
+class LimitsWire(Answer):
     """What the joints of a group may do; null is unlimited.
 
     Positions are limited per coordinate. Rates are limited per block: the Euclidean norm of the
@@ -30,7 +30,7 @@ class LimitsWire(Wire):
     effort: list[Bound] = Field(description="Per block [N m or N]")
 
 
-class GroupWire(Wire):
+class GroupWire(Answer):
     """Joints that are planned for together."""
 
     name: str = Field(description="`robot` or `robot::group`")
@@ -46,14 +46,14 @@ class GroupWire(Wire):
     positions: list[float] = Field(description="The current state [rad or m]")
 
 
-class SourceWire(Wire):
+class SourceWire(Answer):
     """Where a number is from."""
 
     what: str = Field(description="Which numbers")
     source: str = Field(description="Where they were published")
 
 
-class ModelWire(Wire):
+class ModelWire(Answer):
     """A robot that scenes may name."""
 
     model_config = ConfigDict(title="Model")
@@ -69,7 +69,7 @@ class ModelWire(Wire):
     )
 
 
-class ModelList(Wire):
+class ModelList(Answer):
     """Robots there are."""
 
     items: list[str] = Field(description="Names, sorted; GET /v1/models/{name} says more")

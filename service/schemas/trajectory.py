@@ -2,12 +2,12 @@
 
 from pydantic import ConfigDict, Field
 
-from service.schemas.wire import Wire
+from service.schemas.wire import Answer
 
 type Row = list[float]
 
 
-class PolynomialWire(Wire):
+class PolynomialWire(Answer):
     """The exact motion: q(t) = bases[i] [+] sum_k coefficients[i][k] (t - breaks[i])^k.
 
     It holds on breaks[i] <= t <= breaks[i + 1]. `[+]` is the plain sum, but for floating joints,
@@ -25,7 +25,7 @@ class PolynomialWire(Wire):
     )
 
 
-class TrajectoryWire(Wire):
+class TrajectoryWire(Answer):
     """A timed motion, sampled; the first and the last instant are included."""
 
     model_config = ConfigDict(

@@ -13,8 +13,8 @@ from planning.execute.runner import Runner
 from planning.execute.states import ExecutionState
 from service.convert.executions import StatusLog
 from service.convert.trajectories import trajectory_value
+from service.executions.controls import Controls, read_controls
 from service.tasks.channel import Channel
-from service.tasks.controls import Controls, read_controls
 from service.tasks.worlds import borrow_world
 
 _TICK = 0.01

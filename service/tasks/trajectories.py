@@ -56,7 +56,7 @@ def replay(payload: dict[str, Any], _: Channel) -> dict[str, Any]:
     """
     trajectory = trajectory_value(payload["trajectory"])
     with borrow_world(payload) as world:
-        return {"html": replay_html(world, payload["group"], trajectory)}
+        return {"html": replay_html(world, world.group(payload["group"]), trajectory)}
 
 
 def _scaled(payload: dict[str, Any]) -> TimedTrajectory:

@@ -1,0 +1,60 @@
+"""create_app(): the service, put together."""
+
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+
+from fastapi import FastAPI
+
+from service import openapi, problems
+from service.body_limit import BodyLimit
+from service.desk import open_desk
+from service.plans.versions import versions
+from service.routes import (
+    executions,
+    models,
+    operations,
+    planners,
+    plans,
+    queries,
+    scenes,
+    trajectories,
+)
+from service.settings import Settings
+
+_DESCRIPTION = (
+    "Plans robot motion and proves it. SI units, radians, quaternions as `[w, x, y, z]`. Unknown "
+    "fields and non-finite numbers are refused. Errors are `application/problem+json` (RFC 9457)."
+)
+_ROUTES = (scenes, queries, models, planners, plans, trajectories, executions, operations)
+
+
+def create_app(settings: Settings | None = None) -> FastAPI:
+    """Return the service; its workers run between startup and shutdown.
+
+    Args:
+        settings: How it runs; None to read them from the environment.
+    """
+    chosen = settings or Settings()
+
+    @asynccontextmanager
+    async def lifespan(app: FastAPI) -> AsyncIterator[None]:
+        async with open_desk(chosen) as (desk, shelf):
+            app.state.desk, app.state.scenes = desk, shelf
+            yield
+
+    app = FastAPI(
+        title="Wayproof",
+        version=versions()["wayproof"],
+        description=_DESCRIPTION,
+        lifespan=lifespan,
+        docs_url=None,
+        redoc_url=None,
+        redirect_slashes=False,
+    )
+    app.state.settings = chosen
+    app.add_middleware(BodyLimit, max_scene_bytes=chosen.max_body_bytes)
+    problems.install(app)
+    openapi.install(app)
+    for part in _ROUTES:
+        app.include_router(part.router)
+    return app

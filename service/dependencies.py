@@ -1,0 +1,42 @@
+"""What endpoints are handed: settings, scenes, jobs; all of it lives in the app's state."""
+
+from typing import Annotated
+
+from fastapi import Depends, Request
+
+from service.desk import Desk, JobView
+from service.routes.answers import ExecutionId, PlanId
+from service.scenes.shelf import SceneShelf
+from service.settings import Settings
+
+
+def _settings(request: Request) -> Settings:
+    settings: Settings = request.app.state.settings
+    return settings
+
+
+def _scenes(request: Request) -> SceneShelf:
+    scenes: SceneShelf = request.app.state.scenes
+    return scenes
+
+
+def _desk(request: Request) -> Desk:
+    desk: Desk = request.app.state.desk
+    return desk
+
+
+type SettingsDep = Annotated[Settings, Depends(_settings)]
+type ScenesDep = Annotated[SceneShelf, Depends(_scenes)]
+type DeskDep = Annotated[Desk, Depends(_desk)]
+
+
+async def _plan_job(plan: PlanId, desk: DeskDep) -> JobView:
+    return await desk.job("plan", plan)
+
+
+async def _execution_job(execution: ExecutionId, desk: DeskDep) -> JobView:
+    return await desk.job("execution", execution)
+
+
+type PlanJob = Annotated[JobView, Depends(_plan_job)]
+type ExecutionJob = Annotated[JobView, Depends(_execution_job)]

@@ -1,0 +1,45 @@
+"""Admission: what must be so before a plan is carried out."""
+
+from service.desk import Desk, JobView
+from service.executions.whereabouts import require_at_start
+from service.plans.wire import polynomial_of
+from service.scenes.preflight import require_group
+from service.scenes.shelf import SceneShelf
+from service.schemas.execution import ExecutionRequest
+
+TASK = "service.tasks.execute:execute"
+
+
+async def submit_execution(
+    request: ExecutionRequest, key: str | None, scenes: SceneShelf, desk: Desk
+) -> JobView:
+    """Queue an execution.
+
+    Raises:
+        UnknownResource: There is no such plan, or its scene is gone.
+        NotFinished: The plan has no trajectory.
+        RobotBusy: Another execution moves the group.
+        StartMismatch: The plan starts elsewhere.
+        TooBusy: The queue is full.
+    """
+    plan = await desk.job("plan", request.plan)
+    polynomial = polynomial_of(plan)
+    wanted = plan.payload["request"]
+    record = await scenes.get(wanted["scene"], plan.payload["revision"])
+    group = require_group(record, wanted["group"])
+    payload = {
+        **{part: plan.payload[part] for part in ("scene", "library")},
+        "request": request.model_dump(mode="json"),
+        "scene_id": record.id,
+        "group": group["name"],
+        "trajectory": polynomial,
+        "speed": request.speed,
+        "controls": desk.new_controls(),
+    }
+    start = (plan.result or {})["result"]["start"]
+    # Two requests at once must not both find the robot at rest.
+    async with desk.admitting_motion:
+        known = await desk.known("execution", key)
+        if known is None:
+            await require_at_start(desk, record, group, start)
+        return await desk.submit("execution", TASK, payload, scene=record.id, key=key)

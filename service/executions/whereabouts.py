@@ -1,0 +1,99 @@
+"""Where a robot is: where its scene puts it, and later where its last execution left it."""
+
+import math
+from typing import Any
+
+from planning.domain.joints import Joint, JointType
+from service.desk import Desk, JobView
+from service.errors import RobotBusy, StartMismatch
+from service.scenes.preflight import Group
+from service.scenes.records import SceneRecord
+
+# An execution ends within 0.005 of where it should [rad or m].
+TOLERANCE = 0.02
+
+
+async def require_at_start(
+    desk: Desk, scene: SceneRecord, group: Group, start: list[float]
+) -> None:
+    """Go on only if the group rests at the start of a motion.
+
+    Raises:
+        RobotBusy: It moves.
+        StartMismatch: It is elsewhere.
+    """
+    position = await position_of(desk, scene, group)
+    distance = separation(group, start, position)
+    if distance > TOLERANCE:
+        message = (
+            f"the plan starts {distance:.4g} rad or m from where {group['name']} is; "
+            "plan from `positions` instead"
+        )
+        evidence = {
+            "start": start,
+            "positions": position,
+            "distance": distance,
+            "bound": TOLERANCE,
+            "names": group["position_names"],
+        }
+        raise StartMismatch(message, evidence)
+
+
+async def position_of(desk: Desk, scene: SceneRecord, group: Group) -> list[float]:
+    """Return where a group is [rad or m].
+
+    Raises:
+        RobotBusy: It moves.
+    """
+    async for job in desk.newest("execution", scene=scene.id):
+        if job.payload["group"] != group["name"]:
+            continue
+        if not job.is_final:
+            message = f"execution {job.id} moves {group['name']}; wait for its end, or cancel it"
+            raise RobotBusy(message, {"execution": job.id, "group": group["name"]})
+        status = await last_status(desk, job)
+        if status is not None:
+            measured: list[float] = status["positions"]
+            return measured
+    positions: list[float] = group["positions"]
+    return positions
+
+
+async def last_status(desk: Desk, job: JobView) -> dict[str, Any] | None:
+    """Return the last status that an execution told, None if it never moved."""
+    if job.result is not None:
+        told: dict[str, Any] = job.result["status"]
+        return told
+    event = await desk.last_event(job, "status")
+    return None if event is None else event.data
+
+
+def separation(group: Group, a: list[float], b: list[float]) -> float:
+    """Return the largest coordinate of the difference [rad or m], whole turns aside."""
+    largest = 0.0
+    at = 0
+    for joint in group["joints"]:
+        kind = Joint(joint["name"], JointType(joint["type"]))
+        count = len(kind.position_names)
+        largest = max(largest, _separation(kind.type, a[at : at + count], b[at : at + count]))
+        at += count
+    return largest
+
+
+def _separation(kind: JointType, a: list[float], b: list[float]) -> float:
+    gaps = [abs(x - y) for x, y in zip(a, b, strict=True)]
+    match kind:
+        case JointType.CONTINUOUS:
+            return _turn(gaps[0])
+        case JointType.PLANAR:
+            return max(*gaps[:2], _turn(gaps[2]))
+        case JointType.FLOATING:
+            cosine = abs(sum(x * y for x, y in zip(a[:4], b[:4], strict=True)))
+            return max(2 * math.acos(min(1.0, cosine)), *gaps[4:])
+        case _:
+            return max(gaps)
+
+
+def _turn(gap: float) -> float:
+    """Return an angle's distance from the nearest whole turn."""
+    return abs(math.remainder(gap, 2 * math.pi))

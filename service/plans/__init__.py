@@ -1,0 +1,1 @@
+"""Plans as resources: admission, and jobs to the wire."""

@@ -1,0 +1,144 @@
+"""/v1/executions: carry out plans, watch them, stop them."""
+
+from collections.abc import AsyncIterator
+from typing import Annotated, Any
+
+from fastapi import APIRouter, Query, Response
+from fastapi.sse import EventSourceResponse, ServerSentEvent
+
+from service.dependencies import DeskDep, ExecutionJob, ScenesDep, SettingsDep
+from service.executions.admission import submit_execution
+from service.executions.control import steer
+from service.executions.wire import execution_resource
+from service.routes.answers import Cursor, LastEventId, Limit, problems
+from service.routes.streaming import EVENTS, server_sent
+from service.routes.waiting import IdempotencyKey, Prefer, Wait, seconds_to_wait
+from service.schemas.execution import (
+    Execution,
+    ExecutionPage,
+    ExecutionRequest,
+    SpeedRequest,
+)
+
+router = APIRouter(prefix="/v1/executions", tags=["executions"])
+type OfScene = Annotated[str | None, Query(max_length=128, description="Only those in this scene")]
+
+_ACCEPTED: dict[str, Any] = {
+    "description": "Accepted; `Location` says where to poll",
+    "headers": {"Location": {"description": "Of the execution", "schema": {"type": "string"}}},
+}
+
+
+@router.post(
+    "",
+    operation_id="createExecution",
+    status_code=202,
+    response_model=Execution,
+    responses={
+        200: {"model": Execution, "description": "Ended within the time that was waited"},
+        202: _ACCEPTED,
+        **problems(400, 404, 409, 413, 422, 429, 503),
+    },
+)
+async def create_execution(  # noqa: PLR0913  (one parameter per header)
+    request: ExecutionRequest,
+    response: Response,
+    desk: DeskDep,
+    scenes: ScenesDep,
+    settings: SettingsDep,
+    *,
+    wait: Wait = None,
+    prefer: Prefer = None,
+    idempotency_key: IdempotencyKey = None,
+) -> Any:
+    """Carry out a plan, if its start is where the robot is."""
+    job = await submit_execution(request, idempotency_key, scenes, desk)
+    job = await desk.wait(job, seconds_to_wait(wait, prefer, settings.max_wait))
+    response.headers["Location"] = f"/v1/executions/{job.id}"
+    if job.is_final:
+        response.status_code = 200
+    return await execution_resource(desk, job)
+
+
+@router.get(
+    "", operation_id="listExecutions", response_model=ExecutionPage, responses=problems(422)
+)
+async def list_executions(
+    desk: DeskDep, scene: OfScene = None, limit: Limit = 50, cursor: Cursor = None
+) -> Any:
+    """List executions, newest first."""
+    page = await desk.page("execution", limit, cursor, scene=scene)
+    items = [await execution_resource(desk, job) for job in page.jobs]
+    return {"items": items, "next": page.following}
+
+
+@router.get(
+    "/{execution}",
+    operation_id="getExecution",
+    response_model=Execution,
+    responses=problems(404, 422),
+)
+async def get_execution(job: ExecutionJob, desk: DeskDep) -> Any:
+    """Show an execution: its state, progress, measured positions, tracking error, contacts."""
+    return await execution_resource(desk, job)
+
+
+@router.get(
+    "/{execution}/events",
+    operation_id="streamExecutionEvents",
+    response_class=EventSourceResponse,
+    responses={200: EVENTS, **problems(404, 422)},
+)
+async def stream_execution_events(
+    job: ExecutionJob, desk: DeskDep, last_event_id: LastEventId = None
+) -> AsyncIterator[ServerSentEvent]:
+    """Stream what happens to an execution: queued, started, status, finished."""
+    async for event in server_sent(desk, job, last_event_id):
+        yield event
+
+
+@router.post(
+    "/{execution}/cancel",
+    operation_id="cancelExecution",
+    response_model=Execution,
+    responses=problems(404, 422),
+)
+async def cancel_execution(job: ExecutionJob, desk: DeskDep) -> Any:
+    """Bring the robot to rest and end; asking again changes nothing."""
+    return await execution_resource(desk, await desk.cancel(job))
+
+
+@router.post(
+    "/{execution}/pause",
+    operation_id="pauseExecution",
+    response_model=Execution,
+    responses=problems(404, 409, 422),
+)
+async def pause_execution(job: ExecutionJob, desk: DeskDep) -> Any:
+    """Bring the robot to rest on its path, until it is resumed."""
+    steer(job, is_paused=True)
+    return await execution_resource(desk, job)
+
+
+@router.post(
+    "/{execution}/resume",
+    operation_id="resumeExecution",
+    response_model=Execution,
+    responses=problems(404, 409, 422),
+)
+async def resume_execution(job: ExecutionJob, desk: DeskDep) -> Any:
+    """Move on after a pause."""
+    steer(job, is_paused=False)
+    return await execution_resource(desk, job)
+
+
+@router.post(
+    "/{execution}/speed",
+    operation_id="setExecutionSpeed",
+    response_model=Execution,
+    responses=problems(400, 404, 409, 413, 422),
+)
+async def set_execution_speed(job: ExecutionJob, desk: DeskDep, request: SpeedRequest) -> Any:
+    """Change how fast the motion is carried out; the robot gets there along its path."""
+    steer(job, speed=request.speed)
+    return await execution_resource(desk, job)

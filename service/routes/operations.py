@@ -1,0 +1,51 @@
+"""Health, readiness, metrics, documentation."""
+
+from pathlib import Path
+
+from fastapi import APIRouter
+from fastapi.responses import HTMLResponse, PlainTextResponse
+
+from service.dependencies import DeskDep, ScenesDep
+from service.metrics import exposition
+from service.plans.versions import versions
+from service.routes.answers import problems
+from service.schemas.operations import Health, Readiness
+
+router = APIRouter(tags=["operations"])
+
+_DOCS = Path(__file__).parents[1] / "pages" / "docs.html"
+_METRICS = {"content": {"text/plain": {"schema": {"type": "string"}}}}
+
+
+@router.get("/healthz", operation_id="getHealth", response_model=Health, responses=problems())
+async def get_health() -> Health:
+    """Say that the server is there."""
+    return Health(status="ok", version=versions()["wayproof"])
+
+
+@router.get(
+    "/readyz", operation_id="getReadiness", response_model=Readiness, responses=problems(503)
+)
+async def get_readiness(desk: DeskDep, scenes: ScenesDep) -> Readiness:
+    """Say whether jobs are taken: the database answers and the dispatcher runs."""
+    await scenes.page(1, None)
+    counts = await desk.counts()
+    return Readiness(status="ready", queued=counts["queued"], running=counts["running"])
+
+
+@router.get(
+    "/metrics",
+    operation_id="getMetrics",
+    response_class=PlainTextResponse,
+    responses={200: _METRICS, **problems(503)},
+)
+async def get_metrics(desk: DeskDep) -> PlainTextResponse:
+    """Count jobs by lane and state, as Prometheus reads it."""
+    text = exposition(await desk.counts())
+    return PlainTextResponse(text, media_type="text/plain; version=0.0.4")
+
+
+@router.get("/docs", include_in_schema=False)
+def get_docs() -> HTMLResponse:
+    """Show the documentation; the page needs no network but this server."""
+    return HTMLResponse(_DOCS.read_text(encoding="utf-8"))

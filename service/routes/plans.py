@@ -1,0 +1,97 @@
+"""/v1/plans: ask for plans, poll them, stop them."""
+
+from collections.abc import AsyncIterator
+from typing import Annotated, Any
+
+from fastapi import APIRouter, Query, Response
+from fastapi.sse import EventSourceResponse, ServerSentEvent
+
+from service.dependencies import DeskDep, PlanJob, ScenesDep, SettingsDep
+from service.plans.admission import submit_plan
+from service.plans.wire import job_brief, job_resource
+from service.routes.answers import Cursor, LastEventId, Limit, problems
+from service.routes.streaming import EVENTS, server_sent
+from service.routes.waiting import IdempotencyKey, Prefer, Wait, seconds_to_wait
+from service.schemas.job import Job, JobPage, JobState
+from service.schemas.plan import PlanRequest
+
+router = APIRouter(prefix="/v1/plans", tags=["plans"])
+type State = Annotated[JobState | None, Query(description="Only those in this state")]
+type OfScene = Annotated[str | None, Query(max_length=128, description="Only those in this scene")]
+
+_ACCEPTED: dict[str, Any] = {
+    "description": "Queued; `Location` says where to poll",
+    "headers": {"Location": {"description": "Of the plan", "schema": {"type": "string"}}},
+}
+
+
+@router.post(
+    "",
+    operation_id="createPlan",
+    status_code=202,
+    response_model=Job,
+    responses={
+        200: {"model": Job, "description": "Finished within the time that was waited"},
+        202: _ACCEPTED,
+        **problems(400, 404, 409, 413, 422, 429, 503),
+    },
+)
+async def create_plan(  # noqa: PLR0913  (one parameter per header)
+    request: PlanRequest,
+    response: Response,
+    desk: DeskDep,
+    scenes: ScenesDep,
+    settings: SettingsDep,
+    *,
+    wait: Wait = None,
+    prefer: Prefer = None,
+    idempotency_key: IdempotencyKey = None,
+) -> Any:
+    """Ask for a plan: a job that is polled, streamed or waited for."""
+    job = await submit_plan(request, idempotency_key, scenes, desk)
+    job = await desk.wait(job, seconds_to_wait(wait, prefer, settings.max_wait))
+    response.headers["Location"] = f"/v1/plans/{job.id}"
+    if job.is_final:
+        response.status_code = 200
+    return job_resource(job)
+
+
+@router.get("", operation_id="listPlans", response_model=JobPage, responses=problems(422))
+async def list_plans(
+    desk: DeskDep,
+    state: State = None,
+    scene: OfScene = None,
+    limit: Limit = 50,
+    cursor: Cursor = None,
+) -> Any:
+    """List plans, newest first, without their results."""
+    page = await desk.page("plan", limit, cursor, state=state, scene=scene)
+    return {"items": [job_brief(job) for job in page.jobs], "next": page.following}
+
+
+@router.get("/{plan}", operation_id="getPlan", response_model=Job, responses=problems(404, 422))
+async def get_plan(job: PlanJob) -> Any:
+    """Show a plan: how far it is, and its result once it succeeded."""
+    return job_resource(job)
+
+
+@router.get(
+    "/{plan}/events",
+    operation_id="streamPlanEvents",
+    response_class=EventSourceResponse,
+    responses={200: EVENTS, **problems(404, 422)},
+)
+async def stream_plan_events(
+    job: PlanJob, desk: DeskDep, last_event_id: LastEventId = None
+) -> AsyncIterator[ServerSentEvent]:
+    """Stream what happens to a plan: queued, started, stage, progress, finished."""
+    async for event in server_sent(desk, job, last_event_id):
+        yield event
+
+
+@router.post(
+    "/{plan}/cancel", operation_id="cancelPlan", response_model=Job, responses=problems(404, 422)
+)
+async def cancel_plan(job: PlanJob, desk: DeskDep) -> Any:
+    """End a plan, in whatever state it is; asking again changes nothing."""
+    return job_resource(await desk.cancel(job))

@@ -1,0 +1,82 @@
+"""/v1/plans/{id}/trajectory and replay.html: what a plan delivered, to use and to look at."""
+
+from typing import Annotated, Any, Literal
+
+from fastapi import APIRouter, Query, Response
+from fastapi.responses import HTMLResponse
+
+from service.dependencies import DeskDep, PlanJob
+from service.plans.wire import polynomial_of
+from service.routes.answers import problems
+from service.schemas.trajectory import TrajectoryWire
+
+router = APIRouter(prefix="/v1/plans/{plan}", tags=["plans"])
+
+type Format = Annotated[Literal["json", "csv"], Query(description="What to answer with")]
+type Period = Annotated[
+    float | None,
+    Query(
+        ge=1e-4,
+        le=10,
+        allow_inf_nan=False,
+        description="Between samples [s]; none for the plan's `sample_period`",
+    ),
+]
+type Slowness = Annotated[
+    float,
+    Query(
+        gt=0.001,
+        le=1,
+        allow_inf_nan=False,
+        description="Factor on the speed of the whole motion: 0.5 takes twice as long",
+    ),
+]
+type Exact = Annotated[bool, Query(description="Add the exact piecewise polynomial (JSON only)")]
+
+_CSV = {"schema": {"type": "string", "description": "A header, then a row per instant"}}
+_HTML = {"schema": {"type": "string", "description": "A page that needs nothing else"}}
+
+
+@router.get(
+    "/trajectory",
+    operation_id="getTrajectory",
+    response_model=TrajectoryWire,
+    responses={200: {"content": {"text/csv": _CSV}}, **problems(404, 409, 422, 429, 503)},
+)
+async def get_trajectory(
+    job: PlanJob,
+    desk: DeskDep,
+    *,
+    format: Format = "json",  # noqa: A002  (the contract's name)
+    period: Period = None,
+    scale: Slowness = 1.0,
+    polynomial: Exact = False,
+) -> Any:
+    """Sample the motion of a plan anew, slowed down if asked for."""
+    payload = {
+        "trajectory": polynomial_of(job),
+        "period": period or job.payload["request"]["retime"]["sample_period"],
+        "scale": scale,
+        "polynomial": polynomial,
+    }
+    if format == "json":
+        return await desk.ask("service.tasks.trajectories:sample", payload)
+    table = await desk.ask("service.tasks.trajectories:sample_csv", payload)
+    return Response(table["text"], media_type="text/csv")
+
+
+@router.get(
+    "/replay.html",
+    operation_id="getReplay",
+    response_class=HTMLResponse,
+    responses={200: {"content": {"text/html": _HTML}}, **problems(404, 409, 422, 429, 503)},
+)
+async def get_replay(job: PlanJob, desk: DeskDep) -> HTMLResponse:
+    """Replay the motion in 3-D: a self-contained page of Drake's Meshcat."""
+    payload = {
+        **{part: job.payload[part] for part in ("scene", "library")},
+        "group": job.payload["request"]["group"],
+        "trajectory": polynomial_of(job),
+    }
+    page = await desk.ask("service.tasks.trajectories:replay", payload)
+    return HTMLResponse(page["html"])

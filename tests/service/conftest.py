@@ -1,0 +1,61 @@
+"""A service in this process, and scenes that many tests need."""
+
+import warnings
+
+import pytest
+
+from service.app import create_app
+from service.settings import Settings
+
+with warnings.catch_warnings():
+    # Starlette wants a client that is not among our dependencies yet.
+    warnings.simplefilter("ignore")
+    from starlette.testclient import TestClient
+
+BLOCK_SCENE = {
+    "name": "block",
+    "robots": [{"name": "arm", "model": "ur5e", "positions": "home"}],
+    "objects": [
+        {
+            "name": "block",
+            "shape": {"box": [0.1, 0.1, 0.1]},
+            "pose": {"position": [0.6, 0.0, 0.05]},
+        }
+    ],
+    "frames": [{"name": "above", "parent": "block", "pose": {"position": [0, 0, 0.3]}}],
+}
+
+
+@pytest.fixture(scope="session")
+def settings(tmp_path_factory):
+    return Settings(engine="inline", data_dir=tmp_path_factory.mktemp("state"))
+
+
+@pytest.fixture(scope="session")
+def app(settings):
+    return create_app(settings)
+
+
+@pytest.fixture(scope="session")
+def client(app):
+    with TestClient(app) as running:
+        yield running
+
+
+@pytest.fixture(scope="session")
+def scene(client):
+    """The id of a posted scene with an arm and a block."""
+    return client.post("/v1/scenes", json=BLOCK_SCENE).json()["id"]
+
+
+@pytest.fixture(scope="session")
+def solved(client, scene):
+    """A plan that succeeded: from home to ready."""
+    goal = {"type": "configuration", "name": "ready"}
+    request = {"scene": scene, "group": "arm", "goal": goal, "seed": 3}
+    request["search"] = {"allowed_planning_time": 20.0}
+    answer = client.post("/v1/plans?wait=40", json=request)
+    assert answer.status_code == 200, answer.text
+    job = answer.json()
+    assert job["state"] == "succeeded", job["failure"]
+    return job

@@ -1,0 +1,90 @@
+"""Scenes as text: the same scene from either language, and hostile texts refused quickly."""
+
+import json
+import random
+import time
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from planning.errors import SceneInvalid, WayproofError
+from service.errors import UnreadableBody
+from service.tasks.decode import MAX_DEPTH, decode_scene
+
+ROBOT = {"name": "arm", "model": "ur5e"}
+YAML = """\
+name: two
+robots:
+  - {name: arm, model: ur5e, base: {rpy: [0.1, 0.2, 0.3]}, positions: {elbow_joint: 0.7}}
+objects:
+  - {name: can, shape: {cylinder: {radius: 0.03, length: 0.1}}, movable: true}
+  - {name: floor, shape: {half_space: {}}, color: [0.1, 0.2, 0.3]}
+"""
+
+
+def test_document_gives_the_same_scene_bit_for_bit():
+    scene, document = decode_scene(YAML, "yaml")
+    again, canonical = decode_scene(json.dumps(document), "json")
+    assert again.digest == scene.digest
+    assert canonical == document
+
+
+@given(st.lists(st.floats(-1e3, 1e3, allow_nan=False), min_size=3, max_size=3))
+@settings(max_examples=25)
+def test_rotations_survive_being_written_and_read(rpy):
+    document = {"robots": [{**ROBOT, "base": {"rpy": rpy, "position": rpy}}]}
+    scene, canonical = decode_scene(json.dumps(document), "json")
+    assert decode_scene(json.dumps(canonical), "json")[0].digest == scene.digest
+
+
+def test_faults_of_yaml_have_lines():
+    with pytest.raises(SceneInvalid) as refusal:
+        decode_scene("robots:\n  - {name: arm, model: ur5e}\nobjects:\n  - {shape: 1}\n", "yaml")
+    assert refusal.value.evidence["line"] == 4
+
+
+@pytest.mark.parametrize("text", ["{", "[1,", '{"a": }', "", "nonsense", '{"a": 1} x'])
+def test_what_is_not_json_is_unreadable(text):
+    with pytest.raises(UnreadableBody):
+        decode_scene(text, "json")
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["[]", "1", "null", '"x"', '{"robots": []}', '{"robots": [], "robots": []}', '{"a": NaN}'],
+)
+def test_json_that_is_no_scene_is_invalid(text):
+    with pytest.raises(SceneInvalid):
+        decode_scene(text, "json")
+
+
+def hostile():
+    noise = random.Random(1)
+    letters = "".join(noise.choice('abc{}[]:,"1 \n-') for _ in range(1_900_000))
+    return {
+        "noise": ("json", letters),
+        "noise in YAML": ("yaml", letters),
+        "deep list": ("json", "[" * 5_000_000),
+        "deep object": ("json", '{"a":' * 1_000_000),
+        "balanced and deep": ("json", '{"a":' * (MAX_DEPTH + 1) + "1" + "}" * (MAX_DEPTH + 1)),
+        "many keys": ("json", json.dumps({f"key{i}": 1 for i in range(400_000)})),
+        "many objects": ("json", json.dumps({"robots": [ROBOT], "objects": [1] * 3_000_000})),
+        "many positions": ("json", json.dumps({"robots": [{**ROBOT, "positions": ["x"] * 900_000}]})),
+        "long name": ("json", json.dumps({"robots": [ROBOT], "name": "x" * 10_000_000})),
+        "long number": ("json", '{"margin": ' + "9" * 5_000_000 + "}"),
+        "aliases": ("yaml", "a: &a [x, x]\nb: &b [*a, *a]\nc: &c [*b, *b]\nrobots: *c\n"),
+        "many lines": ("yaml", "".join(f"k{i}: 1\n" for i in range(150_000))),
+        "long flow": ("yaml", "robots: [" + "1," * 450_000 + "1]"),
+    }  # fmt: skip
+
+
+@pytest.mark.parametrize("name", hostile())
+def test_hostile_texts_are_refused_quickly(name):
+    media, text = hostile()[name]
+    begun = time.perf_counter()
+    with pytest.raises(WayproofError) as refusal:
+        decode_scene(text, media)
+    assert time.perf_counter() - begun < 3.0
+    assert len(refusal.value.detail) < 1000
+    assert len(json.dumps(refusal.value.evidence)) < 10_000

@@ -1,0 +1,68 @@
+"""The server as a whole: light, self-documenting, and problems for everything unknown."""
+
+import re
+import subprocess
+import sys
+
+import pytest
+
+LIGHT = """
+import sys
+from service.app import create_app
+create_app()
+heavy = sorted(name for name in ("pydrake", "ompl", "toppra", "ruckig") if name in sys.modules)
+print(",".join(heavy))
+"""
+
+
+def test_server_process_loads_no_engine():
+    run = subprocess.run([sys.executable, "-c", LIGHT], capture_output=True, text=True, check=True)
+    assert run.stdout.strip() == ""
+
+
+def test_entry_point_imports_nothing_until_it_runs():
+    code = "import sys, service.__main__; print('fastapi' in sys.modules, 'typer' in sys.modules)"
+    run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert run.stdout.split() == ["False", "False"]
+
+
+def test_health(client):
+    answer = client.get("/healthz")
+    assert answer.status_code == 200
+    assert answer.json()["status"] == "ok"
+
+
+def test_readiness(client):
+    answer = client.get("/readyz")
+    assert answer.status_code == 200
+    assert set(answer.json()["queued"]) == {"plan", "query", "execution"}
+
+
+def test_docs_need_no_other_host(client):
+    page = client.get("/docs")
+    assert page.status_code == 200
+    assert page.headers["content-type"].startswith("text/html")
+    assert not re.findall(r"https?://|(?:src|href)=\"//", page.text)
+
+
+@pytest.mark.parametrize("path", ["/", "/v1", "/v1/scenes/", "/v1/nothing", "/v1/plans/x/y"])
+def test_unknown_paths_are_problems(client, path):
+    answer = client.get(path)
+    assert answer.status_code == 404
+    assert answer.headers["content-type"] == "application/problem+json"
+    assert answer.json()["code"] == "not_found"
+
+
+def test_wrong_methods_are_problems(client):
+    answer = client.put("/v1/plans")
+    assert answer.status_code == 405
+    assert answer.json()["code"] == "method_not_allowed"
+    assert "GET" in answer.headers["allow"] or "POST" in answer.headers["allow"]
+
+
+def test_metrics_count_jobs(client, solved):
+    text = client.get("/metrics").text
+    found = re.search(r'^wayproof_jobs\{lane="plan",state="succeeded"\} (\d+)$', text, re.MULTILINE)
+    assert found
+    assert int(found[1]) >= 1
+    assert "# TYPE wayproof_jobs gauge" in text

@@ -1,0 +1,57 @@
+"""Every refusal has a code of its own and a status that is declared."""
+
+import pytest
+
+from planning import errors as planning_errors
+from planning.errors import AssetNotFound, SceneInvalid, UnknownName, WayproofError
+from service import errors
+from service.errors import Refusal, problem_of, status_of
+from service.routes.answers import problems
+
+
+def classes_below(base):
+    return {base} | {leaf for child in base.__subclasses__() for leaf in classes_below(child)}
+
+
+def refusals():
+    return sorted(classes_below(Refusal) - {Refusal}, key=lambda kind: kind.__name__)
+
+
+def test_codes_are_distinct():
+    own = {k for k in classes_below(WayproofError) if k.__module__.split(".")[0] == "planning"}
+    codes = [kind.code for kind in own if "code" in vars(kind)]
+    codes += [kind.code for kind in refusals() if kind is not errors.UnknownInScene]
+    assert len(codes) == len(set(codes))
+
+
+@pytest.mark.parametrize("kind", refusals(), ids=lambda kind: kind.__name__)
+def test_every_refusal_can_be_declared(kind):
+    assert status_of(kind("x")) == kind.status
+    assert kind.status in problems(kind.status)
+
+
+@pytest.mark.parametrize("kind", ["frame", "group", "configuration", "joint"])
+def test_what_a_scene_lacks_is_a_conflict(kind):
+    assert status_of(UnknownName.among(kind, "x", ["y"])) == 409
+
+
+@pytest.mark.parametrize("kind", ["robot", "planner", "parameter"])
+def test_what_nobody_has_is_a_fault_of_the_payload(kind):
+    assert status_of(UnknownName.among(kind, "x", ["y"])) == 422
+
+
+def test_every_planning_error_has_a_status_below_500():
+    for kind in classes_below(planning_errors.InputError) | {SceneInvalid, AssetNotFound}:
+        assert status_of(kind("x")) in {409, 422}
+
+
+def test_problem_has_all_fields():
+    problem = problem_of("queue_full", 429, "later", {"bound": 3})
+    assert problem == {
+        "type": "urn:wayproof:problem:queue_full",
+        "title": "Queue full",
+        "status": 429,
+        "code": "queue_full",
+        "detail": "later",
+        "evidence": {"bound": 3},
+    }

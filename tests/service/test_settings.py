@@ -1,0 +1,41 @@
+"""Settings come from arguments and the environment; files are refused to strangers."""
+
+import pytest
+from pydantic import ValidationError
+
+from service.settings import Settings
+
+
+def test_environment_is_read(monkeypatch, tmp_path):
+    monkeypatch.setenv("WAYPROOF_PORT", "1234")
+    monkeypatch.setenv("WAYPROOF_DATA_DIR", str(tmp_path))
+    chosen = Settings()
+    assert chosen.port == 1234
+    assert chosen.url == f"sqlite:///{tmp_path}/wayproof.sqlite"
+
+
+def test_arguments_win_over_the_environment(monkeypatch):
+    monkeypatch.setenv("WAYPROOF_PORT", "1234")
+    assert Settings(port=5).port == 5
+
+
+def test_state_folder_follows_xdg(monkeypatch, tmp_path):
+    monkeypatch.delenv("WAYPROOF_DATA_DIR", raising=False)
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path))
+    assert Settings().data_dir == tmp_path / "wayproof"
+
+
+@pytest.mark.parametrize(
+    ("host", "allowed"),
+    [("127.0.0.1", True), ("localhost", True), ("::1", True), ("0.0.0.0", False), ("box", False)],
+)
+def test_paths_are_for_loopback_only(host, allowed):
+    assert Settings(host=host).may_load_paths is allowed
+    assert Settings(host=host, allow_model_paths=True).may_load_paths
+    assert not Settings(host=host, allow_model_paths=False).may_load_paths
+
+
+@pytest.mark.parametrize("wrong", [{"port": 70000}, {"engine": "x"}, {"plan_slots": 0}, {"x": 1}])
+def test_nonsense_is_refused(wrong):
+    with pytest.raises(ValidationError):
+        Settings(**wrong)
