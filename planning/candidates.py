@@ -51,7 +51,9 @@ def candidates(
     retime_options = problem.retime
     with watch.stage("refine"):
         scaled = limits.scaled(retime_options.velocity_scale, retime_options.acceleration_scale)
-        request = RefineRequest(path, scaled, margins, problem.refine)
+        request = RefineRequest(
+            path, scaled, margins, problem.refine, jerk=retime_options.method == "ruckig"
+        )
         refined, report = refine(world, request, deadline)
     first: list[Candidate] = []
     if refined is not None:

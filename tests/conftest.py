@@ -6,14 +6,16 @@ from functools import cache
 
 import numpy as np
 import pytest
-from hypothesis import settings
+from hypothesis import Phase, settings
 
 import planning
 from planning.domain.deadline import Deadline
 from planning.domain.joints import Joint, JointGroup, JointLimits, JointType
 from planning.world.world import World
 
-settings.register_profile("ci", derandomize=True, deadline=None, max_examples=25)
+# Explaining a failure traces every line, which takes minutes in numerical code.
+PHASES = (Phase.explicit, Phase.generate, Phase.shrink)
+settings.register_profile("ci", derandomize=True, deadline=None, max_examples=25, phases=PHASES)
 settings.load_profile("ci")
 
 

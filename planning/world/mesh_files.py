@@ -7,6 +7,7 @@ from pathlib import Path
 from xml.etree import ElementTree as ET
 
 import trimesh
+from trimesh.exchange.obj import export_obj
 
 from planning.errors import ModelInvalid
 
@@ -54,7 +55,7 @@ def _readable(file: Path, mesh: Path) -> Path:
     if not target.is_file():
         try:
             loaded = trimesh.load(mesh, force="mesh")
-            text = trimesh.exchange.obj.export_obj(loaded, include_texture=False)
+            text = export_obj(loaded, include_texture=False)
         except Exception as fault:  # trimesh's readers raise whatever their formats do
             message = f"{file.name}: mesh {mesh.name} cannot be read: {fault}"
             raise ModelInvalid(message, {"file": str(file), "reason": str(fault)}) from fault

@@ -1,6 +1,6 @@
 """SceneDocument: the form of a scene file, and its faults."""
 
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, Literal
 
 import numpy as np
 from pydantic import (
@@ -45,7 +45,7 @@ class PoseDocument(Strictest):
     rpy: Triple | None = Field(default=None, description="roll, pitch, yaw about fixed axes [rad]")
 
     @model_validator(mode="after")
-    def _one_rotation(self) -> Self:
+    def _one_rotation(self) -> "PoseDocument":
         if self.quaternion is not None and self.rpy is not None:
             message = "give `quaternion` or `rpy`, not both"
             raise ValueError(message)

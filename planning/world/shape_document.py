@@ -1,6 +1,6 @@
 """ShapeDocument: `{box: [x, y, z]}`, `{sphere: r}`, `{cylinder: {...}}` and so on."""
 
-from typing import Annotated, Any, Self
+from typing import Annotated, Any
 
 import numpy as np
 from pydantic import BeforeValidator, ConfigDict, Field, StringConstraints, model_validator
@@ -78,7 +78,7 @@ class ShapeDocument(Strictest):
     convex: ConvexDocument | None = None
 
     @model_validator(mode="after")
-    def _exactly_one(self) -> Self:
+    def _exactly_one(self) -> "ShapeDocument":
         given = sorted(name for name in type(self).model_fields if getattr(self, name) is not None)
         if len(given) != 1:
             names = sorted(type(self).model_fields)

@@ -1,0 +1,75 @@
+"""Sound motions in small worlds, for the certifier to judge."""
+
+import time
+from dataclasses import replace
+
+import numpy as np
+
+import planning
+from planning.certify.certifier import CertifyRequest, certify
+from planning.domain.certificate import Certificate
+from planning.domain.curve import TimedTrajectory
+from planning.domain.deadline import Deadline
+from planning.domain.joints import JointGroup
+from planning.domain.manifold import Manifold
+from planning.world.world import World
+
+
+def world_from(text: str) -> World:
+    return planning.load_world(planning.parse_scene(text))
+
+
+def quintic(group: JointGroup, q0: np.ndarray, q1: np.ndarray, duration: float) -> TimedTrajectory:
+    """Return the geodesic from q0 to q1 by 10 x^3 - 15 x^4 + 6 x^5, rest to rest."""
+    delta = Manifold(group.joints).minus(q1, q0)
+    coefficients = np.zeros((1, 6, len(delta)))
+    for power, factor in ((3, 10.0), (4, -15.0), (5, 6.0)):
+        coefficients[0, power] = factor * delta / duration**power
+    return TimedTrajectory(group.joints, np.array([0.0, duration]), q0[None], coefficients)
+
+
+def request_for(
+    world: World, name: str, trajectory: TimedTrajectory, margin: float | None = None
+) -> CertifyRequest:
+    """Return the demand that this trajectory be proven, from its own start to its own end."""
+    group = world.group(name)
+    return CertifyRequest(
+        group=group,
+        trajectory=trajectory,
+        state=world.state,
+        start=trajectory.start,
+        goals=trajectory.end[None],
+        limits=world.limits(group),
+        margins=world.margins(margin),
+        jerk=False,
+    )
+
+
+def judged(world: World, request: CertifyRequest, **changes: object) -> Certificate:
+    changed = replace(request, **changes)
+    return certify(world.drake, changed, Deadline.after(30.0, time.monotonic))[0]
+
+
+def smallest_distance(world: World, trajectory: TimedTrajectory, name: str, step: float) -> float:
+    """Return the smallest signed distance at samples `step` apart: a loop of its own on Drake.
+
+    It shares nothing with the certifier: another context, positions from the samples, and Drake's
+    list of pairs at each of them.
+    """
+    group = world.group(name)
+    plant, scene_graph = world.drake.plant, world.drake.scene_graph
+    context = world.drake.diagram.CreateDefaultContext()
+    plant_context = plant.GetMyMutableContextFromRoot(context)
+    length = float(
+        np.abs(
+            np.diff(trajectory.positions(np.linspace(0, trajectory.duration, 200)), axis=0)
+        ).sum()
+    )
+    count = max(50, int(length / step))
+    smallest = np.inf
+    for q in trajectory.positions(np.linspace(0, trajectory.duration, count)):
+        plant.SetPositions(plant_context, world.embed(group, q))
+        query = scene_graph.get_query_output_port().Eval(scene_graph.GetMyContextFromRoot(context))
+        pairs = query.ComputeSignedDistancePairwiseClosestPoints(0.5)
+        smallest = min([smallest, *(pair.distance for pair in pairs)])
+    return smallest

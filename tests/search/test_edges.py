@@ -1,0 +1,114 @@
+import time
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from planning.domain.deadline import Deadline
+from planning.domain.joints import JointType
+from planning.domain.manifold import Manifold
+from planning.errors import Canceled
+from planning.search.edges import EdgeChecker, batches, num_steps
+from planning.search.oracle import WatchedOracle
+
+
+@given(st.one_of(st.integers(1, 300), st.integers(4000, 9000)))
+@settings(max_examples=60, deadline=None)
+def test_batches_visit_every_inner_fraction_once(steps):
+    fractions = np.concatenate([np.empty(0), *batches(steps)])
+    assert np.array_equal(np.sort(np.round(fractions * steps)), np.arange(1, steps))
+
+
+@given(st.integers(2, 3000))
+@settings(max_examples=40, deadline=None)
+def test_the_largest_gap_shrinks_with_every_doubling_of_samples(steps):
+    fractions = np.concatenate(list(batches(steps)))
+    for power in range(int(np.log2(len(fractions) + 1))):
+        seen = np.sort(np.concatenate([[0.0, 1.0], fractions[: 2**power - 1]]))
+        assert np.diff(seen).max() <= 2.0 / 2**power + 2.0 / steps
+
+
+@given(st.floats(0.0, 100.0), st.floats(1e-3, 1.0))
+@settings(max_examples=60, deadline=None)
+def test_steps_are_as_few_as_the_resolution_allows(length, resolution):
+    n = num_steps(length, resolution)
+    assert length / n <= resolution * (1 + 1e-8)
+    assert n == 1 or length / (n - 1) > resolution * (1 - 1e-8)
+
+
+def checker(group, limits, oracle, resolution, deadline):
+    watched = WatchedOracle(oracle, group, limits, deadline)
+    return EdgeChecker(Manifold(group.joints), watched, resolution), watched
+
+
+def test_samples_lie_on_the_geodesic_at_most_the_resolution_apart(
+    make_group, make_limits, make_oracle, soon
+):
+    group = make_group(JointType.FLOATING, JointType.CONTINUOUS, JointType.REVOLUTE)
+    oracle = make_oracle(lambda qs: np.ones(len(qs), dtype=bool))
+    edges, watched = checker(group, make_limits(group), oracle, 0.05, soon)
+    rng = np.random.default_rng(0)
+    q0, q1 = edges.manifold.normalized(rng.uniform(-1, 1, (2, 9)))
+    assert edges.is_free(q0, q1)
+    seen = np.concatenate(oracle.asked)
+    assert watched.num_states == len(seen)
+    distances = edges.manifold.distance(seen, q0)
+    order = np.argsort(distances)
+    path = np.concatenate([q0[None], seen[order]])
+    gaps = edges.manifold.distance(path[1:], path[:-1])
+    assert gaps.max() <= 0.05 + 1e-9
+    assert gaps.sum() == pytest.approx(edges.manifold.distance(q1, q0))
+
+
+def test_a_wall_wider_than_the_resolution_blocks_wherever_it_stands(plane, make_oracle, soon):
+    rng = np.random.default_rng(1)
+    for x in rng.uniform(0.0, 1.0, 50):
+        oracle = make_oracle(lambda qs, x=x: np.abs(qs[:, 0] - x) > 0.006)
+        edges, _ = checker(*plane, oracle, 0.01, soon)
+        assert not edges.is_free(np.array([-0.3, 0.0]), np.array([1.3, 0.1]))
+
+
+def test_a_blocked_middle_costs_two_checks(plane, make_oracle, soon):
+    oracle = make_oracle(lambda qs: np.abs(qs[:, 0]) > 0.05)
+    edges, watched = checker(*plane, oracle, 0.001, soon)
+    assert not edges.is_free(np.array([-0.5, 0.0]), np.array([0.5, 0.0]))
+    assert watched.num_states == 2
+
+
+def test_a_free_edge_is_not_checked_twice(plane, wall, soon):
+    edges, watched = checker(*plane, wall, 0.05, soon)
+    q0, q1 = np.array([-0.8, 0.0]), np.array([-0.2, 0.0])
+    assert edges.is_known_free(q0, q1)
+    before = watched.num_states
+    assert edges.is_known_free(q0, q1)
+    assert watched.num_states == before
+    blocked = np.array([0.2, 0.0])
+    assert not edges.is_known_free(q0, blocked)
+    assert not edges.is_known_free(q0, blocked)
+
+
+def test_a_forbidden_arc_of_a_circle_blocks(make_group, make_limits, make_oracle, soon):
+    group = make_group(JointType.CONTINUOUS)
+    limits = make_limits(group)
+    limits = type(limits)(np.array([-2.0]), np.array([2.0]), *[limits.velocity] * 4, limits.blocks)
+    oracle = make_oracle(lambda qs: np.ones(len(qs), dtype=bool))
+    edges, _ = checker(group, limits, oracle, 0.05, soon)
+    assert edges.is_free(np.array([-1.9]), np.array([1.0]))
+    assert edges.is_free(np.array([-1.9 + 2 * np.pi]), np.array([1.0]))
+    # The short way from -1.9 to 1.9 leads through pi.
+    assert not edges.is_free(np.array([-1.9]), np.array([1.9]))
+
+
+def test_a_cancel_ends_a_long_edge(plane, make_oracle):
+    asked = []
+
+    def are_free(qs):
+        asked.append(len(qs))
+        return np.ones(len(qs), dtype=bool)
+
+    deadline = Deadline.after(60.0, time.perf_counter, lambda: len(asked) > 3)
+    edges, _ = checker(*plane, make_oracle(are_free), 1e-5, deadline)
+    with pytest.raises(Canceled):
+        edges.is_free(np.array([-1.0, 0.0]), np.array([1.0, 0.0]))
+    assert sum(asked) < 1000
