@@ -66,12 +66,10 @@ def find_goals(
         case ConfigurationGoal() as goal:
             rows = world.configuration(query.group, goal.name)[None]
         case JointGoal() as goal:
-            rows = np.stack(
-                [
-                    require_positions(query.group, q, f"goal.positions.{i}")
-                    for i, q in enumerate(goal.positions)
-                ]
-            )
+            rows = np.stack([
+                require_positions(query.group, q, f"goal.positions.{i}")
+                for i, q in enumerate(goal.positions)
+            ])
     return _given(world, query, rows)
 
 
@@ -246,9 +244,7 @@ class _PoseSearch:
         raise GoalUnreachable(message, {"funnel": _as_evidence(funnel), "nearest": nearest})
 
 
-def tool_targets(
-    world: World, group: JointGroup, goal: PoseGoal, start: Array
-) -> list[ToolTarget]:
+def tool_targets(world: World, group: JointGroup, goal: PoseGoal, start: Array) -> list[ToolTarget]:
     """Return the goal's targets in world; a frame that moves counts where the start puts it.
 
     Raises:
