@@ -1,13 +1,8 @@
 """certify(): every check on one trajectory, and the verdict."""
 
 from planning.certify.clearance import Clearance, check_clearance
-from planning.certify.end_checks import (
-    continuity_checks,
-    form_check,
-    goal_check,
-    rest_check,
-    start_check,
-)
+from planning.certify.end_checks import continuity_checks, goal_check, rest_check, start_check
+from planning.certify.form_check import form_check
 from planning.certify.limit_checks import position_check, rate_check
 from planning.certify.request import CertifyRequest
 from planning.domain.certificate import Certificate, Check
@@ -23,8 +18,8 @@ def certify(
 ) -> tuple[Certificate, CertifyReport]:
     """Hold a trajectory against limits, ends and margins, on its whole interval.
 
-    A trajectory that is no trajectory (NaN, times that do not increase) fails its `form` check;
-    it raises nothing. Clearance is looked at only if all else holds: it costs most.
+    A trajectory that is no trajectory (NaN, times that do not increase) fails its `form` check, and
+    nothing else is looked at; it raises nothing.
 
     Args:
         model: The scene; a fresh context of it is made here.
@@ -32,35 +27,44 @@ def certify(
         deadline: When to stop.
 
     Returns:
-        The certificate, `proven` or with failed checks, and what it took.
+        The certificate, `proven` or with failed checks, and what it took. Without `form`, the
+        smallest clearance is NaN.
 
     Raises:
         DeadlineExceeded: Time ran out before the verdict.
         Canceled: Somebody asked for the end.
+        ModelInvalid: The scene has a shape or joint of a kind that cannot be certified.
     """
+    deadline.check("certify")
     form = form_check(request)
     if not form.passed:
-        return _verdict([form], None)
-    checks = [form, start_check(request), goal_check(request), rest_check(request)]
-    checks += continuity_checks(request)
-    checks.append(position_check(request))
+        refused = Certificate(
+            proven=False, min_clearance=float("nan"), pair=("", ""), time=0.0, checks=(form,)
+        )
+        return refused, CertifyReport(0, 0)
+    clearance = check_clearance(model, request, deadline)
+    checks = (form, *_motion_checks(request), clearance.check)
+    return _verdict(checks, clearance), CertifyReport(clearance.intervals, clearance.queries)
+
+
+def _motion_checks(request: CertifyRequest) -> list[Check]:
+    """Return the checks of a trajectory alone."""
     rates = [("velocity", 1), ("acceleration", 2)] + ([("jerk", 3)] if request.jerk else [])
-    checks += [rate_check(request, name, order) for name, order in rates]
-    if not all(check.passed for check in checks):
-        return _verdict(checks, None)
-    return _verdict(checks, check_clearance(model, request, deadline))
+    return [
+        start_check(request),
+        goal_check(request),
+        rest_check(request),
+        *continuity_checks(request),
+        position_check(request),
+        *(rate_check(request, name, order) for name, order in rates),
+    ]
 
 
-def _verdict(checks: list[Check], clearance: Clearance | None) -> tuple[Certificate, CertifyReport]:
-    if clearance is None:
-        certificate = Certificate(False, float("nan"), ("", ""), 0.0, tuple(checks))  # noqa: FBT003
-        return certificate, CertifyReport(0, 0)
-    every = (*checks, clearance.check)
-    certificate = Certificate(
-        proven=all(check.passed for check in every),
+def _verdict(checks: tuple[Check, ...], clearance: Clearance) -> Certificate:
+    return Certificate(
+        proven=all(check.passed for check in checks),
         min_clearance=clearance.min_clearance,
         pair=clearance.pair,
         time=clearance.time,
-        checks=every,
+        checks=checks,
     )
-    return certificate, CertifyReport(clearance.intervals, clearance.queries)

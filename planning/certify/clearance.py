@@ -1,38 +1,41 @@
-"""Clearance on the whole interval, by conservative advancement.
+"""Clearance on the whole interval, by conservative bisection.
 
-On [t0, t1] the distance of two bodies at the middle instant, less how far their points can move
-until either end, bounds their distance from below (see `motion_bounds`). Where the bound is above
-the margin the interval is proven; elsewhere it is halved. Distances are Drake's, exact for convex
-shapes to the tolerance of its solver.
+The distance of two shapes at an instant, less how much nearer they can come until either end of a
+segment, bounds their distance on the segment from below. Where the bound is above the margin the
+segment is proven for that pair; the pairs that are left are looked at again on both halves. The
+most suspicious segment is always next, so that a collision is found early. Afterwards the segments
+that may hide a smaller distance than was seen are halved until the smallest one is known well.
 """
 
 from dataclasses import dataclass, field
+from heapq import heapify, heappop, heappush
 from typing import Any
 
 import numpy as np
 
-from planning.certify import bernstein
-from planning.certify.motion_bounds import MotionBounds
+from planning.certify.pair_distances import LEFT_OUT_TOLERANCE, Indices, Measured, PairDistances
 from planning.certify.request import CertifyRequest
+from planning.certify.segments import Segment, Segments
 from planning.domain.certificate import Check
 from planning.domain.deadline import Deadline
 from planning.world.drake_model import DrakeModel
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
-type Indices = np.ndarray[Any, np.dtype[np.intp]]
 
-# Distances that Drake reports are trusted to this much [m].
-_SOLVER_TOLERANCE = 1e-7
 # A start that keeps its margin exactly would otherwise be refused for rounding [m].
-_MARGIN_SLACK = 1e-6
-# Intervals shorter than this are given up as unproven [s].
+MARGIN_SLACK = 1e-6
+# Bounds are rounded by less than this [m].
+_ROUNDING = 1e-9
+# Segments shorter than this, or more of them, are given up as unproven [s].
 _SHORTEST = 1e-7
-_NARROW = 6
-_DEADLINE_EVERY = 32
+_MOST_SEGMENTS = 20_000
+# Segments in which shapes move more than this are halved unseen: near pairs are too many there [m].
+_WIDE = 0.25
+# How well the smallest distance is to be known [m], the larger of these, and what it may cost.
 _RESOLUTION = 1e-3
-_RELATIVE_RESOLUTION = 0.05
-_TIGHTEN_QUERIES = 400
-_HORIZONS = (0.05, 0.2, 1.0, 5.0)
+_RELATIVE_RESOLUTION = 0.01
+_TIGHTENING_SEGMENTS = 400
+_HORIZONS = (0.05, 0.2, 1.0, 5.0, 1e6)
 
 
 @dataclass(frozen=True)
@@ -40,11 +43,11 @@ class Clearance:
     """What was found of the clearance.
 
     Attributes:
-        check: The verdict.
+        check: The verdict: distance and margin of the pair with the least to spare.
         min_clearance: Smallest signed distance at any instant looked at [m].
         pair: Between whom.
         time: When [s].
-        intervals: Intervals that were bounded.
+        intervals: Segments that were bounded.
         queries: Configurations at which distances were measured.
     """
 
@@ -56,46 +59,44 @@ class Clearance:
     queries: int
 
 
-@dataclass
+@dataclass(order=True)
 class _Node:
-    """An interval of one piece.
+    """A segment that is not decided yet, or one that is; the least promising comes first.
 
     Attributes:
-        piece: Which.
-        t0: Where it begins [s].
-        width: How long it is [s].
-        bernstein: The tangent's coefficients on it, shape (degree + 1, nv).
-        pairs: Indices of pairs that are not decided yet; None for all.
-        floor: Lower bound on the distance of the pairs that are decided [m].
+        floor: Lower bound on what distance exceeds the margin by, or on the distance itself [m].
+        number: Breaks ties, so that every run is the same.
+        segment: The segment.
+        open: Pairs that are not decided on it.
+        proven: Lower bound on the distances of the pairs that are [m].
     """
 
-    piece: int
-    t0: float
-    width: float
-    bernstein: Array
-    pairs: Indices | None
     floor: float
+    number: int
+    segment: Segment = field(compare=False)
+    open: Indices = field(compare=False)
+    proven: float = field(compare=False, default=np.inf)
 
 
 @dataclass
-class _Nearest:
-    """The smallest distances seen so far."""
+class _Seen:
+    """The pair that had the least of something."""
 
+    least: float = np.inf
     distance: float = np.inf
+    margin: float = 0.0
     pair: tuple[str, str] = ("", "")
     time: float = 0.0
-    slack: float = np.inf
-    slack_distance: float = np.inf
-    slack_margin: float = 0.0
-    slack_pair: tuple[str, str] = ("", "")
-    slack_time: float = 0.0
 
 
-@dataclass
-class _Counts:
-    intervals: int = 0
-    queries: int = 0
-    leaves: list[_Node] = field(default_factory=list)
+@dataclass(frozen=True)
+class _Refused:
+    """Where the proof stopped: a pair that is too near, or cannot be shown to be far enough."""
+
+    pair: int
+    distance: float
+    uncertainty: float
+    time: float
 
 
 def check_clearance(model: DrakeModel, request: CertifyRequest, deadline: Deadline) -> Clearance:
@@ -104,271 +105,173 @@ def check_clearance(model: DrakeModel, request: CertifyRequest, deadline: Deadli
     Raises:
         DeadlineExceeded: Time ran out; nothing is proven.
         Canceled: Somebody asked for the end.
+        ModelInvalid: A shape or joint of a kind that cannot be certified.
     """
-    return _Prover(model, request, deadline).run()
+    return _Proof(model, request, deadline).run()
 
 
-class _Prover:
+class _Proof:
     """One proof in a context of its own."""
 
     def __init__(self, model: DrakeModel, request: CertifyRequest, deadline: Deadline) -> None:
-        self._model = model
-        self._request = request
-        self._deadline = deadline
-        self._context = model.diagram.CreateDefaultContext()
-        self._plant_context = model.plant.GetMyMutableContextFromRoot(self._context)
-        self._query_context = model.scene_graph.GetMyContextFromRoot(self._context)
-        self._port = model.scene_graph.get_query_output_port()
-        self._bounds = MotionBounds(model, request.group)
-        self._read_pairs()
-        self._nearest = _Nearest()
-        self._counts = _Counts()
+        self._request, self._deadline = request, deadline
+        self._distances = PairDistances(model, request)
+        self._segments = Segments(request.trajectory)
+        margins = self._distances.margins
+        self._required = np.where(margins > 0, np.maximum(margins - MARGIN_SLACK, 0.0), margins)
+        self._every = np.arange(self._distances.num_pairs)
+        self._nearest, self._tightest = _Seen(), _Seen()
+        self._leaves: list[_Node] = []
+        self._number = self._queries = 0
 
     def run(self) -> Clearance:
-        self._look(0.0)
-        touching = self._fixed_violation()
-        if touching is not None:
-            return self._result(touching)
-        if len(self._pairs) == 0:
+        fixed = self._fixed_violation()
+        if fixed is not None:
+            return self._result(fixed)
+        if self._distances.num_pairs == 0:
             return self._verdict(np.inf)
-        self._look(self._request.trajectory.duration)
-        stack = self._roots()
-        while stack:
-            node = stack.pop()
-            children = self._bound(node)
-            if children is None:
-                return self._refusal(node)
-            stack += children
+        for time in (0.0, self._request.trajectory.duration):
+            self._look(time)
+        heap = [_Node(-np.inf, 0, self._segments.whole, self._every)]
+        while heap:
+            node = heappop(heap)
+            outcome = self._judge(node)
+            if isinstance(outcome, _Refused):
+                return self._refusal(outcome)
+            for child in outcome:
+                heappush(heap, child)
         return self._verdict(self._tighten())
 
-    def _read_pairs(self) -> None:
-        """Read which pairs can collide and change, their margins and common ancestors."""
-        inspector = self._model.scene_graph.model_inspector()
-        body_of, row = self._bounds.spheres.body_of, self._bounds.row
-        names = self._model.body_names
-        self._pairs: list[tuple[Any, Any]] = []
-        self._names: list[tuple[str, str]] = []
-        rows: list[tuple[int, int, int]] = []
-        margins: list[float] = []
-        self._fixed = fixed = dict[tuple[Any, Any], tuple[str, str]]()
-        for id_a, id_b in sorted(inspector.GetCollisionCandidates()):
-            a, b = body_of[id_a], body_of[id_b]
-            depth = self._bounds.relative_depth(a, b)
-            if depth == len(self._bounds.chains[a]) == len(self._bounds.chains[b]):
-                fixed[(id_a, id_b)] = (names[a], names[b])
-                continue
-            self._pairs.append((id_a, id_b))
-            self._names.append((names[a], names[b]))
-            rows.append((row[a], row[b], depth))
-            margins.append(self._request.margins.of(names[a], names[b]))
-        self._rows = np.array(rows, dtype=np.intp).reshape(-1, 3)
-        wanted = np.array(margins)
-        self._margins = wanted
-        self._required = np.where(wanted > 0, np.maximum(wanted - _MARGIN_SLACK, 0.0), 0.0)
-        self._index = {pair: i for i, pair in enumerate(self._pairs)}
-
-    def _roots(self) -> list[_Node]:
-        curve = self._request.trajectory
-        widths = np.diff(curve.breaks)
-        coefficients = bernstein.from_power(curve.coefficients, widths)
-        return [
-            _Node(i, float(curve.breaks[i]), float(widths[i]), coefficients[i], None, np.inf)
-            for i in reversed(range(curve.num_pieces))
-        ]
-
-    def _bound(self, node: _Node) -> list[_Node] | None:
-        """Prove a node, or return its halves; None if it cannot be proven."""
-        counts = self._counts
-        counts.intervals += 1
-        if counts.intervals % _DEADLINE_EVERY == 0:
-            self._deadline.check("certify")
-        left, right = bernstein.halves(node.bernstein)
-        motions = self._go_to(node, left[-1])
-        open_pairs = (
-            np.arange(len(self._pairs), dtype=np.intp) if node.pairs is None else node.pairs
-        )
-        moved = motions[open_pairs]
-        distances = self._distances(open_pairs, moved, node.t0 + node.width / 2)
-        if (distances < self._required[open_pairs] - _SOLVER_TOLERANCE).any():
-            return None
-        lower = distances - moved
-        decided = lower > self._required[open_pairs] + _SOLVER_TOLERANCE
-        floor = min(node.floor, float(lower[decided].min(initial=np.inf)))
-        if decided.all():
-            counts.leaves.append(
-                _Node(node.piece, node.t0, node.width, node.bernstein, None, floor)
+    def _judge(self, node: _Node) -> list[_Node] | _Refused:
+        """Decide what can be decided on a segment, and return what is left of it."""
+        approaches = self._enter(node.segment, node.open)
+        widest = float(approaches.max())
+        if not np.isfinite(widest):
+            return _Refused(
+                int(node.open[np.argmax(approaches)]), np.inf, np.inf, node.segment.time
             )
+        width = node.segment.end - node.segment.begin
+        exhausted = width < _SHORTEST or self._number > _MOST_SEGMENTS
+        if widest > _WIDE and not exhausted:
+            return self._split(node, node.open, node.floor, node.proven)
+        required = self._required[node.open]
+        enough = float((approaches + required).max()) + 2 * LEFT_OUT_TOLERANCE
+        measured = self._measure(node.open, enough, node.segment.time)
+        if (measured.is_exact & (measured.distances <= required)).any():
+            spare = np.where(measured.is_exact, measured.distances - required, np.inf)
+            return self._refuse(measured, int(np.argmin(spare)), 0.0, node.segment.time)
+        lower = measured.lower - approaches
+        spare = lower - required
+        decided = spare > _ROUNDING
+        proven = min(node.proven, float(lower[decided].min(initial=np.inf)))
+        if decided.all():
+            self._leaves.append(_Node(proven, node.number, node.segment, node.open, proven))
             return []
-        half = node.width / 2
-        if half < _SHORTEST:
-            return None
-        rest = open_pairs[~decided]
-        return [
-            _Node(node.piece, node.t0 + half, half, right, rest, floor),
-            _Node(node.piece, node.t0, half, left, rest, floor),
-        ]
+        if exhausted:
+            worst = int(np.argmin(spare))
+            uncertainty = float(measured.distances[worst] - lower[worst])
+            return self._refuse(measured, worst, uncertainty, node.segment.time)
+        return self._split(node, node.open[~decided], float(spare.min()), proven)
 
-    def _go_to(self, node: _Node, middle: Array) -> Array:
-        """Set the context to a node's middle and return how far each pair can move from there."""
-        curve = self._request.trajectory
-        q = curve.manifold.plus(curve.bases[node.piece], middle)
-        full = self._model.embed(self._request.group, q, self._request.state)
-        self._model.plant.SetPositions(self._plant_context, full)
-        # exp is 1-Lipschitz on SO(3): the angle between exp(a) and exp(b) is at most |a - b|.
-        away = np.abs(node.bernstein - middle[None]).max(axis=0)
-        motions = self._bounds.motions(self._plant_context, away)
-        a, b, depth = self._rows.T
-        return motions[a, depth] + motions[b, depth]
+    def _refuse(self, measured: Measured, i: int, uncertainty: float, time: float) -> _Refused:
+        return _Refused(int(measured.pairs[i]), float(measured.distances[i]), uncertainty, time)
 
-    def _distances(self, pairs: Indices, moved: Array, time: float) -> Array:
-        """Return signed distances of some pairs now, or lower bounds where they are far apart."""
-        self._counts.queries += 1
-        query: Any = self._port.Eval(self._query_context)
-        if len(pairs) <= _NARROW:
-            found = [
-                query.ComputeSignedDistancePairClosestPoints(*self._pairs[i]).distance
-                for i in pairs
-            ]
-            distances = np.array(found)
-            self._remember(pairs, distances, time)
-            return distances
-        enough = float((moved + self._required[pairs]).max()) + 10 * _SOLVER_TOLERANCE
-        if not np.isfinite(enough):
-            enough = _HORIZONS[-1]
-        found = self._within(query, enough)
-        distances = np.array([found.get(int(i), enough) for i in pairs])
-        known = np.array([int(i) in found for i in pairs], dtype=bool)
-        self._remember(pairs[known], distances[known], time)
-        return distances
+    def _split(self, node: _Node, rest: Indices, floor: float, proven: float) -> list[_Node]:
+        children: list[_Node] = []
+        for half in self._segments.halves(node.segment):
+            self._number += 1
+            children.append(_Node(floor, self._number, half, rest, proven))
+        return children
 
-    def _within(self, query: Any, distance: float) -> dict[int, float]:
-        """Return the distance of every pair that can change and is nearer than `distance`."""
-        found: dict[int, float] = {}
-        for pair in query.ComputeSignedDistancePairwiseClosestPoints(distance):
-            i = self._index.get((pair.id_A, pair.id_B))
-            i = self._index.get((pair.id_B, pair.id_A)) if i is None else i
-            if i is not None:
-                found[i] = pair.distance
-        return found
+    def _tighten(self) -> float:
+        """Halve the segments that may hide a smaller distance; return a bound on the smallest."""
+        leaves = self._leaves
+        heapify(leaves)
+        last = self._queries + _TIGHTENING_SEGMENTS
+        while self._queries < last:
+            distance = self._nearest.distance
+            target = distance - max(_RESOLUTION, _RELATIVE_RESOLUTION * distance)
+            segment = leaves[0].segment
+            if leaves[0].floor >= target or segment.end - segment.begin < _SHORTEST:
+                break
+            node = heappop(leaves)
+            for child in self._split(node, self._every, node.floor, node.proven):
+                approaches = self._enter(child.segment, child.open)
+                enough = float(approaches.max()) + target + 2 * LEFT_OUT_TOLERANCE
+                measured = self._measure(child.open, enough, child.segment.time)
+                child.floor = max(child.floor, float((measured.lower - approaches).min()))
+                heappush(leaves, child)
+        return leaves[0].floor
 
-    def _remember(self, pairs: Indices, distances: Array, time: float) -> None:
-        if len(pairs) == 0:
-            return
-        nearest = self._nearest
-        best = int(np.argmin(distances))
-        if distances[best] < nearest.distance:
-            nearest.distance = float(distances[best])
-            nearest.pair, nearest.time = self._names[pairs[best]], time
-        slack = distances - self._margins[pairs]
-        worst = int(np.argmin(slack))
-        if slack[worst] < nearest.slack:
-            nearest.slack = float(slack[worst])
-            nearest.slack_distance = float(distances[worst])
-            nearest.slack_margin = float(self._margins[pairs[worst]])
-            nearest.slack_pair, nearest.slack_time = self._names[pairs[worst]], time
+    def _enter(self, segment: Segment, pairs: Indices) -> Array:
+        """Go to a segment's centre and return how much nearer the pairs can come within it."""
+        if self._number % 8 == 0:
+            self._deadline.check("certify")
+        self._distances.go_to(segment.center)
+        return self._distances.approaches(segment, pairs)
+
+    def _measure(self, pairs: Indices, enough: float, time: float) -> Measured:
+        self._queries += 1
+        measured = self._distances.measure(pairs, enough)
+        seen = measured.pairs[measured.is_exact]
+        if len(seen):
+            distances = measured.distances[measured.is_exact]
+            self._remember(self._nearest, seen, distances, distances, time)
+            spare = distances - self._required[seen]
+            self._remember(self._tightest, seen, distances, spare, time)
+        return measured
+
+    def _remember(
+        self, seen: _Seen, pairs: Indices, distances: Array, what: Array, time: float
+    ) -> None:
+        least = int(np.argmin(what))
+        if what[least] < seen.least:
+            seen.least, seen.distance = float(what[least]), float(distances[least])
+            seen.margin = float(self._required[pairs[least]])
+            seen.pair, seen.time = self._distances.names[pairs[least]], time
 
     def _look(self, time: float) -> None:
         """Measure the nearest pair at an instant, however far it is."""
-        q = self._request.trajectory.positions(np.array([time]))[0]
-        full = self._model.embed(self._request.group, q, self._request.state)
-        self._model.plant.SetPositions(self._plant_context, full)
-        query: Any = self._port.Eval(self._query_context)
-        self._counts.queries += 1
-        for horizon in _HORIZONS if self._pairs else ():
-            found = self._within(query, horizon)
-            if found:
-                self._remember(
-                    np.array(list(found), dtype=np.intp), np.array(list(found.values())), time
-                )
+        self._distances.go_to(self._request.trajectory.positions(np.array([time]))[0])
+        for horizon in _HORIZONS:
+            if self._measure(self._every, horizon, time).is_exact.any():
                 return
 
     def _fixed_violation(self) -> Check | None:
         """Return a failed check if bodies between which nothing moves are too near."""
-        query: Any = self._port.Eval(self._query_context)
-        for found in query.ComputeSignedDistancePairwiseClosestPoints(
-            max(self._request.margins.largest, _MARGIN_SLACK)
-        ):
-            names = self._fixed.get((found.id_A, found.id_B))
-            names = names or self._fixed.get((found.id_B, found.id_A))
-            margin = self._request.margins.of(*names) if names else 0.0
-            if names and found.distance < margin - _MARGIN_SLACK:
-                where, value = "-".join(names), float(found.distance)
-                return Check("clearance", value, margin, "m", 0.0, passed=False, where=where)
+        self._queries += 1
+        within = max(self._request.margins.largest, MARGIN_SLACK)
+        for names, distance, margin in self._distances.fixed_distances(within):
+            if distance < margin - MARGIN_SLACK:
+                where = "-".join(names)
+                return Check("clearance", distance, margin, "m", 0.0, passed=False, where=where)
         return None
 
-    def _tighten(self) -> float:
-        """Halve the intervals that may hide a smaller distance; return a bound on the smallest."""
-        leaves = self._counts.leaves
-        began = self._counts.queries
-        while self._counts.queries - began < _TIGHTEN_QUERIES:
-            target = self._nearest.distance - _resolution(self._nearest.distance)
-            open_ = [node for node in leaves if node.floor < target]
-            if not open_:
-                break
-            leaves = [node for node in leaves if node.floor >= target]
-            for node in open_:
-                leaves += self._halve(node)
-            self._deadline.check("certify")
-        return min(node.floor for node in leaves)
-
-    def _halve(self, node: _Node) -> list[_Node]:
-        half = node.width / 2
-        children: list[_Node] = []
-        for begin, part in zip(
-            (node.t0, node.t0 + half), bernstein.halves(node.bernstein), strict=True
-        ):
-            child = _Node(node.piece, begin, half, part, None, np.inf)
-            motions = self._go_to(child, bernstein.halves(part)[0][-1])
-            self._counts.intervals += 1
-            self._counts.queries += 1
-            query: Any = self._port.Eval(self._query_context)
-            enough = self._nearest.distance + float(motions.max())
-            found = self._within(query, enough)
-            indices = np.array(list(found), dtype=np.intp)
-            distances = np.array(list(found.values()))
-            self._remember(indices, distances, begin + half / 2)
-            lower = float((distances - motions[indices]).min(initial=np.inf))
-            child.floor = max(node.floor, min(lower, enough - float(motions.max())))
-            children.append(child)
-        return children
-
     def _verdict(self, floor: float) -> Clearance:
-        nearest = self._nearest
-        gap = max(0.0, nearest.distance - floor) if np.isfinite(nearest.distance) else 0.0
-        check = Check(
-            name="clearance",
-            value=nearest.slack_distance,
-            bound=nearest.slack_margin,
-            unit="m",
-            resolution=gap,
-            passed=True,
-            where="-".join(nearest.slack_pair) if nearest.slack_pair[0] else "",
-            time=nearest.slack_time,
+        seen, nearest = self._tightest, self._nearest.distance
+        gap = max(0.0, nearest - floor) if np.isfinite(nearest) else 0.0
+        where = "-".join(seen.pair) if seen.pair[0] else ""
+        distance, margin, time = seen.distance, seen.margin, seen.time
+        return self._result(
+            Check("clearance", distance, margin, "m", gap, passed=True, where=where, time=time)
         )
-        return self._result(check)
 
-    def _refusal(self, node: _Node) -> Clearance:
-        """Say where the proof stopped: the pair with the least distance to spare."""
-        nearest = self._nearest
-        check = Check(
-            name="clearance",
-            value=nearest.slack_distance,
-            bound=nearest.slack_margin,
-            unit="m",
-            resolution=node.width,
-            passed=False,
-            where="-".join(nearest.slack_pair),
-            time=nearest.slack_time,
+    def _refusal(self, refused: _Refused) -> Clearance:
+        return self._result(
+            Check(
+                name="clearance",
+                value=refused.distance,
+                bound=float(self._required[refused.pair]),
+                unit="m",
+                resolution=refused.uncertainty,
+                passed=False,
+                where="-".join(self._distances.names[refused.pair]),
+                time=refused.time,
+            )
         )
-        return self._result(check)
 
     def _result(self, check: Check) -> Clearance:
-        nearest, counts = self._nearest, self._counts
+        nearest = self._nearest
         return Clearance(
-            check, nearest.distance, nearest.pair, nearest.time, counts.intervals, counts.queries
+            check, nearest.distance, nearest.pair, nearest.time, self._number + 1, self._queries
         )
-
-
-def _resolution(distance: float) -> float:
-    """How exactly the smallest distance is wanted [m]."""
-    return max(_RESOLUTION, _RELATIVE_RESOLUTION * distance)

@@ -1,11 +1,11 @@
 """Limits on the whole interval, from the trajectory's polynomials."""
 
-from math import factorial
 from typing import Any
 
 import numpy as np
 
 from planning.certify import bernstein
+from planning.certify.angular_rates import angular_peak
 from planning.certify.request import CertifyRequest
 from planning.domain.certificate import Check
 from planning.domain.joints import JointType
@@ -16,86 +16,84 @@ type Array = np.ndarray[Any, np.dtype[np.float64]]
 MAX_UTILISATION = 1 + 1e-6
 DUST = 1e-6
 _RELATIVE_GAP = 1e-8
-_SERIES_TERMS = 40
 
 
 def position_check(request: CertifyRequest) -> Check:
     """Return by how much any coordinate leaves its limits at worst; negative is to spare.
 
-    Quaternions are exempt: they have no limits.
+    Quaternions are exempt: they have no limits. The value is a guaranteed bound.
     """
     curve = request.trajectory
     widths = np.diff(curve.breaks)
     coefficients = bernstein.from_power(curve.coefficients, widths)
     worst = Check("position", -np.inf, DUST, "rad or m", 0.0, passed=True)
     for iq, iv in _plain_coordinates(request):
-        lower, upper = request.limits.lower[iq], request.limits.upper[iq]
         values = coefficients[:, :, iv] + curve.bases[:, iq, None]
-        for bound, sign in ((upper, 1.0), (lower, -1.0)):
-            if not np.isfinite(bound):
+        excesses = values - request.limits.upper[iq], request.limits.lower[iq] - values
+        for excess in excesses:
+            if np.isneginf(excess).all():
                 continue
-            top, row, fraction = bernstein.peak(sign * (values - bound), DUST / 100)
-            if top > worst.value:
+            top, row, fraction = bernstein.peak(excess, DUST / 100)
+            if not top <= worst.value:
                 time = float(curve.breaks[row] + fraction * widths[row])
                 name = request.group.position_names[iq]
-                worst = Check(
-                    "position", top, DUST, "rad or m", DUST / 100, top <= DUST, name, time
-                )
+                worst = Check("position", top, DUST, "rad or m", 0.0, top <= DUST, name, time)
     return worst
 
 
 def rate_check(request: CertifyRequest, name: str, order: int) -> Check:
-    """Return the peak over limit of a derivative: velocity (1), acceleration (2) or jerk (3)."""
-    limits = getattr(request.limits, name)
-    curve = request.trajectory
-    widths = np.diff(curve.breaks)
+    """Return the peak over limit of a rate: velocity (1), acceleration (2) or jerk (3).
+
+    The norm of a block is meant. The value is a guaranteed bound, for floating joints of the true
+    angular velocity and its derivatives, not of the tangent's.
+    """
+    limits: Array = getattr(request.limits, name)
+    widths = np.diff(request.trajectory.breaks)
     worst = Check(name, 0.0, MAX_UTILISATION, "1", 0.0, passed=True)
+    turning = _turning_blocks(request)
     for (block, indices), limit in zip(request.group.blocks, limits, strict=True):
-        if not np.isfinite(limit):
+        if np.isinf(limit):
             continue
-        turning = block.endswith(".angular") and len(indices) == 3
-        peak, row, fraction = _block_peak(request, list(indices), order, turning=turning)
+        bound_of = _angular_bound if block in turning else _norm_bound
+        peak, row, fraction = bound_of(request, list(indices), order, float(limit))
         used = peak / float(limit)
         if not used <= worst.value:
-            time = float(curve.breaks[row] + fraction * widths[row])
+            time = float(request.trajectory.breaks[row] + fraction * widths[row])
             passed = used <= MAX_UTILISATION
-            worst = Check(
-                name, used, MAX_UTILISATION, "1", _RELATIVE_GAP * used, passed, block, time
-            )
+            worst = Check(name, used, MAX_UTILISATION, "1", 0.0, passed, block, time)
     return worst
 
 
-def _block_peak(
-    request: CertifyRequest, indices: list[int], order: int, *, turning: bool
+def _norm_bound(
+    request: CertifyRequest, indices: list[int], order: int, limit: float
 ) -> tuple[float, int, float]:
-    """Return a bound on the norm of a block's derivative, its piece and fraction."""
-    polynomials = _derivative(request, indices, order)
+    """Bound the norm of a block's derivative; return its piece and fraction as well."""
+    coefficients = bernstein.derivative(request.trajectory.coefficients[:, :, indices], order)
+    polynomials = bernstein.from_power(coefficients, np.diff(request.trajectory.breaks))
     if len(indices) == 1:
         both = np.concatenate([polynomials[:, :, 0], -polynomials[:, :, 0]])
-        gap = _RELATIVE_GAP * max(float(np.abs(both).max()), 1e-12)
-        top, row, fraction = bernstein.peak(both, gap)
+        top, row, fraction = bernstein.peak(both, _RELATIVE_GAP * limit)
         return max(top, 0.0), row % len(polynomials), fraction
-    if turning and order > 1 and not _is_geodesic(request, indices):
-        return _turning_bound(request, indices, order)
     squares = bernstein.square_norm(polynomials)
-    gap = _RELATIVE_GAP * max(float(squares.max()), 1e-12)
-    top, row, fraction = bernstein.peak(squares, gap)
+    top, row, fraction = bernstein.peak(squares, _RELATIVE_GAP * limit**2)
     return float(np.sqrt(max(top, 0.0))), row, fraction
 
 
-def _derivative(request: CertifyRequest, indices: list[int], order: int) -> Array:
-    """Return Bernstein coefficients of the order-th derivative of the block's tangent."""
+def _angular_bound(
+    request: CertifyRequest, indices: list[int], order: int, limit: float
+) -> tuple[float, int, float]:
+    """Bound the norm of a floating joint's angular rate; return its piece and fraction as well.
+
+    Where every piece turns about one axis, the tangent's own derivatives are the rates.
+    """
+    if _has_fixed_axes(request, indices):
+        return _norm_bound(request, indices, order, limit)
     coefficients = request.trajectory.coefficients[:, :, indices]
-    for _ in range(order):
-        powers = np.arange(1, coefficients.shape[1], dtype=np.float64)
-        coefficients = coefficients[:, 1:] * powers[None, :, None]
-        if coefficients.shape[1] == 0:
-            coefficients = np.zeros((len(coefficients), 1, len(indices)))
-    return bernstein.from_power(coefficients, np.diff(request.trajectory.breaks))
+    widths = np.diff(request.trajectory.breaks)
+    return angular_peak(coefficients, widths, order, _RELATIVE_GAP * limit)
 
 
-def _is_geodesic(request: CertifyRequest, indices: list[int]) -> bool:
-    """Whether every piece turns about one fixed axis, so that rates are plain derivatives."""
+def _has_fixed_axes(request: CertifyRequest, indices: list[int]) -> bool:
     coefficients = request.trajectory.coefficients[:, :, indices]
     sizes = np.linalg.norm(coefficients, axis=2)
     longest = coefficients[np.arange(len(coefficients)), np.argmax(sizes, axis=1)]
@@ -104,38 +102,10 @@ def _is_geodesic(request: CertifyRequest, indices: list[int]) -> bool:
     return bool((across.max(axis=1) <= 1e-12 * scale).all())
 
 
-def _turning_bound(
-    request: CertifyRequest, indices: list[int], order: int
-) -> tuple[float, int, float]:
-    """Bound angular acceleration or jerk of R = R_0 exp(delta(t)), delta of any shape.
-
-    omega = J_r(delta) delta' with J_r(x) = sum_k (-1)^k [x]^k / (k+1)!. Differentiating term by
-    term, with [delta'] delta' = 0 and norms of products:
-    |alpha| <= |delta''| + |delta'|^2 g(|delta|), g(x) = sum_{k>=2} (k-1) x^(k-1) / (k+1)!;
-    |jerk| <= |delta'''| + 3 |delta'| |delta''| g1(|delta|) + |delta'|^3 g2(|delta|),
-    g1(x) = sum_{k>=1} k x^(k-1) / (k+1)!, g2(x) = sum_{k>=2} k (k-1) x^(k-2) / (k+1)!.
-    Each norm is bounded on its piece by its Bernstein coefficients.
-    """
-    sizes = [
-        np.linalg.norm(_derivative(request, indices, n), axis=2).max(axis=1)
-        for n in range(order + 1)
-    ]
-    if order == 2:
-        bounds = sizes[2] + sizes[1] ** 2 * _series(sizes[0], lambda k: k - 1, 1, 2)
-    else:
-        bounds = (
-            sizes[3]
-            + 3 * sizes[1] * sizes[2] * _series(sizes[0], lambda k: k, 1, 1)
-            + sizes[1] ** 3 * _series(sizes[0], lambda k: k * (k - 1), 2, 2)
-        )
-    row = int(np.argmax(bounds))
-    return float(bounds[row]), row, 0.5
-
-
-def _series(x: Array, weight: Any, lag: int, first: int) -> Array:
-    """Return sum_{k >= first} weight(k) x^(k - lag) / (k + 1)!."""
-    terms = range(first, _SERIES_TERMS)
-    return sum((weight(k) * x ** (k - lag) / factorial(k + 1) for k in terms), np.zeros_like(x))
+def _turning_blocks(request: CertifyRequest) -> set[str]:
+    """Return the names of the blocks that are angular velocities in space."""
+    floating = [joint for joint in request.group.joints if joint.type is JointType.FLOATING]
+    return {name for joint in floating for name, indices in joint.blocks if indices[0] == 0}
 
 
 def _plain_coordinates(request: CertifyRequest) -> list[tuple[int, int]]:

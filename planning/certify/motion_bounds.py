@@ -1,16 +1,20 @@
-"""How far the points of each body can move while joints move by known amounts.
+"""How far the points of each collision shape can move while joints move by known amounts.
 
-Let joint k turn by at most dtheta_k, and let every point x of body B move by at most m_{k+1}
-within joint k's child frame. If rho_k is the largest distance of B's points from the joint's axis
-at the reference instant, then within the joint's parent frame
+Let joint k turn by at most a_k and shift by at most d_k from the reference instant t_m, and let
+y(t) be a point of a shape in the joint's child frame, within m_{k+1} of y(t_m). In the parent frame
+it is R(t) y(t) + p(t), and
 
-    |R(dtheta) x(t) - x(t_m)| <= dtheta_k (rho_k + m_{k+1}) + m_{k+1} = m_k,
+    R(t) y(t) - R(t_m) y(t_m) = R(t) (y(t) - y(t_m)) + (R(t) - R(t_m)) y(t_m),
 
-since x(t) is within m_{k+1} of x(t_m), so within rho_k + m_{k+1} of the axis, and an arc is longer
-than its chord. A prismatic joint adds its travel; planar and floating joints add theirs and turn
-about their own origin. Summing from the tip to the root bounds B's motion relative to each of its
-ancestors (the bound of Schwarzer, Saha, Latombe, "Adaptive dynamic collision checking for single
-and multiple articulated robots", 2005, with lever arms taken at the present configuration).
+so it stays within m_k = m_{k+1} + 2 sin(a_k / 2) rho_k + d_k of where it was, where rho_k is the
+largest distance of the shape's points at t_m from the joint's axis (from its origin, if it turns
+about any axis): a chord of a circle of radius rho_k. Summing from the tip to the common ancestor of
+two shapes bounds how far each moves relative to it, and the sum of both how much nearer they come.
+This is the bound of Schwarzer, Saha, Latombe, "Adaptive dynamic collision checking for single and
+multiple articulated robots" (IEEE T-RO 21:3, 2005), with lever arms taken at the present
+configuration instead of the worst one; the first term above, rotated by R(t) as a whole, is why no
+product of a_k and m_{k+1} is needed. The argument holds as well for a joint that Drake runs from
+child to parent: the inverse transform turns about the same axis by the same angle.
 """
 
 from dataclasses import dataclass
@@ -18,180 +22,168 @@ from typing import Any
 
 import numpy as np
 from jaxtyping import Float64
-from pydrake.multibody.tree import BodyIndex, PrismaticJoint, RevoluteJoint
+from pydrake.multibody.tree import (
+    PlanarJoint,
+    PrismaticJoint,
+    QuaternionFloatingJoint,
+    RevoluteJoint,
+)
 
-from planning.certify.bounding_spheres import BoundingSpheres, bounding_spheres
+from planning.certify.collision_shapes import CollisionShapes
 from planning.domain.joints import JointGroup
+from planning.errors import ModelInvalid
 from planning.world.drake_model import DrakeModel
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 
 @dataclass(frozen=True)
-class _MovingJoint:
-    """A joint that moves with the group, and where its displacement is found.
+class MovingJoint:
+    """A joint that moves with the group: one of its own, or one that follows one of its own.
 
     Attributes:
         joint: Drake's.
-        turn: Indices into the group's v whose norm is its rotation [rad].
-        shift: Indices into the group's v whose norm is its translation [m].
-        scale: What a mimic joint multiplies its leader's displacement by.
+        member: Which joint of the group moves it.
+        scale: Its displacement over that of the member, not negative.
     """
 
     joint: Any
-    turn: tuple[int, ...]
-    shift: tuple[int, ...]
+    member: int
     scale: float
 
 
 class MotionBounds:
-    """Bounds on body motion for one group of one model."""
+    """Bounds on the motion of one group of one model."""
 
-    def __init__(self, model: DrakeModel, group: JointGroup) -> None:
-        """Read the tree; nothing here depends on a configuration."""
-        self.spheres: BoundingSpheres = bounding_spheres(model)
-        self._model = model
+    def __init__(self, model: DrakeModel, group: JointGroup, shapes: CollisionShapes) -> None:
+        """Read the tree; nothing here depends on a configuration.
+
+        Raises:
+            ModelInvalid: A joint moves in a way that cannot be bounded here.
+        """
+        self._shapes = shapes
         self._joints = _moving_joints(model, group)
-        self._plant = model.plant
-        chains = [self._chain(body) for body in self.spheres.bodies]
-        self.chains: dict[BodyIndex, tuple[int, ...]] = dict(
-            zip(self.spheres.bodies, chains, strict=True)
-        )
-        self.row = {body: i for i, body in enumerate(self.spheres.bodies)}
-        depth = max((len(chain) for chain in chains), default=0)
-        self._chain_table = np.full((len(chains), depth), -1)
-        for i, chain in enumerate(chains):
-            self._chain_table[i, : len(chain)] = chain
+        self.chains = _chains(model, self._joints)
+        self.carries = np.array(
+            [[k in self.chains[body] for k in range(len(self._joints))] for body in shapes.bodies],
+            dtype=bool,
+        ).reshape(len(shapes.bodies), len(self._joints))
         offsets = [m.joint.frame_on_child().GetFixedPoseInBodyFrame() for m in self._joints]
+        axes = [_axis(m.joint) for m in self._joints]
         self._p_bm = np.array([x.translation() for x in offsets]).reshape(-1, 3)
-        self._axes_b = np.array([
-            x.rotation().multiply(_axis(m.joint))
-            for m, x in zip(self._joints, offsets, strict=True)
+        self._axes_B = np.array([
+            x.rotation().matrix() @ axis for x, axis in zip(offsets, axes, strict=True)
         ]).reshape(-1, 3)
-        self._has_axis = np.array([_has_axis(m.joint) for m in self._joints], dtype=bool)
-        self._sphere_rows = np.repeat(
-            np.arange(len(chains)),
-            np.diff(np.append(self.spheres.first, len(self.spheres.radii))),
+        self.joint_bodies = np.array(
+            [int(m.joint.child_body().index()) for m in self._joints], dtype=np.intp
         )
+        self._members = np.array([m.member for m in self._joints], dtype=np.intp)
+        self._to_turn, self._to_shift = _scales(self._joints)
 
-    def relative_depth(self, a: BodyIndex, b: BodyIndex) -> int:
-        """Return how many moving joints the chains of two bodies share, from the root."""
-        shared = 0
-        for one, other in zip(self.chains[a], self.chains[b], strict=False):
-            if one != other:
-                break
-            shared += 1
-        return shared
-
-    def displacements(self, delta: Float64[np.ndarray, " nv"]) -> tuple[Array, Array]:
-        """Return turn [rad] and shift [m] of every moving joint, from those of the group's v."""
-        turn = np.array([abs(m.scale) * np.linalg.norm(delta[list(m.turn)]) for m in self._joints])
-        shift = np.array([
-            abs(m.scale) * np.linalg.norm(delta[list(m.shift)]) for m in self._joints
-        ])
-        return turn, shift
-
-    def motions(self, context: Any, delta: Float64[np.ndarray, " nv"]) -> Array:
-        """Return how far each body can move, shape (num_bodies, depth + 1) [m].
-
-        Entry [b, d] is relative to the parent of the d-th joint of b's chain: [b, 0] is relative
-        to the world, and entries at or beyond the chain's length are 0.
+    def reaches(
+        self,
+        R_WB: Float64[np.ndarray, "num_bodies 3 3"],
+        p_wb: Float64[np.ndarray, "num_bodies 3"],
+        turn: Float64[np.ndarray, " num_joints"],
+        shift: Float64[np.ndarray, " num_joints"],
+    ) -> Float64[np.ndarray, "num_shapes num_moving"]:
+        """Return by how much each moving joint moves the points of each shape [m].
 
         Args:
-            context: Of the plant, at the reference configuration.
-            delta: Largest displacement of each of the group's velocity coordinates from there.
+            R_WB: Orientations of all bodies at the reference instant.
+            p_wb: Their positions [m].
+            turn: Largest rotation of each joint of the group from there [rad].
+            shift: Largest translation of each joint of the group from there [m].
         """
-        turn, shift = self.displacements(delta)
-        arms = self._lever_arms(context)
-        table = self._chain_table
-        rows = np.arange(len(table))
-        motions = np.zeros((len(table), table.shape[1] + 1))
-        for d in range(table.shape[1] - 1, -1, -1):
-            joint = table[:, d]
-            inner = motions[:, d + 1]
-            with np.errstate(invalid="ignore"):
-                moved = inner + shift[joint] + turn[joint] * (arms[rows, joint] + inner)
-            motions[:, d] = np.where(joint >= 0, moved, 0.0)
-        return np.nan_to_num(motions, nan=0.0, posinf=np.inf)
+        given = np.stack([turn[self._members], shift[self._members]], axis=1)
+        turns = np.einsum("kd,kd->k", self._to_turn, given)
+        shifts = np.einsum("kd,kd->k", self._to_shift, given)
+        chords = 2 * np.sin(np.minimum(turns, np.pi) / 2)
+        arms = self._lever_arms(R_WB, p_wb)
+        turned = np.where(chords > 0, arms, 0.0) * chords
+        return np.where(self.carries, turned + shifts, 0.0)
 
-    def _lever_arms(self, context: Any) -> Array:
-        """Return the largest distance of each body's points from each joint's axis or origin."""
-        centers = np.empty((len(self._sphere_rows), 3))
-        first = np.append(self.spheres.first, len(self._sphere_rows))
-        for i, body in enumerate(self.spheres.bodies):
-            x_wb = self._plant.EvalBodyPoseInWorld(context, self._plant.get_body(body))
-            own = slice(first[i], first[i + 1])
-            rotation = x_wb.rotation().matrix()
-            centers[own] = self.spheres.centers[own] @ rotation.T + x_wb.translation()
-        origins = np.empty((len(self._joints), 3))
-        axes = np.empty((len(self._joints), 3))
-        for k, moving in enumerate(self._joints):
-            x_wb = self._plant.EvalBodyPoseInWorld(context, moving.joint.child_body())
-            rotation = x_wb.rotation().matrix()
-            origins[k] = rotation @ self._p_bm[k] + x_wb.translation()
-            axes[k] = rotation @ self._axes_b[k]
+    def _lever_arms(self, R_WB: Array, p_wb: Array) -> Array:
+        """Return the largest distance of each shape's points from each joint's axis or origin."""
+        shapes, own = self._shapes, self.joint_bodies
+        centers = np.einsum("sij,sj->si", R_WB[shapes.bodies], shapes.centers) + p_wb[shapes.bodies]
+        origins = np.einsum("kij,kj->ki", R_WB[own], self._p_bm) + p_wb[own]
+        axes = np.einsum("kij,kj->ki", R_WB[own], self._axes_B)
         away = centers[:, None, :] - origins[None]
-        squares = np.einsum("skx,skx->sk", away, away)
-        along = np.einsum("skx,kx->sk", away, axes) * self._has_axis
-        distances = np.sqrt(np.maximum(squares - along**2, 0.0)) + self.spheres.radii[:, None]
-        return np.maximum.reduceat(distances, self.spheres.first, axis=0)
-
-    def _chain(self, body: BodyIndex) -> tuple[int, ...]:
-        """Return the moving joints from the world to a body."""
-        by_child = {
-            self._plant.get_joint(index).child_body().index(): self._plant.get_joint(index)
-            for index in self._plant.GetJointIndices()
-        }
-        ordinals = {int(m.joint.index()): k for k, m in enumerate(self._joints)}
-        chain: list[int] = []
-        while body in by_child:
-            joint = by_child[body]
-            if int(joint.index()) in ordinals:
-                chain.append(ordinals[int(joint.index())])
-            body = joint.parent_body().index()
-        return tuple(reversed(chain))
+        along = np.einsum("skx,kx->sk", away, axes)
+        squares = np.einsum("skx,skx->sk", away, away) - along**2
+        return np.sqrt(np.maximum(squares, 0.0)) + shapes.radii[:, None]
 
 
-def _moving_joints(model: DrakeModel, group: JointGroup) -> list[_MovingJoint]:
-    moving: list[_MovingJoint] = []
-    by_velocity: dict[int, int] = {}
-    offset = 0
-    for member in group.joints:
-        joint = model.plant.get_joint(model.joint_indices[member.name])
-        indices = tuple(range(offset, offset + joint.num_velocities()))
-        by_velocity[joint.velocity_start()] = offset
-        moving.append(_MovingJoint(joint, *_turn_and_shift(joint, indices), 1.0))
-        offset += joint.num_velocities()
-    by_start = {
-        model.plant.get_joint(i).velocity_start(): model.plant.get_joint(i)
-        for i in model.joint_indices.values()
-    }
-    for follower, leader, multiplier in model.mimics:
-        if leader in by_velocity:
-            joint = by_start[follower]
-            parts = _turn_and_shift(joint, (by_velocity[leader],))
-            moving.append(_MovingJoint(joint, *parts, multiplier))
-    return moving
+def _moving_joints(model: DrakeModel, group: JointGroup) -> list[MovingJoint]:
+    """Return the group's joints and all that follow them, directly or through others."""
+    plant = model.plant
+    joints = [plant.get_joint(model.joint_indices[joint.name]) for joint in group.joints]
+    moving = [MovingJoint(joint, i, 1.0) for i, joint in enumerate(joints)]
+    found = {m.joint.velocity_start(): m for m in moving}
+    by_start = {plant.get_joint(i).velocity_start(): plant.get_joint(i) for i in _moveable(plant)}
+    for _ in model.mimics:
+        for follower, leader, multiplier in model.mimics:
+            if leader in found and follower not in found:
+                source = found[leader]
+                scale = source.scale * abs(multiplier)
+                found[follower] = MovingJoint(by_start[follower], source.member, scale)
+    return list(found.values())
 
 
-def _turn_and_shift(
-    joint: Any, indices: tuple[int, ...]
-) -> tuple[tuple[int, ...], tuple[int, ...]]:
-    match joint:
-        case RevoluteJoint():
-            return indices, ()
-        case PrismaticJoint():
-            return (), indices
-        case _ if len(indices) == 3:
-            return indices[2:], indices[:2]
-        case _:
-            return indices[:3], indices[3:]
+def _moveable(plant: Any) -> list[Any]:
+    return [i for i in plant.GetJointIndices() if plant.get_joint(i).num_velocities() > 0]
+
+
+def _chains(model: DrakeModel, moving: list[MovingJoint]) -> dict[int, frozenset[int]]:
+    """Return, for every body, which moving joints lie between it and the world."""
+    plant = model.plant
+    ordinal = {int(m.joint.index()): k for k, m in enumerate(moving)}
+    links: dict[int, list[tuple[int, int]]] = {}
+    for index in plant.GetJointIndices():
+        joint = plant.get_joint(index)
+        a, b = int(joint.parent_body().index()), int(joint.child_body().index())
+        links.setdefault(a, []).append((b, int(index)))
+        links.setdefault(b, []).append((a, int(index)))
+    world = int(plant.world_body().index())
+    chains = {world: frozenset[int]()}
+    frontier = [world]
+    while frontier:
+        body = frontier.pop()
+        for neighbour, index in links.get(body, []):
+            if neighbour not in chains:
+                here = {ordinal[index]} if index in ordinal else set[int]()
+                chains[neighbour] = chains[body] | here
+                frontier.append(neighbour)
+    return chains
 
 
 def _axis(joint: Any) -> Array:
-    return joint.revolute_axis() if isinstance(joint, RevoluteJoint) else np.array([0.0, 0.0, 1.0])
+    """Return the line that a joint turns about, in its own frame; zero if there is none."""
+    match joint:
+        case RevoluteJoint():
+            return np.array(joint.revolute_axis())
+        case PlanarJoint():
+            return np.array([0.0, 0.0, 1.0])
+        case PrismaticJoint() | QuaternionFloatingJoint():
+            return np.zeros(3)
+        case _:
+            message = f"joint {joint.name()!r} of kind {joint.type_name()!r} cannot be certified"
+            raise ModelInvalid(message, {"joint": joint.name(), "reason": message})
 
 
-def _has_axis(joint: Any) -> bool:
-    """Whether the joint turns about a line; floating joints turn about a point."""
-    return joint.num_velocities() in (1, 3)
+def _scales(joints: list[MovingJoint]) -> tuple[Array, Array]:
+    """Return what each joint's turn and shift take from its member's turn and shift.
+
+    A follower takes its leader's displacement as its own, whether either is an angle or a length.
+    """
+    to_turn, to_shift = np.zeros((len(joints), 2)), np.zeros((len(joints), 2))
+    for k, moving in enumerate(joints):
+        match moving.joint:
+            case RevoluteJoint():
+                to_turn[k] = moving.scale
+            case PrismaticJoint():
+                to_shift[k] = moving.scale
+            case _:
+                to_turn[k, 0] = to_shift[k, 1] = moving.scale
+    return to_turn, to_shift

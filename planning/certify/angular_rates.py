@@ -1,0 +1,108 @@
+"""Rigorous bounds on angular velocity and its derivatives along R(t) = R_0 exp(delta(t)).
+
+In the body's frame omega = J_r(delta) delta', with the series of the right Jacobian (Sola et al.
+2018, eq. 143)
+
+    omega = sum_{k >= 0} (-1)^k / (k + 1)! ad(delta)^k delta',   ad(a) b = a x b.
+
+Taylor coefficients of delta give those of omega by multiplying the series out. Replacing every
+vector by a bound on its length, x by the product and every sign by plus, the same sum bounds the
+lengths of omega's Taylor coefficients, since |a x b| <= |a| |b|: a majorant. So on |t - t_m| <= h
+a derivative of omega is its Taylor polynomial, whose length Bernstein coefficients bound, plus a
+remainder of at most the majorant's next coefficient times h to its power (Lagrange).
+"""
+
+from math import factorial
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float64
+
+from planning.certify import bernstein
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
+
+_ORDER = 6
+_MAX_HALVINGS = 8
+# Beyond this the series loses too many digits to say anything [rad].
+_LARGEST_ANGLE = 12.0
+_TERMS = 60
+
+
+def angular_peak(
+    coefficients: Float64[np.ndarray, "n k 3"],
+    widths: Float64[np.ndarray, " n"],
+    order: int,
+    tolerance: float,
+) -> tuple[float, int, float]:
+    """Bound the length of a derivative of the angular velocity.
+
+    Args:
+        coefficients: Power basis of delta on each piece [rad], lowest first.
+        widths: Lengths of the pieces [s].
+        order: 1 for angular velocity, 2 for acceleration, 3 for jerk.
+        tolerance: How far above the true peak the bound should lie at most [rad/s^order].
+
+    Returns:
+        The bound, the piece where it is, and the fraction of that piece. Infinite if a piece turns
+        too far to be bounded.
+    """
+    pieces = bernstein.from_power(coefficients, widths)
+    if np.linalg.norm(pieces, axis=2).max() > _LARGEST_ANGLE:
+        return float("inf"), 0, 0.0
+    rows, low, half = np.arange(len(pieces)), np.zeros(len(pieces)), widths / 2
+    taylor, remainder = _model(pieces, half, order)
+    for _ in range(_MAX_HALVINGS):
+        coarse = remainder > tolerance / 2
+        if not coarse.any():
+            break
+        pieces = np.concatenate([pieces[~coarse], *bernstein.halves(pieces[coarse])])
+        start, step = low[coarse], half[coarse]
+        low = np.concatenate([low[~coarse], start, start + step])
+        half = np.concatenate([half[~coarse], step / 2, step / 2])
+        rows = np.concatenate([rows[~coarse], rows[coarse], rows[coarse]])
+        taylor, remainder = _model(pieces, half, order)
+    squares = bernstein.square_norm(bernstein.about_middle(taylor, half))
+    scale = float(np.sqrt(max(squares[:, [0, -1]].max(), 0.0)))
+    top, at, fraction = bernstein.peak(squares, tolerance * max(scale, tolerance) / 2)
+    time = (low[at] + fraction * 2 * half[at]) / widths[rows[at]]
+    return float(np.sqrt(max(top, 0.0)) + remainder.max()), int(rows[at]), float(time)
+
+
+def _model(pieces: Array, half: Array, order: int) -> tuple[Array, Array]:
+    """Return the derivative's Taylor polynomial about the middle, and its remainder's bound."""
+    degree = pieces.shape[1] - 1
+    length = _ORDER + order + 2
+    middle = np.zeros((len(pieces), length, 3))
+    bounds = np.zeros((len(pieces), length, 1))
+    control = pieces
+    for k in range(min(degree + 1, length)):
+        bounds[:, k, 0] = np.linalg.norm(control, axis=2).max(axis=1)
+        middle[:, k] = bernstein.halves(control)[0][:, -1]
+        # The derivative in Bernstein form, divided by k + 1 on the way to a Taylor coefficient.
+        control = np.diff(control, axis=1) * (degree - k) / (2 * half[:, None, None]) / (k + 1)
+        if control.shape[1] == 0:
+            break
+    omega, majorant = _velocity_series(middle, np.cross), _velocity_series(bounds, np.multiply)
+    lag = order - 1
+    falling = np.array([factorial(j + lag) / factorial(j) for j in range(_ORDER + 2)])
+    taylor = omega[:, lag : lag + _ORDER + 1] * falling[None, : _ORDER + 1, None]
+    beyond = majorant[:, lag + _ORDER + 1, 0] * falling[_ORDER + 1]
+    return taylor, beyond * half ** (_ORDER + 1)
+
+
+def _velocity_series(delta: Array, product: Any) -> Array:
+    """Return Taylor coefficients of omega from those of delta, or of the majorant."""
+    sign = -1.0 if product is np.cross else 1.0
+    length = delta.shape[1] - 1
+    term = delta[:, 1:] * np.arange(1, length + 1)[None, :, None]
+    total = term
+    for k in range(1, _TERMS):
+        grown = np.zeros_like(term)
+        for i in range(length):
+            grown[:, i:] += product(delta[:, i : i + 1], term[:, : length - i])
+        term = sign * grown / (k + 1)
+        total = total + term
+        if np.abs(term).max() <= 1e-18 * np.abs(total).max():
+            break
+    return total

@@ -1,0 +1,157 @@
+"""Collision geometry as the certifier sees it: support functions and bounding spheres.
+
+Every convex shape here is the sum of a polytope, an ellipsoid (maybe flat) and a ball, so
+
+    h(n) = max_{x in shape} n . x = max_i n . v_i + |D n| + r |n|
+
+is exact: a box is eight vertices, a cylinder two and a flat disk, a capsule two and a ball. For any
+unit vector n the slab between two shapes, min_{a in A} n . a - max_{b in B} n . b, is a lower
+bound on their distance, and for the best n it is the distance (Boyd and Vandenberghe, "Convex
+Optimization", 2004, section 8.2.2). Thus a direction from anybody gives a bound that is proven.
+"""
+
+from dataclasses import dataclass
+from itertools import product
+from typing import Any
+
+import numpy as np
+from jaxtyping import Bool, Float64, Int
+from pydrake.geometry import (
+    Box,
+    Capsule,
+    Convex,
+    Cylinder,
+    Ellipsoid,
+    GeometryId,
+    HalfSpace,
+    Mesh,
+    Role,
+    Sphere,
+)
+
+from planning.errors import ModelInvalid
+from planning.world.drake_model import DrakeModel
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
+
+
+@dataclass(frozen=True)
+class _Parts:
+    """A shape's polytope, shape (k, 3), disk or ellipsoid, shape (3,), and ball [m]."""
+
+    vertices: Array
+    axes: Array
+    ball: float
+
+
+@dataclass(frozen=True)
+class CollisionShapes:
+    """All collision geometry of a model, a row per geometry.
+
+    Attributes:
+        rows: Row by Drake's id.
+        bodies: Index of the body that carries it, shape (n,).
+        R_BG: Orientation in that body, shape (n, 3, 3).
+        p_bg: Position in that body [m], shape (n, 3).
+        vertices: Of the polytopes in G, padded by repetition [m], shape (n, k, 3).
+        axes: Semi-axes of the ellipsoids in G [m], shape (n, 3).
+        balls: Radii of the balls [m], shape (n,).
+        centers: Of the bounding spheres in the body's frame [m], shape (n, 3).
+        radii: Of the bounding spheres [m], infinite for half spaces, shape (n,).
+        is_half_space: All points with z <= 0 in G, shape (n,).
+    """
+
+    rows: dict[GeometryId, int]
+    bodies: Int[np.ndarray, " n"]
+    R_BG: Float64[np.ndarray, "n 3 3"]
+    p_bg: Float64[np.ndarray, "n 3"]
+    vertices: Float64[np.ndarray, "n k 3"]
+    axes: Float64[np.ndarray, "n 3"]
+    balls: Float64[np.ndarray, " n"]
+    centers: Float64[np.ndarray, "n 3"]
+    radii: Float64[np.ndarray, " n"]
+    is_half_space: Bool[np.ndarray, " n"]
+
+    def reach(self, rows: Any, R_WG: Array, p_wg: Array, n: Array) -> Array:
+        """Return max n . x over the points x of each shape [m], shape (m,).
+
+        Args:
+            rows: Which shapes, shape (m,); no half spaces.
+            R_WG: Their orientations, shape (m, 3, 3).
+            p_wg: Their positions [m], shape (m, 3).
+            n: A unit vector for each, shape (m, 3).
+        """
+        n_local = np.einsum("mji,mj->mi", R_WG, n)
+        corner = np.einsum("mkx,mx->mk", self.vertices[rows], n_local).max(axis=1)
+        disk = np.linalg.norm(self.axes[rows] * n_local, axis=1)
+        return np.einsum("mx,mx->m", p_wg, n) + corner + disk + self.balls[rows]
+
+
+def collision_shapes(model: DrakeModel) -> CollisionShapes:
+    """Read the proximity geometry of a model.
+
+    Raises:
+        ModelInvalid: A shape of a kind that cannot be certified.
+    """
+    inspector = model.scene_graph.model_inspector()
+    ids: list[GeometryId] = sorted(inspector.GetAllGeometryIds(Role.kProximity))
+    shapes = [inspector.GetShape(geometry) for geometry in ids]
+    parts = [_parts(shape) for shape in shapes]
+    poses = [inspector.GetPoseInFrame(geometry) for geometry in ids]
+    bodies = [model.plant.GetBodyFromFrameId(inspector.GetFrameId(i)).index() for i in ids]
+    spheres = [_sphere(shape, part) for shape, part in zip(shapes, parts, strict=True)]
+    width = max((len(part.vertices) for part in parts), default=1)
+    padded = [np.resize(part.vertices, (width, 3)) for part in parts]
+    centers = [x.multiply(center) for x, (center, _) in zip(poses, spheres, strict=True)]
+    return CollisionShapes(
+        rows={geometry: row for row, geometry in enumerate(ids)},
+        bodies=np.array([int(body) for body in bodies], dtype=np.intp),
+        R_BG=np.array([x.rotation().matrix() for x in poses]).reshape(-1, 3, 3),
+        p_bg=np.array([x.translation() for x in poses]).reshape(-1, 3),
+        vertices=np.array(padded).reshape(-1, width, 3),
+        axes=np.array([part.axes for part in parts]).reshape(-1, 3),
+        balls=np.array([part.ball for part in parts], dtype=np.float64),
+        centers=np.array(centers).reshape(-1, 3),
+        radii=np.array([radius for _, radius in spheres], dtype=np.float64),
+        is_half_space=np.array([isinstance(shape, HalfSpace) for shape in shapes], dtype=bool),
+    )
+
+
+def _parts(shape: Any) -> _Parts:  # noqa: PLR0911  (one case per shape)
+    point, none = np.zeros((1, 3)), np.zeros(3)
+    match shape:
+        case Box():
+            signs = np.array(list(product((-0.5, 0.5), repeat=3)))
+            return _Parts(signs * shape.size(), none, 0.0)
+        case Sphere():
+            return _Parts(point, none, shape.radius())
+        case Cylinder():
+            disk = np.array([shape.radius(), shape.radius(), 0.0])
+            return _Parts(_ends(shape.length()), disk, 0.0)
+        case Capsule():
+            return _Parts(_ends(shape.length()), none, shape.radius())
+        case Ellipsoid():
+            return _Parts(point, np.array([shape.a(), shape.b(), shape.c()]), 0.0)
+        case Convex() | Mesh():
+            hull = shape.GetConvexHull()
+            vertices = np.array([hull.vertex(i) for i in range(hull.num_vertices())])
+            return _Parts(vertices, none, 0.0)
+        case HalfSpace():
+            return _Parts(point, none, np.inf)
+        case _:
+            kind = type(shape).__name__
+            message = f"collision shapes of kind {kind!r} cannot be certified"
+            raise ModelInvalid(message, {"reason": message})
+
+
+def _ends(length: float) -> Array:
+    return np.array([[0.0, 0.0, -length / 2], [0.0, 0.0, length / 2]])
+
+
+def _sphere(shape: Any, parts: _Parts) -> tuple[Array, float]:
+    """Return the centre, in the geometry's frame, and radius of a sphere around a shape."""
+    center = (parts.vertices.min(axis=0) + parts.vertices.max(axis=0)) / 2
+    farthest = float(np.linalg.norm(parts.vertices - center, axis=1).max())
+    if isinstance(shape, Cylinder):
+        return center, float(np.hypot(farthest, shape.radius()))
+    return center, farthest + float(parts.axes.max()) + parts.ball

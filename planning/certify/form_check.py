@@ -1,0 +1,117 @@
+"""Whether the numbers are a trajectory, and a question about it, at all."""
+
+from typing import Any
+
+import numpy as np
+
+from planning.certify import bernstein
+from planning.certify.request import CertifyRequest
+from planning.domain.certificate import Check
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
+
+_UNIT_TOLERANCE = 1e-9
+# Larger numbers mean nothing, and would lose the digits that the proof needs.
+_LARGEST = 1e9
+
+
+def form_check(request: CertifyRequest) -> Check:
+    """Return how many faults the request has; the other checks need one that has none.
+
+    Shapes fit the group, every number is finite and of a size that means something, times increase
+    from 0, quaternions are of unit length, limits are positive, and there is a goal.
+    """
+    faults = _shape_faults(request)
+    if not faults:
+        faults = _number_faults(request)
+    if not faults:
+        faults = _size_faults(request)
+    return Check("form", float(len(faults)), 0.0, "faults", 0.0, not faults, "; ".join(faults))
+
+
+def _shape_faults(request: CertifyRequest) -> list[str]:
+    curve, limits, group = request.trajectory, request.limits, request.group
+    faults: list[str] = []
+    if curve.joints != group.joints:
+        faults.append("the trajectory's joints are not the group's")
+    n, terms = len(curve.bases), max(1, *curve.coefficients.shape[1:2])
+    nq, nv, blocks = group.num_positions, group.num_velocities, len(group.blocks)
+    wanted = [
+        ("breaks", curve.breaks, (n + 1,)),
+        ("bases", curve.bases, (n, nq)),
+        ("coefficients", curve.coefficients, (n, terms, nv)),
+        ("start", request.start, (nq,)),
+        ("goals", request.goals, (max(1, len(request.goals)), nq)),
+        ("state", request.state, (max(nq, request.state.size),)),
+        *((name, getattr(limits, name), (nq,)) for name in ("lower", "upper")),
+        *((name, getattr(limits, name), (blocks,)) for name in _rates(request)),
+    ]
+    faults += [
+        f"{name} has shape {array.shape}, not {shape}"
+        for name, array, shape in wanted
+        if array.shape != shape
+    ]
+    return faults if n else [*faults, "it has no piece"]
+
+
+def _number_faults(request: CertifyRequest) -> list[str]:
+    curve, limits = request.trajectory, request.limits
+    finite = [
+        ("breaks", curve.breaks),
+        ("bases", curve.bases),
+        ("coefficients", curve.coefficients),
+        ("start", request.start),
+        ("goals", request.goals),
+        ("state", request.state),
+    ]
+    faults = [f"{name} are not all finite" for name, array in finite if not _are_finite(array)]
+    if np.isnan(limits.lower).any() or np.isnan(limits.upper).any():
+        faults.append("a position limit is no number")
+    faults += [
+        f"{name} limits are not all positive"
+        for name in _rates(request)
+        if not (getattr(limits, name) > 0).all()
+    ]
+    return faults
+
+
+def _size_faults(request: CertifyRequest) -> list[str]:
+    curve = request.trajectory
+    faults: list[str] = []
+    if not (curve.breaks[0] == 0 and (np.diff(curve.breaks) > 0).all()):
+        return ["times do not increase from 0"]
+    with np.errstate(over="ignore", invalid="ignore"):
+        sizes = [
+            bernstein.from_power(
+                bernstein.derivative(curve.coefficients, order), np.diff(curve.breaks)
+            )
+            for order in range(4)
+        ]
+    everything = [curve.bases, request.start, request.goals, *sizes]
+    if not all((np.abs(array) <= _LARGEST).all() for array in everything):
+        faults.append(f"a position or rate is beyond {_LARGEST:g}")
+    if any(_unit_fault(request, q) for q in (curve.bases, request.start, request.goals)):
+        faults.append("a quaternion is not of unit length")
+    return faults
+
+
+def _rates(request: CertifyRequest) -> tuple[str, ...]:
+    """Return the names of the rate limits that are asked for."""
+    return ("velocity", "acceleration", "jerk") if request.jerk else ("velocity", "acceleration")
+
+
+def _are_finite(array: Array) -> bool:
+    return bool(np.isfinite(array).all())
+
+
+def _unit_fault(request: CertifyRequest, q: Array) -> bool:
+    """Return whether some quaternion's length is not 1."""
+    q = np.atleast_2d(q)
+    begin = 0
+    for joint in request.group.joints:
+        if len(joint.position_names) == 7:
+            lengths = np.linalg.norm(q[:, begin : begin + 4], axis=1)
+            if not (np.abs(lengths - 1) <= _UNIT_TOLERANCE).all():
+                return True
+        begin += len(joint.position_names)
+    return False
