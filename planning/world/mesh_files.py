@@ -15,7 +15,9 @@ _READ_BY_DRAKE = (".obj", ".vtk", ".gltf")
 _CONVERTED = (".stl", ".dae", ".ply", ".off", ".glb")
 
 
-def with_readable_meshes(file: Path, root: ET.Element, meshes: dict[str, Path]) -> str | None:
+def with_readable_meshes(
+    file: Path, root: ET.Element, meshes: dict[str, Path], *, always: bool = False
+) -> str | None:
     """Return the description with every mesh as the file:// address of one that Drake reads.
 
     None if Drake reads all of them as they are.
@@ -24,11 +26,12 @@ def with_readable_meshes(file: Path, root: ET.Element, meshes: dict[str, Path]) 
         file: The description.
         root: The description, parsed; left as it is.
         meshes: Where each mesh is, by the name that the description gives it.
+        always: Return the description even if Drake reads all of its meshes.
 
     Raises:
         ModelInvalid: A mesh is of no known kind, or is broken.
     """
-    if all(path.suffix.lower() in _READ_BY_DRAKE for path in meshes.values()):
+    if not always and all(path.suffix.lower() in _READ_BY_DRAKE for path in meshes.values()):
         return None
     paths = {name: _readable(file, path).as_uri() for name, path in meshes.items()}
     copy = ET.fromstring(ET.tostring(root))  # noqa: S314  (our own output)

@@ -74,6 +74,9 @@ def inspect_model(file: Path) -> ModelFile:
             raise _invalid(file, "this is xacro source; expand it to URDF first")
         _refuse_bad_sizes(file, element)
     packages, meshes = _find_meshes(file, root)
+    is_nameless = root.tag == "mujoco" and not root.get("model")
+    if is_nameless:  # MuJoCo needs no name, Drake does
+        root.set("model", file.stem)
     links = [link.get("name", "") for link in root.iter("link")]
     children = {child.get("link", "") for child in root.iter("child")}
     roots = [name for name in links if name not in children] if root.tag == "robot" else []
@@ -88,7 +91,7 @@ def inspect_model(file: Path) -> ModelFile:
         mimics=tuple(_mimics(file, root)),
         effort=_efforts(root),
         packages=packages,
-        rewritten=with_readable_meshes(file, root, meshes),
+        rewritten=with_readable_meshes(file, root, meshes, always=is_nameless),
         disabled_pairs=tuple(_disabled_pairs(file)),
     )
 

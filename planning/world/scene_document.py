@@ -20,7 +20,7 @@ from planning.domain.scene import (
     SceneRobot,
 )
 from planning.world.shape_document import ShapeDocument
-from planning.world.strict import Number, Strictest
+from planning.world.strict import Distance, Number, Strictest
 
 type Name = Annotated[
     str, StringConstraints(min_length=1, max_length=128, pattern=r"^[A-Za-z0-9_.\-]+$")
@@ -126,7 +126,7 @@ class MarginDocument(Strictest):
     """A distance that two bodies keep, other than the scene's margin."""
 
     bodies: Annotated[list[Path_], Field(min_length=2, max_length=2)]
-    margin: Annotated[float, Field(allow_inf_nan=False, ge=0, le=10)] = Field(description="[m]")
+    margin: Distance = Field(description="[m]")
 
 
 type BodyPairDocument = Annotated[list[Path_], Field(min_length=2, max_length=2)]
@@ -169,7 +169,7 @@ class SceneDocument(Strictest):
     configurations: dict[Name, ConfigurationDocument] = Field(
         default={}, description="Named configurations beside those of the robots"
     )
-    margin: Annotated[float, Field(allow_inf_nan=False, ge=0, le=10)] = Field(
+    margin: Distance = Field(
         default=0.0, description="Distance kept from everything but the robot itself [m]"
     )
     margins: list[MarginDocument] = Field(

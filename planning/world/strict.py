@@ -21,6 +21,11 @@ type Positive = Annotated[
 ]
 
 
+type Distance = Annotated[
+    float, BeforeValidator(_no_lookalikes), Field(allow_inf_nan=False), Field(ge=0, le=10)
+]
+
+
 class Strictest(BaseModel):
     """A document with no unknown keys, that does not change after it was read."""
 
