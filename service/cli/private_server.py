@@ -4,6 +4,7 @@ import json
 import subprocess
 import sys
 import tempfile
+import threading
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -52,13 +53,13 @@ def private_server(data_dir: Path | None = None) -> Iterator[Client]:
 def _wait_until_ready(process: subprocess.Popen[bytes], announce: Path, log: Path) -> str:
     """Return the server's URL once it takes jobs."""
     until = time.monotonic() + _START_TIMEOUT
-    pause = time.sleep  # waiting for another process: there is nothing to be told by
+    pause = threading.Event()
     while time.monotonic() < until and process.poll() is None:
         if announce.is_file() and (text := announce.read_text(encoding="utf-8")):
             url: str = json.loads(text)["url"]
             if _is_ready(url):
                 return url
-        pause(_POLL_PERIOD)
+        pause.wait(_POLL_PERIOD)
     printed = log.read_text(encoding="utf-8", errors="replace")[-2000:]
     message = f"the private server did not start:\n{printed}"
     raise ServerFailed(message)

@@ -1,5 +1,7 @@
 """/v1/plans: ask for plans, poll them, stop them."""
 
+# ruff: noqa: FAST003  (the dependencies take the path parameters)
+
 from collections.abc import AsyncIterator
 from typing import Annotated, Any
 

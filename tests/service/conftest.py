@@ -16,11 +16,9 @@ BLOCK_SCENE = {
     "name": "block",
     "robots": [{"name": "arm", "model": "ur5e", "positions": "home"}],
     "objects": [
-        {
-            "name": "block",
-            "shape": {"box": [0.1, 0.1, 0.1]},
-            "pose": {"position": [0.6, 0.0, 0.05]},
-        }
+        {"name": "block", "shape": {"box": [0.1, 0.1, 0.1]}, "pose": {"position": [0.6, 0, 0.05]}},
+        # where the hand is when all joints are at zero
+        {"name": "post", "shape": {"box": [0.1, 0.1, 0.3]}, "pose": {"position": [0.8, 0.3, 0.15]}},
     ],
     "frames": [{"name": "above", "parent": "block", "pose": {"position": [0, 0, 0.3]}}],
 }
@@ -44,7 +42,7 @@ def client(app):
 
 @pytest.fixture(scope="session")
 def scene(client):
-    """The id of a posted scene with an arm and a block."""
+    """The id of a posted scene with an arm, a block and a post."""
     return client.post("/v1/scenes", json=BLOCK_SCENE).json()["id"]
 
 

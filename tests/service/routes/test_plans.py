@@ -1,0 +1,164 @@
+"""Plans over HTTP: asked for, waited for, polled, streamed, stopped."""
+
+import uuid
+
+import numpy as np
+import pytest
+
+from service.client.events import decode_events
+
+READY = {"type": "configuration", "name": "ready"}
+
+
+@pytest.fixture
+def request_of(scene):
+    def build(**fields):
+        return {"scene": scene, "group": "arm", "goal": READY, **fields}
+
+    return build
+
+
+def events_of(client, path, **headers):
+    with client.stream("GET", path, headers=headers) as answer:
+        assert answer.status_code == 200
+        assert answer.headers["content-type"].startswith("text/event-stream")
+        return list(decode_events(answer.iter_lines()))
+
+
+def test_a_finished_plan_says_everything(client, solved):
+    result = solved["result"]
+    assert solved["progress"] == 1.0
+    assert solved["seed"] == 3
+    assert solved["digest"] == result["digest"]
+    assert {"python", "drake", "ompl", "toppra", "ruckig", "wayproof"} <= set(solved["versions"])
+    assert {"load", "goals", "search", "retime", "certify"} <= set(solved["timings"])
+    assert solved["created_at"] <= solved["started_at"] <= solved["finished_at"]
+    certificate = result["certificate"]
+    assert certificate["proven"]
+    assert certificate["min_clearance"] > 0
+    assert all(check["passed"] for check in certificate["checks"])
+    names = {check["name"] for check in certificate["checks"]}
+    assert {"position", "velocity", "acceleration", "clearance", "start", "goal"} <= names
+    assert set(result["stages"]) == {"goals", "search", "refine", "retime", "certify"}
+
+
+def test_the_motion_goes_from_start_to_goal_at_rest(client, scene, solved):
+    group = client.get(f"/v1/scenes/{scene}").json()["groups"][0]
+    result = solved["result"]
+    motion = result["trajectory"]
+    np.testing.assert_allclose(motion["positions"][0], group["configurations"]["home"], atol=1e-6)
+    np.testing.assert_allclose(motion["positions"][-1], group["configurations"]["ready"], atol=1e-6)
+    np.testing.assert_allclose(motion["positions"][-1], result["goal_configuration"], atol=1e-9)
+    np.testing.assert_allclose([motion["velocities"][0], motion["velocities"][-1]], 0, atol=1e-6)
+    assert motion["times"][-1] == motion["duration"]
+    assert motion["joint_names"] == group["position_names"]
+
+
+def test_the_same_seed_gives_the_same_digest(client, request_of, solved):
+    request = request_of(seed=3, search={"allowed_planning_time": 20.0})
+    again = client.post("/v1/plans?wait=40", json=request).json()
+    assert again["id"] != solved["id"]
+    assert again["digest"] == solved["digest"]
+    assert again["result"] == solved["result"]
+
+
+def test_a_plan_is_accepted_and_says_where_to_poll(client, request_of):
+    answer = client.post("/v1/plans", json=request_of())
+    assert answer.status_code == 202
+    path = answer.headers["location"]
+    assert path == f"/v1/plans/{answer.json()['id']}"
+    types = [event.type for event in events_of(client, f"{path}/events")]
+    assert types[:2] == ["queued", "started"]
+    assert types[-1] == "finished"
+    assert client.get(path).json()["state"] == "succeeded"
+
+
+@pytest.mark.parametrize("prefer", ["wait=40", "respond-async, wait=40", 'wait="40"'])
+def test_a_preference_to_wait_is_honoured(client, request_of, prefer):
+    answer = client.post("/v1/plans", json=request_of(), headers={"Prefer": prefer})
+    assert answer.status_code == 200
+    assert answer.json()["state"] == "succeeded"
+
+
+def test_events_are_numbered_and_replayed(client, solved):
+    path = f"/v1/plans/{solved['id']}/events"
+    events = events_of(client, path)
+    ids = [int(event.id) for event in events]
+    assert ids == sorted(set(ids))
+    stages = [event.data["stage"] for event in events if event.type == "stage"]
+    assert stages[:3] == ["load", "goals", "search"]
+    progress = [event.data["progress"] for event in events if event.type in {"stage", "progress"}]
+    assert progress == sorted(progress)
+    middle = len(events) // 2
+    assert events_of(client, path, **{"Last-Event-ID": events[middle].id}) == events[middle + 1 :]
+    assert events_of(client, path, **{"Last-Event-ID": "not ours"}) == events
+
+
+def test_an_idempotency_key_gives_the_same_plan_again(client, request_of):
+    headers = {"Idempotency-Key": uuid.uuid4().hex}
+    first = client.post("/v1/plans", json=request_of(), headers=headers).json()
+    again = client.post("/v1/plans", json=request_of(), headers=headers)
+    assert again.json()["id"] == first["id"]
+    other = client.post("/v1/plans", json=request_of(seed=9), headers=headers)
+    assert other.status_code == 409
+    assert other.json()["code"] == "idempotency_conflict"
+
+
+def test_pages_of_plans_join_up_and_filter(client, scene, solved):
+    whole = client.get("/v1/plans?limit=200").json()["items"]
+    assert "result" not in whole[0]
+    seen, cursor = [], ""
+    while cursor is not None:
+        page = client.get(f"/v1/plans?limit=2{cursor and '&cursor=' + cursor}").json()
+        seen += [item["id"] for item in page["items"]]
+        cursor = page["next"]
+    assert seen == [item["id"] for item in whole]
+    of_scene = client.get(f"/v1/plans?scene={scene}&state=succeeded&limit=200").json()["items"]
+    assert solved["id"] in {item["id"] for item in of_scene}
+    assert {item["state"] for item in of_scene} == {"succeeded"}
+    assert client.get("/v1/plans?scene=nothing").json() == {"items": [], "next": None}
+
+
+def test_cancel_is_harmless_after_the_end(client, solved):
+    for _ in range(2):
+        answer = client.post(f"/v1/plans/{solved['id']}/cancel")
+        assert answer.status_code == 200
+        assert answer.json()["state"] == "succeeded"
+
+
+def test_unknown_plans_are_not_found(client):
+    for path in ("", "/events", "/trajectory", "/replay.html"):
+        answer = client.get(f"/v1/plans/pln_nothing{path}")
+        assert answer.status_code == 404
+        assert answer.json()["code"] == "not_found"
+    assert client.post("/v1/plans/pln_nothing/cancel").status_code == 404
+
+
+def test_a_start_in_collision_fails_with_pairs_and_depths(client, request_of):
+    answer = client.post("/v1/plans?wait=40", json=request_of(start=[0.0] * 6))
+    assert answer.status_code == 200
+    job = answer.json()
+    assert job["state"] == "failed"
+    assert job["result"] is None
+    assert job["failure"]["code"] == "start_in_collision"
+    assert job["failure"]["stage"] == "goals"
+    assert all(pair["depth"] > 0 for pair in job["failure"]["evidence"]["pairs"])
+    assert client.get(f"/v1/plans/{job['id']}/trajectory").status_code == 409
+
+
+def test_a_start_outside_limits_fails_with_the_joint(client, scene, request_of):
+    group = client.get(f"/v1/scenes/{scene}").json()["groups"][0]
+    start = [*group["configurations"]["home"]]
+    start[2] = group["limits"]["upper"][2] + 0.1
+    failure = client.post("/v1/plans?wait=40", json=request_of(start=start)).json()["failure"]
+    assert failure["code"] == "start_out_of_limits"
+    assert "elbow" in failure["detail"]
+
+
+def test_an_unreachable_pose_fails_with_the_nearest(client, request_of):
+    goal = {"type": "pose", "poses": [{"position": [5, 0, 0]}]}
+    request = request_of(goal=goal, ik={"max_trials": 20})
+    failure = client.post("/v1/plans?wait=40", json=request).json()["failure"]
+    assert failure["code"] == "goal_unreachable"
+    assert failure["evidence"]["nearest"]["translation_error"] > 3
+    assert failure["evidence"]["funnel"]["tried"] == 20

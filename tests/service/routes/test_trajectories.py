@@ -1,0 +1,66 @@
+"""Delivered motions: sampled anew, slowed, exact, replayed."""
+
+import csv
+import io
+
+import numpy as np
+import pytest
+
+
+def trajectory(client, job, query=""):
+    answer = client.get(f"/v1/plans/{job['id']}/trajectory{query}")
+    assert answer.status_code == 200, answer.text
+    return answer
+
+
+def test_the_default_is_what_the_plan_delivered(client, solved):
+    assert trajectory(client, solved).json() == solved["result"]["trajectory"]
+
+
+@pytest.mark.parametrize("scale", [0.25, 0.5, 1.0])
+def test_scale_slows_the_same_motion(client, solved, scale):
+    motion = solved["result"]["trajectory"]
+    slow = trajectory(client, solved, f"?scale={scale}&period={0.01 / scale}").json()
+    assert slow["duration"] == pytest.approx(motion["duration"] / scale)
+    np.testing.assert_allclose(slow["positions"], motion["positions"], atol=1e-9)
+    np.testing.assert_allclose(slow["velocities"], np.array(motion["velocities"]) * scale, atol=1e-7)
+    peaks = np.array(motion["accelerations"]) * scale**2
+    np.testing.assert_allclose(slow["accelerations"], peaks, atol=1e-6)
+
+
+def test_csv_has_the_same_numbers(client, solved):
+    answer = trajectory(client, solved, "?format=csv&period=0.1")
+    assert answer.headers["content-type"].startswith("text/csv")
+    header, *rows = list(csv.reader(io.StringIO(answer.text)))
+    motion = trajectory(client, solved, "?period=0.1").json()
+    assert header[0] == "time"
+    assert header[1] == f"position:{motion['joint_names'][0]}"
+    numbers = np.array(rows, dtype=float)
+    columns = [np.array(motion["times"])[:, None], motion["positions"], motion["velocities"]]
+    expected = np.hstack([*columns, motion["accelerations"]])
+    np.testing.assert_array_equal(numbers, expected)
+
+
+def test_the_polynomial_is_the_motion(client, solved):
+    exact = trajectory(client, solved, "?polynomial=true&period=0.05").json()
+    pieces = exact["polynomial"]
+    breaks = np.array(pieces["breaks"])
+    for time, q in zip(exact["times"], exact["positions"], strict=True):
+        i = min(np.searchsorted(breaks, time, side="right"), len(breaks) - 1) - 1
+        powers = (time - breaks[i]) ** np.arange(len(pieces["coefficients"][i]))
+        np.testing.assert_allclose(pieces["bases"][i] + powers @ pieces["coefficients"][i], q, atol=1e-12)
+    assert trajectory(client, solved).json()["polynomial"] is None
+
+
+def test_too_many_samples_are_refused(client, solved):
+    answer = client.get(f"/v1/plans/{solved['id']}/trajectory?period=0.0001&scale=0.002")
+    assert answer.status_code == 422
+    assert answer.json()["code"] == "problem_invalid"
+
+
+def test_the_replay_is_a_page_by_itself(client, solved):
+    answer = client.get(f"/v1/plans/{solved['id']}/replay.html")
+    assert answer.status_code == 200
+    assert answer.headers["content-type"].startswith("text/html")
+    assert "meshcat" in answer.text.lower()
+    assert len(answer.content) > 100_000
