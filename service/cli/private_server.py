@@ -6,7 +6,7 @@ import sys
 import tempfile
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Generator
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -24,7 +24,7 @@ class ServerFailed(Exception):
 
 
 @contextmanager
-def private_server(data_dir: Path | None = None) -> Iterator[Client]:
+def private_server(data_dir: Path | None = None) -> Generator[Client]:
     """Run a server and lend a client of it.
 
     It dies with this process, whatever happens: it stops when its stdin closes.

@@ -65,7 +65,7 @@ def _facts(job: Job) -> dict[str, str]:
     if result is None:
         return {"state": str(job.state)}
     facts = {
-        f"{stage} [ms]": f"{1000 * job.timings[stage]:.0f}"
+        f"{stage}, ms": f"{1000 * job.timings[stage]:.0f}"
         for stage in _STAGES
         if stage in job.timings
     }
@@ -83,10 +83,10 @@ def _motion_facts(result: PlanResult) -> dict[str, str]:
         "IK: distinct": str(funnel.distinct),
         "planner": search.planner,
         "configurations checked": str(search.num_states_checked),
-        "path length [rad]": f"{search.length:.3f}",
+        "path length, rad": f"{search.length:.3f}",
         "refined": "yes" if refine.improved else f"no: {refine.reason or refine.method}",
         "timed by": retime.method,
-        "duration [s]": f"{retime.duration:.3f}",
+        "duration, s": f"{retime.duration:.3f}",
     }
 
 
@@ -95,9 +95,9 @@ def _proof_facts(result: PlanResult) -> dict[str, str]:
     nearest = "nothing to hit" if proof.min_clearance is None else f"{proof.min_clearance:.4f}"
     return {
         "proven": "yes" if proof.proven else "NO",
-        "min clearance [m]": nearest,
+        "min clearance, m": nearest,
         "between": " and ".join(name for name in proof.pair if name),
-        "at [s]": f"{proof.time:.3f}",
+        "at, s": f"{proof.time:.3f}",
         **{
             f"check: {check.name}": "passed" if check.passed else "FAILED" for check in proof.checks
         },

@@ -2,20 +2,13 @@
 
 import json
 import socket
-import sys
-import threading
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
-import uvicorn
 from pydantic import ValidationError
 
-from service.app import create_app
 from service.settings import Settings
-
-# Streams of events would hold a stopping server for ever.
-_GRACE = 2
 
 
 def serve(  # noqa: PLR0913  (one parameter per option)
@@ -37,6 +30,8 @@ def serve(  # noqa: PLR0913  (one parameter per option)
         "plan_slots": plan_slots,
         "engine": engine,
     }
+    from service.cli.server import run  # noqa: PLC0415  (other commands do without a server)
+
     try:
         settings = Settings(**{name: item for name, item in chosen.items() if item is not None})
     except ValidationError as fault:
@@ -44,19 +39,10 @@ def serve(  # noqa: PLR0913  (one parameter per option)
         raise typer.Exit(2) from fault
     bound = bind(settings.host, settings.port)
     url = url_of(bound)
-    server = uvicorn.Server(
-        uvicorn.Config(
-            create_app(settings),
-            log_level="info" if verbose else "warning",
-            timeout_graceful_shutdown=_GRACE,
-        )
-    )
-    if leashed:
-        threading.Thread(target=_stop_with_stdin, args=(server,), daemon=True).start()
     if announce is not None:
         announce.write_text(json.dumps({"url": url}), encoding="utf-8")
     typer.echo(f"Wayproof listens on {url}  (documentation: {url}/docs)", err=True)
-    server.run(sockets=[bound])
+    run(settings, bound, log_level="info" if verbose else "warning", leashed=leashed)
 
 
 def bind(host: str, port: int) -> socket.socket:
@@ -81,9 +67,3 @@ def url_of(bound: socket.socket) -> str:
     """Return the URL at which a bound socket is reached."""
     host, port = bound.getsockname()[:2]
     return f"http://[{host}]:{port}" if ":" in host else f"http://{host}:{port}"
-
-
-def _stop_with_stdin(server: uvicorn.Server) -> None:
-    """Stop the server when whoever started it is gone: its end of our stdin closes with it."""
-    sys.stdin.buffer.read()
-    server.should_exit = True

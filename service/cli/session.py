@@ -1,6 +1,6 @@
 """A session: a server, private or somebody's, and every failure as a message and an exit code."""
 
-from collections.abc import Iterator
+from collections.abc import Generator
 from contextlib import contextmanager
 
 import httpx
@@ -14,7 +14,7 @@ from service.client.refused import Refused
 
 
 @contextmanager
-def session(server: str | None) -> Iterator[Client]:
+def session(server: str | None) -> Generator[Client]:
     """Lend a client of the server at a URL, or of a private one that lives as long as this.
 
     Raises:

@@ -1,5 +1,7 @@
 """/v1/models: robots there are."""
 
+from typing import Annotated
+
 from fastapi import APIRouter, Path
 
 from planning.errors import UnknownName
@@ -24,7 +26,7 @@ async def list_models(desk: DeskDep) -> object:
     responses=problems(404, 422, 429, 503),
 )
 async def get_model(
-    desk: DeskDep, name: str = Path(max_length=256, description="Name of a robot")
+    desk: DeskDep, name: Annotated[str, Path(max_length=256, description="Name of a robot")]
 ) -> object:
     """Show a robot: its groups, joints, limits, tool frames and configurations."""
     try:

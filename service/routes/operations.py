@@ -17,15 +17,13 @@ _DOCS = Path(__file__).parents[1] / "pages" / "docs.html"
 _METRICS = {"content": {"text/plain": {"schema": {"type": "string"}}}}
 
 
-@router.get("/healthz", operation_id="getHealth", response_model=Health, responses=problems())
+@router.get("/healthz", operation_id="getHealth", responses=problems())
 async def get_health() -> Health:
     """Say that the server is there."""
     return Health(status="ok", version=versions()["wayproof"])
 
 
-@router.get(
-    "/readyz", operation_id="getReadiness", response_model=Readiness, responses=problems(503)
-)
+@router.get("/readyz", operation_id="getReadiness", responses=problems(503))
 async def get_readiness(desk: DeskDep, scenes: ScenesDep) -> Readiness:
     """Say whether jobs are taken: the database answers and the dispatcher runs."""
     await scenes.page(1, None)

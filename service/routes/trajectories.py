@@ -1,7 +1,5 @@
 """/v1/plans/{id}/trajectory and replay.html: what a plan delivered, to use and to look at."""
 
-# ruff: noqa: FAST003  (the dependencies take the path parameters)
-
 from typing import Annotated, Any, Literal
 
 from fastapi import APIRouter, Query, Response

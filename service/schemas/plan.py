@@ -10,7 +10,7 @@ from service.schemas.wire import Identifier, Name, Wire
 
 type ParameterValue = bool | Integer | Real | Annotated[str, Field(max_length=256)]
 
-EXAMPLE = {
+EXAMPLE: dict[str, Any] = {
     "scene": "scn_3f0c5b1e9a7d4c62",
     "group": "arm",
     "start": None,

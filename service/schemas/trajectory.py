@@ -17,7 +17,7 @@ class PolynomialWire(Answer):
     breaks: list[float] = Field(description="Instants between pieces, n + 1 of them [s]")
     bases: list[Row] = Field(description="Where each piece is anchored, n rows [rad or m]")
     coefficients: list[list[Row]] = Field(
-        description="n pieces, lowest power first, a number per velocity coordinate [rad/s^k, m/s^k]"
+        description="n pieces, powers from 0 up, a column per velocity coordinate"
     )
     joint_names: list[str] = Field(description="A name per position coordinate")
     joint_types: list[str] = Field(

@@ -3,7 +3,7 @@
 import json
 import threading
 from collections import OrderedDict
-from collections.abc import Iterator, Mapping
+from collections.abc import Generator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -26,7 +26,7 @@ def library_of(payload: Mapping[str, Any]) -> ModelLibrary:
 
 
 @contextmanager
-def borrow_world(payload: Mapping[str, Any]) -> Iterator[World]:
+def borrow_world(payload: Mapping[str, Any]) -> Generator[World]:
     """Lend the world of a scene to one task at a time; load it if none is idle.
 
     Args:

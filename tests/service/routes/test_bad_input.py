@@ -163,7 +163,9 @@ def test_bodies_beyond_the_bound_are_refused_whatever_they_announce(client, sett
     body = b"x" * (settings.max_body_bytes + 1)
     assert refused_quickly(client, "/v1/scenes", body, "application/json") == "body_too_large"
     unannounced = iter([body[: len(body) // 2], body[len(body) // 2 :]])
-    assert refused_quickly(client, "/v1/scenes", unannounced, "application/json") == "body_too_large"
+    assert (
+        refused_quickly(client, "/v1/scenes", unannounced, "application/json") == "body_too_large"
+    )
 
 
 def test_alias_bombs_are_refused(client):

@@ -15,7 +15,11 @@ def scene(client):
 
 
 def planned(client, scene, goal, **fields):
-    request = {"scene": scene["id"], "group": "arm", "goal": {"type": "configuration", "name": goal}}
+    request = {
+        "scene": scene["id"],
+        "group": "arm",
+        "goal": {"type": "configuration", "name": goal},
+    }
     request |= {"search": {"allowed_planning_time": 20.0}, **fields}
     job = client.post("/v1/plans?wait=40", json=request).json()
     assert job["state"] == "succeeded", job["failure"]
@@ -87,7 +91,9 @@ def test_a_robot_does_one_thing_at_a_time_and_can_be_stopped(client, scene):
 
 def test_an_execution_pauses_resumes_and_changes_speed(client, scene):
     plan = planned(client, scene, "ready")
-    path = client.post("/v1/executions", json={"plan": plan["id"], "speed": 0.2}).headers["location"]
+    path = client.post("/v1/executions", json={"plan": plan["id"], "speed": 0.2}).headers[
+        "location"
+    ]
     assert client.post(f"{path}/pause").status_code == 200
     wait_for(client, path, "paused")
     assert client.post(f"{path}/speed", json={"speed": 20}).status_code == 200

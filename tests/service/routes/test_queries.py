@@ -55,7 +55,9 @@ def test_ik_solutions_bring_the_tool_to_the_pose(client, scene):
     configurations = [entry["positions"] for entry in found["configurations"]]
     poses = ask(client, scene, "fk", configurations=configurations, frames=["arm::tcp", "above"])
     for pose in poses.json()["results"]:
-        np.testing.assert_allclose(pose["arm::tcp"]["position"], pose["above"]["position"], atol=1e-4)
+        np.testing.assert_allclose(
+            pose["arm::tcp"]["position"], pose["above"]["position"], atol=1e-4
+        )
     verdicts = ask(client, scene, "check", configurations=configurations).json()["results"]
     assert all(verdict["valid"] for verdict in verdicts)
 

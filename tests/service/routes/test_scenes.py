@@ -39,8 +39,11 @@ def test_a_scene_is_shown_listed_and_forgotten(client):
     brief = client.get("/v1/scenes").json()["items"][0]
     assert brief == {key: posted[key] for key in brief}
     assert client.delete(path).status_code == 204
-    for gone in (client.get(path), client.delete(path), client.post(f"{path}/check", json={
-        "group": "arm", "configurations": [[0] * 6]})):
+    for gone in (
+        client.get(path),
+        client.delete(path),
+        client.post(f"{path}/check", json={"group": "arm", "configurations": [[0] * 6]}),
+    ):
         assert gone.status_code == 404
         assert gone.json()["code"] == "not_found"
 

@@ -23,7 +23,9 @@ def test_scale_slows_the_same_motion(client, solved, scale):
     slow = trajectory(client, solved, f"?scale={scale}&period={0.01 / scale}").json()
     assert slow["duration"] == pytest.approx(motion["duration"] / scale)
     np.testing.assert_allclose(slow["positions"], motion["positions"], atol=1e-9)
-    np.testing.assert_allclose(slow["velocities"], np.array(motion["velocities"]) * scale, atol=1e-7)
+    np.testing.assert_allclose(
+        slow["velocities"], np.array(motion["velocities"]) * scale, atol=1e-7
+    )
     peaks = np.array(motion["accelerations"]) * scale**2
     np.testing.assert_allclose(slow["accelerations"], peaks, atol=1e-6)
 
@@ -48,7 +50,9 @@ def test_the_polynomial_is_the_motion(client, solved):
     for time, q in zip(exact["times"], exact["positions"], strict=True):
         i = min(np.searchsorted(breaks, time, side="right"), len(breaks) - 1) - 1
         powers = (time - breaks[i]) ** np.arange(len(pieces["coefficients"][i]))
-        np.testing.assert_allclose(pieces["bases"][i] + powers @ pieces["coefficients"][i], q, atol=1e-12)
+        np.testing.assert_allclose(
+            pieces["bases"][i] + powers @ pieces["coefficients"][i], q, atol=1e-12
+        )
     assert trajectory(client, solved).json()["polynomial"] is None
 
 

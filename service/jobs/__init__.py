@@ -1,0 +1,1 @@
+"""Durable jobs in supervised, killable worker processes; knows nothing of planning."""

@@ -1,0 +1,48 @@
+"""What can go wrong with jobs, whatever they do."""
+
+from planning.errors import PlanningFailure, WayproofError
+
+
+class QueueFull(WayproofError):
+    """A lane has as many waiting jobs as it may; evidence: `lane`, `bound`, `retry_after` [s]."""
+
+    code = "queue_full"
+
+
+class IdempotencyConflict(WayproofError):
+    """An idempotency key came again with another request; evidence: `key`, `job`."""
+
+    code = "idempotency_conflict"
+
+
+class UnknownJob(WayproofError):
+    """There is no such job; evidence: `id`."""
+
+    code = "unknown_job"
+
+
+class DatabaseInUse(WayproofError):
+    """Another dispatcher works on this database; evidence: `database`."""
+
+    code = "database_in_use"
+
+
+class WorkerCrashed(PlanningFailure):
+    """The worker process died; evidence: `exit_code` (negative: by that signal), `attempts`."""
+
+    code = "worker_crashed"
+    stage = "worker"
+
+
+class ServerRestarted(PlanningFailure):
+    """The server ended while the job ran, and it may not run again; evidence: `attempts`."""
+
+    code = "server_restarted"
+    stage = "worker"
+
+
+class InternalError(PlanningFailure):
+    """The task raised what it should not; evidence: `exception`, `traceback`."""
+
+    code = "internal_error"
+    stage = "worker"

@@ -1,0 +1,39 @@
+"""What `--to`, `--from` and `--group` mean."""
+
+import pytest
+import typer
+
+from service.cli.goal import goal_of, group_of, start_of
+from service.schemas.scene import Scene
+
+
+@pytest.fixture
+def posted(client, scene):
+    return Scene.model_validate(client.get(f"/v1/scenes/{scene}").json())
+
+
+def test_a_frame_is_a_pose_goal(posted):
+    goal = goal_of(posted, group_of(posted, None), "above")
+    assert goal == {"type": "pose", "poses": [{"position": [0, 0, 0], "frame": "above"}]}
+
+
+def test_a_configuration_is_itself(posted):
+    group = group_of(posted, "arm::arm")
+    assert goal_of(posted, group, "ready") == {"type": "configuration", "name": "ready"}
+    assert start_of(group, "ready") == group.configurations["ready"]
+    assert start_of(group, None) is None
+
+
+def test_unknown_names_end_with_those_that_exist(posted, capsys):
+    group = group_of(posted, "arm")
+    for attempt in (
+        lambda: goal_of(posted, group, "abov"),
+        lambda: start_of(group, "abov"),
+        lambda: group_of(posted, "abov"),
+    ):
+        with pytest.raises(typer.Exit) as ended:
+            attempt()
+        assert ended.value.exit_code == 1
+        told = capsys.readouterr().err
+        assert "abov" in told
+        assert "ready" in told or "arm" in told

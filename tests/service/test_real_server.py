@@ -1,0 +1,173 @@
+"""The service as users run it: a process of its own, streamed from, killed and started again."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+from contextlib import contextmanager
+
+import httpx
+import pytest
+
+from service.client.client import Client
+from service.client.refused import Refused
+
+pytestmark = pytest.mark.slow
+
+SCENE = b"name: s\nrobots:\n  - {name: arm, model: ur5e, positions: home}\n"
+
+
+@contextmanager
+def server(folder):
+    """A running server that keeps its records in `folder`; (process, client)."""
+    announce = folder / "announce.json"
+    announce.unlink(missing_ok=True)
+    command = [sys.executable, "-m", "service", "serve", "--port", "0", "--leashed"]
+    command += ["--data-dir", str(folder / "state"), "--announce", str(announce)]
+    process = subprocess.Popen(command, stdin=subprocess.PIPE, stderr=subprocess.DEVNULL)
+    try:
+        with Client(until(lambda: ready_url(announce))) as client:
+            yield process, client
+    finally:
+        process.stdin.close()
+        try:
+            process.wait(15)
+        except subprocess.TimeoutExpired:
+            process.kill()
+            process.wait()
+
+
+def until(ask, seconds=30.0):
+    """The first answer that is true."""
+    pause = threading.Event()
+    end = time.monotonic() + seconds
+    while time.monotonic() < end:
+        if found := ask():
+            return found
+        pause.wait(0.05)
+    pytest.fail("waited in vain")
+
+
+def ready_url(announce):
+    try:
+        url = json.loads(announce.read_text())["url"]
+        return url if httpx.get(f"{url}/readyz", trust_env=False).is_success else None
+    except (OSError, ValueError, httpx.TransportError):
+        return None
+
+
+def request_of(scene, **fields):
+    goal = {"type": "configuration", "name": "ready"}
+    search = {"allowed_planning_time": 20.0}
+    return {"scene": scene.id, "group": "arm", "goal": goal, "search": search, **fields}
+
+
+def endless(scene):
+    """A plan that takes as long as it may: nothing reaches there, and IK tries for long."""
+    goal = {"type": "pose", "poses": [{"position": [9, 9, 9]}]}
+    time_allowed = {"allowed_planning_time": 600.0}
+    return request_of(scene, goal=goal, search=time_allowed, ik={"max_trials": 100_000})
+
+
+def test_plans_stream_live_and_survive_a_restart(tmp_path):
+    with server(tmp_path) as (_, client):
+        scene = client.add_scene(SCENE)
+        job = client.submit_plan(request_of(scene, seed=4))
+        types = [event.type for event in client.plan_events(job.id)]
+        assert types[0] == "queued"
+        assert types[-1] == "finished"
+        done = client.plan(job.id)
+        assert done.state == "succeeded"
+    with server(tmp_path) as (_, client):
+        assert client.plan(job.id) == done
+        assert client.scene(scene.id) == scene
+        again = client.submit_plan(request_of(scene, seed=4))
+        list(client.plan_events(again.id))
+        assert client.plan(again.id).digest == done.digest
+
+
+def test_a_server_that_is_killed_leaves_no_plan_running(tmp_path):
+    with server(tmp_path) as (process, client):
+        scene = client.add_scene(SCENE)
+        running = client.submit_plan(endless(scene))
+        until(lambda: client.plan(running.id).state == "running")
+        waiting = [client.submit_plan(request_of(scene, seed=i)) for i in range(3)]
+        process.send_signal(signal.SIGKILL)
+        process.wait()
+    with server(tmp_path) as (_, client):
+        until(lambda: client.plan(running.id).state in {"running", "failed"})
+        client.cancel_plan(running.id)
+        for job in waiting:
+            list(client.plan_events(job.id))
+            assert client.plan(job.id).state == "succeeded"
+        ended = until(lambda: (job := client.plan(running.id)).finished_at and job)
+        assert ended.state in {"canceled", "failed"}
+
+
+def test_a_worker_that_is_killed_takes_no_other_plan_with_it(tmp_path):
+    with server(tmp_path) as (process, client):
+        scene = client.add_scene(SCENE)
+        running = client.submit_plan(endless(scene))
+        until(lambda: client.plan(running.id).state == "running")
+        for worker in busiest_children(process.pid):
+            os.kill(worker, signal.SIGKILL)
+        client.cancel_plan(running.id)
+        job = client.submit_plan(request_of(scene))
+        list(client.plan_events(job.id))
+        assert client.plan(job.id).state == "succeeded"
+        until(lambda: client.plan(running.id).finished_at)
+
+
+def test_a_running_plan_is_stopped_within_a_second(tmp_path):
+    with server(tmp_path) as (_, client):
+        scene = client.add_scene(SCENE)
+        running = client.submit_plan(endless(scene))
+        until(lambda: client.plan(running.id).stage == "goals")
+        begun = time.monotonic()
+        client.cancel_plan(running.id)
+        until(lambda: client.plan(running.id).state == "canceled")
+        assert time.monotonic() - begun < 2.0
+
+
+def test_the_server_answers_while_it_plans(tmp_path):
+    with server(tmp_path) as (_, client):
+        scene = client.add_scene(SCENE)
+        running = client.submit_plan(endless(scene))
+        until(lambda: client.plan(running.id).state == "running")
+        begun = time.monotonic()
+        for _ in range(20):
+            client.plan(running.id)
+        assert time.monotonic() - begun < 2.0
+        client.cancel_plan(running.id)
+
+
+def test_refusals_reach_the_client(tmp_path):
+    with server(tmp_path) as (_, client):
+        with pytest.raises(Refused) as refusal:
+            client.add_scene(b"robots: []")
+        assert refusal.value.problem.code == "scene_invalid"
+        with pytest.raises(Refused) as refusal:
+            client.plan("pln_nothing")
+        assert refusal.value.problem.status == 404
+
+
+def busiest_children(pid):
+    """The workers of a server: descendants that have used processor time for planning."""
+    found = []
+    for entry in os.listdir("/proc"):
+        if not entry.isdecimal():
+            continue
+        try:
+            fields = open(f"/proc/{entry}/stat").read().rsplit(")", 1)[1].split()
+        except OSError:
+            continue
+        found.append((int(entry), int(fields[1]), int(fields[11])))
+    below, grown = {pid}, True
+    while grown:
+        more = {child for child, parent, _ in found if parent in below} - below
+        below, grown = below | more, bool(more)
+    ours = sorted((used, child) for child, _, used in found if child in below - {pid})
+    return [child for _, child in ours[-1:]]
