@@ -66,7 +66,7 @@ def angular_peak(
     scale = float(np.sqrt(max(squares[:, [0, -1]].max(), 0.0)))
     top, at, fraction = bernstein.peak(squares, tolerance * max(scale, tolerance) / 2)
     time = (low[at] + fraction * 2 * half[at]) / widths[rows[at]]
-    return float(np.sqrt(max(top, 0.0)) + remainder.max()), int(rows[at]), float(time)
+    return float(np.sqrt(max(top, 0.0)) + remainder.max()), int(rows[at]), min(float(time), 1.0)
 
 
 def _model(pieces: Array, half: Array, order: int) -> tuple[Array, Array]:

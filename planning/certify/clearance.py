@@ -22,7 +22,8 @@ from planning.world.drake_model import DrakeModel
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
-# A start that keeps its margin exactly would otherwise be refused for rounding [m].
+# Less than a margin by this is enough: a start that keeps its margin exactly would otherwise be
+# refused for rounding. No margin means no contact, with nothing off [m].
 MARGIN_SLACK = 1e-6
 # Bounds are rounded by less than this [m].
 _ROUNDING = 1e-9
@@ -35,6 +36,8 @@ _WIDE = 0.25
 _RESOLUTION = 1e-3
 _RELATIVE_RESOLUTION = 0.01
 _TIGHTENING_SEGMENTS = 400
+# Instants at which a refused motion is looked at for its worst collision.
+_INSTANTS = 33
 _HORIZONS = (0.05, 0.2, 1.0, 5.0, 1e6)
 
 
@@ -227,7 +230,7 @@ class _Proof:
         least = int(np.argmin(what))
         if what[least] < seen.least:
             seen.least, seen.distance = float(what[least]), float(distances[least])
-            seen.margin = float(self._required[pairs[least]])
+            seen.margin = float(self._distances.margins[pairs[least]])
             seen.pair, seen.time = self._distances.names[pairs[least]], time
 
     def _look(self, time: float) -> None:
@@ -257,11 +260,23 @@ class _Proof:
         )
 
     def _refusal(self, refused: _Refused) -> Clearance:
+        """Say where the proof stopped; of collisions, report the worst that a look around shows."""
+        if refused.distance <= self._required[refused.pair]:
+            within = max(self._request.margins.largest, 0.0)
+            for time in np.linspace(0.0, self._request.trajectory.duration, _INSTANTS):
+                self._distances.go_to(self._request.trajectory.positions(np.array([time]))[0])
+                self._measure(self._every, within, float(time))
+            seen = self._tightest
+            where = "-".join(seen.pair)
+            distance, margin, time = seen.distance, seen.margin, seen.time
+            return self._result(
+                Check("clearance", distance, margin, "m", 0.0, passed=False, where=where, time=time)
+            )
         return self._result(
             Check(
                 name="clearance",
                 value=refused.distance,
-                bound=float(self._required[refused.pair]),
+                bound=float(self._distances.margins[refused.pair]),
                 unit="m",
                 resolution=refused.uncertainty,
                 passed=False,

@@ -144,7 +144,7 @@ class PairDistances:
         known = is_exact & np.isfinite(directions).all(axis=1)
         lower[known] = self._slabs(rows[known, 0], rows[known, 1], directions[known])
         for i in np.flatnonzero(self._has_half_space[pairs]):
-            distances[i] = lower[i] = self._above_half_space(*self._rows[pairs[i]])
+            distances[i] = lower[i] = self._above_half_space(*self._rows[pairs[i]].tolist())
             is_exact[i] = True
         return Measured(pairs, distances, lower, is_exact)
 

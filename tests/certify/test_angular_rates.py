@@ -1,0 +1,62 @@
+"""Angular rates are bounded, and hardly more than bounded."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from planning.certify import bernstein
+from planning.certify.angular_rates import angular_peak
+from planning.domain import rotation
+
+
+def sampled_rates(coefficients: np.ndarray, width: float) -> list[np.ndarray]:
+    """Return |omega|, |alpha| and |jerk| on a grid, the first from quaternions alone."""
+    t = np.linspace(0, width, 4001)
+
+    def tangent(order: int) -> np.ndarray:
+        power = bernstein.derivative(coefficients[None], order)[0]
+        return (t[:, None] ** np.arange(len(power))) @ power
+
+    turned = rotation.exp(tangent(0))
+    step = t[1] - t[0]
+    between = rotation.log(rotation.multiply(rotation.conjugate(turned[:-1]), turned[1:])) / step
+    alpha = rotation.body_acceleration(tangent(0), tangent(1), tangent(2))
+    jerk = np.gradient(alpha, step, axis=0)[1:-1]
+    return [np.linalg.norm(rate, axis=1) for rate in (between, alpha, jerk)]
+
+
+@given(seed=st.integers(0, 10_000), degree=st.integers(1, 6), size=st.floats(0.05, 1.5))
+def test_bounds_are_above_the_samples_and_near_them(seed: int, degree: int, size: float) -> None:
+    rng = np.random.default_rng(seed)
+    coefficients = rng.normal(0.0, size, (degree + 1, 3))
+    width = float(rng.uniform(0.3, 1.0))
+    for order, rates in enumerate(sampled_rates(coefficients, width), start=1):
+        bound, piece, fraction = angular_peak(
+            coefficients[None], np.array([width]), order, tolerance=1e-6
+        )
+        peak = float(rates.max())
+        assert bound >= peak * (1 - 1e-5) - 1e-6
+        assert bound == pytest.approx(peak, rel=0.02, abs=0.02)
+        assert piece == 0
+        assert 0 <= fraction <= 1
+
+
+def test_the_piece_of_the_peak_is_named() -> None:
+    coefficients = np.random.default_rng(0).normal(0.0, 0.3, (3, 4, 3))
+    coefficients[1] *= 3
+    _, piece, fraction = angular_peak(coefficients, np.array([0.5, 1.0, 0.5]), 2, 1e-6)
+    assert piece == 1
+    assert 0 <= fraction <= 1
+
+
+def test_a_turn_about_one_axis_has_the_tangents_rates() -> None:
+    axis = np.array([1.0, 2.0, 2.0]) / 3
+    coefficients = (np.array([0.3, 1.0, 0.5, -0.2])[:, None] * axis)[None]
+    bound, _, _ = angular_peak(coefficients, np.ones(1), 1, 1e-8)
+    assert bound == pytest.approx(1.0 + 2 * 0.5 * (5 / 6) - 0.6 * (5 / 6) ** 2, abs=1e-6)
+
+
+def test_too_far_a_turn_is_not_bounded() -> None:
+    coefficients = np.array([[[0.0, 0.0, 0.0], [40.0, 1.0, 0.0]]])
+    assert angular_peak(coefficients, np.ones(1), 2, 1e-6)[0] == np.inf
