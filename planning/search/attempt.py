@@ -119,7 +119,21 @@ def _define(information: Any, query: Query) -> Any:
     for q in query.goals:
         goals.addState(query.space.write(q))
     definition.setGoal(goals)
+    if query.space.is_mixed:
+        definition.setOptimizationObjective(_length(information))
     return definition
+
+
+def _length(information: Any) -> Any:
+    """Return the length of a path as an objective that planners can use in a compound space.
+
+    For OMPL's own they sample where a path could still get shorter, and that sampler refuses
+    compounds; wrapped, it lets them sample everywhere and reject.
+    """
+    length = ob.MultiOptimizationObjective(information)
+    length.addObjective(ob.PathLengthOptimizationObjective(information), 1.0)
+    length.lock()
+    return length
 
 
 def _solution(definition: Any, space: SearchSpace) -> Array | None:

@@ -5,25 +5,25 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float64
 
-from planning.domain.manifold import Manifold
+from planning.search.edges import EdgeChecker
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 
-def densified(manifold: Manifold, waypoints: Float64[np.ndarray, "n nq"], num_states: int) -> Array:
+def densified(edges: EdgeChecker, waypoints: Float64[np.ndarray, "n nq"], num_states: int) -> Array:
     """Return at least `num_states` waypoints, the given ones among them, evenly spread.
 
     Args:
-        manifold: On which the waypoints are joined by geodesics.
+        edges: Knows how waypoints are joined.
         waypoints: Shape (n, nq).
         num_states: How many are wanted.
     """
-    lengths = manifold.distance(waypoints[1:], waypoints[:-1])
+    lengths = edges.manifold.distance(waypoints[1:], waypoints[:-1])
     if len(waypoints) >= num_states or not lengths.any():
         return waypoints
     counts = np.ceil(lengths * (num_states - 1) / lengths.sum()).astype(int)
     pieces = [
-        manifold.interpolate(q0, q1, np.arange(count) / count)
+        edges.geodesic(q0, q1, np.arange(count) / count)
         for q0, q1, count in zip(waypoints[:-1], waypoints[1:], counts, strict=True)
         if count
     ]

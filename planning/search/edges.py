@@ -99,7 +99,9 @@ class EdgeChecker:
 
     def _along(self, q0: Array, delta: Array, fractions: Array) -> Array:
         steps = fractions[:, None] * delta
-        return q0 + steps if self._is_vector else self.manifold.plus(q0[None], steps)
+        if self._is_vector:
+            return q0 + steps
+        return self.manifold.plus(np.broadcast_to(q0, (len(steps), len(q0))), steps)
 
 
 def num_steps(length: float, resolution: float) -> int:

@@ -1,6 +1,6 @@
 """CollisionOracle: what the search asks of a world, and what it adds to the answer."""
 
-from typing import Any, Protocol
+from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 from jaxtyping import Bool, Float64
@@ -13,6 +13,7 @@ type Array = np.ndarray[Any, np.dtype[np.float64]]
 type Flags = np.ndarray[Any, np.dtype[np.bool_]]
 
 
+@runtime_checkable
 class CollisionOracle(Protocol):
     """Says whether configurations of a group are admissible."""
 

@@ -12,12 +12,12 @@ from typing import Any
 from planning.errors import ProblemInvalid, UnknownName
 
 type Scalar = str | float | int | bool
+type Number = bool | int | float
 
 # Setters whose names are not those of their parameters.
 _SETTERS = {
     "cache_cc": ("CacheCC",),
     "delay_collision_checking": ("DelayCC",),
-    "delay_rewiring_to_first_solution": ("DelayRewiringUntilInitialSolution",),
     "drop_unconnected_samples_on_prune": ("DropSamplesOnPrune",),
     "extended_fmt": ("ExtendedFMT",),
     "failed_expansion_score_factor": ("FailedExpansionCellScoreFactor",),
@@ -30,7 +30,6 @@ _SETTERS = {
     "use_graph_pruning": ("Pruning",),
     "use_just_in_time_sampling": ("JustInTimeSampling",),
     "use_k_nearest": ("UseKNearest", "KNearest", "NearestK"),
-    "use_strict_queue_ordering": ("StrictQueueOrdering",),
 }
 
 _FRACTION = (0.0, 1.0)
@@ -52,8 +51,14 @@ _RANGES: dict[str, tuple[float, float]] = {
 }
 _LEAST = (0.0, math.inf)
 
-# BFMT's way of sampling on after a failure crashes the process (2.0.1) where there is no solution.
-_CRASHES = {("BFMT", "extended_fmt")}
+# What is declared but not offered (2.0.1).
+_LEFT_OUT = {
+    # sampling on after a failure crashes the process where there is no solution
+    ("BFMT", "extended_fmt"),
+    # these have no effect any more, says OMPL
+    ("BITstar", "delay_rewiring_to_first_solution"),
+    ("BITstar", "use_strict_queue_ordering"),
+}
 
 _WORDS = {"true": True, "1": True, "false": False, "0": False}
 
@@ -67,16 +72,16 @@ def declared(planner: Any) -> dict[str, str]:
     return {
         name: setter
         for name, setter in sorted(found.items())
-        if setter is not None and (kind, name) not in _CRASHES
+        if setter is not None and (kind, name) not in _LEFT_OUT
     }
 
 
-def value_of(planner: Any, setter: str) -> bool | int | float:
+def value_of(planner: Any, setter: str) -> Number:
     """Return what a parameter is now."""
     return getattr(planner, f"get{setter}")()
 
 
-def describe_range(name: str, value: float) -> str:
+def describe_range(name: str, value: Number) -> str:
     """Return the values that a parameter may have, for a person."""
     if isinstance(value, bool):
         return "true or false"
@@ -109,12 +114,21 @@ def set_parameters(planner: Any, parameters: Mapping[str, Scalar]) -> None:
                     "range": describe_range(name, now),
                 },
             )
-        try:
-            getattr(planner, f"set{setter}")(value)
-        except RuntimeError as error:  # OMPL's exceptions: combinations that it cannot do
-            message = f"{type(planner).__name__} refuses parameter {name!r} = {given!r}: {error}"
-            evidence = {"field": f"search.parameters.{name}", "value": str(given)}
-            raise ProblemInvalid(message, evidence) from error
+        if not _accepts(planner, setter, value):
+            raise ProblemInvalid(
+                f"{type(planner).__name__} refuses parameter {name!r} = {given!r} together with "
+                "its other parameters",
+                {"field": f"search.parameters.{name}", "value": str(given)},
+            )
+
+
+def _accepts(planner: Any, setter: str, value: Number) -> bool:
+    """Return whether OMPL takes the value; what it cannot combine it refuses, loudly or not."""
+    try:
+        getattr(planner, f"set{setter}")(value)
+    except RuntimeError:  # what OMPL's exceptions become
+        return False
+    return value_of(planner, setter) == value
 
 
 def _setter(planner: Any, name: str) -> str | None:
@@ -133,17 +147,16 @@ def _undeclared(planner: Any) -> dict[str, str | None]:
         setter = method.removeprefix("set")
         if method == setter or not hasattr(planner, f"get{setter}"):
             continue
-        value: Any = value_of(planner, setter)
+        value = getattr(planner, f"get{setter}")()
         if isinstance(value, bool | int | float):
-            try:
-                getattr(planner, method)(value)
-            except RuntimeError:  # OMPL's exceptions: it fixes this one itself
+            # PRMstar fixes the number of neighbours itself and refuses any other.
+            if not _accepts(planner, setter, value):
                 continue
             found["".join(f"_{c.lower()}" if c.isupper() else c for c in setter)[1:]] = setter
     return found
 
 
-def _converted(given: Scalar, like: float) -> bool | int | float | None:
+def _converted(given: Scalar, like: Number) -> Number | None:
     """Return the given value in the type of the present one, or None if it has no meaning there."""
     if isinstance(like, bool):
         return given if isinstance(given, bool) else _WORDS.get(str(given).lower())
@@ -160,6 +173,6 @@ def _converted(given: Scalar, like: float) -> bool | int | float | None:
     return number
 
 
-def _admits(name: str, value: float) -> bool:
+def _admits(name: str, value: Number) -> bool:
     low, high = _RANGES.get(name, _LEAST)
     return isinstance(value, bool) or low <= value <= high

@@ -3,7 +3,7 @@
 Which of them end how is told in `stopping` and `roadmap`.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -116,10 +116,14 @@ def _accept(_: Any) -> bool:
 
 def _card(information: Any, name: str) -> PlannerCard:
     planner = getattr(og, name)(information)
-    parameters: list[PlannerParameter] = []
-    for parameter, setter in declared(planner).items():
+    try:
+        return PlannerCard(name, tuple(_parameters(planner)))
+    finally:
+        planner.setup()
+
+
+def _parameters(planner: Any) -> Iterator[PlannerParameter]:
+    for name, setter in declared(planner).items():
         value = value_of(planner, setter)
         text = str(value).lower() if isinstance(value, bool) else f"{value:g}"
-        parameters.append(PlannerParameter(parameter, text, describe_range(parameter, value)))
-    planner.setup()
-    return PlannerCard(name, tuple(parameters))
+        yield PlannerParameter(name, text, describe_range(name, value))

@@ -129,7 +129,7 @@ def checked(waypoints: Array, raw: Array, goal_row: int, closeness: Closeness) -
     fine = closeness.fine
     length = path_length(waypoints, fine)
     if closeness.num_states is not None:
-        waypoints = densified(fine.manifold, waypoints, closeness.num_states)
+        waypoints = densified(fine, waypoints, closeness.num_states)
     if not all(fine.is_known_free(q0, q1) for q0, q1 in pairwise(waypoints)):
         return None
     return SoundPath(waypoints, goal_row, path_length(raw, fine), length)

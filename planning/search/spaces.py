@@ -35,6 +35,7 @@ class SearchSpace:
         ompl: OMPL's state space; it never leaves `planning.search`.
         lower: Search bounds, finite but for circles and quaternions, shape (nq,).
         upper: And above, shape (nq,).
+        is_mixed: Whether it is a compound that OMPL has no name for.
     """
 
     def __init__(
@@ -53,12 +54,14 @@ class SearchSpace:
         self.manifold = Manifold(group.joints)
         self.lower, self.upper = _search_bounds(group, limits, anchors)
         parts = _parts(group)
+        # A circle alone becomes a compound as well: `setup` of SO2StateSpace is not bound.
+        self.is_mixed = len(parts) > 1 or parts[0][0] is JointType.CONTINUOUS
         self.ompl = self._assemble(parts)
         self.ompl.setup()
         self._from_q = [i for _, indices in parts for i in indices]
         self._to_q = [int(i) for i in np.argsort(self._from_q)]
         self._angles = [i for i, wraps in zip(self._from_q, _circles(parts), strict=True) if wraps]
-        is_vector = len(parts) == 1 and isinstance(self.ompl, ob.RealVectorStateSpace)
+        is_vector = isinstance(self.ompl, ob.RealVectorStateSpace)
         self._slice = slice(0, len(self._from_q)) if is_vector else None
 
     def read(self, state: Any) -> Array:
@@ -82,7 +85,7 @@ class SearchSpace:
 
     def _assemble(self, parts: list[tuple[Any, list[int]]]) -> Any:
         spaces = [self._sub_space(kind, indices) for kind, indices in parts]
-        if len(spaces) == 1:
+        if not self.is_mixed:
             return spaces[0]
         compound = ob.CompoundStateSpace(spaces, [1.0] * len(spaces))
         compound.lock()
