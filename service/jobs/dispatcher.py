@@ -94,7 +94,7 @@ class Dispatcher:
             self._lanes[job.lane].remove(identifier)
             self._finish(job, JobEvent.CANCEL, failure=_canceled())
         elif identifier in self._running:
-            self._running[identifier].cancel()
+            self._running[identifier].cancel(self._lanes[job.lane].cancel_grace)
         return self._store.get(identifier)
 
     async def wait(self, identifier: str, seconds: float) -> Job:

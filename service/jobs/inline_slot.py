@@ -64,7 +64,7 @@ class InlineSlot:
         self._channel = None
         return outcome
 
-    def cancel(self, grace: float | None = None) -> None:
+    def cancel(self, grace: float) -> None:
         """Tell the task; there is no force here."""
         del grace
         if self._channel is not None:
@@ -72,5 +72,5 @@ class InlineSlot:
 
     async def close(self) -> None:
         """Wait for the present task, which is told to end."""
-        self.cancel()
+        self.cancel(0.0)
         await asyncio.to_thread(self._thread.shutdown)

@@ -10,17 +10,21 @@ from service.jobs.slot import Slot
 class Lane:
     """First come, first served within a priority; a slot that is warm for the job is preferred."""
 
-    def __init__(self, name: str, slots: Sequence[Slot], max_waiting: int) -> None:
+    def __init__(
+        self, name: str, slots: Sequence[Slot], max_waiting: int, cancel_grace: float = 0.25
+    ) -> None:
         """Start with every slot idle.
 
         Args:
             name: For messages.
             slots: Where its jobs run.
             max_waiting: How many jobs may wait.
+            cancel_grace: How long a canceled job may take to end by itself [s].
         """
         self.name = name
         self.slots = list(slots)
         self.max_waiting = max_waiting
+        self.cancel_grace = cancel_grace
         self._idle = list(slots)
         self._waiting: list[tuple[int, int, Job]] = []
 

@@ -16,9 +16,6 @@ from service.jobs.worker import prepare, run_in_process
 
 type OnEvent = Callable[[str, dict[str, Any]], None]
 
-# How long a task may take to notice that it was canceled before its process is ended [s].
-_GRACE = 0.25
-
 
 @dataclass(frozen=True)
 class Run:
@@ -46,7 +43,7 @@ class Slot(Protocol):
         """Run a task to its end, whatever that is."""
         ...
 
-    def cancel(self, grace: float | None = None) -> None:
+    def cancel(self, grace: float) -> None:
         """Ask the present run to end; end it by force after `grace` seconds."""
         ...
 
@@ -105,14 +102,14 @@ class ProcessSlot:
             if self._kill_timer is not None:
                 self._kill_timer.cancel()
 
-    def cancel(self, grace: float | None = None) -> None:
+    def cancel(self, grace: float) -> None:
         """Tell the task, and end its process if it has not ended by itself in time."""
         if self._future is None or self._was_canceled:
             return
         self._was_canceled = True
         self._control_out.send_bytes(self._token.to_bytes(8))
         loop = asyncio.get_running_loop()
-        self._kill_timer = loop.call_later(_GRACE if grace is None else grace, self._future.cancel)
+        self._kill_timer = loop.call_later(grace, self._future.cancel)
 
     async def close(self) -> None:
         """End the process, whatever it does."""

@@ -95,7 +95,7 @@ class JobStore:
         with self._engine.connect() as connection:
             return self._get(connection, identifier)
 
-    def list(
+    def page(
         self,
         lane: str,
         *,

@@ -1,0 +1,40 @@
+"""A dispatcher on a real database with real processes."""
+
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from pathlib import Path
+
+from service.jobs.dispatcher import Dispatcher
+from service.jobs.inline_slot import InlineSlot
+from service.jobs.lane import Lane
+from service.jobs.ownership import Ownership
+from service.jobs.records import JobSpec
+from service.jobs.slot import ProcessSlot, Slot
+from service.jobs.store import JobStore, open_engine
+
+TASKS = "tests.service.jobs.fake_tasks"
+
+
+def spec(task: str, /, **options: object) -> JobSpec:
+    return JobSpec(**{"lane": "plan", "task": f"{TASKS}:{task}", "payload": {}, **options})
+
+
+@asynccontextmanager
+async def running(
+    folder: Path, *, slots: int = 1, inline: bool = False, max_waiting: int = 100
+) -> AsyncIterator[tuple[Dispatcher, JobStore]]:
+    """Run a dispatcher on the database in a folder."""
+    engine = open_engine(f"sqlite:///{folder / 'jobs.sqlite'}")
+    store = JobStore(engine)
+
+    def slot() -> Slot:
+        return InlineSlot(is_exclusive=False) if inline else ProcessSlot([TASKS])
+
+    lanes = {"plan": Lane("plan", [slot() for _ in range(slots)], max_waiting)}
+    dispatcher = Dispatcher(store, Ownership(engine), lanes)
+    await dispatcher.start(f"{TASKS}:warm")
+    try:
+        yield dispatcher, store
+    finally:
+        await dispatcher.stop()
+        engine.dispose()

@@ -1,0 +1,67 @@
+"""Tasks that behave, hang, crash and lie."""
+
+import ctypes
+import os
+import signal
+import time
+from pathlib import Path
+from typing import Any
+
+from planning.errors import Canceled, GoalUnreachable
+from service.tasks.channel import Channel
+
+
+def echo(payload: dict[str, Any], channel: Channel) -> dict[str, Any]:
+    channel.emit("stage", {"stage": "echo", "progress": 0.5})
+    return {"echo": payload, "pid": os.getpid()}
+
+
+def warm(_: dict[str, Any], __: Channel) -> dict[str, Any]:
+    return {}
+
+
+def refuse(_: dict[str, Any], __: Channel) -> dict[str, Any]:
+    raise GoalUnreachable("too far", {"metres": 2.0})
+
+
+def blunder(_: dict[str, Any], __: Channel) -> dict[str, Any]:
+    return {"x": {}["missing"]}
+
+
+def leave(_: dict[str, Any], __: Channel) -> dict[str, Any]:
+    raise SystemExit(3)
+
+
+def spin(_: dict[str, Any], channel: Channel) -> dict[str, Any]:
+    """Run until canceled, in Python."""
+    channel.emit("stage", {"stage": "spin", "progress": 0.1, "pid": os.getpid()})
+    while not channel.is_canceled():
+        time.monotonic()
+    raise Canceled("noticed")
+
+
+def hang(_: dict[str, Any], channel: Channel) -> dict[str, Any]:
+    """Sleep in C with the interpreter's lock held: no signal handler, no thread can run."""
+    channel.emit("stage", {"stage": "hang", "progress": 0.1, "pid": os.getpid()})
+    ctypes.PyDLL(None).sleep(30)
+    return {}
+
+
+def segfault(_: dict[str, Any], __: Channel) -> dict[str, Any]:
+    os.kill(os.getpid(), signal.SIGSEGV)
+    return {}
+
+
+def die_once(payload: dict[str, Any], _: Channel) -> dict[str, Any]:
+    """End the process at the first attempt, return at the second."""
+    marker = Path(payload["marker"])
+    if not marker.exists():
+        marker.touch()
+        os._exit(7)
+    return {"attempt": 2}
+
+
+def chatter(payload: dict[str, Any], channel: Channel) -> dict[str, Any]:
+    for i in range(payload["count"]):
+        channel.emit("note", {"i": i, "text": "x" * payload["size"]})
+    return {}
