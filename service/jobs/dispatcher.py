@@ -180,9 +180,7 @@ class Dispatcher:
         elif job.state is JobState.QUEUED:
             self._lanes[job.lane].add(job)
         elif job.attempts < job.max_attempts:
-            again = self._store.move(job.id, JobEvent.REQUEUE)
-            if again is not None:
-                self._lanes[job.lane].add(again)
+            self._queue_again(job)
         else:
             error = ServerRestarted("the server ended while this ran", {"attempts": job.attempts})
             self._finish(job, JobEvent.FAIL, failure=failure_of(error))
@@ -215,26 +213,28 @@ class Dispatcher:
 
     def _conclude(self, job: Job, outcome: Outcome) -> None:
         """Write a run's end into the table; a job whose process died may run again."""
-        wanted = self._store.get(job.id).is_cancel_requested
+        is_unwanted = self._store.get(job.id).is_cancel_requested
         match outcome:
             case Returned(result=result):
                 self._finish(job, JobEvent.SUCCEED, result=result)
-            case Raised(error=Canceled() as error):
-                self._finish(job, JobEvent.CANCEL, failure=failure_of(error))
             case Raised(error=error):
-                self._finish(job, JobEvent.FAIL, failure=failure_of(error))
+                happened = JobEvent.CANCEL if isinstance(error, Canceled) else JobEvent.FAIL
+                self._finish(job, happened, failure=failure_of(error))
             case Ended():
                 self._finish(job, JobEvent.CANCEL, failure=_canceled())
-            case Crashed() if wanted:
+            case Crashed() | TimedOut() if is_unwanted:
                 self._finish(job, JobEvent.CANCEL, failure=_canceled())
             case Crashed() if job.attempts < job.max_attempts:
-                again = self._store.move(job.id, JobEvent.REQUEUE)
-                if again is not None:
-                    self._lanes[job.lane].add(again)
-                self._tell(job.id)
+                self._queue_again(job)
             case Crashed() | TimedOut():
                 error = _error_of(outcome, job.attempts)
                 self._finish(job, JobEvent.FAIL, failure=failure_of(error))
+
+    def _queue_again(self, job: Job) -> None:
+        again = self._store.move(job.id, JobEvent.REQUEUE)
+        if again is not None:
+            self._lanes[job.lane].add(again)
+        self._tell(job.id)
 
     def _finish(
         self,

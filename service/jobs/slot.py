@@ -4,9 +4,10 @@ import asyncio
 import multiprocessing
 import pickle
 from collections.abc import Callable, Sequence
-from concurrent.futures import CancelledError, TimeoutError as FutureTimeoutError
+from concurrent.futures import CancelledError
+from concurrent.futures import TimeoutError as FutureTimeoutError
 from dataclasses import dataclass
-from multiprocessing.connection import Connection
+from multiprocessing.connection import Connection  # noqa: TC003  (read at run time by tests)
 from typing import Any, Protocol
 
 from pebble import ProcessExpired, ProcessPool
@@ -70,17 +71,16 @@ class ProcessSlot:
         self._kill_timer: asyncio.TimerHandle | None = None
         self._on_event: OnEvent | None = None
         self._parts: list[bytes] = []
-        self._pool: Any = None
+        self._pool: ProcessPool | None = None
         self._open_pipes()
 
     async def run(self, run: Run) -> Outcome:
         """Run a task to its end; a worker that dies is replaced before the next run."""
         self._token += 1
         self._on_event, self._parts, self._was_canceled = run.on_event, [], False
-        if self._pool is None or not self._pool.active:
-            self._open_pool()
+        pool = self._active_pool()
         arguments = [run.task, run.payload, self._token]
-        self._future = self._pool.schedule(run_in_process, args=arguments, timeout=run.allowed)
+        self._future = pool.schedule(run_in_process, args=arguments, timeout=run.allowed)
         try:
             return await asyncio.wrap_future(self._future)
         except FutureTimeoutError:
@@ -119,13 +119,16 @@ class ProcessSlot:
         await self._close_pool()
         self._close_pipes()
 
-    def _open_pool(self) -> None:
-        self._pool = ProcessPool(
-            max_workers=1,
-            context=self._context,
-            initializer=prepare,
-            initargs=[self._event_out, self._control_in, self._guard_in],
-        )
+    def _active_pool(self) -> ProcessPool:
+        """Return the pool; a new one if there is none that works."""
+        if self._pool is None or not self._pool.active:
+            self._pool = ProcessPool(
+                max_workers=1,
+                context=self._context,
+                initializer=prepare,
+                initargs=[self._event_out, self._control_in, self._guard_in],
+            )
+        return self._pool
 
     async def _close_pool(self) -> None:
         pool, self._pool = self._pool, None

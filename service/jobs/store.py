@@ -2,7 +2,7 @@
 
 import secrets
 import threading
-from collections.abc import Iterator
+from collections.abc import Generator
 from contextlib import contextmanager
 from datetime import UTC, datetime
 from typing import Any
@@ -62,7 +62,7 @@ class JobStore:
             known = self._by_key(connection, spec)
             if known is not None:
                 return known, False
-            row = {
+            row: dict[str, Any] = {
                 **{name: getattr(spec, name) for name in _COPIED},
                 "id": f"{spec.prefix}_{secrets.token_hex(10)}",
                 "attempts": 0,
@@ -185,17 +185,17 @@ class JobStore:
         query = select(events).where(events.c.job == identifier, events.c.number > after)
         with self._engine.connect() as connection:
             found = connection.execute(query.order_by(events.c.number))
-            return [LoggedEvent(**row._mapping) for row in found]  # noqa: SLF001  (its public name)
+            return [_event(row) for row in found]
 
     def last_event(self, identifier: str, type_: str) -> LoggedEvent | None:
         """Return the newest event of a type, if there is one."""
         query = select(events).where(events.c.job == identifier, events.c.type == type_)
         with self._engine.connect() as connection:
             row = connection.execute(query.order_by(events.c.number.desc()).limit(1)).first()
-            return None if row is None else LoggedEvent(**row._mapping)  # noqa: SLF001
+            return None if row is None else _event(row)
 
     @contextmanager
-    def _write(self) -> Iterator[Connection]:
+    def _write(self) -> Generator[Connection]:
         with self._lock, self._engine.begin() as connection:
             yield connection
 
@@ -253,10 +253,20 @@ _EVENT_NAMES = {
 
 
 def _job(row: Row[Any]) -> Job:
-    fields = dict(row._mapping)  # noqa: SLF001  (its public name)
+    fields: dict[str, Any] = row_dict(row)
     for name in ("created_at", "started_at", "finished_at"):
         fields[name] = datetime.fromisoformat(fields[name]) if fields[name] else None
-    return Job(**{**fields, "state": JobState(fields["state"])})
+    fields["state"] = JobState(fields["state"])
+    return Job(**fields)
+
+
+def _event(row: Row[Any]) -> LoggedEvent:
+    return LoggedEvent(**row_dict(row))
+
+
+def row_dict(row: Row[Any]) -> dict[str, Any]:
+    """Return a row by column name."""
+    return dict(row._mapping)  # noqa: SLF001  # pyright: ignore[reportPrivateUsage]  (public)
 
 
 def _now() -> str:
