@@ -7,7 +7,7 @@ from fastapi import FastAPI
 
 from service import openapi, problems
 from service.body_limit import BodyLimit
-from service.desk import open_desk
+from service.engine import open_desk
 from service.plans.versions import versions
 from service.routes import (
     executions,

@@ -4,7 +4,8 @@ from typing import Annotated
 
 from fastapi import Depends, Request
 
-from service.desk import Desk, JobView
+from service.desk import Desk
+from service.jobs.records import Job
 from service.routes.answers import ExecutionId, PlanId
 from service.scenes.shelf import SceneShelf
 from service.settings import Settings
@@ -30,13 +31,13 @@ type ScenesDep = Annotated[SceneShelf, Depends(_scenes)]
 type DeskDep = Annotated[Desk, Depends(_desk)]
 
 
-async def _plan_job(plan: PlanId, desk: DeskDep) -> JobView:
+async def _plan_job(plan: PlanId, desk: DeskDep) -> Job:
     return await desk.job("plan", plan)
 
 
-async def _execution_job(execution: ExecutionId, desk: DeskDep) -> JobView:
+async def _execution_job(execution: ExecutionId, desk: DeskDep) -> Job:
     return await desk.job("execution", execution)
 
 
-type PlanJob = Annotated[JobView, Depends(_plan_job)]
-type ExecutionJob = Annotated[JobView, Depends(_execution_job)]
+type PlanJob = Annotated[Job, Depends(_plan_job)]
+type ExecutionJob = Annotated[Job, Depends(_execution_job)]

@@ -1,25 +1,205 @@
-"""Desk: where endpoints hand in jobs and questions."""
+"""Desk: where endpoints hand in jobs and questions; one dispatcher stands behind it."""
 
+import asyncio
+import hashlib
+import json
+import secrets
+from collections.abc import AsyncIterator, Mapping
 from dataclasses import dataclass
-from datetime import datetime
 from typing import Any
+
+from anyio import to_thread
+from pydantic import BaseModel
+
+from service.errors import UnknownResource
+from service.jobs.dispatcher import Dispatcher
+from service.jobs.errors import UnknownJob
+from service.jobs.records import Job, JobSpec, LoggedEvent
+from service.jobs.store import JobStore
+from service.scenes.records import SceneRecord
+from service.scenes.shelf import SceneShelf
+from service.settings import Settings
+
+LANES = ("plan", "query", "execution")
+_PREFIXES = {"plan": "pln", "execution": "exe"}
+# A robot that has moved is not where a second attempt would begin.
+_ATTEMPTS = {"plan": 2, "execution": 1}
+_CHUNK = 20
 
 
 @dataclass(frozen=True)
-class JobView:
-    id: str
-    serial: int
-    state: str
-    stage: str
-    progress: float
-    created_at: datetime
-    started_at: datetime | None
-    finished_at: datetime | None
-    payload: dict[str, Any]
-    result: dict[str, Any] | None
-    failure: dict[str, Any] | None
-    is_cancel_requested: bool
+class JobPage:
+    """Some jobs of a lane, newest first, and the cursor of those that follow."""
+
+    jobs: list[Job]
+    following: str | None
+
+
+class Desk:
+    """Takes jobs and questions from coroutines of one event loop."""
+
+    def __init__(
+        self, settings: Settings, store: JobStore, dispatcher: Dispatcher, scenes: SceneShelf
+    ) -> None:
+        """Put the parts together; the dispatcher runs already."""
+        self._settings = settings
+        self._store = store
+        self._dispatcher = dispatcher
+        self._scenes = scenes
+        self._planners: list[dict[str, Any]] = []
+        self.admitting_motion = asyncio.Lock()
 
     @property
-    def is_final(self) -> bool:
-        return self.state in {"succeeded", "failed", "canceled"}
+    def common(self) -> dict[str, Any]:
+        """What every task is told: which robots may be loaded."""
+        roots = [str(root.resolve()) for root in self._settings.model_roots]
+        return {"library": {"model_roots": roots, "allow_paths": self._settings.may_load_paths}}
+
+    async def scene_payload(self, record: SceneRecord) -> dict[str, Any]:
+        """Return what a task is told of a scene."""
+        file = await self._scenes.file(record)
+        return {**self.common, "scene": {"digest": record.digest, "document": str(file)}}
+
+    async def ask(self, task: str, payload: dict[str, Any], warm_key: str = "") -> Any:
+        """Run a short task in the query lane and return its answer.
+
+        Raises:
+            WayproofError: What the task raised, or that it took too long, or that it crashed.
+        """
+        allowed = self._settings.query_timeout
+        return await self._dispatcher.call(
+            task, payload, lane="query", allowed=allowed, warm_key=warm_key
+        )
+
+    async def ask_scene(self, task: str, record: SceneRecord, request: BaseModel) -> Any:
+        """Ask a loaded scene something; raises as `ask`."""
+        payload = {**await self.scene_payload(record), "request": request.model_dump(mode="json")}
+        return await self.ask(task, payload, record.digest)
+
+    async def planners(self) -> list[dict[str, Any]]:
+        """Return all planners; they are asked for once, because they never change."""
+        if not self._planners:
+            self._planners = (await self.ask("service.tasks.planners:name_planners", {}))["items"]
+        return self._planners
+
+    def submit(self, spec: JobSpec) -> Job:
+        """Queue a job; it is durable when this returns.
+
+        Raises:
+            QueueFull: Its lane has as many waiting jobs as it may.
+            IdempotencyConflict: Its key was used for another request.
+        """
+        return self._dispatcher.submit(spec)
+
+    def known(self, spec: JobSpec) -> Job | None:
+        """Return the job that the spec's idempotency key names, if there is one.
+
+        Raises:
+            IdempotencyConflict: The key was used for another request.
+        """
+        if spec.key is None:
+            return None
+        return self._store.known(spec.lane, spec.key, spec.request_digest)
+
+    async def job(self, lane: str, identifier: str) -> Job:
+        """Return a job.
+
+        Raises:
+            UnknownResource: The lane has none of that id.
+        """
+        if not identifier.startswith(f"{_PREFIXES[lane]}_"):
+            raise UnknownResource.of(lane, identifier)
+        try:
+            return await to_thread.run_sync(self._store.get, identifier)
+        except UnknownJob as fault:
+            raise UnknownResource.of(lane, identifier) from fault
+
+    async def page(
+        self,
+        lane: str,
+        limit: int,
+        cursor: str | None,
+        *,
+        state: str | None = None,
+        scene: str | None = None,
+    ) -> JobPage:
+        """Return jobs of a lane, newest first, from a cursor on."""
+        before = None if cursor is None else int(cursor)
+
+        def read() -> list[Job]:
+            return self._store.page(lane, state=state, scene=scene, before=before, limit=limit + 1)
+
+        found = await to_thread.run_sync(read)
+        following = str(found[limit - 1].serial) if len(found) > limit else None
+        return JobPage(found[:limit], following)
+
+    async def newest(self, lane: str, scene: str) -> AsyncIterator[Job]:
+        """Yield the jobs of a lane in a scene, newest first."""
+        cursor: str | None = None
+        while True:
+            page = await self.page(lane, _CHUNK, cursor, scene=scene)
+            for job in page.jobs:
+                yield job
+            if (cursor := page.following) is None:
+                return
+
+    async def wait(self, job: Job, seconds: float) -> Job:
+        """Return a job when it has ended, or as it is after so many seconds."""
+        return await self._dispatcher.wait(job.id, seconds) if seconds > 0 else job
+
+    def cancel(self, job: Job) -> Job:
+        """Ask for the end of a job, whatever its state."""
+        return self._dispatcher.cancel(job.id)
+
+    async def events(self, job: Job, after: int) -> AsyncIterator[LoggedEvent]:
+        """Yield a job's events with numbers above `after`, until it has ended."""
+        async for event in self._dispatcher.subscribe(job.id, after):
+            yield event
+
+    async def last_event(self, job: Job, event_type: str) -> LoggedEvent | None:
+        """Return the newest event of a type, if there is one."""
+        return await to_thread.run_sync(self._store.last_event, job.id, event_type)
+
+    async def counts(self) -> dict[str, dict[str, int]]:
+        """Return how many jobs there are, by state and lane."""
+        found = await to_thread.run_sync(self._store.counts)
+        counts: dict[str, dict[str, int]] = {
+            state: dict.fromkeys(LANES, 0)
+            for state in ("queued", "running", "succeeded", "failed", "canceled")
+        }
+        for (lane, state), number in found.items():
+            counts[state][lane] = number
+        return counts
+
+    def new_controls(self) -> str:
+        """Return the path of a file through which an execution can be steered."""
+        folder = self._settings.data_dir.resolve() / "controls"
+        return str(folder / f"{secrets.token_hex(8)}.json")
+
+
+def spec_of(
+    lane: str,
+    task: str,
+    payload: dict[str, Any],
+    *,
+    scene: SceneRecord,
+    key: str | None,
+    allowed: float | None = None,
+) -> JobSpec:
+    """Return the spec of a job about a scene; `payload["request"]` is what its key stands for."""
+    return JobSpec(
+        lane=lane,
+        task=task,
+        payload=payload,
+        prefix=_PREFIXES[lane],
+        scene=scene.id,
+        warm_key=scene.digest,
+        allowed=allowed,
+        max_attempts=_ATTEMPTS[lane],
+        key=key,
+        request_digest=_digest(payload["request"]),
+    )
+
+
+def _digest(request: Mapping[str, Any]) -> str:
+    return hashlib.sha256(json.dumps(request, sort_keys=True).encode()).hexdigest()

@@ -9,6 +9,7 @@ from typing import Any, ClassVar
 
 from planning import errors as planning_errors
 from planning.errors import Evidence, UnknownName, WayproofError
+from service.jobs import errors as job_errors
 
 
 class Refusal(WayproofError):
@@ -16,11 +17,9 @@ class Refusal(WayproofError):
 
     Attributes:
         status: The HTTP status of the answer.
-        headers: More headers of the answer.
     """
 
     status: ClassVar[int] = 400
-    headers: ClassVar[dict[str, str]] = {}
 
 
 class UnreadableBody(Refusal):
@@ -54,13 +53,6 @@ class WrongCount(Refusal):
     """A list of joint values that does not fit the group; evidence: `expected`, `got`, `names`."""
 
     code = "wrong_joint_count"
-    status = 409
-
-
-class IdempotencyConflict(Refusal):
-    """The same Idempotency-Key came with a different request; evidence: `key`, `id`."""
-
-    code = "idempotency_conflict"
     status = 409
 
 
@@ -120,22 +112,6 @@ class UnknownInScene(Refusal):
     status = 422
 
 
-class TooBusy(Refusal):
-    """The queue is full; try again later. Evidence: `queued`, `bound`."""
-
-    code = "queue_full"
-    status = 429
-    headers: ClassVar[dict[str, str]] = {"Retry-After": "1"}
-
-
-class WorkerLost(Refusal):
-    """The process that worked on this request died or hung; the scene or robot may be at fault."""
-
-    code = "worker_lost"
-    status = 503
-    headers: ClassVar[dict[str, str]] = {"Retry-After": "1"}
-
-
 # What the scene does not have is impossible there (409); what nobody has is a fault of the payload.
 _IN_SCENE = frozenset({"body", "configuration", "frame", "group", "joint", "object"})
 
@@ -148,6 +124,12 @@ _STATUS: dict[type[WayproofError], int] = {
     planning_errors.IllegalTransition: 409,
     planning_errors.InputError: 422,
     planning_errors.PlanningFailure: 409,
+    planning_errors.DeadlineExceeded: 503,
+    job_errors.IdempotencyConflict: 409,
+    job_errors.QueueFull: 429,
+    job_errors.UnknownJob: 404,
+    job_errors.WorkerCrashed: 503,
+    job_errors.InternalError: 500,
     planning_errors.ExecutionFailure: 409,
     WayproofError: 500,
 }

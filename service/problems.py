@@ -60,8 +60,9 @@ def respond(error: WayproofError) -> ProblemResponse:
     """Return the answer to a request that ended with one of our errors."""
     status = status_of_error(error)
     content = problem_of(error.code, status, error.detail, finite(error.evidence))
-    headers = error.headers if isinstance(error, Refusal) else None
-    return ProblemResponse(content, status, headers)
+    is_passing = status in {429, 503}
+    headers = {"Retry-After": str(math.ceil(error.evidence.get("retry_after", 1)))}
+    return ProblemResponse(content, status, headers if is_passing else None)
 
 
 def refusal_of(faults: Sequence[Mapping[str, Any]]) -> Refusal:

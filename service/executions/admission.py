@@ -1,7 +1,8 @@
 """Admission: what must be so before a plan is carried out."""
 
-from service.desk import Desk, JobView
+from service.desk import Desk, spec_of
 from service.executions.whereabouts import require_at_start
+from service.jobs.records import Job
 from service.plans.wire import polynomial_of
 from service.scenes.preflight import require_group
 from service.scenes.shelf import SceneShelf
@@ -12,7 +13,7 @@ TASK = "service.tasks.execute:execute"
 
 async def submit_execution(
     request: ExecutionRequest, key: str | None, scenes: SceneShelf, desk: Desk
-) -> JobView:
+) -> Job:
     """Queue an execution.
 
     Raises:
@@ -20,7 +21,7 @@ async def submit_execution(
         NotFinished: The plan has no trajectory.
         RobotBusy: Another execution moves the group.
         StartMismatch: The plan starts elsewhere.
-        TooBusy: The queue is full.
+        QueueFull: The queue is full.
     """
     plan = await desk.job("plan", request.plan)
     polynomial = polynomial_of(plan)
@@ -36,10 +37,10 @@ async def submit_execution(
         "speed": request.speed,
         "controls": desk.new_controls(),
     }
-    start = (plan.result or {})["result"]["start"]
+    spec = spec_of("execution", TASK, payload, scene=record, key=key)
     # Two requests at once must not both find the robot at rest.
     async with desk.admitting_motion:
-        known = await desk.known("execution", key)
-        if known is None:
+        if desk.known(spec) is None:
+            start = (plan.result or {})["result"]["start"]
             await require_at_start(desk, record, group, start)
-        return await desk.submit("execution", TASK, payload, scene=record.id, key=key)
+        return desk.submit(spec)

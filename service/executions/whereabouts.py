@@ -4,8 +4,9 @@ import math
 from typing import Any
 
 from planning.domain.joints import Joint, JointType
-from service.desk import Desk, JobView
+from service.desk import Desk
 from service.errors import RobotBusy, StartMismatch
+from service.jobs.records import Job
 from service.scenes.preflight import Group
 from service.scenes.records import SceneRecord
 
@@ -48,7 +49,7 @@ async def position_of(desk: Desk, scene: SceneRecord, group: Group) -> list[floa
     async for job in desk.newest("execution", scene=scene.id):
         if job.payload["group"] != group["name"]:
             continue
-        if not job.is_final:
+        if not job.state.is_final:
             message = f"execution {job.id} moves {group['name']}; wait for its end, or cancel it"
             raise RobotBusy(message, {"execution": job.id, "group": group["name"]})
         status = await last_status(desk, job)
@@ -59,7 +60,7 @@ async def position_of(desk: Desk, scene: SceneRecord, group: Group) -> list[floa
     return positions
 
 
-async def last_status(desk: Desk, job: JobView) -> dict[str, Any] | None:
+async def last_status(desk: Desk, job: Job) -> dict[str, Any] | None:
     """Return the last status that an execution told, None if it never moved."""
     if job.result is not None:
         told: dict[str, Any] = job.result["status"]

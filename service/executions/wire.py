@@ -2,13 +2,14 @@
 
 from typing import Any
 
-from service.desk import Desk, JobView
+from service.desk import Desk
 from service.executions.whereabouts import last_status
+from service.jobs.records import Job
 
 _FINAL = {"succeeded": "succeeded", "failed": "aborted", "canceled": "canceled"}
 
 
-async def execution_resource(desk: Desk, job: JobView) -> dict[str, Any]:
+async def execution_resource(desk: Desk, job: Job) -> dict[str, Any]:
     """Return an execution in full."""
     status = await last_status(desk, job)
     state = state_of(job, status)
@@ -26,7 +27,7 @@ async def execution_resource(desk: Desk, job: JobView) -> dict[str, Any]:
     }
 
 
-def state_of(job: JobView, status: dict[str, Any] | None) -> str:
+def state_of(job: Job, status: dict[str, Any] | None) -> str:
     """Return the state of an execution: the job's where that is final, else what it told last."""
     if job.state in _FINAL:
         return _FINAL[job.state]

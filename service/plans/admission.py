@@ -3,17 +3,19 @@
 from typing import Any
 
 from planning.errors import UnknownName
-from service.desk import Desk, JobView
+from service.desk import Desk, spec_of
+from service.jobs.records import Job
 from service.scenes.preflight import require_count, require_goal, require_group
 from service.scenes.shelf import SceneShelf
 from service.schemas.plan import PlanRequest, SearchWire
 
 TASK = "service.tasks.plan:plan_motion"
 
+# A plan minds its deadline by itself; a process that is this much too late hangs [s].
+_SLACK = 15.0
 
-async def submit_plan(
-    request: PlanRequest, key: str | None, scenes: SceneShelf, desk: Desk
-) -> JobView:
+
+async def submit_plan(request: PlanRequest, key: str | None, scenes: SceneShelf, desk: Desk) -> Job:
     """Queue a plan.
 
     Args:
@@ -27,7 +29,7 @@ async def submit_plan(
         UnknownName: The scene has no such group, frame or configuration; nobody has the planner.
         WrongCount: A list of positions does not fit the group.
         IdempotencyConflict: The key was used for another request.
-        TooBusy: The queue is full.
+        QueueFull: The queue is full.
     """
     record = await scenes.get(request.scene, request.revision)
     group = require_group(record, request.group)
@@ -40,7 +42,8 @@ async def submit_plan(
         "request": request.model_dump(mode="json"),
         "revision": record.revision,
     }
-    return await desk.submit("plan", TASK, payload, scene=record.id, key=key)
+    allowed = request.search.allowed_planning_time + _SLACK
+    return desk.submit(spec_of("plan", TASK, payload, scene=record, key=key, allowed=allowed))
 
 
 def require_planner(planners: list[dict[str, Any]], search: SearchWire) -> None:

@@ -2,12 +2,12 @@
 
 from typing import Any
 
-from service.desk import JobView
 from service.errors import NotFinished
+from service.jobs.records import Job
 from service.plans.versions import versions
 
 
-def job_brief(job: JobView) -> dict[str, Any]:
+def job_brief(job: Job) -> dict[str, Any]:
     """Return a plan without its result."""
     request = job.payload["request"]
     done = job.result or {}
@@ -28,12 +28,12 @@ def job_brief(job: JobView) -> dict[str, Any]:
     }
 
 
-def job_resource(job: JobView) -> dict[str, Any]:
+def job_resource(job: Job) -> dict[str, Any]:
     """Return a plan in full."""
     return {**job_brief(job), "result": (job.result or {}).get("result")}
 
 
-def polynomial_of(job: JobView) -> dict[str, Any]:
+def polynomial_of(job: Job) -> dict[str, Any]:
     """Return the exact trajectory of a plan.
 
     Raises:

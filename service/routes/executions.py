@@ -57,7 +57,7 @@ async def create_execution(  # noqa: PLR0913  (one parameter per header)
     job = await submit_execution(request, idempotency_key, scenes, desk)
     job = await desk.wait(job, seconds_to_wait(wait, prefer, settings.max_wait))
     response.headers["Location"] = f"/v1/executions/{job.id}"
-    if job.is_final:
+    if job.state.is_final:
         response.status_code = 200
     return await execution_resource(desk, job)
 
@@ -107,7 +107,7 @@ async def stream_execution_events(
 )
 async def cancel_execution(job: ExecutionJob, desk: DeskDep) -> Any:
     """Bring the robot to rest and end; asking again changes nothing."""
-    return await execution_resource(desk, await desk.cancel(job))
+    return await execution_resource(desk, desk.cancel(job))
 
 
 @router.post(

@@ -53,7 +53,7 @@ async def create_plan(  # noqa: PLR0913  (one parameter per header)
     job = await submit_plan(request, idempotency_key, scenes, desk)
     job = await desk.wait(job, seconds_to_wait(wait, prefer, settings.max_wait))
     response.headers["Location"] = f"/v1/plans/{job.id}"
-    if job.is_final:
+    if job.state.is_final:
         response.status_code = 200
     return job_resource(job)
 
@@ -96,4 +96,4 @@ async def stream_plan_events(
 )
 async def cancel_plan(job: PlanJob, desk: DeskDep) -> Any:
     """End a plan, in whatever state it is; asking again changes nothing."""
-    return job_resource(await desk.cancel(job))
+    return job_resource(desk.cancel(job))

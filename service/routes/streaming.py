@@ -5,7 +5,8 @@ from typing import Any
 
 from fastapi.sse import ServerSentEvent
 
-from service.desk import Desk, JobView
+from service.desk import Desk
+from service.jobs.records import Job
 
 EVENTS: dict[str, Any] = {
     "description": "Server-sent events with ids; `data` is JSON. The stream ends with the job",
@@ -14,10 +15,10 @@ EVENTS: dict[str, Any] = {
 
 
 async def server_sent(
-    desk: Desk, job: JobView, last_event_id: str | None
+    desk: Desk, job: Job, last_event_id: str | None
 ) -> AsyncIterator[ServerSentEvent]:
     """Yield what happened to a job after an event, and what happens from now on, to its end."""
     # An id that is not ours is from another stream: then everything is sent.
     is_ours = last_event_id is not None and last_event_id.isdecimal()
     async for event in desk.events(job, int(last_event_id) if is_ours and last_event_id else 0):
-        yield ServerSentEvent(id=str(event.id), event=event.type, data=event.data)
+        yield ServerSentEvent(id=str(event.number), event=event.type, data=event.data)

@@ -1,0 +1,64 @@
+"""open_desk(): store, dispatcher and slots, for as long as the server runs."""
+
+from collections.abc import AsyncGenerator
+from contextlib import asynccontextmanager
+
+from service.desk import LANES, Desk
+from service.jobs.dispatcher import Dispatcher
+from service.jobs.inline_slot import InlineSlot
+from service.jobs.lane import Lane
+from service.jobs.ownership import Ownership
+from service.jobs.slot import ProcessSlot, Slot
+from service.jobs.store import JobStore, open_engine
+from service.scenes.shelf import SceneShelf
+from service.scenes.store import SceneStore
+from service.settings import Settings
+
+# What the forkserver imports once, so that every worker has Drake and OMPL from its birth.
+_PRELOAD = (
+    "service.tasks.execute",
+    "service.tasks.models",
+    "service.tasks.plan",
+    "service.tasks.planners",
+    "service.tasks.queries",
+    "service.tasks.scenes",
+    "service.tasks.trajectories",
+)
+_WARM_UP = "service.tasks.warm:warm_up"
+
+
+@asynccontextmanager
+async def open_desk(settings: Settings) -> AsyncGenerator[tuple[Desk, SceneShelf]]:
+    """Run jobs from here on; what an earlier server left is taken up again.
+
+    Raises:
+        DatabaseInUse: Another server works on this database.
+    """
+    settings.data_dir.mkdir(parents=True, exist_ok=True)
+    engine = open_engine(settings.url)
+    store = JobStore(engine)
+    lanes = {name: _lane(settings, name) for name in LANES}
+    dispatcher = Dispatcher(store, Ownership(engine), lanes)
+    scenes = SceneStore(engine, settings.data_dir / "scenes")
+    try:
+        scenes.open()
+        await dispatcher.start(_WARM_UP if settings.engine == "process" else None)
+        try:
+            shelf = SceneShelf(scenes)
+            yield Desk(settings, store, dispatcher, shelf), shelf
+        finally:
+            await dispatcher.stop()
+    finally:
+        engine.dispose()
+
+
+def _lane(settings: Settings, name: str) -> Lane:
+    count: int = getattr(settings, f"{name}_slots")
+    return Lane(name, [_slot(settings, name) for _ in range(count)], settings.max_queued)
+
+
+def _slot(settings: Settings, lane: str) -> Slot:
+    if settings.engine == "inline":
+        # Executions go on while something is planned; OMPL and Drake take turns.
+        return InlineSlot(is_exclusive=lane != "execution")
+    return ProcessSlot(_PRELOAD)
