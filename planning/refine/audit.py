@@ -3,7 +3,6 @@
 from typing import Any
 
 import numpy as np
-from jaxtyping import Float64
 
 from planning.domain.curve import JointSpline
 from planning.domain.joints import JointGroup, JointLimits

@@ -15,8 +15,8 @@ type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # Cubic pieces: the acceleration is continuous, which is what both retimers need.
 ORDER = 4
-# More control points make a quicker motion and a slower optimiser; past 12 little is gained.
-_COUNTS = (12, 14, 16)
+# More control points make a quicker motion and a slower optimiser; past 14 little is gained.
+_COUNTS = (14, 17)
 # A fit that strays less from the path [rad or m] is near enough to start from.
 _CLOSE = 0.15
 _NUM_SAMPLES = 161

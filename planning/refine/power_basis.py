@@ -21,7 +21,7 @@ def joint_spline(joints: tuple[Joint, ...], spline: BsplineTrajectory) -> JointS
     """
     knots = np.unique(np.array(spline.basis().knots()))
     begin, length = spline.start_time(), spline.end_time() - spline.start_time()
-    lefts = knots[:-1]
+    lefts: list[float] = knots[:-1].tolist()
     bases = spline.vector_values(lefts).T
     terms = [np.zeros_like(bases)]
     for k in range(1, spline.basis().order()):

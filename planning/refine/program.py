@@ -21,7 +21,6 @@ from jaxtyping import Float64
 from pydrake.multibody.inverse_kinematics import MinimumDistanceLowerBoundConstraint
 from pydrake.planning import KinematicTrajectoryOptimization
 from pydrake.solvers import SnoptSolver, SolverOptions
-from pydrake.trajectories import BsplineTrajectory
 
 from planning.domain.joints import JointGroup, JointLimits
 from planning.domain.value import Value
@@ -42,7 +41,7 @@ _LONGEST, _BRIEFEST = 1.5, 0.01
 # Found by measurement: short steps from a guess that is nearly free solve problems that long
 # steps leave by a jump through an obstacle.
 _OPTIONS = {
-    "Major iterations limit": 25,
+    "Major iterations limit": 15,
     "Major step limit": 0.05,
     "Major feasibility tolerance": 1e-4,
     "Major optimality tolerance": 1e-3,
@@ -85,7 +84,10 @@ class CurveProgram:
     ) -> None:
         """Pose the problem without instants; `guess` are control points, whose ends stay."""
         self._limits = limits
-        self._guess = guess
+        self.guess = guess
+        self._jerk = jerk
+        self._model = world.drake
+        self._box: Any = None
         self._indices = world.drake.position_indices(group)
         self._full = world.embed(group, guess)
         self.guessed_duration = _least_duration(guess, limits, jerk=jerk)
@@ -93,9 +95,9 @@ class CurveProgram:
         self._context = self._checker.MakeStandaloneModelContext()
         self._kto = KinematicTrajectoryOptimization(spline_of(self._full, self.guessed_duration))
         self._x = np.array(self._kto.prog().initial_guess())
-        self._hold_others(world)
+        self._hold_others()
         self._bound_positions()
-        self._bound_rates(jerk=jerk)
+        self._bound_rates()
         self._kto.AddDurationCost(1.0)
         self._kto.AddPathLengthCost(_LENGTH_WEIGHT)
 
@@ -110,6 +112,27 @@ class CurveProgram:
             )
             self._kto.AddPathPositionConstraint(distance, float(s))
 
+    def stay_near(self, points: Float64[np.ndarray, "n nq"], seconds: float) -> None:
+        """Start again from control points, and keep each within a box around them.
+
+        Args:
+            points: Of the group's q.
+            seconds: Half of the box's sides, as the time to cross it at the velocity limit.
+        """
+        program = self._kto.get_mutable_prog()
+        if self._box is not None:
+            program.RemoveConstraint(self._box)
+        reach = seconds * _rate_bounds(self._limits)[0]
+        inner = self._kto.control_points()[self._indices, 1:-1].T
+        self._box = program.AddBoundingBoxConstraint(
+            (points[1:-1] - reach).ravel(), (points[1:-1] + reach).ravel(), inner.ravel()
+        )
+        duration = _least_duration(points, self._limits, jerk=self._jerk)
+        full = np.repeat(self._full[:1], len(points), axis=0)
+        full[:, self._indices] = points
+        self._kto.SetInitialGuess(spline_of(self._model.follow(full), duration))
+        self._x = np.array(self._kto.prog().initial_guess())
+
     def solve(self, seconds: float) -> Solution:
         """Solve from where the last call stopped; `seconds` is only a safety net.
 
@@ -121,23 +144,24 @@ class CurveProgram:
             options.SetOption(SnoptSolver.id(), name, value)
         solved = SnoptSolver().Solve(self._kto.prog(), self._x, options)
         self._x = np.array(solved.get_x_val())
-        spline: BsplineTrajectory = self._kto.ReconstructTrajectory(solved)
+        spline = self._kto.ReconstructTrajectory(solved)
+        details: Any = solved.get_solver_details()
         points = np.array(spline.control_points())[:, self._indices, 0]
         # The solver keeps linear bounds to its tolerance only; the hull must lie within.
         points = np.clip(points, self._limits.lower, self._limits.upper)
-        points[[0, -1]] = self._guess[[0, -1]]
+        points[[0, -1]] = self.guess[[0, -1]]
         return Solution(
             points,
             float(spline.end_time()),
             bool(solved.is_success()),
-            solved.get_solver_details().info == _TIMED_OUT,
+            bool(details.info == _TIMED_OUT),
         )
 
-    def _hold_others(self, world: World) -> None:
+    def _hold_others(self) -> None:
         """Fix what is not the group's, and let mimic joints follow."""
         program, points = self._kto.get_mutable_prog(), self._kto.control_points()
         followers: set[int] = set()
-        for coupling in world.drake.couplings:
+        for coupling in self._model.couplings:
             follower, leader = coupling.follower_position, coupling.leader_position
             if leader in self._indices:
                 followers.add(follower)
@@ -158,18 +182,18 @@ class CurveProgram:
         for row, i in enumerate(self._indices):
             lower = np.full(points.shape[1], self._limits.lower[row])
             upper = np.full(points.shape[1], self._limits.upper[row])
-            lower[[0, -1]] = upper[[0, -1]] = self._guess[[0, -1], row]
+            lower[[0, -1]] = upper[[0, -1]] = self.guess[[0, -1], row]
             program.AddBoundingBoxConstraint(lower, upper, points[i])
 
-    def _bound_rates(self, *, jerk: bool) -> None:
+    def _bound_rates(self) -> None:
         """Bound the derivatives of the group's coordinates, and of no others."""
         held = np.delete(self._kto.control_points(), self._indices, axis=0)
         held_ids = {variable.get_id() for variable in held.ravel()}
         program = self._kto.get_mutable_prog()
         velocity, acceleration, jerks = _rate_bounds(self._limits)
-        added = list(self._kto.AddVelocityBounds(*self._both_ways(velocity)))
+        added: list[Any] = list(self._kto.AddVelocityBounds(*self._both_ways(velocity)))
         added += self._kto.AddAccelerationBounds(*self._both_ways(acceleration))
-        if jerk:
+        if self._jerk:
             added += self._kto.AddJerkBounds(*self._both_ways(jerks))
         for binding in added:
             if any(variable.get_id() in held_ids for variable in binding.variables()):
@@ -203,6 +227,7 @@ def _least_duration(
     spline = spline_of(control_points)
     longest = 0.0
     for k, bound in enumerate(_rate_bounds(limits)[: 3 if jerk else 2], start=1):
-        points = np.array(spline.MakeDerivative(k).control_points())[..., 0]
+        derivative: Any = spline.MakeDerivative(k)
+        points = np.array(derivative.control_points())[..., 0]
         longest = max(longest, float(np.max(np.abs(points) / bound)) ** (1 / k))
     return longest

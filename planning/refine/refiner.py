@@ -23,10 +23,14 @@ from planning.refine.fit import fit_control_points, spline_of, unwrapped
 from planning.refine.power_basis import joint_spline
 from planning.refine.program import SOLVER, CurveProgram, Solution
 from planning.world.margins import PairMargins
-from planning.world.world import World
+from planning.world.world import Array, World
 
 # Iterations, not seconds, decide when to give up, so that the same request gives the same bytes.
-_MAX_ROUNDS = 8
+_MAX_ROUNDS = 10
+# After so many refused solutions, steps are bounded by a box that is crossed in this time [s].
+_PATIENCE = 5
+_FIRST_BOX = 0.3
+_GROWTH = 4.0
 # Of the time that is left, what this stage may take.
 _SHARE = 0.35
 _FIRST_INSTANTS = np.linspace(0.0, 1.0, 27)[1:-1]
@@ -59,7 +63,8 @@ class _Round:
 
     curve: JointSpline
     solution: Solution
-    violated: np.ndarray
+    violated: Array
+    refusal: str
 
 
 def refine(
@@ -80,20 +85,11 @@ def refine(
     """
     path, limits = request.path, request.limits
     report = RefineReport(request.options.method, improved=False, length_before=path.length)
-    waypoints = path.waypoints
-    if request.options.method == "none":
-        return None, replace(report, reason="not asked for")
-    if not Manifold(path.group.joints).is_flat:
-        reason = (
-            "joint-space trajectory optimisation needs R^n coordinates; floating joints have none"
-        )
-        return None, replace(report, reason=reason)
-    waypoints = unwrapped(path)
-    if len(waypoints) < 2:  # noqa: PLR2004
-        return None, replace(report, reason="the path does not move")
     share = deadline.share(_SHARE)
-    if share.is_over:
-        return None, replace(report, reason="no time was left")
+    refusal = _refusal(request, share)
+    if refusal:
+        return None, replace(report, reason=refusal)
+    waypoints = unwrapped(path)
     guess = fit_control_points(waypoints, limits.per_coordinate(limits.velocity))
     guess[1:-1] = np.clip(guess[1:-1], limits.lower, limits.upper)
     ends = world.embed(path.group, waypoints[[0, -1]])
@@ -102,6 +98,19 @@ def refine(
     auditor = Auditor(world, path.group, buffers)
     report = replace(report, solver=SOLVER, duration_before=program.guessed_duration)
     return _best(program, auditor, request, share, report)
+
+
+def _refusal(request: RefineRequest, share: Deadline) -> str:
+    """Return why not to begin, or ""."""
+    if request.options.method == "none":
+        return "not asked for"
+    if not Manifold(request.path.group.joints).is_flat:
+        return (
+            "joint-space trajectory optimisation needs R^n coordinates; floating joints have none"
+        )
+    if len(unwrapped(request.path)) < 2:
+        return "the path does not move"
+    return "no time was left" if share.is_over else ""
 
 
 def _best(
@@ -117,15 +126,9 @@ def _best(
     try:
         for found in _rounds(program, auditor, request, share):
             rounds += 1
-            reason = _refusal(found, program.guessed_duration, request.limits)
-            if reason:
-                continue
-            before = program.guessed_duration if best is None else best.solution.duration
-            gained = 1 - found.solution.duration / before
-            if gained > 0:
+            reason = found.refusal
+            if not reason and (best is None or found.solution.duration < best.solution.duration):
                 best = found
-            if found.solution.converged or gained < _WORTHWHILE:
-                break
     except RuntimeError as fault:  # Drake's word for a constraint that has no value
         reason = f"the solver stopped: {fault}"
     if best is None:
@@ -142,8 +145,14 @@ def _best(
 def _rounds(
     program: CurveProgram, auditor: Auditor, request: RefineRequest, share: Deadline
 ) -> Iterator[_Round]:
-    """Solve, audit and add the violated instants, until there are no rounds or no time left."""
-    added = _FIRST_INSTANTS
+    """Solve, audit and add the violated instants, until it is good, or rounds or time run out.
+
+    Where that alone does not help (the solver has jumped through a thin wall and is pushed out
+    on the wrong side), go back to the last curve that was free, or else to the guess, and take
+    steps that are short enough; the box shrinks with every failure and grows with every success.
+    """
+    added, misses, box = _FIRST_INSTANTS, 0, np.inf
+    anchor, duration = program.guess, program.guessed_duration
     for _ in range(_MAX_ROUNDS):
         if share.is_over:
             return
@@ -151,19 +160,33 @@ def _rounds(
         solution = program.solve(share.remaining)
         if solution.cut_short:
             return
-        joints = request.path.group.joints
-        curve = joint_spline(joints, spline_of(solution.control_points))
-        added = auditor.violated(curve)
-        yield _Round(curve, solution, added)
+        found = _audited(auditor, request, solution, program.guessed_duration)
+        added = found.violated
+        yield found
+        if found.refusal:
+            misses += 1
+            if misses >= _PATIENCE:
+                box = min(box / 2, _FIRST_BOX)
+                program.stay_near(anchor, box)
+            continue
+        gained = 1 - solution.duration / duration
+        anchor, duration = solution.control_points, solution.duration
+        if (box == np.inf and solution.converged) or gained < _WORTHWHILE:
+            return
+        if box < np.inf:
+            box *= _GROWTH
+            program.stay_near(anchor, box)
 
 
-def _refusal(found: _Round, before: float, limits: JointLimits) -> str:
-    """Return what is wrong with a curve, or ""."""
-    if len(found.violated):
-        where = ", ".join(f"{s:.3f}" for s in found.violated[:5])
-        return f"the optimised curve is too near to something at s = {where}"
-    if not within_limits(found.curve, limits):
-        return "the optimised curve leaves the position limits"
-    if found.solution.duration >= before:
-        return f"the optimiser found nothing quicker than its guess of {before:.3f} s"
-    return ""
+def _audited(auditor: Auditor, request: RefineRequest, solution: Solution, before: float) -> _Round:
+    curve = joint_spline(request.path.group.joints, spline_of(solution.control_points))
+    violated = auditor.violated(curve)
+    refusal = ""
+    if len(violated):
+        where = ", ".join(f"{s:.3f}" for s in violated[:5])
+        refusal = f"the optimised curve is too near to something at s = {where}"
+    elif not within_limits(curve, request.limits):
+        refusal = "the optimised curve leaves the position limits"
+    elif solution.duration >= before:
+        refusal = f"the optimiser found nothing quicker than its guess of {before:.3f} s"
+    return _Round(curve, solution, violated, refusal)
