@@ -1,5 +1,6 @@
 """SpeedProfile: how fast a path is followed, s(t) as polynomials of degree at most three."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -9,6 +10,8 @@ from jaxtyping import Float64
 from planning.domain.value import Value
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
+
+_BISECTIONS = 60
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,35 +32,51 @@ class SpeedProfile(Value):
     j: Float64[np.ndarray, " n"]
     h: Float64[np.ndarray, " n"]
 
+    @classmethod
+    def joined(cls, parts: Sequence["SpeedProfile"]) -> "SpeedProfile":
+        """Build the profile that follows the parts one after another."""
+        return cls(
+            np.concatenate([*(part.s[:-1] for part in parts), parts[-1].s[-1:]]),
+            np.concatenate([part.v for part in parts]),
+            np.concatenate([part.a for part in parts]),
+            np.concatenate([part.j for part in parts]),
+            np.concatenate([part.h for part in parts]),
+        )
+
     @property
     def duration(self) -> float:
         """The whole time [s]."""
         return float(self.h.sum())
 
-    def split_at(self, breaks: Float64[np.ndarray, " m"]) -> "SpeedProfile":
-        """Return the same profile with a phase boundary at each of some parameters."""
-        rows: list[tuple[float, float, float, float, float]] = []
-        for i in range(len(self.h)):
-            inside = breaks[(breaks > self.s[i]) & (breaks < self.s[i + 1])]
-            times = [0.0, *(_time_at(self, i, float(x)) for x in inside), float(self.h[i])]
-            places = [float(self.s[i]), *map(float, inside)]
-            for t0, t1, place in zip(times[:-1], times[1:], places, strict=True):
-                if t1 > t0:
-                    v = self.v[i] + self.a[i] * t0 + self.j[i] * t0**2 / 2
-                    a = self.a[i] + self.j[i] * t0
-                    rows.append((place, float(v), float(a), float(self.j[i]), t1 - t0))
-        s, v, a, j, h = np.array(rows).T
-        return SpeedProfile(np.append(s, self.s[-1]), v, a, j, h)
+    def split_at(self, places: Float64[np.ndarray, " m"]) -> "SpeedProfile":
+        """Return the same profile with a phase boundary at each of some increasing parameters."""
+        phases = np.searchsorted(self.s, places, side="right") - 1
+        inside = (places > self.s[0]) & (places < self.s[-1])
+        inside &= places != self.s[np.clip(phases, 0, len(self.h) - 1)]
+        places, phases = places[inside], phases[inside]
+        if not len(places):
+            return self
+        times = self._times(phases, places)
+        inside = (times > 0) & (times < self.h[phases])
+        places, phases, times = places[inside], phases[inside], times[inside]
+        # Boundaries in order: each phase's own beginning, then the places inside it.
+        owner = np.concatenate([np.arange(len(self.h)), phases])
+        begin = np.concatenate([np.zeros(len(self.h)), times])
+        s = np.concatenate([self.s[:-1], places])
+        order = np.lexsort((begin, owner))
+        owner, begin, s = owner[order], begin[order], s[order]
+        is_last = np.append(owner[1:] != owner[:-1], True)
+        end = np.where(is_last, self.h[owner], np.append(begin[1:], 0.0))
+        v = self.v[owner] + begin * (self.a[owner] + self.j[owner] * begin / 2)
+        a = self.a[owner] + self.j[owner] * begin
+        return SpeedProfile(np.append(s, self.s[-1]), v, a, self.j[owner], end - begin)
 
-
-def _time_at(profile: SpeedProfile, i: int, s: float) -> float:
-    """Return when phase i reaches s, by bisection: s(t) increases."""
-    v, a, j = profile.v[i], profile.a[i], profile.j[i]
-    low, high = 0.0, float(profile.h[i])
-    for _ in range(80):
-        t = (low + high) / 2
-        if profile.s[i] + t * (v + t * (a / 2 + t * j / 6)) < s:
-            low = t
-        else:
-            high = t
-    return (low + high) / 2
+    def _times(self, phases: Any, places: Array) -> Array:
+        """Return when each phase reaches a place, by bisection: s(t) increases."""
+        s, v, a, j = self.s[phases], self.v[phases], self.a[phases], self.j[phases]
+        low, high = np.zeros(len(phases)), self.h[phases]
+        for _ in range(_BISECTIONS):
+            t = (low + high) / 2
+            is_before = s + t * (v + t * (a / 2 + t * j / 6)) < places
+            low, high = np.where(is_before, t, low), np.where(is_before, high, t)
+        return (low + high) / 2

@@ -1,7 +1,7 @@
 """retime(): follow a geometric path as quickly as the limits allow, and audit the result."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -10,8 +10,8 @@ from planning.domain.curve import JointSpline, TimedTrajectory
 from planning.domain.joints import JointLimits
 from planning.domain.options import RetimeOptions
 from planning.domain.report import RetimeReport
-from planning.errors import ProblemInvalid
-from planning.retime.bounds import block_peaks
+from planning.errors import ProblemInvalid, RetimingFailed
+from planning.retime.audit import RATES, Use, largest_use
 from planning.retime.compose import compose
 from planning.retime.profile import SpeedProfile
 from planning.retime.ruckig_retimer import ruckig_profile
@@ -23,8 +23,10 @@ type Array = np.ndarray[Any, np.dtype[np.float64]]
 # A motion that goes nowhere lasts this long, so that it can be sampled and executed [s].
 _HOLD = 1e-3
 _STANDSTILL = 1e-9
-# The audit stretches until everything is this far below its limit.
+# The audit leaves everything this far below its limit.
 _SPARE = 1e-9
+# Stands for rates that are not limited [1/s and powers].
+_UNLIMITED = 1e6
 
 
 @dataclass(frozen=True)
@@ -43,8 +45,8 @@ class Retimer:
 
 
 RETIMERS = {
-    "ruckig": Retimer(ruckig_profile, 2, ("velocity", "acceleration", "jerk")),
-    "toppra": Retimer(toppra_profile, 1, ("velocity", "acceleration")),
+    "ruckig": Retimer(ruckig_profile, 2, RATES),
+    "toppra": Retimer(toppra_profile, 1, RATES[:2]),
 }
 
 
@@ -53,13 +55,17 @@ def retime(
 ) -> tuple[TimedTrajectory, RetimeReport]:
     """Return a trajectory exactly on the spline, from rest to rest, within scaled limits.
 
+    Every stretch between two rests is stretched or compressed in time by what the audit of its
+    polynomials says, so that it keeps all limits and meets one of them. A spline that stays where
+    it is becomes a rest of a millisecond.
+
     Args:
         spline: The path; at corners the motion rests.
         limits: Unscaled; the options' factors apply to velocity, and to acceleration and jerk.
         options: Method and factors.
 
     Raises:
-        RetimingFailed: The method finds no timing.
+        RetimingFailed: The method finds no timing, or a joint that must move may not.
         ProblemInvalid: A factor is not in (0, 1].
     """
     for name in ("velocity_scale", "acceleration_scale"):
@@ -67,44 +73,64 @@ def retime(
             message = f"retime.{name} must be in (0, 1], got {getattr(options, name)}"
             raise ProblemInvalid(message, {"field": f"retime.{name}"})
     retimer = RETIMERS[options.method]
-    scaled = limits.scaled(options.velocity_scale, options.acceleration_scale)
     if float(np.abs(spline.coefficients[:, 1:]).max(initial=0.0)) < _STANDSTILL:
         return _hold(spline), RetimeReport(options.method, _HOLD, 1.0)
-    stretches = smooth_stretches(spline, retimer.smoothness)
-    parts: list[TimedTrajectory] = []
-    for stretch in stretches:
-        profile = retimer.profile(stretch, scaled).split_at(stretch.breaks[1:-1])
-        parts.append(compose(stretch, profile))
-    trajectory = _joined(parts)
-    peaks = _utilisation(trajectory, scaled, retimer)
-    factor = max(float(use.max()) ** (1 / order) for order, use in enumerate(peaks, start=1)) * (
-        1 + _SPARE
-    )
-    factor = max(factor, 1.0)
-    if factor > 1:
-        trajectory = trajectory.slowed(factor)
+    scaled = limits.scaled(options.velocity_scale, options.acceleration_scale)
+    usable = _usable(spline, scaled, options.method)
+    timed = [
+        _timed(stretch, usable, retimer) for stretch in smooth_stretches(spline, retimer.smoothness)
+    ]
+    trajectory = _joined([part for part, _, _ in timed])
     names = _block_names(spline)
+    worst = [
+        max((uses[i] for _, uses, _ in timed), key=lambda use: use.fraction)
+        for i in range(len(retimer.rates))
+    ]
     return trajectory, RetimeReport(
         method=options.method,
         duration=trajectory.duration,
-        slowed=factor,
-        binding={
-            rate: names[int(np.argmax(use))] for rate, use in zip(retimer.rates, peaks, strict=True)
-        },
-        utilisation={
-            rate: float(use.max()) / factor**order
-            for order, (rate, use) in enumerate(zip(retimer.rates, peaks, strict=True), start=1)
-        },
-        stops=len(stretches) - 1,
+        slowed=trajectory.duration / sum(raw for _, _, raw in timed),
+        binding={rate: names[use.block] for rate, use in zip(retimer.rates, worst, strict=True)},
+        utilisation={rate: use.fraction for rate, use in zip(retimer.rates, worst, strict=True)},
+        stops=len(timed) - 1,
     )
 
 
-def _utilisation(trajectory: TimedTrajectory, limits: JointLimits, retimer: Retimer) -> list[Array]:
-    """Return peak over limit per block, for each rate that is limited."""
-    return [
-        block_peaks(trajectory, limits, order).max(axis=0) / getattr(limits, rate)
-        for order, rate in enumerate(retimer.rates, start=1)
+def _timed(
+    stretch: JointSpline, limits: JointLimits, retimer: Retimer
+) -> tuple[TimedTrajectory, list[Use], float]:
+    """Return one stretch timed and audited, what it uses, and how long it was before the audit."""
+    profile = retimer.profile(stretch, limits).split_at(stretch.breaks[1:-1])
+    raw = compose(stretch, profile)
+    uses = [largest_use(raw, limits, order) for order in range(1, len(retimer.rates) + 1)]
+    factor = max(use.fraction ** (1 / order) for order, use in enumerate(uses, start=1))
+    factor *= 1 + _SPARE
+    scaled = [
+        replace(use, fraction=use.fraction / factor**order)
+        for order, use in enumerate(uses, start=1)
     ]
+    return raw.slowed(factor), scaled, raw.duration
+
+
+def _usable(spline: JointSpline, limits: JointLimits, method: str) -> JointLimits:
+    """Return limits that are positive and finite numbers for every block.
+
+    Raises:
+        RetimingFailed: A block that moves along the spline may not.
+    """
+    moving = [bool(spline.coefficients[:, 1:, list(block)].any()) for block in limits.blocks]
+    names = _block_names(spline)
+    rates: dict[str, Array] = {}
+    for name in RATES:
+        values = np.array(getattr(limits, name))
+        stuck = [names[i] for i in np.flatnonzero(moving & ~(values > 0))]
+        if stuck and name in RETIMERS[method].rates:
+            message = f"the path moves {', '.join(stuck)}, whose {name} limit is not positive"
+            raise RetimingFailed(message, {"method": method, "limit": name, "stuck": stuck})
+        rates[name] = np.where(values > 0, np.minimum(values, _UNLIMITED), 1.0)
+    return JointLimits(
+        limits.lower, limits.upper, **rates, effort=limits.effort, blocks=limits.blocks
+    )
 
 
 def _joined(parts: list[TimedTrajectory]) -> TimedTrajectory:

@@ -1,13 +1,10 @@
 """Profiles under velocity, acceleration and jerk limits, by ruckig on the path parameter.
 
 Berscheid and Kroeger, "Jerk-limited real-time trajectory generation with arbitrary target states",
-RSS 2021. The path is one degree of freedom, from rest to rest, state to state: ruckig's waypoint
-mode would call a service in the network and is never used. With constants M_n >= |r^(n)| on the
-stretch, bounds V, A, J on sdot, sddot and sdddot keep every limit if
-
-    M_1 V <= v,   M_1 A + M_2 V^2 <= a,   M_1 J + 3 M_2 V A + M_3 V^3 <= j.
-
-On a straight line that is exact and time-optimal.
+RSS 2021. The path is one degree of freedom; ruckig takes it from speed to speed, state to state:
+its waypoint mode would call a service in the network and is never used. On a straight line that is
+exact and time-optimal. Where the path bends, `speed_plan` says at which places the acceleration is
+zero, how fast to be there, and which bounds on sdot, sddot and sdddot keep the limits in between.
 """
 
 from typing import Any
@@ -19,83 +16,154 @@ from planning.domain.curve import JointSpline
 from planning.domain.joints import JointLimits
 from planning.errors import RetimingFailed
 from planning.retime.bounds import block_peaks
+from planning.retime.compose import shifted
 from planning.retime.profile import SpeedProfile
+from planning.retime.speed_plan import Cells, Hop, plan_speeds
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
-_SPEEDS = np.geomspace(1.0, 0.02, 24)
-_ACCELERATIONS = np.geomspace(1.0, 0.05, 8)
+# Cells on a whole stretch, and at least on each of its pieces.
+_NUM_CELLS = 40
+_LEAST_PER_PIECE = 2
 # A cycle time is asked for by ruckig's constructor and used only in its online mode [s].
 _CYCLE = 0.01
+# Relative to the hop's length: how far ruckig may stop from where it should.
+_MISSED = 1e-6
+_BRIEF = 1e-12
+_DONE = {str(ruckig.Result.Working), str(ruckig.Result.Finished)}
 
 
 def ruckig_profile(stretch: JointSpline, limits: JointLimits) -> SpeedProfile:
-    """Return the quickest rest-to-rest profile along a stretch that such bounds allow.
+    """Return a rest-to-rest profile along a stretch, the quickest if it is straight.
 
     Raises:
-        RetimingFailed: ruckig finds none.
+        RetimingFailed: No profile is found.
     """
-    peaks = [block_peaks(stretch, limits, order).max(axis=0) for order in (1, 2, 3)]
-    length = float(stretch.breaks[-1] - stretch.breaks[0])
-    best: Any = None
-    for bounds in _choices(peaks, limits):
-        trajectory = _rest_to_rest(length, bounds)
-        if best is None or trajectory.duration < best.duration:
-            best = trajectory
-    if best is None:
+    cut, is_straight = _in_cells(stretch)
+    cells = _cells(cut, limits)
+    if is_straight.all() and stretch.num_pieces == 1:
+        hops = [Hop(0, len(is_straight), (0.0, 0.0), _straight_bounds(cells, 0))]
+    else:
+        hops = _merged(plan_speeds(cells), cells, is_straight, stretch)
+    if not hops:
         message = "no speed along the path keeps the jerk limits"
-        raise RetimingFailed(message, {"method": "ruckig"})
-    return _as_profile(best, stretch)
+        raise RetimingFailed(message, {"method": "ruckig", "num_cells": len(is_straight)})
+    return SpeedProfile.joined([_profile(hop, cells.edges) for hop in hops])
 
 
-def _choices(peaks: list[Array], limits: JointLimits) -> list[tuple[float, float, float]]:
-    """Return some bounds (V, A, J) on the edge of what the limits allow."""
-    m1, m2, m3 = peaks
-    moving = m1 > 0
-    m1, m2, m3 = m1[moving], m2[moving], m3[moving]
-    top = float((limits.velocity[moving] / m1).min())
-    is_straight = not m2.any() and not m3.any()
-    chosen: list[tuple[float, float, float]] = []
-    for speed in top * (_SPEEDS[:1] if is_straight else _SPEEDS):
-        most = float(((limits.acceleration[moving] - m2 * speed**2) / m1).min())
-        for share in _ACCELERATIONS[:1] if is_straight else _ACCELERATIONS:
-            acceleration = most * share
-            spent = 3 * m2 * speed * acceleration + m3 * speed**3
-            jerk = float(((limits.jerk[moving] - spent) / m1).min())
-            if acceleration > 0 and jerk > 0:
-                chosen.append((float(speed), acceleration, jerk))
-    return chosen
+def _in_cells(stretch: JointSpline) -> tuple[JointSpline, Any]:
+    """Return the stretch cut into cells, and whether each is straight."""
+    widths = np.diff(stretch.breaks)
+    counts = np.ceil(_NUM_CELLS * widths / widths.sum()).astype(int)
+    counts = np.maximum(counts, _LEAST_PER_PIECE)
+    pieces = np.repeat(np.arange(stretch.num_pieces), counts)
+    edges = np.append(
+        np.concatenate([
+            np.linspace(a, b, n + 1)[:-1]
+            for a, b, n in zip(stretch.breaks[:-1], stretch.breaks[1:], counts, strict=True)
+        ]),
+        stretch.breaks[-1],
+    )
+    local = shifted(stretch.coefficients[pieces], edges[:-1] - stretch.breaks[pieces])
+    cut = JointSpline(stretch.joints, edges, stretch.bases[pieces], local)
+    return cut, ~stretch.coefficients[pieces, 2:].any(axis=(1, 2))
 
 
-def _rest_to_rest(length: float, bounds: tuple[float, float, float]) -> Any:
-    generator = ruckig.Ruckig(1, _CYCLE)
-    wanted = ruckig.InputParameter(1)
-    wanted.current_position, wanted.target_position = [0.0], [length]
-    wanted.max_velocity, wanted.max_acceleration, wanted.max_jerk = ([bound] for bound in bounds)
-    trajectory = ruckig.Trajectory(1)
-    result = generator.calculate(wanted, trajectory)
-    if result not in (ruckig.Result.Working, ruckig.Result.Finished):
-        message = f"ruckig answers {result}"
-        raise RetimingFailed(message, {"method": "ruckig", "result": str(result)})
-    return trajectory
+def _cells(cut: JointSpline, limits: JointLimits) -> Cells:
+    first, second, third = (block_peaks(cut, limits, order) for order in (1, 2, 3))
+    bounds = limits.velocity, limits.acceleration, limits.jerk
+    return Cells(
+        cut.breaks,
+        np.stack([first / bound for bound in bounds]),
+        np.stack([second / bound for bound in bounds[1:]]),
+        (third / limits.jerk)[None],
+    )
 
 
-def _as_profile(trajectory: Any, stretch: JointSpline) -> SpeedProfile:
-    """Return ruckig's phases, joined exactly: each starts where the one before it ends."""
-    profile = trajectory.profiles[0][0]
-    begin, end = float(stretch.breaks[0]), float(stretch.breaks[-1])
-    s, v, a = 0.0, 0.0, 0.0
+def _straight_bounds(cells: Cells, cell: int) -> tuple[float, float, float]:
+    """Return V, A and J on a straight piece, which one of its cells tells."""
+    v, a, j = (1 / float(cells.m1[n, cell].max()) for n in range(3))
+    return v, a, j
+
+
+def _merged(hops: list[Hop], cells: Cells, is_straight: Any, stretch: JointSpline) -> list[Hop]:
+    """Return the hops with those on one straight piece made one, where ruckig knows the best."""
+    pieces, _ = stretch.locate((cells.edges[:-1] + cells.edges[1:]) / 2)
+    merged: list[Hop] = []
+    for hop in hops:
+        piece = pieces[hop.begin]
+        alone = is_straight[hop.begin] and piece == pieces[hop.end - 1]
+        if not alone:
+            merged.append(hop)
+            continue
+        whole = Hop(hop.begin, hop.end, hop.speeds, _straight_bounds(cells, hop.begin))
+        before = merged[-1] if merged else None
+        if before is not None and is_straight[before.begin] and pieces[before.begin] == piece:
+            whole = Hop(before.begin, hop.end, (before.speeds[0], hop.speeds[1]), whole.bounds)
+            merged.pop()
+        merged.append(whole)
+    return merged
+
+
+def _profile(hop: Hop, edges: Array) -> SpeedProfile:
+    """Return ruckig's phases for a hop.
+
+    Ruckig sees a top speed and a jerk of 1, as its absolute tolerances want, and no more
+    acceleration than it could use.
+    """
+    begin, end = float(edges[hop.begin]), float(edges[hop.end])
+    top, acceleration, jerk = hop.bounds
+    unit = np.sqrt(top / jerk)
+    length = (end - begin) / (top * unit)
+    phases = _state_to_state(
+        length,
+        (hop.speeds[0] / top, hop.speeds[1] / top),
+        (1.0, min(acceleration * unit / top, 2.0), 1.0),
+    )
+    s, v, a = 0.0, hop.speeds[0] / top, 0.0
     rows: list[tuple[float, float, float, float, float]] = []
-    for h, j in zip(profile.t, profile.j, strict=True):
-        if h <= 1e-12:
+    for h, j in zip(phases.t, phases.j, strict=True):
+        if h <= _BRIEF:
             continue
         rows.append((s, v, a, j, h))
         s += h * (v + h * (a / 2 + h * j / 6))
         v += h * (a + h * j / 2)
         a += h * j
+    if abs(s - length) > _MISSED * length or phases.brake.duration > _BRIEF:
+        message = "ruckig misses the end of a piece of path"
+        raise RetimingFailed(message, {"method": "ruckig", "missed": s - length})
     columns = np.array(rows).T
     # The phases add up to the length but for rounding; the parameter is scaled to end exactly.
     scale = (end - begin) / s
     places = np.append(begin + columns[0] * scale, end)
-    v0, a0, j0 = columns[1:4] * scale
-    return SpeedProfile(places, v0, a0, j0, columns[4])
+    return SpeedProfile(
+        places,
+        columns[1] * scale / unit,
+        columns[2] * scale / unit**2,
+        columns[3] * scale / unit**3,
+        columns[4] * unit,
+    )
+
+
+def _state_to_state(
+    length: float, speeds: tuple[float, float], bounds: tuple[float, float, float]
+) -> Any:
+    """Return ruckig's profile from 0 to a length, with zero acceleration at both ends.
+
+    Raises:
+        RetimingFailed: Ruckig finds none.
+    """
+    generator = ruckig.Ruckig(1, _CYCLE)
+    wanted = ruckig.InputParameter(1)
+    wanted.current_position, wanted.target_position = [0.0], [length]
+    wanted.current_velocity, wanted.target_velocity = [speeds[0]], [speeds[1]]
+    wanted.max_velocity, wanted.max_acceleration, wanted.max_jerk = ([bound] for bound in bounds)
+    trajectory = ruckig.Trajectory(1)
+    try:
+        result = str(generator.calculate(wanted, trajectory))
+    except ruckig.RuckigError as fault:
+        result = str(fault).strip().splitlines()[0]
+    if result not in _DONE:
+        message = f"ruckig answers {result}"
+        raise RetimingFailed(message, {"method": "ruckig", "result": result})
+    return trajectory.profiles[0][0]

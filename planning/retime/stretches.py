@@ -4,23 +4,22 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
+from jaxtyping import Float64
 
-from planning.domain.curve import JointSpline
+from planning.domain.curve import JointSpline, derivative
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # Relative jump of a derivative that counts as a jump.
-_JUMP = 1e-6
+_JUMP = 1e-8
 
 
 def smooth_stretches(spline: JointSpline, smoothness: int) -> list[JointSpline]:
     """Return the parts of a spline with `smoothness` continuous derivatives, in order.
 
-    Each keeps the spline's parameter, so its first break is where the one before it ends. Pieces
-    that stand still (a spline of one configuration) are kept.
+    Each keeps the spline's parameter, so its first break is where the one before it ends.
     """
-    cuts = [i for i in range(1, spline.num_pieces) if _jumps(spline, i, smoothness)]
-    edges = [0, *cuts, spline.num_pieces]
+    edges = [0, *(1 + np.flatnonzero(_jumps(spline, smoothness))).tolist(), spline.num_pieces]
     return [
         JointSpline(
             spline.joints,
@@ -32,32 +31,47 @@ def smooth_stretches(spline: JointSpline, smoothness: int) -> list[JointSpline]:
     ]
 
 
-def _jumps(spline: JointSpline, i: int, smoothness: int) -> bool:
-    """Return whether a derivative up to `smoothness` jumps between pieces i - 1 and i."""
-    width = spline.breaks[i] - spline.breaks[i - 1]
-    before = _derivatives(spline, i - 1, float(width))
-    after = _derivatives(spline, i, 0.0)
-    speed = max(float(np.linalg.norm(before[0])), float(np.linalg.norm(after[0])), 1e-12)
-    scales = (speed, speed**2)
-    return any(
-        float(np.linalg.norm(after[n] - before[n])) > _JUMP * scales[n] for n in range(smoothness)
-    )
+def path_derivatives(
+    curve: JointSpline, pieces: Any, local: Float64[np.ndarray, " n"]
+) -> tuple[Float64[np.ndarray, "n nv"], Float64[np.ndarray, "n nv"]]:
+    """Return dq/ds and d2q/ds2, as Drake's v and vdot, from given pieces.
 
-
-def _derivatives(spline: JointSpline, piece: int, x: float) -> tuple[Array, Array]:
-    """Return dq/ds and d2q/ds2, as Drake's generalized velocity and acceleration, on a piece."""
-    powers = x ** np.arange(spline.coefficients.shape[1])
-    coefficients = spline.coefficients[piece]
-    delta = powers @ coefficients
-    k = np.arange(1, len(coefficients))
-    rate = powers[:-1] @ (k[:, None] * coefficients[1:])
-    curvature = (
-        powers[: len(k) - 1] @ ((k[1:] * k[:-1])[:, None] * coefficients[2:])
-        if len(k) > 1
-        else np.zeros_like(rate)
+    Args:
+        curve: The path.
+        pieces: Which piece each row is on, also where two of them meet, shape (n,).
+        local: Parameter relative to the piece's break.
+    """
+    delta, rate, curvature = (
+        _evaluated(derivative(curve.coefficients, order)[pieces], local) for order in range(3)
     )
-    q = spline.manifold.plus(spline.bases[piece], delta)
+    if curve.manifold.is_flat:
+        return rate, curvature
+    q = curve.manifold.plus(curve.bases[pieces], delta)
     return (
-        spline.manifold.generalized_velocity(q, delta, rate),
-        spline.manifold.generalized_acceleration(q, delta, rate, curvature),
+        curve.manifold.generalized_velocity(q, delta, rate),
+        curve.manifold.generalized_acceleration(q, delta, rate, curvature),
     )
+
+
+def _jumps(spline: JointSpline, smoothness: int) -> Any:
+    """Return for each inner break whether a derivative up to `smoothness` jumps there."""
+    pieces = np.arange(spline.num_pieces)
+    widths = np.diff(spline.breaks)
+    before = path_derivatives(spline, pieces[:-1], widths[:-1])
+    after = path_derivatives(spline, pieces[1:], np.zeros(len(widths) - 1))
+    speeds = [np.linalg.norm(side[0], axis=1) for side in (before, after)]
+    speed = np.maximum(np.maximum(*speeds), 1e-12)
+    jumps = np.zeros(len(speed), dtype=bool)
+    for n in range(smoothness):
+        gap = np.linalg.norm(after[n] - before[n], axis=1)
+        # Reference for r'': a turn by a radian on the whole path, whose parameter has length 1.
+        jumps |= gap > _JUMP * speed * (speed if n else 1)
+    return jumps
+
+
+def _evaluated(coefficients: Array, local: Array) -> Array:
+    """Return each row's polynomial at its own argument, by Horner's rule."""
+    total = np.array(coefficients[:, -1])
+    for k in range(coefficients.shape[1] - 2, -1, -1):
+        total = total * local[:, None] + coefficients[:, k]
+    return total

@@ -12,32 +12,30 @@ from typing import Any, override
 
 import numpy as np
 
-from planning.domain.curve import JointSpline, derivative
+from planning.domain.curve import JointSpline
 from planning.domain.joints import JointLimits
 from planning.errors import RetimingFailed
 from planning.retime.bounds import block_peaks
 from planning.retime.compose import shifted
 from planning.retime.line_profile import line_profile
+from planning.retime.path_rows import acceleration_rows
 from planning.retime.profile import SpeedProfile
 
 with warnings.catch_warnings():
     warnings.simplefilter("ignore")
     from toppra.algorithm import TOPPRA
-    from toppra.constraint import (
-        ConstraintType,
-        DiscretizationType,
-        LinearConstraint,
-    )
+    from toppra.constraint import ConstraintType, DiscretizationType, LinearConstraint
     from toppra.interpolator import AbstractGeometricPath
 
 logging.getLogger("toppra").setLevel(logging.CRITICAL)
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
-_GRID_INTERVALS = 100
-_LEAST_PER_PIECE = 3
-# Where in each grid interval the acceleration limits are demanded: its ends and its middle.
-_PLACES = (0.0, 0.5, 1.0)
+# Grid intervals for a stretch of nothing but curves, or nothing but lines, and for any piece: on
+# a line only the instant at which braking begins has to be met.
+_ON_CURVES, _ON_LINES, _LEAST_PER_PIECE = 200, 80, 3
+# Squared speeds beyond this, in toppra's units of order one, are unbounded to it.
+_UNBOUNDED = 1e6
 
 
 def toppra_profile(stretch: JointSpline, limits: JointLimits) -> SpeedProfile:
@@ -46,47 +44,55 @@ def toppra_profile(stretch: JointSpline, limits: JointLimits) -> SpeedProfile:
     Raises:
         RetimingFailed: toppra finds none.
     """
-    if stretch.num_pieces == 1 and stretch.coefficients.shape[1] == 2:
-        rates = block_peaks(stretch, limits, 1)[0]
-        moving = rates > 0
-        speed = float((limits.velocity[moving] / rates[moving]).min())
-        acceleration = float((limits.acceleration[moving] / rates[moving]).min())
+    rates = block_peaks(stretch, limits, 1)
+    if stretch.num_pieces == 1 and not stretch.coefficients[:, 2:].any():
+        with np.errstate(divide="ignore"):
+            speed = float((limits.velocity / rates).min())
+            acceleration = float((limits.acceleration / rates).min())
         begin, end = float(stretch.breaks[0]), float(stretch.breaks[-1])
         return line_profile(begin, end, speed, acceleration)
-    return _on_grid(stretch, limits)
-
-
-def _on_grid(stretch: JointSpline, limits: JointLimits) -> SpeedProfile:
     grid = _grid(stretch)
-    path = _Path(stretch)
-    bounds = _Bounds(stretch, limits)
-    solver = TOPPRA([bounds], path, gridpoints=grid, solver_wrapper="seidel")
-    solved = solver.compute_parameterization(0.0, 0.0, return_data=True)
-    speeds = solved[1]
+    steps = np.diff(grid)
+    # In units of the least time that a path as fast as allowed would take, toppra's numbers are
+    # of order one, as its absolute tolerances want them.
+    unit = float(((rates / limits.velocity).max(axis=1) * np.diff(stretch.breaks)).sum())
+    x = _squared_speeds(stretch, limits, grid, unit) / unit**2
+    speeds = np.sqrt(x)
+    return SpeedProfile(
+        grid,
+        speeds[:-1],
+        np.diff(x) / (2 * steps),
+        np.zeros(len(steps)),
+        2 * steps / (speeds[:-1] + speeds[1:]),
+    )
+
+
+def _squared_speeds(stretch: JointSpline, limits: JointLimits, grid: Array, unit: float) -> Array:
+    """Return toppra's (ds/dt)^2 at the grid points, with time in `unit` seconds."""
+    bounds = _Bounds(stretch, limits, unit)
+    solver = TOPPRA([bounds], _Path(stretch), gridpoints=grid, solver_wrapper="seidel")
+    speeds = solver.compute_parameterization(0.0, 0.0)[1]
     if speeds is None or not np.isfinite(speeds).all():
         message = "toppra finds no speed profile along the path"
         raise RetimingFailed(message, {"method": "toppra", "num_grid_points": len(grid)})
     x = np.asarray(speeds, dtype=np.float64).ravel() ** 2
-    steps = np.diff(grid)
-    sums = np.sqrt(x[:-1]) + np.sqrt(x[1:])
-    if not (sums > 0).all():
+    x[[0, -1]] = 0.0
+    if not (x[:-1] + x[1:] > 0).all():
         message = "toppra's profile stands still on the way"
         raise RetimingFailed(message, {"method": "toppra", "num_grid_points": len(grid)})
-    return SpeedProfile(
-        grid, np.sqrt(x[:-1]), np.diff(x) / (2 * steps), np.zeros(len(steps)), 2 * steps / sums
-    )
+    return x
 
 
 def _grid(stretch: JointSpline) -> Array:
-    """Return grid points with every break among them, finer towards the resting ends.
-
-    Near rest the profile is s ~ t^2, so equal steps in s are ever longer steps in time.
-    """
-    total = stretch.breaks[-1] - stretch.breaks[0]
-    parts: list[Array] = []
-    for a, b in zip(stretch.breaks[:-1], stretch.breaks[1:], strict=True):
-        count = max(_LEAST_PER_PIECE, int(np.ceil(_GRID_INTERVALS * (b - a) / total)))
-        parts.append(np.linspace(a, b, count + 1)[:-1])
+    """Return grid points, evenly spaced on each piece, with every break among them."""
+    widths = np.diff(stretch.breaks)
+    is_curved = stretch.coefficients[:, 2:].any(axis=(1, 2))
+    wanted = np.where(is_curved, _ON_CURVES, _ON_LINES)
+    counts = np.ceil(wanted * widths / widths.sum()).astype(int)
+    parts = [
+        np.linspace(a, b, max(_LEAST_PER_PIECE, count) + 1)[:-1]
+        for a, b, count in zip(stretch.breaks[:-1], stretch.breaks[1:], counts, strict=True)
+    ]
     return np.append(np.concatenate(parts), stretch.breaks[-1])
 
 
@@ -119,12 +125,11 @@ class _Path(AbstractGeometricPath):
 class _Bounds(LinearConstraint):
     """Velocity and acceleration limits on every grid interval, from that interval's own piece.
 
-    With x = sdot^2 at the interval's beginning and u = sddot constant on it, x + 2 D u holds at a
-    distance D into it, where q'' = r' u + r'' (x + 2 D u). Each `_PLACES` gives rows
-    a = r' + 2 D r'', b = r''. Velocity bounds x at both ends by the largest |r'| in between.
+    toppra's own constraints look at grid points only and take one side's r'' where it jumps.
+    Velocity bounds x = sdot^2 at both ends of an interval by the largest |r'| in between.
     """
 
-    def __init__(self, stretch: JointSpline, limits: JointLimits) -> None:
+    def __init__(self, stretch: JointSpline, limits: JointLimits, unit: float) -> None:
         super().__init__()
         self.constraint_type = ConstraintType.CanonicalLinear
         self.discretization_type = DiscretizationType.Collocation
@@ -132,47 +137,28 @@ class _Bounds(LinearConstraint):
         self.dof = stretch.coefficients.shape[2]
         self._stretch = stretch
         self._limits = limits
-        self._acceleration = limits.per_coordinate(limits.acceleration)
+        self._unit = unit
 
     @override
     def compute_constraint_params(
         self, path: Any, gridpoints: Array, *args: Any, **kwargs: Any
     ) -> tuple[Any, ...]:
-        steps = np.diff(gridpoints)
-        rows_a: list[Array] = []
-        rows_b: list[Array] = []
-        for place in _PLACES:
-            first, second = self._on_intervals(gridpoints, place)
-            rows_a.append(first + 2 * place * steps[:, None] * second)
-            rows_b.append(second)
-        a = np.concatenate(rows_a, axis=1)
-        b = np.concatenate(rows_b, axis=1)
+        a, b = acceleration_rows(self._stretch, self._limits, gridpoints)
+        a, b = a / self._unit**2, b / self._unit**2
+        # Nothing follows the last grid point; toppra wants rows for it all the same.
         a, b = np.vstack([a, a[-1:]]), np.vstack([b, b[-1:]])
-        width = a.shape[1]
-        f = np.vstack([np.eye(width), -np.eye(width)])
-        g = np.tile(np.tile(self._acceleration, len(_PLACES)), 2)
-        return a, b, np.zeros_like(a), f, g, None, self._speed_bounds(gridpoints)
-
-    def _on_intervals(self, grid: Array, place: float) -> tuple[Array, Array]:
-        """Return r' and r'' at a fraction of each grid interval, one-sided at breaks."""
-        middles = (grid[:-1] + grid[1:]) / 2
-        pieces, _ = self._stretch.locate(middles)
-        at = grid[:-1] + place * np.diff(grid) - self._stretch.breaks[pieces]
-        values: list[Array] = []
-        for order in (1, 2):
-            coefficients = derivative(self._stretch.coefficients, order)[pieces]
-            powers = at[:, None] ** np.arange(coefficients.shape[1])
-            values.append(np.einsum("nk,nkv->nv", powers, coefficients))
-        return values[0], values[1]
+        count = a.shape[1]
+        bounds = np.ones(count)
+        return a, b, np.zeros_like(a), np.eye(count), bounds, None, self._speed_bounds(gridpoints)
 
     def _speed_bounds(self, grid: Array) -> Array:
         """Return bounds on x at the grid points that keep the speed in between as well."""
         pieces, _ = self._stretch.locate((grid[:-1] + grid[1:]) / 2)
         peaks = block_peaks(_cut(self._stretch, grid, pieces), self._limits, 1)
         with np.errstate(divide="ignore"):
-            fastest = (self._limits.velocity / peaks).min(axis=1)
+            fastest = self._unit * (self._limits.velocity / peaks).min(axis=1)
         x = np.minimum(np.append(fastest, np.inf), np.insert(fastest, 0, np.inf)) ** 2
-        return np.stack([np.zeros_like(x), np.minimum(x, 1e12)], axis=1)
+        return np.stack([np.zeros_like(x), np.minimum(x, _UNBOUNDED)], axis=1)
 
 
 def _cut(stretch: JointSpline, grid: Array, pieces: Any) -> JointSpline:
