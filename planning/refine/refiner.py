@@ -26,7 +26,7 @@ from planning.world.margins import PairMargins
 from planning.world.world import Array, World
 
 # Iterations, not seconds, decide when to give up, so that the same request gives the same bytes.
-_MAX_ROUNDS = 10
+_MAX_ROUNDS = 12
 # After so many refused solutions, steps are bounded by a box that is crossed in this time [s].
 _PATIENCE = 5
 _FIRST_BOX = 0.3

@@ -73,17 +73,24 @@ def case_of(world: World, group: str, waypoints: np.ndarray, **changes: object) 
 
 
 def puck_world(
-    folder: Path, walls: list[tuple[list[float], list[float]]], **extra: object
+    folder: Path,
+    walls: list[tuple[list[float], list[float]]],
+    idle: list[float] | None = None,
 ) -> World:
-    """A puck of radius 0.02 on x, y in +-1, among boxes given as (size, centre)."""
+    """A puck of radius 0.02 on x, y in +-1, among boxes given as (size, centre).
+
+    A second puck stands at `idle`, if that is given.
+    """
     file = folder / "puck.urdf"
     file.write_text(PUCK)
     objects = [
         {"name": f"wall{i}", "shape": {"box": size}, "pose": {"position": centre}}
         for i, (size, centre) in enumerate(walls)
     ]
-    robots = [{"name": "puck", "model": str(file)}, *extra.pop("robots", [])]
-    return load_world(parse_scene({"robots": robots, "objects": objects, **extra}))
+    robots = [{"name": "puck", "model": str(file)}]
+    if idle is not None:
+        robots.append({"name": "idle", "model": str(file), "base": {"position": idle}})
+    return load_world(parse_scene({"robots": robots, "objects": objects}))
 
 
 @pytest.fixture

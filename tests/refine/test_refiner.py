@@ -91,19 +91,38 @@ def test_an_angle_takes_the_short_way_across_the_half_turn(arm):
     assert np.abs(curve.positions(FINE)[:, 0] - np.pi).max() < 1.5
 
 
-def test_instants_at_which_the_first_solution_is_too_near_are_added(thin_wall, monkeypatch):
-    curve, report = thin_wall.refined()
-    assert curve is not None, report.reason
-    assert report.rounds > 1
+def test_instants_at_which_a_solution_is_too_near_are_added(thin_wall, monkeypatch):
+    added: list[np.ndarray] = []
+    keep = CurveProgram.keep_distance_at
+
+    def spy(self, instants):
+        added.append(instants)
+        keep(self, instants)
+
     monkeypatch.setattr(refiner, "_MAX_ROUNDS", 1)
     curve, report = thin_wall.refined()
     assert curve is None
-    assert not report.improved
     assert report.rounds == 1
-    assert "too near to something at s = " in report.reason
+    named = [float(s) for s in report.reason.split(" s = ")[1].split(", ")]
+    monkeypatch.setattr(refiner, "_MAX_ROUNDS", 2)
+    monkeypatch.setattr(CurveProgram, "keep_distance_at", spy)
+    thin_wall.refined()
+    np.testing.assert_allclose(added[1][:5], named, atol=5e-4)
 
 
-def test_without_adding_the_violated_instants_the_wall_stays_cut(thin_wall, monkeypatch):
+def test_a_wall_between_two_instants_is_found_and_avoided(thin_wall):
+    curve, report = thin_wall.refined()
+    assert curve is not None, report.reason
+    assert report.rounds > 1
+    assert thin_wall.are_free(curve.positions(np.linspace(0, 1, 5001))).all()
+
+
+@pytest.mark.slow
+def test_added_instants_alone_free_a_curve(pillar, monkeypatch):
+    monkeypatch.setattr(refiner, "_PATIENCE", refiner._MAX_ROUNDS + 1)
+    curve, report = pillar.refined()
+    assert curve is not None, report.reason
+    assert report.rounds > 1
     keep = CurveProgram.keep_distance_at
 
     def keep_only_first(self, instants):
@@ -111,8 +130,7 @@ def test_without_adding_the_violated_instants_the_wall_stays_cut(thin_wall, monk
             keep(self, instants)
 
     monkeypatch.setattr(CurveProgram, "keep_distance_at", keep_only_first)
-    monkeypatch.setattr(refiner, "_PATIENCE", refiner._MAX_ROUNDS)
-    curve, report = thin_wall.refined()
+    curve, report = pillar.refined()
     assert curve is None
     assert report.rounds == refiner._MAX_ROUNDS
 
@@ -202,9 +220,9 @@ def test_solutions_that_are_no_good_are_refused(thin_wall, monkeypatch, change: 
 
 def test_a_robot_that_stands_near_a_wall_does_not_hinder_another(make_puck):
     wall = ([0.2, 0.2, 0.2], [0.0, 0.0, 0.0])
-    slab = ([0.6, 0.6, 0.02], [2.0, 0.0, -0.0101])
-    idle = {"name": "idle", "model": "ur5e", "base": {"position": [2.0, 0.0, 0.0]}}
-    world = make_puck([wall, slab], robots=[idle])
+    # The idle puck stands on four slabs at once, a tenth of a millimetre above each.
+    slabs = [([0.2, 0.2, 0.02], [3.0 + x, y, -0.0301]) for x in (-0.1, 0.1) for y in (-0.1, 0.1)]
+    world = make_puck([wall, *slabs], idle=[3.0, 0.0, 0.0])
     waypoints = [[-0.6, 0.0], [-0.2, 0.4], [0.2, 0.4], [0.6, 0.0]]
     path = JointPath(world.group("puck"), np.array(waypoints))
     request = RefineRequest(path, world.limits(path.group), world.margins(), RefineOptions())
@@ -235,3 +253,7 @@ def test_mimic_joints_follow_and_the_rest_is_held(pickup):
     assert found.duration < program.guessed_duration
     # A straight line at full speed is the best there is.
     assert found.duration == pytest.approx(0.021 / limits.velocity[0], rel=0.02)
+    points = program._kto.control_points()
+    where = program._kto.prog().FindDecisionVariableIndices(points.ravel())
+    full = program._x[where].reshape(points.shape).T
+    np.testing.assert_allclose(full, pickup.embed(group, found.control_points), atol=1e-6)
