@@ -7,9 +7,8 @@ import typer
 
 from service.cli.goal import goal_of, group_of
 from service.cli.plan import finished, write
-from service.cli.scene_source import read_scene_text
 from service.cli.screen import console, follow, show_execution, show_failure, show_plans
-from service.cli.session import session
+from service.cli.session import scene_text, session
 from service.client.client import Client
 from service.schemas.execution import Execution, ExecutionState
 from service.schemas.job import Job
@@ -27,7 +26,7 @@ def demo(
 ) -> None:
     """Plan home -> pick -> place in a bundled scene, execute both, and write the replays."""
     with session(server) as client:
-        scene = client.add_scene(*read_scene_text(_SCENE))
+        scene = client.add_scene(*scene_text(_SCENE))
         group = group_of(scene, None)
         console.print(
             f"scene {scene.name}: {len(scene.bodies)} bodies, {scene.num_pairs} pairs kept apart, "

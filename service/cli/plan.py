@@ -6,9 +6,8 @@ from typing import Annotated, Any
 import typer
 
 from service.cli.goal import goal_of, group_of, start_of
-from service.cli.scene_source import read_scene_text
 from service.cli.screen import console, follow, show_failure, show_plans
-from service.cli.session import session
+from service.cli.session import scene_text, session
 from service.client.client import Client
 from service.schemas.job import Job
 
@@ -33,8 +32,9 @@ def plan(  # noqa: PLR0913  (one parameter per option)
     if out is not None and out.suffix not in {".json", ".csv", ".html"}:
         message = "must end in .json, .csv or .html"
         raise typer.BadParameter(message, param_hint="--out")
+    text = scene_text(scene)
     with session(server) as client:
-        posted = client.add_scene(*read_scene_text(scene))
+        posted = client.add_scene(*text)
         moving = group_of(posted, group)
         request: dict[str, Any] = {
             "scene": posted.id,

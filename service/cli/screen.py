@@ -33,11 +33,9 @@ def follow(title: str, events: Iterable[Event]) -> dict[str, Any]:
         task = bar.add_task("", total=1.0)
         for event in events:
             last = event.data
-            bar.update(
-                task,
-                completed=float(last.get("progress", 0.0)),
-                description=_described(event),
-            )
+            is_whole = last.get("state") == "succeeded"
+            told = 1.0 if is_whole else last.get("progress")
+            bar.update(task, completed=told, description=_described(event))
     return last
 
 

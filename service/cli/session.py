@@ -7,7 +7,7 @@ import httpx
 import typer
 
 from service.cli.private_server import ServerFailed, private_server
-from service.cli.scene_source import NoSuchScene
+from service.cli.scene_source import NoSuchScene, read_scene_text
 from service.cli.screen import complaints
 from service.client.client import Client
 from service.client.refused import Refused
@@ -29,6 +29,19 @@ def session(server: str | None) -> Generator[Client]:
     except httpx.TransportError as fault:
         complaints.print(f"cannot reach the server: {fault}", markup=False)
         raise typer.Exit(1) from fault
-    except (ServerFailed, NoSuchScene) as fault:
+    except ServerFailed as fault:
+        complaints.print(str(fault), markup=False)
+        raise typer.Exit(1) from fault
+
+
+def scene_text(scene: str) -> tuple[bytes, str]:
+    """Return the text of a scene and its media type.
+
+    Raises:
+        typer.Exit: With 1, after a message, if there is no such scene.
+    """
+    try:
+        return read_scene_text(scene)
+    except NoSuchScene as fault:
         complaints.print(str(fault), markup=False)
         raise typer.Exit(1) from fault

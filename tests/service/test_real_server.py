@@ -8,6 +8,7 @@ import sys
 import threading
 import time
 from contextlib import contextmanager
+from pathlib import Path
 
 import httpx
 import pytest
@@ -15,7 +16,7 @@ import pytest
 from service.client.client import Client
 from service.client.refused import Refused
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.timeout(120)]
 
 SCENE = b"name: s\nrobots:\n  - {name: arm, model: ur5e, positions: home}\n"
 
@@ -112,8 +113,7 @@ def test_a_worker_that_is_killed_takes_no_other_plan_with_it(tmp_path):
         scene = client.add_scene(SCENE)
         running = client.submit_plan(endless(scene))
         until(lambda: client.plan(running.id).state == "running")
-        for worker in busiest_children(process.pid):
-            os.kill(worker, signal.SIGKILL)
+        os.kill(busiest_worker(process.pid), signal.SIGKILL)
         client.cancel_plan(running.id)
         job = client.submit_plan(request_of(scene))
         list(client.plan_events(job.id))
@@ -121,31 +121,19 @@ def test_a_worker_that_is_killed_takes_no_other_plan_with_it(tmp_path):
         until(lambda: client.plan(running.id).finished_at)
 
 
-def test_a_running_plan_is_stopped_within_a_second(tmp_path):
+def test_the_server_answers_while_it_plans_and_stops_plans_at_once(tmp_path):
     with server(tmp_path) as (_, client):
         scene = client.add_scene(SCENE)
         running = client.submit_plan(endless(scene))
         until(lambda: client.plan(running.id).stage == "goals")
         begun = time.monotonic()
-        client.cancel_plan(running.id)
-        until(lambda: client.plan(running.id).state == "canceled")
-        assert time.monotonic() - begun < 2.0
-
-
-def test_the_server_answers_while_it_plans(tmp_path):
-    with server(tmp_path) as (_, client):
-        scene = client.add_scene(SCENE)
-        running = client.submit_plan(endless(scene))
-        until(lambda: client.plan(running.id).state == "running")
-        begun = time.monotonic()
         for _ in range(20):
             client.plan(running.id)
         assert time.monotonic() - begun < 2.0
+        begun = time.monotonic()
         client.cancel_plan(running.id)
-
-
-def test_refusals_reach_the_client(tmp_path):
-    with server(tmp_path) as (_, client):
+        until(lambda: client.plan(running.id).state == "canceled")
+        assert time.monotonic() - begun < 2.0
         with pytest.raises(Refused) as refusal:
             client.add_scene(b"robots: []")
         assert refusal.value.problem.code == "scene_invalid"
@@ -154,20 +142,19 @@ def test_refusals_reach_the_client(tmp_path):
         assert refusal.value.problem.status == 404
 
 
-def busiest_children(pid):
-    """The workers of a server: descendants that have used processor time for planning."""
-    found = []
-    for entry in os.listdir("/proc"):
-        if not entry.isdecimal():
+def busiest_worker(pid):
+    """The descendant of a server that has used the most processor time: the one that plans."""
+    found = {}
+    for entry in Path("/proc").iterdir():
+        if not entry.name.isdecimal():
             continue
         try:
-            fields = open(f"/proc/{entry}/stat").read().rsplit(")", 1)[1].split()
+            fields = (entry / "stat").read_text().rsplit(")", 1)[1].split()
         except OSError:
             continue
-        found.append((int(entry), int(fields[1]), int(fields[11])))
+        found[int(entry.name)] = (int(fields[1]), int(fields[11]))
     below, grown = {pid}, True
     while grown:
-        more = {child for child, parent, _ in found if parent in below} - below
+        more = {child for child, (parent, _) in found.items() if parent in below} - below
         below, grown = below | more, bool(more)
-    ours = sorted((used, child) for child, _, used in found if child in below - {pid})
-    return [child for _, child in ours[-1:]]
+    return max(below - {pid}, key=lambda child: found[child][1])

@@ -20,7 +20,7 @@ def test_plan_works_with_no_server_running(tmp_path):
     run = wayproof("plan", "ur5e_pickup", "--to", "pick", "--seed", 2, "--out", out)
     assert run.returncode == 0, run.stderr
     assert "proven" in run.stdout
-    rows = list(csv.reader(out.open()))
+    rows = list(csv.reader(out.read_text().splitlines()))
     assert rows[0][0] == "time"
     assert len(rows) > 10
 

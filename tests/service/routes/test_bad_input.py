@@ -95,7 +95,7 @@ BAD_PLANS = {
         "request_invalid", "quaternion",
     ),
     "two rotations": (
-        {"goal": {"type": "pose", "poses": [{**POSE, "quaternion": [1, 0, 0, 0], "rpy": [0, 0, 0]}]}},
+        {"goal": {"type": "pose", "poses": [{**POSE, "quaternion": [1, 0, 0, 0], "rpy": [0] * 3}]}},
         422, "request_invalid", "not both",
     ),
     "unknown goal type": ({"goal": {"type": "fly"}}, 422, "request_invalid", "goal"),

@@ -48,7 +48,8 @@ def test_a_margin_makes_near_pairs_collide(client, scene, group):
 
 
 def test_ik_solutions_bring_the_tool_to_the_pose(client, scene):
-    goal = {"type": "pose", "poses": [{"position": [0, 0, 0.0], "rpy": [np.pi, 0, 0], "frame": "above"}]}  # fmt: skip
+    pose = {"position": [0, 0, 0], "rpy": [np.pi, 0, 0], "frame": "above"}
+    goal = {"type": "pose", "poses": [pose]}
     found = ask(client, scene, "ik", goal=goal, seed=1).json()
     assert found["failure"] is None
     assert found["funnel"]["tried"] >= found["funnel"]["converged"] >= 1
