@@ -162,7 +162,7 @@ def _search_padded(task: _Task, round_: int, padding: float, deadline: Deadline)
         seed=task.problem.seed + round_,
     )
     found = search(task.group, task.limits, oracle, request, deadline)
-    return SearchResult(found.path, int(rows[found.goal_row]), found.report)
+    return SearchResult(found.path.continuous, int(rows[found.goal_row]), found.report)
 
 
 def _certify(task: _Task, candidate: Candidate) -> tuple[Certificate, CertifyReport]:

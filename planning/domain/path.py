@@ -30,6 +30,18 @@ class JointPath(Value):
         return float(manifold.distance(self.waypoints[1:], self.waypoints[:-1]).sum())
 
     @property
+    def continuous(self) -> "JointPath":
+        """The same path with numbers that do not jump: no whole turns, no signs of quaternions.
+
+        The first waypoint stays as it is.
+        """
+        manifold = Manifold(self.group.joints)
+        rows = [self.waypoints[0]]
+        for waypoint in self.waypoints[1:]:
+            rows.append(manifold.plus(rows[-1], manifold.minus(waypoint, rows[-1])))
+        return JointPath(self.group, manifold.normalized(np.stack(rows)))
+
+    @property
     def spline(self) -> JointSpline:
         """The path as a curve of degree one."""
         return JointSpline.through(self.group.joints, self.waypoints)
