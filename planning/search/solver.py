@@ -10,20 +10,18 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from jaxtyping import Float64
 
 from planning.domain.deadline import Deadline
 from planning.domain.joints import JointGroup, JointLimits
-from planning.domain.options import SearchOptions
 from planning.domain.path import JointPath
 from planning.domain.report import SearchReport
-from planning.domain.value import Value
 from planning.errors import DeadlineExceeded, NoPathFound, ProblemInvalid
 from planning.search.attempt import Attempt, Query
 from planning.search.oracle import CollisionOracle, WatchedOracle
 from planning.search.planners import check_planner
 from planning.search.sound import Closeness, SoundPath, checked, fine_checker, sound_attempt
 from planning.search.spaces import SearchSpace
+from planning.search.task import SearchResult, SearchTask
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 type OnProgress = Callable[[float, str], None]
@@ -43,43 +41,6 @@ _FIELDS = {
 
 def ignore_progress(_: float, __: str) -> None:
     """Do nothing with it."""
-
-
-@dataclass(frozen=True, eq=False)
-class SearchTask(Value):
-    """What the stage is asked.
-
-    Attributes:
-        start: The group's q, shape (nq,).
-        goals: Where it may end, nearest first, shape (n, nq).
-        options: Planner, parameters, attempts, number of states.
-        resolution: Largest distance between two checked states while searching; it stands for
-            that of the options, which the pipeline makes finer in later rounds.
-        padding: Distance that the oracle demands beyond the margin [m]; for the report.
-        seed: Of all randomness, not negative.
-    """
-
-    start: Float64[np.ndarray, " nq"]
-    goals: Float64[np.ndarray, "n nq"]
-    options: SearchOptions
-    resolution: float
-    padding: float
-    seed: int
-
-
-@dataclass(frozen=True, eq=False)
-class SearchResult(Value):
-    """What the stage found.
-
-    Attributes:
-        path: From exactly the start to exactly one of the goals.
-        goal_row: Which goal.
-        report: What was done.
-    """
-
-    path: JointPath
-    goal_row: int
-    report: SearchReport
 
 
 def search(

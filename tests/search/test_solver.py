@@ -47,9 +47,7 @@ def assert_sound(group, oracle, task, found):
 @pytest.mark.parametrize("name", planner_names())
 def test_every_planner_solves_a_planar_problem(plane, wall, soon, crossing, name):
     task = crossing(planner=name)
-    began = time.perf_counter()
     found = search(*plane, wall, task, soon)
-    assert time.perf_counter() - began < 2.0
     assert_sound(plane[0], wall, task, found)
     assert found.report.solved == 1
     assert not found.report.direct
