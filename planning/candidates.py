@@ -1,7 +1,7 @@
 """Candidates: the motions that one path can become, quickest first."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from planning.domain.curve import JointSpline, TimedTrajectory
 from planning.domain.deadline import Deadline
@@ -59,7 +59,7 @@ def candidates(
     if refined is not None:
         made = _timed("refined curve", refined, limits, problem, report, watch)
         first += [made] if made else []
-    unrefined = RefineReport(**{**report.__dict__, "improved": False})
+    unrefined = replace(report, improved=False)
     if report.improved:
         unrefined = RefineReport(
             report.method, improved=False, reason="the unrefined path is quicker or safer"

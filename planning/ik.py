@@ -9,7 +9,8 @@ from planning.domain.goal import PoseGoal
 from planning.domain.options import IkOptions
 from planning.domain.report import GoalConfigurations
 from planning.goals.sampler import GoalQuery, find_goals
-from planning.world.world import World, require_positions
+from planning.world.positions import require_positions
+from planning.world.world import World
 
 
 def solve_ik(  # noqa: PLR0913  (a question in full)

@@ -28,7 +28,8 @@ from planning.paddings import endpoint_padding
 from planning.search.solver import SearchResult, SearchTask, search
 from planning.stopwatch import Stopwatch
 from planning.world.margins import PairMargins
-from planning.world.world import Array, World, require_positions
+from planning.world.positions import require_positions
+from planning.world.world import Array, World
 
 # How often the search is asked again, each time with half the resolution, before we give up.
 _MAX_ROUNDS = 4

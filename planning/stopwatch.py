@@ -1,6 +1,6 @@
 """Stopwatch: seconds per stage, by a clock that is given."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Generator
 from contextlib import contextmanager
 
 
@@ -14,7 +14,7 @@ class Stopwatch:
         self._seconds: dict[str, float] = {}
 
     @contextmanager
-    def stage(self, name: str) -> Iterator[None]:
+    def stage(self, name: str) -> Generator[None]:
         """Count the time inside towards a stage."""
         began = self._clock()
         try:

@@ -19,7 +19,8 @@ from planning.goals.ranking import equivalents, is_new, nearest_first
 from planning.goals.seeds import seeds
 from planning.goals.start import clip_dust, describe_pairs, limit_violations, pair_evidence
 from planning.world.margins import PairMargins
-from planning.world.world import World, require_positions
+from planning.world.positions import require_positions
+from planning.world.world import World
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 

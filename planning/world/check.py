@@ -9,7 +9,8 @@ from jaxtyping import Float64
 from planning.domain.report import BodyPair
 from planning.domain.value import Value
 from planning.errors import ProblemInvalid
-from planning.world.world import World, require_positions
+from planning.world.positions import require_positions
+from planning.world.world import World
 
 # How far to look for the nearest pair of a configuration [m].
 _HORIZON = 10.0

@@ -6,7 +6,8 @@ import numpy as np
 from jaxtyping import Float64
 
 from planning.domain.pose import Pose
-from planning.world.world import World, require_positions
+from planning.world.positions import require_positions
+from planning.world.world import World
 
 
 def forward_kinematics(

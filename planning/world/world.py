@@ -8,15 +8,16 @@ from jaxtyping import Float64
 from planning.domain.joints import JointGroup, JointLimits
 from planning.domain.pose import Pose
 from planning.domain.report import BodyPair
-from planning.domain.scene import NamedConfiguration, Scene, SceneRobot
+from planning.domain.scene import Scene
 from planning.domain.summary import GroupSummary, SceneSummary
-from planning.errors import ProblemInvalid, SceneInvalid, UnknownName
+from planning.errors import SceneInvalid, UnknownName
 from planning.world.builder import LoadedRobot, build_diagram, pose_of
 from planning.world.collision import DistanceProbe, DrakeCollisionOracle
 from planning.world.drake_model import DrakeModel
 from planning.world.groups import RobotGroups, group_limits, robot_groups
 from planning.world.margins import PairMargins
 from planning.world.model_library import ModelLibrary
+from planning.world.placement import named_configurations, placed_state
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
@@ -50,10 +51,11 @@ class World:
         for own in self._robot_groups:
             for name, group in own.groups.items():
                 self._groups.setdefault(f"{own.robot}::{name}", group)
-        self._configurations = self._collect_configurations()
+        self._configurations = named_configurations(scene, self._robot_groups, self.group)
         self._context = drake.diagram.CreateDefaultContext()
         self._plant_context = drake.plant.GetMyMutableContextFromRoot(self._context)
-        self.state = self._initial_state()
+        nominal = np.array(drake.plant.GetPositions(self._plant_context))
+        self.state = placed_state(drake, robots, self._robot_groups, self._configurations, nominal)
         self.state.flags.writeable = False
 
     @property
@@ -178,69 +180,6 @@ class World:
         """The groups of each robot, in order."""
         return self._robot_groups
 
-    def _collect_configurations(self) -> dict[str, dict[str, Array]]:
-        """Return the robots' and the scene's named configurations, by group."""
-        collected: dict[str, dict[str, Array]] = {group.name: {} for group in self.groups}
-        for own in self._robot_groups:
-            for name, by_group in own.configurations.items():
-                for group_name, q in by_group.items():
-                    if group_name not in own.groups:
-                        raise UnknownName.among("group", group_name, own.groups)
-                    group = own.groups[group_name]
-                    path = f"{own.robot}, configuration {name}"
-                    collected[group.name][name] = _counted(group, q, path)
-        for entry in self.scene.configurations:
-            group = self._scene_group(entry)
-            q = _counted(group, entry.positions, f"configurations.{entry.name}.positions")
-            collected[group.name][entry.name] = q
-        for by_name in collected.values():
-            for q in by_name.values():
-                q.flags.writeable = False
-        return collected
-
-    def _scene_group(self, entry: NamedConfiguration) -> JointGroup:
-        path = f"configurations.{entry.name}.group"
-        try:
-            return self.group(entry.group)
-        except UnknownName as fault:
-            message = f"{path}: {fault.detail}"
-            raise SceneInvalid(message, {"path": path, **fault.evidence}) from fault
-
-    def _initial_state(self) -> Array:
-        state = np.array(self.drake.plant.GetPositions(self._plant_context))
-        for i, (loaded, own) in enumerate(zip(self._robots, self._robot_groups, strict=True)):
-            placed = _robot_positions(loaded.scene_robot, own, self._configurations, i)
-            for group in own.groups.values():
-                if group.name not in placed:
-                    q = state[self.drake.position_indices(group)]
-                    limits = self.limits(group)
-                    placed = {group.name: np.clip(q, limits.lower, limits.upper), **placed}
-            by_name = {group.name: group for group in own.groups.values()}
-            for name, q in placed.items():
-                state[self.drake.position_indices(by_name[name])] = q
-            if isinstance(loaded.scene_robot.positions, dict):
-                self._place_joints(state, loaded.scene_robot, i)
-        return self.drake.follow(state)
-
-    def _place_joints(self, state: Array, robot: SceneRobot, i: int) -> None:
-        by_joint = robot.positions
-        assert isinstance(by_joint, dict)  # noqa: S101  (the caller's case)
-        for joint, number in by_joint.items():
-            full = f"{robot.name}::{joint.removeprefix(f'{robot.name}::')}"
-            path = f"robots.{i}.positions.{joint}"
-            if full not in self.drake.joint_indices:
-                known = [n for n in self.drake.joint_indices if n.startswith(f"{robot.name}::")]
-                fault = UnknownName.among("joint", full, known)
-                raise SceneInvalid(f"{path}: {fault.detail}", {"path": path, **fault.evidence})
-            index = self.drake.plant.get_joint(self.drake.joint_indices[full])
-            values = np.atleast_1d(np.array(number, dtype=np.float64))
-            if len(values) != index.num_positions():
-                count = index.num_positions()
-                message = f"{path}: {full} has {count} positions, got {len(values)}"
-                raise SceneInvalid(message, {"path": path})
-            begin = index.position_start()
-            state[begin : begin + len(values)] = values
-
 
 def load_world(scene: Scene, library: ModelLibrary | None = None) -> World:
     """Load a scene into Drake.
@@ -261,64 +200,3 @@ def load_world(scene: Scene, library: ModelLibrary | None = None) -> World:
                 path = f"margins.{i}.bodies"
                 raise SceneInvalid(f"{path}: {fault.detail}", {"path": path, **fault.evidence})
     return world
-
-
-def _robot_positions(
-    robot: SceneRobot, own: RobotGroups, configurations: dict[str, dict[str, Array]], i: int
-) -> dict[str, Array]:
-    """Return where a robot's groups start, by full group name, as the scene says."""
-    path = f"robots.{i}.positions"
-    named = {
-        group.name: configurations[group.name]["home"]
-        for group in own.groups.values()
-        if "home" in configurations[group.name]
-    }
-    match robot.positions:
-        case str() as name:
-            chosen = {
-                group.name: configurations[group.name][name]
-                for group in own.groups.values()
-                if name in configurations[group.name]
-            }
-            if not chosen:
-                known = {n for g in own.groups.values() for n in configurations[g.name]}
-                fault = UnknownName.among("configuration", name, known)
-                raise SceneInvalid(f"{path}: {fault.detail}", {"path": path, **fault.evidence})
-            return {**named, **chosen}
-        case tuple() as numbers:
-            if own.default not in own.groups:
-                message = f"{path}: {robot.name!r} has no joint to place"
-                raise SceneInvalid(message, {"path": path})
-            group = own.groups[own.default]
-            return {**named, group.name: _counted(group, numbers, path)}
-        case _:
-            return named
-
-
-def _counted(group: JointGroup, q: Any, path: str) -> Array:
-    """Return q as an array of the group's length, with unit quaternions."""
-    positions = np.array(q, dtype=np.float64)
-    names = list(group.position_names)
-    if positions.shape != (len(names),):
-        message = f"{path}: {group.name} has {len(names)} positions {names}, got {positions.size}"
-        raise SceneInvalid(message, {"path": path, "expected": names})
-    return positions
-
-
-def require_positions(group: JointGroup, q: Any, field: str) -> Array:
-    """Return q as an array of the group's positions, read-only.
-
-    Raises:
-        ProblemInvalid: The count is wrong or a number is not finite.
-    """
-    positions = np.array(q, dtype=np.float64)
-    names = list(group.position_names)
-    if positions.shape != (len(names),):
-        message = f"{field}: {group.name} has {len(names)} positions {names}, got {positions.size}"
-        raise ProblemInvalid(message, {"field": field, "expected": names, "got": positions.size})
-    if not np.isfinite(positions).all():
-        bad = [name for name, x in zip(names, positions, strict=True) if not np.isfinite(x)]
-        message = f"{field}: {bad} must be finite"
-        raise ProblemInvalid(message, {"field": field, "joints": bad})
-    positions.flags.writeable = False
-    return positions
