@@ -12,6 +12,8 @@ from planning.domain.value import Value
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 _BISECTIONS = 60
+# Relative to the whole duration.
+_BRIEF = 1e-12
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,7 +51,10 @@ class SpeedProfile(Value):
         return float(self.h.sum())
 
     def split_at(self, places: Float64[np.ndarray, " m"]) -> "SpeedProfile":
-        """Return the same profile with a phase boundary at each of some increasing parameters."""
+        """Return the same profile with a phase boundary at each of some increasing parameters.
+
+        Those that are reached within a moment of another boundary have none of their own.
+        """
         phases = np.searchsorted(self.s, places, side="right") - 1
         inside = (places > self.s[0]) & (places < self.s[-1])
         inside &= places != self.s[np.clip(phases, 0, len(self.h) - 1)]
@@ -57,7 +62,9 @@ class SpeedProfile(Value):
         if not len(places):
             return self
         times = self._times(phases, places)
-        inside = (times > 0) & (times < self.h[phases])
+        brief = _BRIEF * self.duration
+        inside = (times > brief) & (times < self.h[phases] - brief)
+        inside[1:] &= (np.diff(times) > brief) | (np.diff(phases) > 0)
         places, phases, times = places[inside], phases[inside], times[inside]
         # Boundaries in order: each phase's own beginning, then the places inside it.
         owner = np.concatenate([np.arange(len(self.h)), phases])

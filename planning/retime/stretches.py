@@ -59,13 +59,13 @@ def _jumps(spline: JointSpline, smoothness: int) -> Any:
     widths = np.diff(spline.breaks)
     before = path_derivatives(spline, pieces[:-1], widths[:-1])
     after = path_derivatives(spline, pieces[1:], np.zeros(len(widths) - 1))
-    speeds = [np.linalg.norm(side[0], axis=1) for side in (before, after)]
-    speed = np.maximum(np.maximum(*speeds), 1e-12)
-    jumps = np.zeros(len(speed), dtype=bool)
+    jumps = np.zeros(len(widths) - 1, dtype=bool)
+    # The whole path has a parameter of length 1, so r' is a fair reference for r'' as well.
+    scale = np.full(len(jumps), 1e-300)
     for n in range(smoothness):
-        gap = np.linalg.norm(after[n] - before[n], axis=1)
-        # Reference for r'': a turn by a radian on the whole path, whose parameter has length 1.
-        jumps |= gap > _JUMP * speed * (speed if n else 1)
+        sizes = [np.linalg.norm(side[n], axis=1) for side in (before, after)]
+        scale = np.maximum(scale, np.maximum(*sizes))
+        jumps |= np.linalg.norm(after[n] - before[n], axis=1) > _JUMP * scale
     return jumps
 
 

@@ -69,29 +69,35 @@ def rate_bounds(
     Args:
         polynomials: From `with_derivatives`, or halves of those.
         widths: Lengths of the intervals.
-        order: 1 for omega itself, 2 for its first derivative, 3 for its second.
+        order: 1 for omega itself, 2 for its first derivative, 3 for its second, which is the
+            larger of what it is in the body's frame and in the world's.
 
     Returns:
         Upper bounds, and values that are attained.
     """
     lag = order - 1
+    # The body's frame and the world's differ in what they call the second derivative.
+    signs = (-1.0,) if order < 3 else (-1.0, 1.0)
     taylor = polynomials.reshape(*polynomials.shape[:2], order + 3, 3)
-    at_ends = [norms(_angular(taylor[:, end], lag)) for end in (0, -1)]
-    attained = np.maximum(*at_ends) * factorial(lag)
+    at_ends = [norms(_angular(taylor[:, end], lag, sign)) for end in (0, -1) for sign in signs]
+    attained = np.max(at_ends, axis=0) * factorial(lag)
     sizes = norms(taylor).max(axis=1)
     slopes = sizes[:, 1:] * np.arange(1, sizes.shape[1])
     majorant = _phi(_toeplitz(sizes[:, :-1, None, None]), slopes)[:, lag + 2]
     return attained + widths**2 / 8 * factorial(lag + 2) * majorant, attained
 
 
-def _angular(taylor: Array, index: int) -> Array:
-    """Return the Taylor coefficient of omega with this index, from those of delta."""
+def _angular(taylor: Array, index: int, sign: float) -> Array:
+    """Return the Taylor coefficient of omega with this index, from those of delta.
+
+    In the body's frame with sign -1, in that of R_0 with +1 (the left Jacobian).
+    """
     length = index + 1
     x, y, z = np.moveaxis(taylor[:, :length], -1, 0)
     o = np.zeros_like(x)
     skew = np.stack([o, -z, y, z, o, -x, -y, x, o], axis=-1).reshape(len(x), length, 3, 3)
     slopes = taylor[:, 1 : length + 1] * np.arange(1, length + 1)[None, :, None]
-    return _phi(-_toeplitz(skew), slopes.reshape(len(x), -1))[:, -3:]
+    return _phi(sign * _toeplitz(skew), slopes.reshape(len(x), -1))[:, -3:]
 
 
 def _toeplitz(blocks: Array) -> Array:

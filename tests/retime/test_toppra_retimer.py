@@ -1,0 +1,87 @@
+"""toppra's speeds: near the optimum, on curves and in blocks of several coordinates."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from toppra.algorithm import TOPPRA
+from toppra.constraint import JointAccelerationConstraint, JointVelocityConstraint
+from toppra.interpolator import SplineInterpolator
+
+from planning.domain.curve import JointSpline
+from planning.domain.joints import JointLimits, JointType
+from planning.domain.options import RetimeOptions
+from planning.domain.path import JointPath
+from planning.retime.blend import blend_corners
+from planning.retime.retimer import retime
+from tests.conftest import group_of, limits_of, random_waypoints
+
+SEVEN = group_of(*[JointType.REVOLUTE] * 7)
+
+
+def smooth_spline(seed: int) -> tuple[JointSpline, SplineInterpolator]:
+    """Return the same natural cubic spline twice: as ours, and as toppra's."""
+    waypoints = random_waypoints(SEVEN, seed, 7, spread=0.5)
+    knots = np.linspace(0, 1, 7)
+    theirs = SplineInterpolator(knots, waypoints, bc_type="natural")
+    lefts = knots[:-1]
+    terms = [np.zeros_like(waypoints[:-1]), theirs(lefts, 1), theirs(lefts, 2) / 2]
+    slopes = np.diff(theirs(knots, 2), axis=0) / np.diff(knots)[:, None]
+    coefficients = np.stack([*terms, slopes / 6], axis=1)
+    return JointSpline(SEVEN.joints, knots, theirs(lefts), coefficients), theirs
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_curves_take_hardly_longer_than_plain_toppra_says(seed: int) -> None:
+    spline, theirs = smooth_spline(seed)
+    limits = limits_of(SEVEN)
+    grid = np.linspace(0, 1, 1001)
+    both = [
+        JointVelocityConstraint(np.stack([-limits.velocity, limits.velocity], axis=1)),
+        JointAccelerationConstraint(np.stack([-limits.acceleration, limits.acceleration], axis=1)),
+    ]
+    speeds = TOPPRA(both, theirs, gridpoints=grid, solver_wrapper="seidel")
+    speeds = speeds.compute_parameterization(0, 0)[1]
+    plain = float((2 * np.diff(grid) / (speeds[1:] + speeds[:-1])).sum())
+    trajectory, report = retime(spline, limits, RetimeOptions())
+    assert report.stops == 0
+    assert 0.99 * plain < trajectory.duration < 1.02 * plain
+
+
+@given(st.integers(0, 10_000))
+def test_a_limit_is_met_as_well_as_kept(seed: int) -> None:
+    group = group_of(JointType.FLOATING)
+    path = JointPath(group, random_waypoints(group, seed, 4))
+    _, report = retime(blend_corners(path, 0.05), limits_of(group), RetimeOptions())
+    assert max(report.utilisation.values()) > 1 - 1e-5
+
+
+def test_a_block_may_use_its_whole_disc_in_any_direction() -> None:
+    group = group_of(JointType.PLANAR)
+    limits = limits_of(group)
+    durations = []
+    for angle in np.linspace(0, np.pi / 2, 7):
+        turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+        waypoints = np.zeros((3, 3))
+        waypoints[:, :2] = np.array([[0.0, 0.0], [1.0, 0.0], [1.5, 0.8]]) @ turn.T
+        spline = blend_corners(JointPath(group, waypoints), 0.05)
+        durations.append(retime(spline, limits, RetimeOptions())[0].duration)
+    assert np.ptp(durations) < 1e-3 * durations[0]
+
+
+def test_a_joint_with_no_limit_does_not_matter() -> None:
+    path = JointPath(SEVEN, random_waypoints(SEVEN, 2, 4))
+    limits = limits_of(SEVEN)
+    free = np.where(np.arange(7) == 3, np.inf, 1.0)
+    unlimited = JointLimits(
+        limits.lower,
+        limits.upper,
+        limits.velocity * free,
+        limits.acceleration * free,
+        limits.jerk,
+        limits.effort,
+        limits.blocks,
+    )
+    spline = blend_corners(path, 0.05)
+    bound = retime(spline, limits, RetimeOptions())[0].duration
+    assert retime(spline, unlimited, RetimeOptions())[0].duration <= bound * 1.001
