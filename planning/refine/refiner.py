@@ -163,7 +163,7 @@ def _rounds(
         found = _audited(auditor, request, solution, program.guessed_duration)
         added = found.violated
         yield found
-        if found.refusal:
+        if len(added):
             misses += 1
             if misses >= _PATIENCE:
                 box = min(box / 2, _FIRST_BOX)

@@ -198,6 +198,16 @@ def test_a_solver_that_breaks_is_no_failure(thin_wall, monkeypatch):
     assert report.reason == "the solver stopped: q contains NaN"
 
 
+def test_a_straight_path_is_left_alone_after_one_round(make_puck):
+    world = make_puck([])
+    path = JointPath(world.group("puck"), np.array([[-0.5, -0.5], [0.5, 0.5]]))
+    request = RefineRequest(path, world.limits(path.group), world.margins(), RefineOptions())
+    curve, report = refine(world, request, Deadline.after(60, time.monotonic))
+    assert curve is None
+    assert "nothing quicker" in report.reason
+    assert report.rounds == 1
+
+
 @pytest.mark.parametrize(
     ("change", "reason"),
     [
