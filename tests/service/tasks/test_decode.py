@@ -70,7 +70,7 @@ def hostile():
         "balanced and deep": ("json", '{"a":' * (MAX_DEPTH + 1) + "1" + "}" * (MAX_DEPTH + 1)),
         "many keys": ("json", json.dumps({f"key{i}": 1 for i in range(400_000)})),
         "many objects": ("json", json.dumps({"robots": [ROBOT], "objects": [1] * 3_000_000})),
-        "many positions": ("json", json.dumps({"robots": [{**ROBOT, "positions": [""] * 900_000}]})),
+        "many positions": ("json", json.dumps({"robots": [{**ROBOT, "positions": [""] * 800000}]})),
         "long name": ("json", json.dumps({"robots": [ROBOT], "name": "x" * 10_000_000})),
         "long number": ("json", '{"margin": ' + "9" * 5_000_000 + "}"),
         "aliases": ("yaml", "a: &a [x, x]\nb: &b [*a, *a]\nc: &c [*b, *b]\nrobots: *c\n"),
