@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from planning.domain.scene import Scene
     from planning.ik import solve_ik
     from planning.pipeline import plan
-    from planning.search.planners import list_planners
+    from planning.search.planners import PlannerCard, list_planners
     from planning.world.catalogue import describe_model, list_models
     from planning.world.check import check_configurations
     from planning.world.kinematics import forward_kinematics
@@ -35,6 +35,7 @@ _DOORS = {
     "JointGoal": "planning.domain.goal",
     "ModelLibrary": "planning.world.model_library",
     "MotionPlan": "planning.domain.plan",
+    "PlannerCard": "planning.search.planners",
     "PlanningProblem": "planning.domain.problem",
     "Pose": "planning.domain.pose",
     "PoseGoal": "planning.domain.goal",
@@ -68,6 +69,7 @@ __all__ = [
     "JointGoal",
     "ModelLibrary",
     "MotionPlan",
+    "PlannerCard",
     "PlanningProblem",
     "Pose",
     "PoseGoal",

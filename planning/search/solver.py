@@ -1,6 +1,7 @@
 """search(): from goal configurations to a path. The stage's one entry.
 
-A straight line to one of the nearest goals comes first. Else the planner looks for a path, which is
+A straight line to one of the nearest goals comes first. If there is none, or only to a goal much
+farther than the nearest, the planner looks for a path, which is
 shortened and checked again, edge by edge, four times as finely as it was searched; if that finds a
 collision the attempt starts anew with half the resolution. The shortest of all attempts is kept.
 """
@@ -26,6 +27,10 @@ from planning.search.task import SearchResult, SearchTask
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 type OnProgress = Callable[[float, str], None]
 
+# A straight line to a goal is not taken at once if the nearest goal is so much nearer than that: a
+# factor, beyond a length that nobody minds.
+_DETOUR = 1.3
+_NEAR = 0.5
 # Straight lines are tried to so many goals.
 _MOST_LINES = 16
 
@@ -87,7 +92,7 @@ def search(
     closeness = Closeness(task.resolution, options.num_states, fine)
     tally = _Tally(direct=_straight_line(query, closeness))
     tally.best = tally.direct
-    if tally.best is None:
+    if tally.best is None or _is_detour(tally.best, query):
         _attempt_all(query, closeness, task, tally, on_progress)
     best = tally.best
     if best is None:
@@ -103,9 +108,15 @@ def search(
         num_waypoints=len(best.waypoints),
         resolution=fine.resolution,
         padding=task.padding,
-        direct=tally.direct is not None,
+        direct=best is tally.direct,
     )
     return SearchResult(JointPath(group, best.waypoints), int(rows[best.goal_row]), report)
+
+
+def _is_detour(direct: SoundPath, query: Query) -> bool:
+    """Whether a way around to a nearer goal may well be shorter than a line to this one."""
+    nearest = float(query.space.manifold.distance(query.goals[0], query.start))
+    return direct.length > _DETOUR * nearest + _NEAR
 
 
 @dataclass
