@@ -67,9 +67,10 @@ def test_every_locked_package_has_hashes() -> None:
 
 
 def test_links_in_the_guide_lead_somewhere() -> None:
-    dead = []
-    for page in tracked("*.md"):
-        for target in re.findall(r"\]\(([^)#\s]+)", page.read_text()):
-            if "://" not in target and not (page.parent / target).exists():
-                dead.append(f"{page.relative_to(ROOT)}: {target}")
+    dead = [
+        f"{page.relative_to(ROOT)}: {target}"
+        for page in tracked("*.md")
+        for target in re.findall(r"\]\(([^)#\s]+)", page.read_text())
+        if "://" not in target and not (page.parent / target).exists()
+    ]
     assert not dead

@@ -14,7 +14,7 @@ from planning.domain.manifold import Manifold
 from planning.domain.options import IkOptions
 from planning.domain.pose import Pose
 from planning.domain.report import GoalConfigurations
-from planning.errors import GoalUnreachable
+from planning.errors import GoalInCollision, GoalUnreachable
 from planning.goals.ranking import equivalents
 from planning.goals.sampler import GoalQuery, find_goals
 from planning.world.world import World
@@ -48,9 +48,8 @@ def test_every_solution_reaches_and_is_free_in_limits_and_distinct(seed: int) ->
     target = world.frame_pose("arm::tcp", world.embed(group, q))
     try:
         found = ask(world, "arm", at(target), IkOptions(max_trials=60), seed)
-    except Exception as error:
-        assert getattr(error, "code", "") in {"goal_in_collision", "goal_unreachable"}
-        return
+    except (GoalInCollision, GoalUnreachable):
+        return  # a random pose may well be in the table
     for row in found.positions:
         reached = world.frame_pose("arm::tcp", world.embed(group, row))
         assert max(reached.distance(target)) < 2e-6

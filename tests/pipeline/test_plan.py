@@ -316,8 +316,8 @@ def test_a_deadline_that_is_over_and_a_cancel_are_told_apart() -> None:
     problem = PlanningProblem("body", to_frame("exit"))
     with pytest.raises(DeadlineExceeded):
         planning.plan(problem, world, deadline=Deadline.after(0.0, time.monotonic))
+    canceled = Deadline.after(10.0, time.monotonic, lambda: True)
     with pytest.raises(Canceled):
-        canceled = Deadline.after(10.0, time.monotonic, lambda: True)
         planning.plan(problem, world, deadline=canceled)
 
 

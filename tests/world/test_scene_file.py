@@ -45,7 +45,7 @@ FAULTS = [
 ]
 
 
-@pytest.mark.parametrize("text,line,path", FAULTS)
+@pytest.mark.parametrize(("text", "line", "path"), FAULTS)
 def test_faults_are_named_with_their_line(text: str, line: int | None, path: str) -> None:
     with pytest.raises(SceneInvalid) as refusal:
         parse_scene(text, "my.scene.yaml")

@@ -147,7 +147,8 @@ def test_wrong_names_are_refused_with_the_right_ones(name: str) -> None:
 
 
 URDF = """<robot name="r"><link name="base"/><link name="tip">
-<inertial><mass value="{mass}"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>
+<inertial><mass value="{mass}"/>
+<inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>
 <collision><geometry>{shape}</geometry></collision></link>
 <joint name="j" type="revolute"><parent link="base"/><child link="tip"/><axis xyz="0 0 1"/>
 <limit lower="-1" upper="1" velocity="1" effort="1"/></joint></robot>"""
@@ -237,10 +238,10 @@ def test_benchmark_robots_load_with_their_srdf(robot: str, count: int) -> None:
 def test_sdf_and_mjcf_load_as_well(tmp_path: Path) -> None:
     sdf = tmp_path / "r.sdf"
     sdf.write_text(
-        """<sdf version="1.7"><model name="r"><link name="base"/><link name="tip"><collision name="c">
-        <geometry><sphere><radius>0.1</radius></sphere></geometry></collision></link>
-        <joint name="j" type="revolute"><parent>base</parent><child>tip</child><axis><xyz>0 0 1</xyz>
-        <limit><lower>-1</lower><upper>1</upper></limit></axis></joint></model></sdf>"""
+        """<sdf version="1.7"><model name="r"><link name="base"/><link name="tip">
+        <collision name="c"><geometry><sphere><radius>0.1</radius></sphere></geometry></collision></link>
+        <joint name="j" type="revolute"><parent>base</parent><child>tip</child><axis>
+        <xyz>0 0 1</xyz><limit><lower>-1</lower><upper>1</upper></limit></axis></joint></model></sdf>"""
     )
     mjcf = tmp_path / "r.xml"
     mjcf.write_text(
