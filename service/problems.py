@@ -83,7 +83,9 @@ def refusal_of(faults: Sequence[Mapping[str, Any]]) -> Refusal:
 
 def _fault(fault: Mapping[str, Any]) -> dict[str, Any]:
     """Return what helps of a fault; the input is left out, it may be huge."""
-    path = ".".join(str(step)[:80] for step in fault["loc"])
+    # Steps like `list[float]` are pydantic's names for the branches of a union.
+    steps = [str(step)[:80] for step in fault["loc"]]
+    path = ".".join(step for step in steps if "[" not in step)
     message = str(fault["msg"]).removeprefix("Value error, ")[:500]
     return {"path": path, "message": message, "type": fault["type"]}
 

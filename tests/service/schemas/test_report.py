@@ -1,0 +1,26 @@
+"""The wire's reports have every field of the domain's, so that nothing is silently dropped."""
+
+import dataclasses
+
+import pytest
+
+from planning.domain import certificate, report
+from service.schemas import report as wire
+from service.schemas import result
+
+PAIRS = [
+    (report.SearchReport, wire.SearchReportWire),
+    (report.RefineReport, wire.RefineReportWire),
+    (report.RetimeReport, wire.RetimeReportWire),
+    (report.CertifyReport, wire.CertifyReportWire),
+    (report.Funnel, wire.FunnelWire),
+    (report.PairTally, wire.PairTallyWire),
+    (certificate.Certificate, result.CertificateWire),
+    (certificate.Check, result.CheckWire),
+]
+
+
+@pytest.mark.parametrize(("value", "answer"), PAIRS, ids=lambda kind: kind.__name__)
+def test_fields_are_the_same(value, answer):
+    names = {field.name for field in dataclasses.fields(value)}
+    assert set(answer.model_fields) == names
