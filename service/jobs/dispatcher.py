@@ -6,7 +6,7 @@ from collections.abc import AsyncIterator, Mapping
 from typing import Any
 
 from planning.errors import Canceled, DeadlineExceeded, WayproofError
-from service.jobs.errors import QueueFull, ServerRestarted, WorkerCrashed
+from service.jobs.errors import InternalError, QueueFull, ServerRestarted, WorkerCrashed
 from service.jobs.lane import Lane
 from service.jobs.outcome import Crashed, Ended, Outcome, Raised, Returned, TimedOut, failure_of
 from service.jobs.ownership import Ownership
@@ -207,6 +207,9 @@ class Dispatcher:
 
             outcome = await slot.run(Run(job.task, job.payload, on_event, job.allowed))
             self._conclude(started, outcome)
+        except Exception as fault:  # noqa: BLE001  (no job may stay "running" for ever)
+            error = InternalError(f"the dispatcher failed: {fault!r}"[:500])
+            self._finish(job, JobEvent.FAIL, failure=failure_of(error))
         finally:
             self._running.pop(job.id, None)
             await self._give_back(lane, slot)

@@ -78,10 +78,10 @@ class ProcessSlot:
         """Run a task to its end; a worker that dies is replaced before the next run."""
         self._token += 1
         self._on_event, self._parts, self._was_canceled = run.on_event, [], False
-        pool = self._active_pool()
         arguments = [run.task, run.payload, self._token]
-        self._future = pool.schedule(run_in_process, args=arguments, timeout=run.allowed)
         try:
+            pool = self._active_pool()
+            self._future = pool.schedule(run_in_process, args=arguments, timeout=run.allowed)
             return await asyncio.wrap_future(self._future)
         except FutureTimeoutError:
             return TimedOut(run.allowed or 0.0)

@@ -2,6 +2,7 @@
 
 import fcntl
 import importlib
+import json
 import os
 import pickle
 import signal
@@ -75,10 +76,12 @@ def run_in_process(task: str, payload: dict[str, Any], token: int) -> Outcome:
 def run_task(task: str, payload: dict[str, Any], channel: Any) -> Outcome:
     """Call `module:function` and say how it ended; what it should not raise is an InternalError."""
     try:
-        return Returned(load_task(task)(payload, channel))
+        result = load_task(task)(payload, channel)
+        json.dumps(result)
+        return Returned(result)
     except WayproofError as error:
         return Raised(error)
-    except SystemExit as exit_:
+    except (SystemExit, KeyboardInterrupt) as exit_:
         return Raised(_internal(exit_, "the task tried to end its process"))
     except Exception as fault:  # noqa: BLE001  (the last edge: nothing may be lost)
         return Raised(_internal(fault, "the task failed in a way that is our fault"))

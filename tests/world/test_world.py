@@ -239,9 +239,11 @@ def test_sdf_and_mjcf_load_as_well(tmp_path: Path) -> None:
     sdf = tmp_path / "r.sdf"
     sdf.write_text(
         """<sdf version="1.7"><model name="r"><link name="base"/><link name="tip">
-        <collision name="c"><geometry><sphere><radius>0.1</radius></sphere></geometry></collision></link>
-        <joint name="j" type="revolute"><parent>base</parent><child>tip</child><axis>
-        <xyz>0 0 1</xyz><limit><lower>-1</lower><upper>1</upper></limit></axis></joint></model></sdf>"""
+        <collision name="c"><geometry><sphere><radius>0.1</radius></sphere></geometry></collision>
+        </link><joint name="j" type="revolute">
+        <parent>base</parent><child>tip</child><axis>
+        <xyz>0 0 1</xyz><limit><lower>-1</lower><upper>1</upper></limit></axis></joint>
+        </model></sdf>"""
     )
     mjcf = tmp_path / "r.xml"
     mjcf.write_text(

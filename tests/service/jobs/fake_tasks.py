@@ -32,6 +32,14 @@ def leave(_: dict[str, Any], __: Channel) -> dict[str, Any]:
     raise SystemExit(3)
 
 
+def interrupt(_: dict[str, Any], __: Channel) -> dict[str, Any]:
+    raise KeyboardInterrupt
+
+
+def secret(_: dict[str, Any], __: Channel) -> dict[str, Any]:
+    return {"not JSON": {1, 2}}
+
+
 def spin(_: dict[str, Any], channel: Channel) -> dict[str, Any]:
     """Run until canceled, in Python."""
     channel.emit("stage", {"stage": "spin", "progress": 0.1, "pid": os.getpid()})

@@ -29,10 +29,10 @@ async def until_running(dispatcher: object, store: object, job: Job) -> int:
 def test_results_failures_and_blunders_come_back(tmp_path: Path, inline: bool) -> None:
     async def story() -> None:
         async with running(tmp_path, inline=inline) as (dispatcher, store):
-            names = ["echo", "refuse", "blunder", "leave"]
+            names = ["echo", "refuse", "blunder", "leave", "interrupt", "secret"]
             jobs = [dispatcher.submit(spec(name, payload={"a": 1})) for name in names]
             ended = [await dispatcher.wait(job.id, 20) for job in jobs]
-            assert [job.state for job in ended] == ["succeeded", "failed", "failed", "failed"]
+            assert [job.state for job in ended] == ["succeeded"] + ["failed"] * 5
             assert ended[0].result["echo"] == {"a": 1}
             assert ended[1].failure == {
                 "code": "goal_unreachable",
@@ -40,7 +40,7 @@ def test_results_failures_and_blunders_come_back(tmp_path: Path, inline: bool) -
                 "detail": "too far",
                 "evidence": {"metres": 2.0},
             }
-            assert ended[2].failure["code"] == ended[3].failure["code"] == "internal_error"
+            assert {job.failure["code"] for job in ended[2:]} == {"internal_error"}
             assert "KeyError" in ended[2].failure["evidence"]["traceback"]
             types = [event.type for event in store.events(jobs[0].id)]
             assert types == ["queued", "started", "stage", "finished"]
@@ -264,4 +264,7 @@ def test_a_server_killed_at_work_loses_nothing_and_leaves_no_orphan(tmp_path: Pa
 
 
 def _is_zombie(pid: int) -> bool:
-    return ") Z " in Path(f"/proc/{pid}/stat").read_text()
+    try:
+        return ") Z " in Path(f"/proc/{pid}/stat").read_text()
+    except FileNotFoundError:
+        return True
