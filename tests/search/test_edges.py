@@ -1,3 +1,5 @@
+"""Edges are sampled on the geodesic, finely enough, collisions first."""
+
 import time
 
 import numpy as np

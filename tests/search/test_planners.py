@@ -1,3 +1,5 @@
+"""Every planner that the wheel binds is listed, and its parameters are real."""
+
 import pytest
 from ompl import base as ob
 from ompl import geometric as og

@@ -1,3 +1,5 @@
+"""Shortcuts shorten, stay free, and keep the ends."""
+
 from itertools import pairwise
 
 import numpy as np

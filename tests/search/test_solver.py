@@ -1,3 +1,5 @@
+"""Every planner solves, repeats, keeps its deadline and lets itself be canceled."""
+
 import subprocess
 import sys
 import time

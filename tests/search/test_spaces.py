@@ -1,3 +1,5 @@
+"""OMPL's states and metrics are ours."""
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
