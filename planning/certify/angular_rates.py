@@ -47,21 +47,23 @@ def angular_peak(
         The bound, the piece where it is, and the fraction of that piece. Infinite if a piece turns
         too far to be bounded.
     """
-    pieces = bernstein.from_power(coefficients, widths)
-    if np.linalg.norm(pieces, axis=2).max() > _LARGEST_ANGLE:
+    tangents = _derivatives(coefficients, widths, _ORDER + order + 2)
+    if np.linalg.norm(tangents[0], axis=2).max() > _LARGEST_ANGLE:
         return float("inf"), 0, 0.0
-    rows, low, half = np.arange(len(pieces)), np.zeros(len(pieces)), widths / 2
-    taylor, remainder = _model(pieces, half, order)
+    rows, low, half = np.arange(len(widths)), np.zeros(len(widths)), widths / 2
+    taylor, remainder = _model(tangents, half, order)
     for _ in range(_MAX_HALVINGS):
         coarse = remainder > tolerance / 2
         if not coarse.any():
             break
-        pieces = np.concatenate([pieces[~coarse], *bernstein.halves(pieces[coarse])])
+        tangents = [
+            np.concatenate([part[~coarse], *bernstein.halves(part[coarse])]) for part in tangents
+        ]
         start, step = low[coarse], half[coarse]
         low = np.concatenate([low[~coarse], start, start + step])
         half = np.concatenate([half[~coarse], step / 2, step / 2])
         rows = np.concatenate([rows[~coarse], rows[coarse], rows[coarse]])
-        taylor, remainder = _model(pieces, half, order)
+        taylor, remainder = _model(tangents, half, order)
     squares = bernstein.square_norm(bernstein.about_middle(taylor, half))
     scale = float(np.sqrt(max(squares[:, [0, -1]].max(), 0.0)))
     top, at, fraction = bernstein.peak(squares, tolerance * max(scale, tolerance) / 2)
@@ -69,20 +71,22 @@ def angular_peak(
     return float(np.sqrt(max(top, 0.0)) + remainder.max()), int(rows[at]), min(float(time), 1.0)
 
 
-def _model(pieces: Array, half: Array, order: int) -> tuple[Array, Array]:
+def _derivatives(coefficients: Array, widths: Array, count: int) -> list[Array]:
+    """Return the first Taylor coefficients of the tangent, delta^(k) / k!, as polynomials.
+
+    Each in Bernstein form on its own: differences of one form's coefficients would lose digits.
+    """
+    return [
+        bernstein.from_power(bernstein.derivative(coefficients, k), widths) / factorial(k)
+        for k in range(count)
+    ]
+
+
+def _model(tangents: list[Array], half: Array, order: int) -> tuple[Array, Array]:
     """Return the derivative's Taylor polynomial about the middle, and its remainder's bound."""
-    degree = pieces.shape[1] - 1
-    length = _ORDER + order + 2
-    middle = np.zeros((len(pieces), length, 3))
-    bounds = np.zeros((len(pieces), length, 1))
-    control = pieces
-    for k in range(min(degree + 1, length)):
-        bounds[:, k, 0] = np.linalg.norm(control, axis=2).max(axis=1)
-        middle[:, k] = bernstein.halves(control)[0][:, -1]
-        # The derivative in Bernstein form, divided by k + 1 on the way to a Taylor coefficient.
-        control = np.diff(control, axis=1) * (degree - k) / (2 * half[:, None, None]) / (k + 1)
-        if control.shape[1] == 0:
-            break
+    middle = np.stack([bernstein.halves(part)[0][:, -1] for part in tangents], axis=1)
+    lengths = [np.linalg.norm(part, axis=2).max(axis=1) for part in tangents]
+    bounds = np.stack(lengths, axis=1)[:, :, None]
     omega, majorant = _velocity_series(middle, np.cross), _velocity_series(bounds, np.multiply)
     lag = order - 1
     falling = np.array([factorial(j + lag) / factorial(j) for j in range(_ORDER + 2)])

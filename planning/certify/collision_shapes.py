@@ -81,10 +81,19 @@ class CollisionShapes:
             p_wg: Their positions [m], shape (m, 3).
             n: A unit vector for each, shape (m, 3).
         """
-        n_local = np.einsum("mji,mj->mi", R_WG, n)
-        corner = np.einsum("mkx,mx->mk", self.vertices[rows], n_local).max(axis=1)
-        disk = np.linalg.norm(self.axes[rows] * n_local, axis=1)
-        return np.einsum("mx,mx->m", p_wg, n) + corner + disk + self.balls[rows]
+        n_local = (n[:, None, :] @ R_WG)[:, 0]
+        corner = (self.vertices[rows] @ n_local[:, :, None])[:, :, 0].max(axis=1)
+        disk = np.sqrt(((self.axes[rows] * n_local) ** 2).sum(axis=1))
+        return (p_wg * n).sum(axis=1) + corner + disk + self.balls[rows]
+
+    def point(self, row: int, R_WG: Array, p_wg: Array, n: Array) -> Array:
+        """Return the point of one shape that lies farthest along n [m], shape (3,)."""
+        n_local = R_WG.T @ n
+        point = self.vertices[row][np.argmax(self.vertices[row] @ n_local)]
+        size = np.linalg.norm(self.axes[row] * n_local)
+        if size > 0:
+            point = point + self.axes[row] ** 2 * n_local / size
+        return R_WG @ (point + self.balls[row] * n_local / np.linalg.norm(n_local)) + p_wg
 
 
 def collision_shapes(model: DrakeModel) -> CollisionShapes:

@@ -90,7 +90,7 @@ def _angular_bound(
         return _norm_bound(request, indices, order, limit)
     coefficients = request.trajectory.coefficients[:, :, indices]
     widths = np.diff(request.trajectory.breaks)
-    return angular_peak(coefficients, widths, order, _RELATIVE_GAP * limit)
+    return angular_peak(coefficients, widths, order, 10 * _RELATIVE_GAP * limit)
 
 
 def _has_fixed_axes(request: CertifyRequest, indices: list[int]) -> bool:

@@ -45,6 +45,11 @@ class Segment:
     pieces: tuple[int, int]
     bernstein: Float64[np.ndarray, "k nv"]
 
+    @property
+    def is_part(self) -> bool:
+        """Whether it lies within one piece."""
+        return self.pieces[1] - self.pieces[0] == 1
+
 
 class Segments:
     """Cuts one trajectory into segments, from the whole to parts of pieces."""
@@ -111,7 +116,9 @@ class Segments:
     def _between(self, q1: Array, q0: Array) -> Array:
         """Return a displacement per velocity coordinate, shape (m, nv); whole turns count.
 
-        Of a rotation only the angle is given, in the first of its three coordinates.
+        They move the joint itself nowhere, but a joint that follows it by half moves half a turn.
+        Where pieces are anchored a turn apart, that costs a few more segments. Of a rotation only
+        the angle is given, in the first of its three coordinates.
         """
         parts: list[Array] = []
         begin = 0

@@ -17,7 +17,9 @@ from tests.conftest import bundled_world
 FLAT = """
 robots: [{{name: body, model: planar_l, positions: [-0.3, 0.0, 0.0]}}]
 objects:
-  - {{name: wall, shape: {{box: [{thickness}, 0.2, 0.2]}}, pose: {{position: [{x}, {y}, 0.0]}}}}
+  - name: wall
+    shape: {{box: [{thickness:.6f}, 0.2, 0.2]}}
+    pose: {{position: [{x:.6f}, {y:.6f}, 0.0]}}
 margin: {margin}
 """
 
@@ -30,7 +32,7 @@ def slide(world: World, shift: float = 0.6, duration: float = 4.0) -> CertifyReq
     """Return the demand for a straight slide along x, from -0.3."""
     group = world.group("body")
     q0 = np.array([-0.3, 0.0, 0.0])
-    trajectory = quintic(group, q0, q0 + [shift, 0.0, 0.0], duration)
+    trajectory = quintic(group, q0, q0 + np.array([shift, 0.0, 0.0]), duration)
     return request_for(world, "body", trajectory)
 
 
@@ -39,7 +41,7 @@ def swing() -> tuple[World, CertifyRequest]:
     world = bundled_world("ur5e_pickup")
     group = world.group("arm")
     q0 = world.positions(group)
-    q1 = q0 + [-1.2, 0.2, -0.3, 0.1, 0.2, 0.4]
+    q1 = q0 + np.array([-1.2, 0.2, -0.3, 0.1, 0.2, 0.4])
     return world, request_for(world, "arm", quintic(group, q0, q1, 2.5))
 
 

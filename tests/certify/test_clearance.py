@@ -258,3 +258,20 @@ def test_nothing_to_hit_is_infinitely_clear() -> None:
     assert certificate.proven
     assert certificate.min_clearance == np.inf
     assert certificate.pair == ("", "")
+
+
+@pytest.mark.parametrize(("meeting", "proven"), [(0.19, True), (0.21, False)])
+def test_two_bodies_that_move_towards_each_other(meeting: float, proven: bool) -> None:
+    builder = Builder()
+    for at in (-0.25, 0.25):
+        builder.link(P, Sphere(0.05), None, RigidTransform(np.array([0.0, 0.0, at])))
+    robot = builder.build()
+    together = quintic(robot.group, np.zeros(2), np.array([meeting, -meeting]), 1.0)
+    certificate = judge(robot, together)
+    assert certificate.proven is proven
+    # There and back: both ends are far apart, and so is every instant but the middle one.
+    back = np.concatenate([together.coefficients, together.coefficients])
+    back[1] *= -1
+    bases = np.stack([np.zeros(2), np.array([meeting, -meeting])])
+    there_and_back = TimedTrajectory(together.joints, np.array([0.0, 1.0, 2.0]), bases, back)
+    assert judge(robot, there_and_back).proven is proven

@@ -1,0 +1,95 @@
+"""The distance of two convex shapes between two bounds, after Gilbert, Johnson and Keerthi.
+
+The distance of A and B is that of the origin from the set of all a - b. Every step takes the point
+v of a simplex in that set that is nearest to the origin: |v| is an upper bound on the distance. The
+point w of the set that lies farthest along -v gives the slab v . w / |v|, a lower bound, and joins
+the simplex. (Gilbert, Johnson, Keerthi, "A fast procedure for computing the distance between
+complex objects in three-dimensional space", 1988; van den Bergen 1999 for the two bounds.) Both
+bounds hold at every step, so an early end or a degenerate simplex costs sharpness, never truth.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from itertools import combinations
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float64
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
+
+_MAX_STEPS = 60
+_TOLERANCE = 1e-10
+# How near the bounds must be where the lower one cannot become large enough any more [m].
+_CLOSE = 1e-5
+
+
+@dataclass(frozen=True)
+class Separation:
+    """Two bounds on a distance.
+
+    Attributes:
+        lower: Largest slab that was found [m]; negative if none separates.
+        upper: Smallest distance of points of both shapes that was found [m]; 0 if they overlap.
+        direction: Unit vector of that slab, from B to A.
+    """
+
+    lower: float
+    upper: float
+    direction: Float64[np.ndarray, "3"]
+
+
+def separation(
+    support: Callable[[Array], Array], guess: Float64[np.ndarray, "3"], enough: float
+) -> Separation:
+    """Bound the distance of the origin from a convex set.
+
+    Args:
+        support: Returns the point of the set that lies farthest along a vector.
+        guess: A vector to begin with, for example from B's middle to A's.
+        enough: A lower bound as large as this ends the search [m].
+    """
+    v = guess if np.linalg.norm(guess) > _TOLERANCE else np.array([1.0, 0.0, 0.0])
+    simplex = np.zeros((0, 3))
+    lower, upper, direction = -np.inf, np.inf, v / np.linalg.norm(v)
+    for _ in range(_MAX_STEPS):
+        n = v / np.linalg.norm(v)
+        w = support(-n)
+        slab = float(n @ w)
+        if slab > lower:
+            lower, direction = slab, n
+        if lower >= enough or upper - lower <= (_TOLERANCE if upper > enough else _CLOSE):
+            break
+        v, simplex = _nearest(np.vstack([simplex, w]))
+        length = float(np.linalg.norm(v))
+        if length >= upper:
+            break
+        upper = length
+        if upper <= _TOLERANCE:
+            return Separation(lower, 0.0, direction)
+    return Separation(lower, upper, direction)
+
+
+def _nearest(points: Array) -> tuple[Array, Array]:
+    """Return the point of a simplex nearest to the origin, and the corners that span its face.
+
+    The newest corner, the last, is always one of them: it lies nearer to the origin's side than
+    every other. A face counts if the nearest point of its plane lies within it.
+    """
+    last = len(points) - 1
+    best, corners, least = points[last], points[last:], float(np.sum(points[last] ** 2))
+    for size in range(1, len(points)):
+        for others in combinations(range(last), size):
+            face = points[[*others, last]]
+            edges = face[:-1] - face[-1]
+            gram = edges @ edges.T
+            if np.linalg.det(gram) <= 1e-14 * float(np.prod(np.diag(gram))):
+                continue
+            weights = np.linalg.solve(gram, -edges @ face[-1])
+            if (weights <= 0).any() or weights.sum() >= 1:
+                continue
+            nearest = face[-1] + weights @ edges
+            square = float(nearest @ nearest)
+            if square < least:
+                best, corners, least = nearest, face, square
+    return best, corners

@@ -1,0 +1,71 @@
+"""Sightings: the smallest distances that were seen, and when."""
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from planning.certify.candidate_pairs import CandidatePairs
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
+type Indices = np.ndarray[Any, np.dtype[np.intp]]
+
+
+@dataclass
+class Sighting:
+    """The pair that had the least of something.
+
+    Attributes:
+        least: Of what [m].
+        distance: Its signed distance [m].
+        margin: The distance demanded of it [m].
+        names: Its bodies.
+        time: When [s].
+    """
+
+    least: float = np.inf
+    distance: float = np.inf
+    margin: float = 0.0
+    names: tuple[str, str] = ("", "")
+    time: float = 0.0
+
+    @property
+    def where(self) -> str:
+        """The bodies, as one name."""
+        return "-".join(self.names) if self.names[0] else ""
+
+
+@dataclass
+class Sightings:
+    """What was seen so far.
+
+    Attributes:
+        pairs: All pairs.
+        nearest: The pair with the smallest distance.
+        tightest: The pair with the least distance to spare over its margin.
+        count: Configurations that were looked at.
+    """
+
+    pairs: CandidatePairs
+    nearest: Sighting = field(default_factory=Sighting)
+    tightest: Sighting = field(default_factory=Sighting)
+    count: int = 0
+
+    def see(self, pairs: Indices, distances: Array, time: float) -> None:
+        """Take note of distances [m], infinite where none was measured, at one configuration."""
+        self.count += 1
+        seen = np.isfinite(distances)
+        if seen.any():
+            pairs, distances = pairs[seen], distances[seen]
+            self._note(self.nearest, pairs, distances, distances, time)
+            spare = distances - self.pairs.margins[pairs]
+            self._note(self.tightest, pairs, distances, spare, time)
+
+    def _note(
+        self, sighting: Sighting, pairs: Indices, distances: Array, what: Array, time: float
+    ) -> None:
+        least = int(np.argmin(what))
+        if what[least] < sighting.least:
+            sighting.least, sighting.distance = float(what[least]), float(distances[least])
+            sighting.margin = float(self.pairs.margins[pairs[least]])
+            sighting.names, sighting.time = self.pairs.names[pairs[least]], time
