@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from planning.world.model_library import ModelLibrary, bundled_folder
     from planning.world.replay import replay_html
     from planning.world.scene_document import SceneDocument
-    from planning.world.scene_file import parse_scene, read_scene
+    from planning.world.scene_file import parse_scene, read_scene, with_line
     from planning.world.simulation import Simulation
     from planning.world.world import World, load_world
 
@@ -60,6 +60,7 @@ _DOORS = {
     "read_scene": "planning.world.scene_file",
     "replay_html": "planning.world.replay",
     "solve_ik": "planning.ik",
+    "with_line": "planning.world.scene_file",
 }
 
 __all__ = [
@@ -94,6 +95,7 @@ __all__ = [
     "read_scene",
     "replay_html",
     "solve_ik",
+    "with_line",
 ]
 
 

@@ -77,6 +77,20 @@ def read_scene(path: Path) -> Scene:
     return parse_scene(text, path.name)
 
 
+def with_line(fault: SceneInvalid, source: str | bytes) -> SceneInvalid:
+    """Return a fault that was found after reading, with the line of its `path` in the text.
+
+    `load_world` finds faults that the text alone does not show, such as a frame whose parent is no
+    link of the robot; it knows the path, and this finds the line.
+    """
+    path = fault.evidence.get("path")
+    if not path or fault.evidence.get("line"):
+        return fault
+    steps = [int(step) if step.isdigit() else step for step in str(path).split(".")]
+    line = _line_of(yaml.compose(source, Loader=yaml.CSafeLoader), steps)
+    return SceneInvalid(f"line {line}: {fault.detail}", {**fault.evidence, "line": line})
+
+
 def _validate(document: Mapping[str, Any], node: Any, name: str) -> Scene:
     try:
         return SceneDocument.model_validate(document).value()

@@ -2,7 +2,8 @@
 
 from typing import Any
 
-from planning import World, load_world
+from planning import World, load_world, with_line
+from planning.errors import SceneInvalid
 from service.convert.summaries import scene_wire
 from service.tasks.channel import Channel
 from service.tasks.decode import decode_scene
@@ -18,7 +19,10 @@ def load_scene(payload: dict[str, Any], _: Channel) -> dict[str, Any]:
     """
     scene, document = decode_scene(payload["text"], payload["media"])
     library = library_of(payload["library"])
-    world = load_world(scene, library)
+    try:
+        world = load_world(scene, library)
+    except SceneInvalid as fault:
+        raise with_line(fault, payload["text"]) from fault
     summary = scene_wire(world.summary, aliases_of(world))
     keep(world, library)
     return {"name": scene.name, "document": document, "digest": scene.digest, "summary": summary}

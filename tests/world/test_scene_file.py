@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 import planning
 from planning.domain.shapes import Capsule, Convex, Cylinder, HalfSpace, Mesh, Sphere
 from planning.errors import AssetNotFound, SceneInvalid
-from planning.world.scene_file import parse_scene, read_scene
+from planning.world.scene_file import parse_scene, read_scene, with_line
 
 HEAD = "robots:\n  - {name: arm, model: ur5e}\n"
 
@@ -89,6 +89,23 @@ def test_json_and_yaml_are_the_same_scene(name: str) -> None:
 def test_no_text_breaks_the_reader(text: str) -> None:
     with pytest.raises(SceneInvalid):
         parse_scene(text)
+
+
+@pytest.mark.parametrize(
+    ("tail", "line"),
+    [
+        ("frames:\n  - name: f\n    parent: tabel\n", 5),
+        ("allowed_collisions:\n  - [arm::tool0, world]\n  - [arm::tool9, world]\n", 5),
+        ("configurations:\n  c: {group: leg, positions: [1]}\n", 4),
+    ],
+)
+def test_faults_that_only_loading_shows_get_their_line_too(tail: str, line: int) -> None:
+    text = HEAD + tail
+    with pytest.raises(SceneInvalid) as refusal:
+        planning.load_world(parse_scene(text))
+    found = with_line(refusal.value, text)
+    assert found.evidence["line"] == line
+    assert found.detail.startswith(f"line {line}: ")
 
 
 def test_ten_megabytes_of_nonsense_are_refused_at_once() -> None:
