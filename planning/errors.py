@@ -90,9 +90,9 @@ class UnknownName(InputError):
         """Build the error that names the wrong thing and the right ones."""
         names = sorted(known)
         nearest = get_close_matches(name, names, n=3)
-        hint = f"; did you mean {nearest[0]!r}?" if nearest else ""
+        hint = f"did you mean {nearest[0]!r}? " if nearest else ""
         return cls(
-            f"{kind} {name!r} does not exist{hint} {kind}s: {names}",
+            f"{kind} {name!r} does not exist; {hint}{kind}s: {names}",
             {"kind": kind, "name": name, "known": names, "nearest": nearest},
         )
 

@@ -52,9 +52,14 @@ async def open_desk(settings: Settings) -> AsyncGenerator[tuple[Desk, SceneShelf
         engine.dispose()
 
 
+# How long a canceled job may take to end by itself [s]: a robot comes to rest on its path first.
+_CANCEL_GRACE = {"plan": 0.25, "query": 0.25, "execution": 5.0}
+
+
 def _lane(settings: Settings, name: str) -> Lane:
     count: int = getattr(settings, f"{name}_slots")
-    return Lane(name, [_slot(settings, name) for _ in range(count)], settings.max_queued)
+    slots = [_slot(settings, name) for _ in range(count)]
+    return Lane(name, slots, settings.max_queued, _CANCEL_GRACE[name])
 
 
 def _slot(settings: Settings, lane: str) -> Slot:

@@ -6,6 +6,7 @@ import pickle
 from collections.abc import Callable, Sequence
 from concurrent.futures import CancelledError
 from concurrent.futures import TimeoutError as FutureTimeoutError
+from contextlib import suppress
 from dataclasses import dataclass
 from multiprocessing.connection import Connection  # noqa: TC003  (read at run time by tests)
 from typing import Any, Protocol
@@ -13,7 +14,7 @@ from typing import Any, Protocol
 from pebble import ProcessExpired, ProcessPool
 
 from service.jobs.outcome import Crashed, Ended, Outcome, TimedOut
-from service.jobs.worker import prepare, run_in_process
+from service.jobs.worker import do_nothing, prepare, run_in_process
 
 type OnEvent = Callable[[str, dict[str, Any]], None]
 
@@ -66,23 +67,22 @@ class ProcessSlot:
         self._context: Any = multiprocessing.get_context("forkserver")
         self._context.set_forkserver_preload(list(preload))
         self._token = 0
+        self._first_sign: Any = None
         self._future: Any = None
         self._was_canceled = False
         self._kill_timer: asyncio.TimerHandle | None = None
         self._on_event: OnEvent | None = None
         self._parts: list[bytes] = []
-        self._pool: ProcessPool | None = None
+        self._pool: Any = None  # pebble's, or None while there is no process
         self._open_pipes()
 
     async def run(self, run: Run) -> Outcome:
         """Run a task to its end; a worker that dies is replaced before the next run."""
         self._token += 1
         self._on_event, self._parts, self._was_canceled = run.on_event, [], False
-        arguments = [run.task, run.payload, self._token]
         try:
-            pool = self._active_pool()
-            self._future = pool.schedule(run_in_process, args=arguments, timeout=run.allowed)
-            return await asyncio.wrap_future(self._future)
+            await self._start(run)
+            return Ended() if self._future is None else await asyncio.wrap_future(self._future)
         except FutureTimeoutError:
             return TimedOut(run.allowed or 0.0)
         except ProcessExpired as expired:
@@ -102,33 +102,47 @@ class ProcessSlot:
             if self._kill_timer is not None:
                 self._kill_timer.cancel()
 
+    async def _start(self, run: Run) -> None:
+        """Hand a task to the process, unless it is canceled before there is one."""
+        if self._pool is None or not self._pool.active:
+            # A first process may have to import much: the event loop goes on meanwhile.
+            await asyncio.to_thread(self._open_pool)
+        if not self._was_canceled:
+            pool: Any = self._pool
+            arguments = [run.task, run.payload, self._token]
+            self._future = pool.schedule(run_in_process, args=arguments, timeout=run.allowed)
+
     def cancel(self, grace: float) -> None:
         """Tell the task, and end its process if it has not ended by itself in time."""
-        if self._future is None or self._was_canceled:
+        if self._on_event is None or self._was_canceled:
             return
         self._was_canceled = True
+        if self._future is None:
+            return  # its process is still being started, and will not be used
         self._control_out.send_bytes(self._token.to_bytes(8))
         loop = asyncio.get_running_loop()
         self._kill_timer = loop.call_later(grace, self._future.cancel)
 
     async def close(self) -> None:
         """End the process, whatever it does."""
-        if self._future is not None:
-            self._was_canceled = True
-            self._future.cancel()
+        self._was_canceled = True
+        for future in (self._first_sign, self._future):
+            if future is not None:
+                future.cancel()
         await self._close_pool()
         self._close_pipes()
 
-    def _active_pool(self) -> ProcessPool:
-        """Return the pool; a new one if there is none that works."""
-        if self._pool is None or not self._pool.active:
-            self._pool = ProcessPool(
-                max_workers=1,
-                context=self._context,
-                initializer=prepare,
-                initargs=[self._event_out, self._control_in, self._guard_in],
-            )
-        return self._pool
+    def _open_pool(self) -> None:
+        """Make a pool and wait until its process has started."""
+        self._pool = ProcessPool(
+            max_workers=1,
+            context=self._context,
+            initializer=prepare,
+            initargs=[self._event_out, self._control_in, self._guard_in],
+        )
+        self._first_sign = self._pool.schedule(do_nothing)
+        with suppress(CancelledError):
+            self._first_sign.result()
 
     async def _close_pool(self) -> None:
         pool, self._pool = self._pool, None
