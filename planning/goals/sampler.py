@@ -1,7 +1,6 @@
 """Goal configurations of a goal: the stage's one entry, shared by plans and by /ik."""
 
-from collections import defaultdict
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -11,13 +10,14 @@ from planning.domain.deadline import Deadline
 from planning.domain.goal import ConfigurationGoal, Goal, JointGoal, PoseGoal
 from planning.domain.joints import JointGroup
 from planning.domain.options import IkOptions
-from planning.domain.report import Funnel, GoalConfigurations, PairTally
+from planning.domain.report import Funnel, GoalConfigurations
 from planning.errors import GoalInCollision, GoalOutOfLimits, GoalUnreachable
 from planning.goals.ik_program import IkProgram, ToolTarget
 from planning.goals.nearest import nearest_pose
 from planning.goals.ranking import equivalents, is_new, nearest_first
 from planning.goals.seeds import seeds
 from planning.goals.start import clip_dust, describe_pairs, limit_violations, pair_evidence
+from planning.goals.tally import Tally, funnel_evidence
 from planning.world.margins import PairMargins
 from planning.world.positions import require_positions
 from planning.world.world import World
@@ -86,7 +86,7 @@ def _given(world: World, query: GoalQuery, rows: Array) -> GoalConfigurations:
             f"is not in [{worst['lower']:.6g}, {worst['upper']:.6g}]"
         )
         raise GoalOutOfLimits(message, {"joints": outside[0]})
-    tally = _Tally()
+    tally = Tally()
     free: list[tuple[int, Array]] = []
     for i in inside:
         pairs = world.violations(query.group, rows[i], query.margins)
@@ -98,26 +98,10 @@ def _given(world: World, query: GoalQuery, rows: Array) -> GoalConfigurations:
     if not free:
         pairs = world.violations(query.group, rows[inside[0]], query.margins)
         message = f"every goal configuration collides: {describe_pairs(pairs, query.margins)}"
-        evidence = {"funnel": _as_evidence(funnel), "pairs": pair_evidence(pairs, query.margins)}
+        evidence = {"funnel": funnel_evidence(funnel), "pairs": pair_evidence(pairs, query.margins)}
         raise GoalInCollision(message, evidence)
     found, indices = nearest_first(query.group, query.start, free, len(free))
     return GoalConfigurations(found, indices, funnel)
-
-
-@dataclass
-class _Tally:
-    """Counts which pairs rejected configurations hit first."""
-
-    depths: dict[tuple[str, str], list[float]] = field(default_factory=lambda: defaultdict(list))
-
-    def add(self, pairs: Any, margins: PairMargins) -> None:
-        worst = max(pairs, key=lambda pair: margins.of(*pair.bodies) - pair.distance)
-        self.depths[worst.bodies].append(margins.of(*worst.bodies) - worst.distance)
-
-    @property
-    def summary(self) -> tuple[PairTally, ...]:
-        tallies = [PairTally(b, len(d), min(d), max(d)) for b, d in self.depths.items()]
-        return tuple(sorted(tallies, key=lambda tally: (-tally.count, tally.bodies)))
 
 
 class _PoseSearch:
@@ -140,7 +124,7 @@ class _PoseSearch:
         self._oracle = world.collision_oracle(query.group, query.margins)
         self._probe = world.distance_probe(query.margins)
         self._tried = self._converged = self._within = self._free = 0
-        self._tally = _Tally()
+        self._tally = Tally()
         self._found: list[tuple[int, Array]] = []
 
     def run(self) -> GoalConfigurations:
@@ -221,7 +205,7 @@ class _PoseSearch:
                 for tally in worst
             )
             message = f"all {funnel.within_limits} configurations that reach the goal collide: "
-            raise GoalInCollision(message + words, {"funnel": _as_evidence(funnel)})
+            raise GoalInCollision(message + words, {"funnel": funnel_evidence(funnel)})
         query = self._query
         near = min(
             (
@@ -242,7 +226,7 @@ class _PoseSearch:
             "translation_error": near.translation_error,
             "rotation_error": near.rotation_error,
         }
-        raise GoalUnreachable(message, {"funnel": _as_evidence(funnel), "nearest": nearest})
+        raise GoalUnreachable(message, {"funnel": funnel_evidence(funnel), "nearest": nearest})
 
 
 def tool_targets(world: World, group: JointGroup, goal: PoseGoal, start: Array) -> list[ToolTarget]:
@@ -263,22 +247,3 @@ def tool_targets(world: World, group: JointGroup, goal: PoseGoal, start: Array) 
         )
         for target in goal.targets
     ]
-
-
-def _as_evidence(funnel: Funnel) -> dict[str, Any]:
-    return {
-        "tried": funnel.tried,
-        "converged": funnel.converged,
-        "within_limits": funnel.within_limits,
-        "collision_free": funnel.collision_free,
-        "distinct": funnel.distinct,
-        "rejected_by": [
-            {
-                "bodies": list(tally.bodies),
-                "count": tally.count,
-                "min_depth": tally.min_depth,
-                "max_depth": tally.max_depth,
-            }
-            for tally in funnel.rejected_by
-        ],
-    }

@@ -17,7 +17,6 @@ from pydrake.multibody.tree import (
     BodyIndex,
     FixedOffsetFrame,
     Frame,
-    JointIndex,
     ModelInstanceIndex,
     QuaternionFloatingJoint,
     SpatialInertia,
@@ -27,7 +26,8 @@ from pydrake.planning import RobotDiagramBuilder
 from planning.domain.pose import Pose
 from planning.domain.scene import Scene, SceneFrame, SceneObject, SceneRobot
 from planning.errors import ModelInvalid, SceneInvalid, UnknownName
-from planning.world.drake_model import Coupling, DrakeModel
+from planning.world.couplings import couplings, joint_indices
+from planning.world.drake_model import DrakeModel
 from planning.world.model_file import ModelFile, inspect_model
 from planning.world.model_library import ModelLibrary, RobotSource
 from planning.world.shapes import drake_shape
@@ -89,6 +89,7 @@ def build_diagram(
     build.plant.Finalize()
     _allow_collisions(build, scene)
     scene_graph = builder.scene_graph()
+    indices = joint_indices(build.plant, build.bodies)
     model = DrakeModel(
         diagram=builder.Build(),
         plant=build.plant,
@@ -96,8 +97,12 @@ def build_diagram(
         body_names={index: name for name, index in build.bodies.items()},
         bodies=build.bodies,
         frames=build.frames,
-        joint_indices=_joint_indices(build),
-        couplings=_couplings(build),
+        joint_indices=indices,
+        couplings=couplings(
+            build.plant,
+            indices,
+            [(robot.scene_robot.name, m) for robot in build.robots for m in robot.file.mimics],
+        ),
     )
     return model, tuple(build.robots)
 
@@ -240,42 +245,6 @@ def _exclude(build: _Build, pair: tuple[str, str]) -> None:
         sets.append(GeometrySet(ids))
     filters = build.builder.scene_graph().collision_filter_manager()
     filters.Apply(CollisionFilterDeclaration().ExcludeBetween(*sets))
-
-
-def _joint_indices(build: _Build) -> dict[str, JointIndex]:
-    indices: dict[str, JointIndex] = {}
-    for index in build.plant.GetJointIndices():
-        joint = build.plant.get_joint(index)
-        child = next(
-            (name for name, body in build.bodies.items() if body == joint.child_body().index()), ""
-        )
-        robot, scoped, _ = child.partition("::")
-        if scoped and joint.num_positions() > 0:
-            indices[f"{robot}::{joint.name()}"] = index
-    return indices
-
-
-def _couplings(build: _Build) -> tuple[Coupling, ...]:
-    indices = _joint_indices(build)
-    couplings: list[Coupling] = []
-    for robot in build.robots:
-        for mimic in robot.file.mimics:
-            names = (f"{robot.scene_robot.name}::{n}" for n in (mimic.follower, mimic.leader))
-            found = [indices.get(name) for name in names]
-            if None in found:
-                continue  # a fixed joint may carry a leftover mimic tag: nothing moves
-            follower, leader = (build.plant.get_joint(index) for index in found if index)
-            couplings.append(
-                Coupling(
-                    follower.position_start(),
-                    leader.position_start(),
-                    follower.velocity_start(),
-                    leader.velocity_start(),
-                    mimic.multiplier,
-                    mimic.offset,
-                )
-            )
-    return tuple(couplings)
 
 
 def pose_of(transform: RigidTransform) -> Pose:

@@ -5,10 +5,21 @@ from collections import defaultdict
 from collections.abc import AsyncIterator, Mapping
 from typing import Any
 
-from planning.errors import Canceled, DeadlineExceeded, WayproofError
-from service.jobs.errors import InternalError, QueueFull, ServerRestarted, WorkerCrashed
+from planning.errors import Canceled
+from service.jobs.errors import InternalError, QueueFull, ServerRestarted
 from service.jobs.lane import Lane
-from service.jobs.outcome import Crashed, Ended, Outcome, Raised, Returned, TimedOut, failure_of
+from service.jobs.outcome import (
+    Crashed,
+    Ended,
+    Outcome,
+    Raised,
+    Returned,
+    TimedOut,
+    canceled_failure,
+    error_of,
+    failure_of,
+    value_of,
+)
 from service.jobs.ownership import Ownership
 from service.jobs.records import Job, JobSpec, LoggedEvent
 from service.jobs.slot import Run, Slot
@@ -92,7 +103,7 @@ class Dispatcher:
         job = self._store.request_cancel(identifier)
         if job.state is JobState.QUEUED:
             self._lanes[job.lane].remove(identifier)
-            self._finish(job, JobEvent.CANCEL, failure=_canceled())
+            self._finish(job, JobEvent.CANCEL, failure=canceled_failure())
         elif identifier in self._running:
             self._running[identifier].cancel(self._lanes[job.lane].cancel_grace)
         return self._store.get(identifier)
@@ -153,7 +164,7 @@ class Dispatcher:
         for attempt in (1, 2):
             outcome = await self._call_once(Run(task, payload, _ignore, allowed), lane, warm_key)
             if not isinstance(outcome, Crashed) or attempt == 2:
-                return _value_of(outcome, attempt)
+                return value_of(outcome, attempt)
         message = "unreachable: the second attempt returns"
         raise AssertionError(message)
 
@@ -176,7 +187,7 @@ class Dispatcher:
     def _recover(self, job: Job) -> None:
         """Queue again what was queued, and what ran if it may run again."""
         if job.is_cancel_requested:
-            self._finish(job, JobEvent.CANCEL, failure=_canceled())
+            self._finish(job, JobEvent.CANCEL, failure=canceled_failure())
         elif job.state is JobState.QUEUED:
             self._lanes[job.lane].add(job)
         elif job.attempts < job.max_attempts:
@@ -196,7 +207,7 @@ class Dispatcher:
         try:
             started = self._store.move(job.id, JobEvent.START)
             if started is None or started.is_cancel_requested:
-                self._finish(job, JobEvent.CANCEL, failure=_canceled())
+                self._finish(job, JobEvent.CANCEL, failure=canceled_failure())
                 return
             self._running[job.id] = slot
             self._tell(job.id)
@@ -224,13 +235,13 @@ class Dispatcher:
                 happened = JobEvent.CANCEL if isinstance(error, Canceled) else JobEvent.FAIL
                 self._finish(job, happened, failure=failure_of(error))
             case Ended():
-                self._finish(job, JobEvent.CANCEL, failure=_canceled())
+                self._finish(job, JobEvent.CANCEL, failure=canceled_failure())
             case Crashed() | TimedOut() if is_unwanted:
-                self._finish(job, JobEvent.CANCEL, failure=_canceled())
+                self._finish(job, JobEvent.CANCEL, failure=canceled_failure())
             case Crashed() if job.attempts < job.max_attempts:
                 self._queue_again(job)
             case Crashed() | TimedOut():
-                error = _error_of(outcome, job.attempts)
+                error = error_of(outcome, job.attempts)
                 self._finish(job, JobEvent.FAIL, failure=failure_of(error))
 
     def _queue_again(self, job: Job) -> None:
@@ -280,29 +291,3 @@ class Dispatcher:
 
 def _ignore(_: str, __: dict[str, Any]) -> None:
     """Do nothing with an event."""
-
-
-def _canceled() -> dict[str, Any]:
-    return failure_of(Canceled("canceled on request"))
-
-
-def _error_of(outcome: Crashed | TimedOut, attempts: int) -> WayproofError:
-    if isinstance(outcome, TimedOut):
-        message = f"the process was ended after {outcome.allowed:g} s"
-        return DeadlineExceeded(message, {"allowed": outcome.allowed, "during": "worker"})
-    code = outcome.exit_code
-    how = f"by signal {-code}" if code is not None and code < 0 else f"with exit code {code}"
-    message = f"the worker process died {how}, {attempts} times"
-    return WorkerCrashed(message, {"exit_code": code, "attempts": attempts})
-
-
-def _value_of(outcome: Outcome, attempts: int) -> Any:
-    match outcome:
-        case Returned(result=result):
-            return result
-        case Raised(error=error):
-            raise error
-        case Ended():
-            raise Canceled("canceled on request")
-        case Crashed() | TimedOut():
-            raise _error_of(outcome, attempts)

@@ -1,0 +1,46 @@
+"""Which pairs of bodies rejected configurations hit, and the funnel as evidence."""
+
+from collections import defaultdict
+from dataclasses import dataclass, field
+from typing import Any
+
+from planning.domain.report import BodyPair, Funnel, PairTally
+from planning.world.margins import PairMargins
+
+
+@dataclass
+class Tally:
+    """Counts which pairs rejected configurations hit first."""
+
+    depths: dict[tuple[str, str], list[float]] = field(default_factory=lambda: defaultdict(list))
+
+    def add(self, pairs: tuple[BodyPair, ...], margins: PairMargins) -> None:
+        """Count a rejected configuration by the pair that lacks most of its margin."""
+        worst = max(pairs, key=lambda pair: margins.of(*pair.bodies) - pair.distance)
+        self.depths[worst.bodies].append(margins.of(*worst.bodies) - worst.distance)
+
+    @property
+    def summary(self) -> tuple[PairTally, ...]:
+        """The tallies, most frequent pair first."""
+        tallies = [PairTally(b, len(d), min(d), max(d)) for b, d in self.depths.items()]
+        return tuple(sorted(tallies, key=lambda tally: (-tally.count, tally.bodies)))
+
+
+def funnel_evidence(funnel: Funnel) -> dict[str, Any]:
+    """Return a funnel as evidence of a failure."""
+    return {
+        "tried": funnel.tried,
+        "converged": funnel.converged,
+        "within_limits": funnel.within_limits,
+        "collision_free": funnel.collision_free,
+        "distinct": funnel.distinct,
+        "rejected_by": [
+            {
+                "bodies": list(tally.bodies),
+                "count": tally.count,
+                "min_depth": tally.min_depth,
+                "max_depth": tally.max_depth,
+            }
+            for tally in funnel.rejected_by
+        ],
+    }
