@@ -11,8 +11,8 @@ from planning.domain.path import JointPath
 from planning.retime.blend import blend_corners
 from planning.retime.retimer import retime
 from tests.conftest import group_of, limits_of, random_waypoints
+from tests.retime.splines import SEVEN, smooth_spline
 
-SEVEN = group_of(*[JointType.REVOLUTE] * 7)
 SPACE = group_of(JointType.FLOATING)
 RUCKIG = RetimeOptions(method="ruckig")
 
@@ -79,3 +79,28 @@ def test_sizes_far_from_one_do_no_harm(scale: float) -> None:
     unscaled = blend_corners(JointPath(SEVEN, waypoints / scale), 0.1, 2)
     wanted = retime(unscaled, limits_of(SEVEN), RUCKIG)[0].duration
     assert retime(spline, limits, RUCKIG)[0].duration == pytest.approx(wanted, rel=1e-2)
+
+
+@pytest.mark.parametrize("group", [SEVEN, SPACE])
+@given(seed=st.integers(0, 10_000))
+def test_the_plan_keeps_the_limits_before_the_audit(group: JointGroup, seed: int) -> None:
+    path = JointPath(group, random_waypoints(group, seed, 4))
+    _, report = retime(blend_corners(path, 0.05, 2), limits_of(group), RUCKIG)
+    assert report.slowed <= 1 + 1e-6
+
+
+def test_a_line_between_corners_is_one_state_to_state_motion() -> None:
+    # Seven phases of constant jerk at most; a line in several hops would have more.
+    for seed in range(5):
+        path = JointPath(SEVEN, random_waypoints(SEVEN, seed, 4, spread=1.5))
+        trajectory, _ = retime(blend_corners(path, 0.02, 2), limits_of(SEVEN), RUCKIG)
+        on_first_line = (trajectory.bases == path.waypoints[0]).all(axis=1)
+        assert 3 <= on_first_line.sum() <= 8
+
+
+@given(seed=st.integers(0, 10_000), jerk=st.sampled_from([20.0, 100.0, 1000.0]))
+def test_the_plan_keeps_the_limits_along_curves_too(seed: int, jerk: float) -> None:
+    spline, _ = smooth_spline(seed)
+    _, report = retime(spline, limits_of(SEVEN, jerk=jerk), RUCKIG)
+    assert report.stops == 0
+    assert report.slowed <= 1 + 1e-6

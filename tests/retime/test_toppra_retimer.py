@@ -6,29 +6,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 from toppra.algorithm import TOPPRA
 from toppra.constraint import JointAccelerationConstraint, JointVelocityConstraint
-from toppra.interpolator import SplineInterpolator
 
-from planning.domain.curve import JointSpline
 from planning.domain.joints import JointLimits, JointType
 from planning.domain.options import RetimeOptions
 from planning.domain.path import JointPath
 from planning.retime.blend import blend_corners
 from planning.retime.retimer import retime
 from tests.conftest import group_of, limits_of, random_waypoints
-
-SEVEN = group_of(*[JointType.REVOLUTE] * 7)
-
-
-def smooth_spline(seed: int) -> tuple[JointSpline, SplineInterpolator]:
-    """Return the same natural cubic spline twice: as ours, and as toppra's."""
-    waypoints = random_waypoints(SEVEN, seed, 7, spread=0.5)
-    knots = np.linspace(0, 1, 7)
-    theirs = SplineInterpolator(knots, waypoints, bc_type="natural")
-    lefts = knots[:-1]
-    terms = [np.zeros_like(waypoints[:-1]), theirs(lefts, 1), theirs(lefts, 2) / 2]
-    slopes = np.diff(theirs(knots, 2), axis=0) / np.diff(knots)[:, None]
-    coefficients = np.stack([*terms, slopes / 6], axis=1)
-    return JointSpline(SEVEN.joints, knots, theirs(lefts), coefficients), theirs
+from tests.retime.splines import SEVEN, smooth_spline
 
 
 @pytest.mark.parametrize("seed", range(4))
@@ -85,3 +70,12 @@ def test_a_joint_with_no_limit_does_not_matter() -> None:
     spline = blend_corners(path, 0.05)
     bound = retime(spline, limits, RetimeOptions())[0].duration
     assert retime(spline, unlimited, RetimeOptions())[0].duration <= bound * 1.001
+
+
+@pytest.mark.parametrize("kind", [JointType.REVOLUTE, JointType.PLANAR, JointType.FLOATING])
+@given(seed=st.integers(0, 10_000))
+def test_the_speeds_nearly_keep_the_limits_before_the_audit(kind: JointType, seed: int) -> None:
+    group = group_of(kind, kind)
+    path = JointPath(group, random_waypoints(group, seed, 4))
+    _, report = retime(blend_corners(path, 0.05), limits_of(group), RetimeOptions())
+    assert report.slowed <= 1 + 1e-3
