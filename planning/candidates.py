@@ -92,7 +92,9 @@ def _rounded(
     if made is None and deviation == 0:
         message = f"{problem.retime.method} cannot time the path, even with a rest at every corner"
         raise RetimingFailed(message, {"method": problem.retime.method})
-    return made
+    if made is None:
+        return None
+    return replace(made, retime=replace(made.retime, blend_deviation=deviation))
 
 
 def _timed(
