@@ -20,6 +20,12 @@ class UnknownJob(WayproofError):
 
     code = "unknown_job"
 
+    @classmethod
+    def of(cls, identifier: str) -> "UnknownJob":
+        """Build the error for an id."""
+        shown = identifier[:80]
+        return cls(f"there is no job {shown!r}", {"id": shown})
+
 
 class DatabaseInUse(WayproofError):
     """Another dispatcher works on this database; evidence: `database`."""
@@ -28,7 +34,10 @@ class DatabaseInUse(WayproofError):
 
 
 class WorkerCrashed(PlanningFailure):
-    """The worker process died; evidence: `exit_code` (negative: by that signal), `attempts`."""
+    """The worker process died under the job, every time.
+
+    Evidence: `attempts`, `exit_code` (negative: by that signal), `signal` (its name), `reason`.
+    """
 
     code = "worker_crashed"
     stage = "worker"

@@ -1,32 +1,39 @@
 """InlineSlot: tasks in a thread of this process, for tests that want no processes.
 
-Canceling is cooperative only, a deadline is the task's own affair, and a crash ends everything.
+Nothing can be forced here: a task that does not heed a cancel or its deadline keeps its thread,
+and a crash of native code ends everything. What was asked for is answered in time all the same.
 """
 
 import asyncio
+import json
 import threading
-from concurrent.futures import ThreadPoolExecutor
+from contextlib import suppress
 from typing import Any
 
-from service.jobs.outcome import Outcome
-from service.jobs.slot import OnEvent, Run
-from service.jobs.worker import run_task
+from service.jobs.error_text import error_in
+from service.jobs.json_text import Encoded
+from service.jobs.link import FrameKind
+from service.jobs.outcome import Crashed, Ended, Outcome, Raised, Returned
+from service.jobs.slot import EventSink, Run
+from service.jobs.stop import Stop
+from service.jobs.task import TaskEnd, event_text, run_task
 
 # Drake worlds are kept per process and OMPL's random numbers are global to it: one task at a time.
 _ONE_AT_A_TIME = threading.Lock()
+_GIVEN_UP = TaskEnd(FrameKind.CRASH, "it does not end")
 
 
 class _ThreadChannel:
     """A channel within the process."""
 
-    def __init__(self, loop: asyncio.AbstractEventLoop, on_event: OnEvent) -> None:
+    def __init__(self, loop: asyncio.AbstractEventLoop, sink: EventSink) -> None:
         self._loop = loop
-        self._on_event = on_event
+        self._sink = sink
         self.canceled = threading.Event()
 
     def emit(self, event_type: str, data: dict[str, Any]) -> None:
         """Hand an event to the loop."""
-        self._loop.call_soon_threadsafe(self._on_event, event_type, data)
+        self._loop.call_soon_threadsafe(self._sink.put, event_type, Encoded(event_text(data)))
 
     def is_canceled(self) -> bool:
         """Return whether somebody asked for the end of this run."""
@@ -37,40 +44,86 @@ class InlineSlot:
     """A slot that is a thread."""
 
     def __init__(self, *, is_exclusive: bool) -> None:
-        """Make the thread.
+        """Prepare.
 
         Args:
             is_exclusive: Whether its tasks and those of other exclusive slots take turns.
         """
-        self.warm_key: str | None = None
         self._is_exclusive = is_exclusive
-        self._thread = ThreadPoolExecutor(1, "inline-slot")
-        self._channel: _ThreadChannel | None = None
+        self._is_free = asyncio.Event()
+        self._is_free.set()
+        self._stop: Stop | None = None
+
+    async def open(self, warm_up: str | None) -> None:
+        """Do nothing: this process is as warm as it is."""
+
+    async def ready(self) -> None:
+        """Wait until a thread that was given up has ended."""
+        await self._is_free.wait()
 
     async def run(self, run: Run) -> Outcome:
-        """Run a task to its end."""
-        loop = asyncio.get_running_loop()
-        channel = _ThreadChannel(loop, run.on_event)
-        self._channel = channel
-
-        def call() -> Outcome:
-            if not self._is_exclusive:
-                return run_task(run.task, run.payload, channel)
-            with _ONE_AT_A_TIME:
-                return run_task(run.task, run.payload, channel)
-
-        outcome = await loop.run_in_executor(self._thread, call)
-        await asyncio.sleep(0)  # events that the thread handed over come before its end
-        self._channel = None
-        return outcome
+        """Run a task to its end, or until it is given up."""
+        stop = self._stop = Stop(run.allowed)
+        try:
+            await self._is_free.wait()
+            return Ended() if stop.is_canceled else await self._watch(run, stop)
+        finally:
+            stop.disarm()
+            self._stop = None
 
     def cancel(self, grace: float) -> None:
-        """Tell the task; there is no force here."""
-        del grace
-        if self._channel is not None:
-            self._channel.canceled.set()
+        """Tell the task, and give it up if it has not ended in time."""
+        if self._stop is not None:
+            self._stop.cancel(grace)
 
     async def close(self) -> None:
-        """Wait for the present task, which is told to end."""
+        """Tell the present task to end; its thread does not keep this process alive."""
         self.cancel(0.0)
-        await asyncio.to_thread(self._thread.shutdown)
+
+    async def _watch(self, run: Run, stop: Stop) -> Outcome:
+        loop = asyncio.get_running_loop()
+        channel = _ThreadChannel(loop, run.sink)
+        done: asyncio.Future[TaskEnd] = loop.create_future()
+        stop.begin(channel.canceled.set, lambda: _settle(done, _GIVEN_UP))
+        self._is_free.clear()
+        work = (loop, run, channel, done)
+        threading.Thread(target=self._work, args=work, name="inline-slot", daemon=True).start()
+        try:
+            end = await done
+        except asyncio.CancelledError:
+            channel.canceled.set()
+            raise
+        match end.kind:
+            case FrameKind.RESULT:
+                return Returned(Encoded(end.text))
+            case FrameKind.FAILURE:
+                return stop.verdict(Raised(error_in(end.text)))
+            case _:
+                return stop.verdict(Crashed(None, end.text))
+
+    def _work(
+        self,
+        loop: asyncio.AbstractEventLoop,
+        run: Run,
+        channel: _ThreadChannel,
+        done: asyncio.Future[TaskEnd],
+    ) -> None:
+        """Run the task, in the thread."""
+        payload = json.dumps(run.payload)
+        if self._is_exclusive:
+            with _ONE_AT_A_TIME:
+                end = run_task(run.task, payload, channel)
+        else:
+            end = run_task(run.task, payload, channel)
+
+        def finish() -> None:
+            self._is_free.set()
+            _settle(done, end)
+
+        with suppress(RuntimeError):  # the loop is closed: nobody waits
+            loop.call_soon_threadsafe(finish)
+
+
+def _settle(future: asyncio.Future[TaskEnd], end: TaskEnd) -> None:
+    if not future.done():
+        future.set_result(end)

@@ -1,17 +1,19 @@
 """How a run of a task ended."""
 
+import signal
 from dataclasses import dataclass
 from typing import Any
 
 from planning.errors import Canceled, DeadlineExceeded, WayproofError
 from service.jobs.errors import WorkerCrashed
+from service.jobs.json_text import Encoded
 
 
 @dataclass(frozen=True)
 class Returned:
     """It returned."""
 
-    result: Any
+    result: Encoded
 
 
 @dataclass(frozen=True)
@@ -23,24 +25,50 @@ class Raised:
 
 @dataclass(frozen=True)
 class Crashed:
-    """Its process died; `exit_code` is negative where a signal ended it, None if unknown."""
+    """Its process died.
+
+    Attributes:
+        exit_code: Negative where a signal ended it, None if unknown.
+        reason: What it said before, or empty.
+    """
 
     exit_code: int | None
+    reason: str = ""
 
 
 @dataclass(frozen=True)
 class TimedOut:
-    """Its process was ended because its time had run out."""
+    """Its time had run out [s]."""
 
     allowed: float
 
 
 @dataclass(frozen=True)
 class Ended:
-    """Its process was ended because somebody asked for it."""
+    """It ended, or was ended, because somebody asked for it.
+
+    Attributes:
+        error: What it said, None if it was ended by force.
+    """
+
+    error: WayproofError | None = None
 
 
 type Outcome = Returned | Raised | Crashed | TimedOut | Ended
+
+
+def error_of(outcome: Raised | Crashed | TimedOut | Ended, attempts: int) -> WayproofError:
+    """Return the error that a run without a result amounts to."""
+    match outcome:
+        case Raised(error=error):
+            return error
+        case Ended(error=error):
+            return error if isinstance(error, Canceled) else Canceled("canceled on request")
+        case TimedOut(allowed=allowed):
+            message = f"the task did not end within {allowed:g} s"
+            return DeadlineExceeded(message, {"allowed": allowed, "during": "worker"})
+        case Crashed():
+            return _crash(outcome, attempts)
 
 
 def failure_of(error: WayproofError) -> dict[str, Any]:
@@ -53,34 +81,14 @@ def failure_of(error: WayproofError) -> dict[str, Any]:
     }
 
 
-def canceled_failure() -> dict[str, Any]:
-    """Return the `failure` of a job that was canceled from outside."""
-    return failure_of(Canceled("canceled on request"))
-
-
-def error_of(outcome: Crashed | TimedOut, attempts: int) -> WayproofError:
-    """Return the error that a run without an answer amounts to, after so many attempts."""
-    if isinstance(outcome, TimedOut):
-        message = f"the process was ended after {outcome.allowed:g} s"
-        return DeadlineExceeded(message, {"allowed": outcome.allowed, "during": "worker"})
-    code = outcome.exit_code
-    how = f"by signal {-code}" if code is not None and code < 0 else f"with exit code {code}"
-    message = f"the worker process died {how}, {attempts} times"
-    return WorkerCrashed(message, {"exit_code": code, "attempts": attempts})
-
-
-def value_of(outcome: Outcome, attempts: int) -> Any:
-    """Return what a run returned.
-
-    Raises:
-        WayproofError: What it raised, or why it did not return.
-    """
-    match outcome:
-        case Returned(result=result):
-            return result
-        case Raised(error=error):
-            raise error
-        case Ended():
-            raise Canceled("canceled on request")
-        case Crashed() | TimedOut():
-            raise error_of(outcome, attempts)
+def _crash(crash: Crashed, attempts: int) -> WorkerCrashed:
+    code = crash.exit_code
+    name = None
+    if code is not None and code < 0:
+        number = -code
+        known = {int(item): item.name for item in signal.Signals}
+        name = known.get(number, f"signal {number}")
+    how = crash.reason or (f"by {name}" if name else f"with exit code {code}")
+    times = "once" if attempts == 1 else f"{attempts} times"
+    evidence = {"attempts": attempts, "exit_code": code, "signal": name, "reason": crash.reason}
+    return WorkerCrashed(f"the worker process died {times}, at last {how}", evidence)

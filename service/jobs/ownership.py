@@ -1,6 +1,7 @@
 """One dispatcher per database."""
 
 import fcntl
+import threading
 from pathlib import Path
 from typing import Any
 
@@ -10,6 +11,7 @@ from service.jobs.errors import DatabaseInUse
 
 # Any number will do, as long as every dispatcher uses the same.
 _ADVISORY_KEY = 0x57_61_79_70
+_ADVISORY_TRIES, _ADVISORY_PAUSE = 20, 0.1
 
 
 class Ownership:
@@ -34,8 +36,11 @@ class Ownership:
     def release(self) -> None:
         """Give it back."""
         if self._held is not None:
-            self._held.close()
-            self._held = None
+            held, self._held = self._held, None
+            if self._engine.dialect.name == "postgresql":
+                self._release_advisory(held)
+            else:
+                held.close()
 
     def _lock_file(self) -> Any:
         database = self._engine.url.database
@@ -50,14 +55,21 @@ class Ownership:
         return file
 
     def _lock_advisory(self) -> Any:
-        connection = self._engine.connect()
-        taken = connection.execute(
-            text("SELECT pg_try_advisory_lock(:key)"), {"key": _ADVISORY_KEY}
-        ).scalar_one()
-        if not taken:
-            connection.close()
-            raise self._in_use()
-        return connection
+        # Outside of a transaction, which would otherwise be open as long as the server runs.
+        connection = self._engine.connect().execution_options(isolation_level="AUTOCOMMIT")
+        lock = text("SELECT pg_try_advisory_lock(:key)")
+        # The database may need a moment to notice that an earlier server has died.
+        for _ in range(_ADVISORY_TRIES):
+            if connection.execute(lock, {"key": _ADVISORY_KEY}).scalar_one():
+                return connection
+            threading.Event().wait(_ADVISORY_PAUSE)
+        connection.close()
+        raise self._in_use()
+
+    def _release_advisory(self, connection: Any) -> None:
+        """Let go before the connection returns to the pool, which would keep the lock."""
+        connection.execute(text("SELECT pg_advisory_unlock(:key)"), {"key": _ADVISORY_KEY})
+        connection.close()
 
     def _in_use(self) -> DatabaseInUse:
         database = self._engine.url.render_as_string(hide_password=True)

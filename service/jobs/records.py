@@ -5,7 +5,7 @@ from datetime import datetime
 from typing import Any
 
 from sqlalchemy import (
-    JSON,
+    BigInteger,
     Boolean,
     Column,
     Float,
@@ -17,19 +17,22 @@ from sqlalchemy import (
     UniqueConstraint,
 )
 
+from service.jobs.json_text import JsonText
 from service.jobs.states import JobState
+
+FINISHED = "finished"
 
 metadata = MetaData()
 
+# `serial` orders pages; SQLite counts by itself only in INTEGER primary keys.
 jobs = Table(
     "jobs",
     metadata,
-    Column("serial", Integer, primary_key=True, autoincrement=True),
-    Column("id", String(40), nullable=False, unique=True),
+    Column("serial", BigInteger().with_variant(Integer, "sqlite"), primary_key=True),
+    Column("id", String(64), nullable=False, unique=True),
     Column("lane", String(20), nullable=False),
     Column("task", String(200), nullable=False),
-    Column("payload", JSON, nullable=False),
-    Column("scene", String(40), nullable=True),
+    Column("scene", String(64), nullable=True),
     Column("warm_key", String(80), nullable=True),
     Column("priority", Integer, nullable=False),
     Column("allowed", Float, nullable=True),
@@ -41,22 +44,32 @@ jobs = Table(
     Column("stage", String(40), nullable=False),
     Column("progress", Float, nullable=False),
     Column("is_cancel_requested", Boolean, nullable=False),
+    Column("num_events", Integer, nullable=False),
     Column("created_at", String(40), nullable=False),
     Column("started_at", String(40), nullable=True),
     Column("finished_at", String(40), nullable=True),
-    Column("result", JSON, nullable=True),
-    Column("failure", JSON, nullable=True),
     UniqueConstraint("lane", "key"),
     Index("jobs_by_state", "lane", "state", "serial"),
+    Index("jobs_by_scene", "scene", "serial"),
+)
+
+# What is large is apart from what changes often: databases write rows whole.
+bodies = Table(
+    "job_bodies",
+    metadata,
+    Column("job", String(64), primary_key=True),
+    Column("payload", JsonText, nullable=False),
+    Column("result", JsonText, nullable=True),
+    Column("failure", JsonText, nullable=True),
 )
 
 events = Table(
     "job_events",
     metadata,
-    Column("job", String(40), primary_key=True),
+    Column("job", String(64), primary_key=True),
     Column("number", Integer, primary_key=True, autoincrement=False),
-    Column("type", String(40), nullable=False),
-    Column("data", JSON, nullable=False),
+    Column("type", String(64), nullable=False),
+    Column("data", JsonText, nullable=False),
     Column("at", String(40), nullable=False),
 )
 
@@ -71,9 +84,9 @@ class JobSpec:
         payload: JSON-compatible.
         prefix: Of the job's id.
         scene: Id of the scene it is about, for listing.
-        warm_key: Slots that ran this key last are preferred.
+        warm_key: Slots that ran this key lately are preferred.
         priority: Larger comes first.
-        allowed: Seconds after which its process is ended, or None.
+        allowed: Seconds after which it is told to end, and soon after made to; None for ever.
         max_attempts: How often it may be run if its process dies.
         key: Idempotency key within the lane, or None.
         request_digest: What a second request with the same key must match.
@@ -113,6 +126,7 @@ class Job:
     stage: str
     progress: float
     is_cancel_requested: bool
+    num_events: int
     created_at: datetime
     started_at: datetime | None
     finished_at: datetime | None
@@ -129,3 +143,8 @@ class LoggedEvent:
     type: str
     data: dict[str, Any]
     at: str
+
+    @property
+    def is_last(self) -> bool:
+        """Whether nothing happens to the job after it."""
+        return self.type == FINISHED

@@ -1,22 +1,33 @@
 """Slot: one warm process that runs one task at a time and can be ended at any moment."""
 
 import asyncio
-import multiprocessing
-import pickle
-from collections.abc import Callable, Sequence
-from concurrent.futures import CancelledError
-from concurrent.futures import TimeoutError as FutureTimeoutError
-from contextlib import suppress
+import json
+import logging
+from collections.abc import Sequence
 from dataclasses import dataclass
-from multiprocessing.connection import Connection  # noqa: TC003  (read at run time by tests)
 from typing import Any, Protocol
 
-from pebble import ProcessExpired, ProcessPool
+from service.jobs.error_text import error_in
+from service.jobs.json_text import Encoded
+from service.jobs.link import Frame, FrameKind, two_parts
+from service.jobs.outcome import Crashed, Ended, Outcome, Raised, Returned
+from service.jobs.stop import Stop
+from service.jobs.worker_process import WorkerProcess, forkserver
 
-from service.jobs.outcome import Crashed, Ended, Outcome, TimedOut
-from service.jobs.worker import do_nothing, prepare, run_in_process
+_FIRST_PAUSE, _LONGEST_PAUSE = 0.05, 5.0
+_log = logging.getLogger(__name__)
 
-type OnEvent = Callable[[str, dict[str, Any]], None]
+
+class EventSink(Protocol):
+    """Where the events of a run go."""
+
+    def put(self, event_type: str, data: Encoded) -> None:
+        """Take an event."""
+        ...
+
+    async def room(self) -> None:
+        """Wait while too many events have been taken and not been dealt with."""
+        ...
 
 
 @dataclass(frozen=True)
@@ -26,20 +37,26 @@ class Run:
     Attributes:
         task: `module:function`.
         payload: What it is called with.
-        on_event: Told of each of its events, in the event loop's thread.
-        allowed: Seconds after which it is ended, or None.
+        sink: Told of each of its events, in the event loop's thread.
+        allowed: Seconds after which it is told to end, and a little later made to; or None.
     """
 
     task: str
     payload: dict[str, Any]
-    on_event: OnEvent
+    sink: EventSink
     allowed: float | None = None
 
 
 class Slot(Protocol):
     """Where tasks run, one at a time."""
 
-    warm_key: str | None
+    async def open(self, warm_up: str | None) -> None:
+        """Begin to get ready; every process of the slot runs the task `warm_up` first."""
+        ...
+
+    async def ready(self) -> None:
+        """Wait until a run would begin at once."""
+        ...
 
     async def run(self, run: Run) -> Outcome:
         """Run a task to its end, whatever that is."""
@@ -55,128 +72,134 @@ class Slot(Protocol):
 
 
 class ProcessSlot:
-    """A slot that is a process of its own: a single-worker pool of pebble's, on a forkserver."""
+    """A slot that is a process of its own, forked off a server that has imported what it needs.
+
+    The process is replaced as soon as it has ended, also while it had nothing to do.
+    """
 
     def __init__(self, preload: Sequence[str]) -> None:
-        """Prepare; the process starts with the first run.
+        """Prepare; `open` starts the process.
 
         Args:
-            preload: Modules that the forkserver imports once, so that new workers are warm.
+            preload: Modules that the forkserver imports once, so that new processes have them.
         """
-        self.warm_key: str | None = None
-        self._context: Any = multiprocessing.get_context("forkserver")
-        self._context.set_forkserver_preload(list(preload))
+        self._preload = preload
+        self._worker: WorkerProcess | None = None
+        self._is_ready = asyncio.Event()
+        self._keeper: asyncio.Task[None] | None = None
         self._token = 0
-        self._first_sign: Any = None
-        self._future: Any = None
-        self._was_canceled = False
-        self._kill_timer: asyncio.TimerHandle | None = None
-        self._on_event: OnEvent | None = None
-        self._parts: list[bytes] = []
-        self._pool: Any = None  # pebble's, or None while there is no process
-        self._open_pipes()
+        self._stop: Stop | None = None
+
+    async def open(self, warm_up: str | None) -> None:
+        """Begin to get ready."""
+        self._keeper = asyncio.get_running_loop().create_task(self._keep(warm_up))
+
+    async def ready(self) -> None:
+        """Wait for a warm process."""
+        await self._is_ready.wait()
 
     async def run(self, run: Run) -> Outcome:
-        """Run a task to its end; a worker that dies is replaced before the next run."""
-        self._token += 1
-        self._on_event, self._parts, self._was_canceled = run.on_event, [], False
+        """Run a task to its end."""
+        stop = self._stop = Stop(run.allowed)
         try:
-            await self._start(run)
-            return Ended() if self._future is None else await asyncio.wrap_future(self._future)
-        except FutureTimeoutError:
-            return TimedOut(run.allowed or 0.0)
-        except ProcessExpired as expired:
-            await self._close_pool()
-            return Ended() if self._was_canceled else Crashed(expired.exitcode)
-        except (CancelledError, asyncio.CancelledError):
-            if not self._was_canceled:
-                raise
-            return Ended()
-        except (RuntimeError, OSError, EOFError):
-            # The pool is broken: its worker was killed while it had nothing to do.
-            await self._close_pool()
-            return Crashed(None)
+            await self._is_ready.wait()
+            return Ended() if stop.is_canceled else await self._converse(run, stop)
         finally:
-            self._drain()
-            self._future, self._on_event = None, None
-            if self._kill_timer is not None:
-                self._kill_timer.cancel()
-
-    async def _start(self, run: Run) -> None:
-        """Hand a task to the process, unless it is canceled before there is one."""
-        if self._pool is None or not self._pool.active:
-            # A first process may have to import much: the event loop goes on meanwhile.
-            await asyncio.to_thread(self._open_pool)
-        if not self._was_canceled:
-            pool: Any = self._pool
-            arguments = [run.task, run.payload, self._token]
-            self._future = pool.schedule(run_in_process, args=arguments, timeout=run.allowed)
+            stop.disarm()
+            self._stop = None
 
     def cancel(self, grace: float) -> None:
         """Tell the task, and end its process if it has not ended by itself in time."""
-        if self._on_event is None or self._was_canceled:
-            return
-        self._was_canceled = True
-        if self._future is None:
-            return  # its process is still being started, and will not be used
-        self._control_out.send_bytes(self._token.to_bytes(8))
-        loop = asyncio.get_running_loop()
-        self._kill_timer = loop.call_later(grace, self._future.cancel)
+        if self._stop is not None:
+            self._stop.cancel(grace)
 
     async def close(self) -> None:
         """End the process, whatever it does."""
-        self._was_canceled = True
-        for future in (self._first_sign, self._future):
-            if future is not None:
-                future.cancel()
-        await self._close_pool()
-        self._close_pipes()
+        if self._keeper is not None:
+            self._keeper.cancel()
+            await asyncio.gather(self._keeper, return_exceptions=True)
 
-    def _open_pool(self) -> None:
-        """Make a pool and wait until its process has started."""
-        self._pool = ProcessPool(
-            max_workers=1,
-            context=self._context,
-            initializer=prepare,
-            initargs=[self._event_out, self._control_in, self._guard_in],
-        )
-        self._first_sign = self._pool.schedule(do_nothing)
-        with suppress(CancelledError):
-            self._first_sign.result()
+    async def _converse(self, run: Run, stop: Stop) -> Outcome:
+        """Send the task and deal with what the process says until it has ended."""
+        worker = self._worker
+        assert worker is not None  # noqa: S101  (that is what ready means)
+        self._token += 1
+        cancel = Frame(FrameKind.CANCEL, self._token)
+        stop.begin(lambda: worker.send(cancel), lambda: self._kill(worker))
+        body = two_parts(run.task, json.dumps(run.payload))
+        worker.send(Frame(FrameKind.TASK, self._token, body))
+        try:
+            return await self._listen(worker, run, stop)
+        except (ValueError, KeyError, TypeError):
+            self._kill(worker)
+            return stop.verdict(Crashed(await worker.end(), "it spoke nonsense"))
+        except BaseException:
+            self._kill(worker)
+            raise
 
-    async def _close_pool(self) -> None:
-        pool, self._pool = self._pool, None
-        if pool is not None:
-            pool.stop()
-            await asyncio.to_thread(pool.join)
+    async def _listen(self, worker: WorkerProcess, run: Run, stop: Stop) -> Outcome:
+        reason = ""
+        while (frame := await worker.receive()) is not None:
+            match frame.kind:
+                case FrameKind.EVENT:
+                    event_type, data = frame.parts
+                    run.sink.put(event_type, Encoded(data))
+                    await run.sink.room()
+                case FrameKind.RESULT:
+                    return Returned(Encoded(frame.body.decode()))
+                case FrameKind.FAILURE:
+                    return stop.verdict(Raised(error_in(frame.body.decode())))
+                case FrameKind.CRASH:
+                    reason = frame.body.decode()
+                case _:
+                    self._kill(worker)
+                    reason = f"it spoke out of turn: {frame.kind.name}"
+        self._is_ready.clear()
+        return stop.verdict(Crashed(await worker.end(), reason))
 
-    def _open_pipes(self) -> None:
-        self._event_in, self._event_out = self._context.Pipe(duplex=False)
-        self._control_in, self._control_out = self._context.Pipe(duplex=False)
-        self._guard_in, self._guard_out = self._context.Pipe(duplex=False)
-        asyncio.get_running_loop().add_reader(self._event_in.fileno(), self._drain)
+    def _kill(self, worker: WorkerProcess) -> None:
+        """End a process; nothing is to be run in it any more."""
+        if worker is self._worker:
+            self._is_ready.clear()
+        worker.kill()
 
-    def _close_pipes(self) -> None:
-        asyncio.get_running_loop().remove_reader(self._event_in.fileno())
-        pipes: list[Connection] = [
-            self._event_in,
-            self._event_out,
-            self._control_in,
-            self._control_out,
-            self._guard_in,
-            self._guard_out,
-        ]
-        for pipe in pipes:
-            pipe.close()
-
-    def _drain(self) -> None:
-        """Read what has come; what an earlier run left behind is dropped."""
-        while self._event_in.poll(0):
-            message = self._event_in.recv_bytes()
-            if int.from_bytes(message[:8]) != self._token or self._on_event is None:
+    async def _keep(self, warm_up: str | None) -> None:
+        """Have a process, always."""
+        context = forkserver(self._preload)
+        pause = _FIRST_PAUSE
+        while True:
+            worker = await self._hatch(context, warm_up)
+            if worker is None:
+                await asyncio.sleep(pause)
+                pause = min(2 * pause, _LONGEST_PAUSE)
                 continue
-            self._parts.append(message[9:])
-            if message[8]:
-                whole, self._parts = b"".join(self._parts), []
-                event_type, data = pickle.loads(whole)  # noqa: S301  (our own worker wrote it)
-                self._on_event(event_type, data)
+            pause = _FIRST_PAUSE
+            self._worker = worker
+            self._is_ready.set()
+            try:
+                await worker.ended.wait()
+            finally:
+                self._is_ready.clear()
+                worker.kill()
+                await asyncio.shield(worker.end())
+
+    async def _hatch(self, context: Any, warm_up: str | None) -> WorkerProcess | None:
+        """Return a new process that is ready, None if that did not work."""
+        try:
+            worker = await WorkerProcess.start(context, warm_up)
+        except (OSError, EOFError):
+            _log.exception("a worker process could not be started")
+            return None
+        try:
+            frame = await worker.receive()
+        except asyncio.CancelledError:
+            worker.kill()
+            await asyncio.shield(worker.end())
+            raise
+        if frame is None or frame.kind is not FrameKind.READY:
+            code = await worker.end()
+            _log.error("a worker process died before it was ready, with exit code %s", code)
+            return None
+        if frame.body:
+            _log.warning("the warm-up %s failed: %s", warm_up, frame.body.decode()[:2000])
+        return worker

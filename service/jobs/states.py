@@ -53,3 +53,8 @@ def advance(state: JobState, event: JobEvent) -> JobState:
         message = f"a {state} job cannot {event}; it can {legal}"
         raise IllegalTransition(message, {"state": state, "event": event, "legal": legal})
     return after
+
+
+def sources(event: JobEvent) -> tuple[JobState, ...]:
+    """Return the states that allow an event."""
+    return tuple(state for state, allowed in TRANSITIONS if allowed is event)

@@ -1,103 +1,76 @@
-"""What runs in a slot's process. Light: forkserver imports it before any task."""
+"""What runs in a slot's process. Light: the forkserver imports it before any task."""
 
-import fcntl
-import importlib
-import json
 import os
-import pickle
-import signal
-import traceback
+import socket
 from multiprocessing.connection import Connection
 from typing import Any
 
-from planning.errors import WayproofError
-from service.jobs.errors import InternalError
-from service.jobs.outcome import Outcome, Raised, Returned
+from service.jobs.leash import die_with_parent
+from service.jobs.link import Frame, FrameKind, Link, two_parts
+from service.jobs.task import TaskEnd, event_text, run_task
 
-# A pipe keeps writes up to 4096 bytes whole, also those of a process that is killed.
-_CHUNK = 3500
+_CRASH_CODE = 70
 
 
-class PipeChannel:
-    """The task's end of its slot: events go out by a pipe, a cancel comes in by another."""
+class LinkChannel:
+    """The task's end of its slot."""
 
-    def __init__(self, token: int, outgoing: Connection, incoming: Connection) -> None:
+    def __init__(self, link: Link, token: int) -> None:
         """Speak for the run that `token` numbers."""
+        self._link = link
         self._token = token
-        self._outgoing = outgoing
-        self._incoming = incoming
         self._is_canceled = False
 
     def emit(self, event_type: str, data: dict[str, Any]) -> None:
-        """Send an event, in pieces that are written whole."""
-        message = pickle.dumps((event_type, data))
-        for begin in range(0, len(message), _CHUNK):
-            part = message[begin : begin + _CHUNK]
-            is_last = begin + _CHUNK >= len(message)
-            self._outgoing.send_bytes(self._token.to_bytes(8) + bytes([is_last]) + part)
+        """Send an event; waits if the server does not keep up."""
+        body = two_parts(event_type, event_text(data))
+        self._link.send(Frame(FrameKind.EVENT, self._token, body))
 
     def is_canceled(self) -> bool:
         """Return whether somebody asked for the end of this run."""
-        while not self._is_canceled and self._incoming.poll(0):
-            self._is_canceled = int.from_bytes(self._incoming.recv_bytes()) == self._token
+        while not self._is_canceled and self._link.has_news:
+            frame = self._link.receive()
+            # Without the server nobody wants the answer; what an earlier run was told is stale.
+            self._is_canceled = frame is None or frame.token == self._token
         return self._is_canceled
 
 
-class _Pipes:
-    """The pipes of this process, set once by `prepare`."""
+class _NoChannel:
+    """For the warm-up, which nobody listens to."""
 
-    outgoing: Connection
-    incoming: Connection
-    guard: Connection
+    def emit(self, event_type: str, data: dict[str, Any]) -> None:
+        """Drop an event."""
+
+    def is_canceled(self) -> bool:
+        """Return that nobody does."""
+        return False
 
 
-def prepare(outgoing: Connection, incoming: Connection, guard: Connection) -> None:
-    """Make this process die when it should: at SIGTERM at once, and with its parent.
+def serve(end: socket.socket, leash: Connection, warm_up: str | None) -> None:
+    """Run tasks one after the other until the other end is gone.
 
-    A Python signal handler cannot run while C++ holds the interpreter, and neither can a thread;
-    default actions of signals can. The parent holds the other end of `guard`: when the parent
-    dies the kernel sends SIGIO, whose default action ends this process.
+    Args:
+        end: To the slot.
+        leash: When its other end closes, this process ends at once.
+        warm_up: A task to run first, with an empty payload.
     """
-    signal.signal(signal.SIGTERM, signal.SIG_DFL)
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    _Pipes.outgoing, _Pipes.incoming, _Pipes.guard = outgoing, incoming, guard
-    signal.signal(signal.SIGIO, signal.SIG_DFL)
-    descriptor = guard.fileno()
-    fcntl.fcntl(descriptor, fcntl.F_SETOWN, os.getpid())
-    flags = fcntl.fcntl(descriptor, fcntl.F_GETFL)
-    fcntl.fcntl(descriptor, fcntl.F_SETFL, flags | os.O_ASYNC | os.O_NONBLOCK)
+    die_with_parent(leash)
+    link = Link(end)
+    fault = b""
+    if warm_up is not None:
+        warmed = run_task(warm_up, "{}", _NoChannel())
+        if warmed.kind is not FrameKind.RESULT:
+            fault = warmed.text.encode()
+    link.send(Frame(FrameKind.READY, 0, fault))
+    while (frame := link.receive()) is not None:
+        if frame.kind is FrameKind.TASK:
+            task, payload = frame.parts
+            done = run_task(task, payload, LinkChannel(link, frame.token))
+            _tell(link, frame.token, done)
 
 
-def do_nothing() -> None:
-    """Return, as a sign that the process is there."""
-
-
-def run_in_process(task: str, payload: dict[str, Any], token: int) -> Outcome:
-    """Run a task in this slot's process."""
-    return run_task(task, payload, PipeChannel(token, _Pipes.outgoing, _Pipes.incoming))
-
-
-def run_task(task: str, payload: dict[str, Any], channel: Any) -> Outcome:
-    """Call `module:function` and say how it ended; what it should not raise is an InternalError."""
-    try:
-        result = load_task(task)(payload, channel)
-        json.dumps(result)
-        return Returned(result)
-    except WayproofError as error:
-        return Raised(error)
-    except (SystemExit, KeyboardInterrupt) as exit_:
-        return Raised(_internal(exit_, "the task tried to end its process"))
-    except Exception as fault:  # noqa: BLE001  (the last edge: nothing may be lost)
-        return Raised(_internal(fault, "the task failed in a way that is our fault"))
-
-
-def load_task(task: str) -> Any:
-    """Return the function that `module:function` names."""
-    module, _, function = task.partition(":")
-    return getattr(importlib.import_module(module), function)
-
-
-def _internal(fault: BaseException, what: str) -> InternalError:
-    lines = traceback.format_exception(fault)[-6:]
-    evidence = {"exception": repr(fault)[:500], "traceback": "".join(lines)[-3000:]}
-    return InternalError(f"{what}: {type(fault).__name__}: {fault}"[:500], evidence)
+def _tell(link: Link, token: int, done: TaskEnd) -> None:
+    """Say how a task ended; after a crash this process is not to be trusted any more."""
+    link.send(Frame(done.kind, token, done.text.encode()))
+    if done.kind is FrameKind.CRASH:
+        os._exit(_CRASH_CODE)

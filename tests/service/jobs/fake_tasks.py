@@ -1,5 +1,6 @@
 """Tasks that behave, hang, crash and lie."""
 
+import contextlib
 import ctypes
 import os
 import signal
@@ -73,3 +74,53 @@ def chatter(payload: dict[str, Any], channel: Channel) -> dict[str, Any]:
     for i in range(payload["count"]):
         channel.emit("note", {"i": i, "text": "x" * payload["size"]})
     return {}
+
+
+def leave_quietly(_: dict[str, Any], __: Channel) -> dict[str, Any]:
+    os._exit(0)
+
+
+def exhaust(_: dict[str, Any], __: Channel) -> dict[str, Any]:
+    raise MemoryError
+
+
+def close_everything(_: dict[str, Any], __: Channel) -> dict[str, Any]:
+    """Close the socket to the server, and stay."""
+    os.closerange(3, 100)
+    ctypes.PyDLL(None).sleep(30)
+    return {}
+
+
+def babble(_: dict[str, Any], __: Channel) -> dict[str, Any]:
+    """Write noise into every descriptor, as damaged native code might."""
+    for descriptor in range(3, 30):
+        with contextlib.suppress(OSError):
+            os.write(descriptor, b"noise" * 20)
+    return {}
+
+
+def touch(payload: dict[str, Any], _: Channel) -> dict[str, Any]:
+    """Count runs in a file."""
+    with Path(payload["file"]).open("a") as file:
+        file.write(f"{os.getpid()}\n")
+    return {}
+
+
+def stubborn(payload: dict[str, Any], channel: Channel) -> dict[str, Any]:
+    """Return its result although it was canceled."""
+    channel.emit("stage", {"stage": "stubborn", "pid": os.getpid()})
+    while not channel.is_canceled():
+        time.monotonic()
+    return {"kept": payload}
+
+
+def wait_for_file(payload: dict[str, Any], channel: Channel) -> dict[str, Any]:
+    """Return once a file is there."""
+    channel.emit("stage", {"stage": "wait", "pid": os.getpid()})
+    while not Path(payload["file"]).exists():
+        os.sched_yield()
+    return {"pid": os.getpid()}
+
+
+def vast(payload: dict[str, Any], _: Channel) -> dict[str, Any]:
+    return {"numbers": [0.1 * i for i in range(payload["count"])], "none": float("inf")}

@@ -40,7 +40,9 @@ def test_results_failures_and_blunders_come_back(tmp_path: Path, inline: bool) -
                 "detail": "too far",
                 "evidence": {"metres": 2.0},
             }
-            assert {job.failure["code"] for job in ended[2:]} == {"internal_error"}
+            codes = [job.failure["code"] for job in ended[2:]]
+            assert codes == ["internal_error", "worker_crashed", "worker_crashed", "internal_error"]
+            assert ended[3].failure["evidence"]["reason"] == "SystemExit: 3"
             assert "KeyError" in ended[2].failure["evidence"]["traceback"]
             types = [event.type for event in store.events(jobs[0].id)]
             assert types == ["queued", "started", "stage", "finished"]
@@ -59,7 +61,10 @@ def test_a_crash_is_tried_again_and_then_told(tmp_path: Path) -> None:
             assert (await dispatcher.wait(flaky.id, 20)).result == {"attempt": 2}
             dead = await dispatcher.wait(fatal.id, 20)
             assert dead.failure["code"] == "worker_crashed"
-            assert dead.failure["evidence"] == {"exit_code": -signal.SIGSEGV, "attempts": 2}
+            evidence = dead.failure["evidence"]
+            assert evidence["exit_code"] == -signal.SIGSEGV
+            assert evidence["signal"] == "SIGSEGV"
+            assert evidence["attempts"] == 2
             assert (await dispatcher.wait(healthy.id, 20)).state is JobState.SUCCEEDED
             assert [e.number for e in store.events(fatal.id)] == [1, 2, 3, 4, 5]
 

@@ -1,0 +1,1 @@
+"""Streams of numbered events: replayed from their record and followed live."""

@@ -1,0 +1,138 @@
+"""Floor: brings together what waits in lanes and the slots that get free."""
+
+import asyncio
+import logging
+from collections.abc import Callable, Coroutine, Mapping
+from typing import Any
+
+from service.jobs.errors import QueueFull
+from service.jobs.lane import Lane, Ticket
+from service.jobs.outcome import Ended, Outcome, Raised, Returned
+from service.jobs.slot import Slot
+
+_log = logging.getLogger(__name__)
+
+
+class Floor:
+    """The lanes of a dispatcher at work; belongs to one event loop."""
+
+    def __init__(self, lanes: Mapping[str, Lane]) -> None:
+        """Start with no slot ready; `open` makes them so."""
+        self._lanes = lanes
+        self._tasks: set[asyncio.Task[Any]] = set()
+        self._timers: dict[str, asyncio.TimerHandle] = {}
+        self._is_closed = False
+
+    def lane(self, name: str) -> Lane:
+        """Return a lane."""
+        return self._lanes[name]
+
+    def __contains__(self, name: str) -> bool:
+        """Return whether there is such a lane."""
+        return name in self._lanes
+
+    async def open(self, warm_up: str | None) -> None:
+        """Begin to get all slots ready; each is used as soon as it is."""
+        for lane in self._lanes.values():
+            for slot in lane.slots:
+                await slot.open(warm_up)
+                self.spawn(self._admit(lane, slot, None))
+
+    async def close(self) -> None:
+        """End everything that runs, and all slots."""
+        self._is_closed = True
+        for timer in self._timers.values():
+            timer.cancel()
+        for task in list(self._tasks):
+            task.cancel()
+        await asyncio.gather(*self._tasks, return_exceptions=True)
+        slots = [slot for lane in self._lanes.values() for slot in lane.slots]
+        await asyncio.gather(*(slot.close() for slot in slots))
+
+    def require_room(self, name: str) -> None:
+        """Go on only if one more may wait in a lane.
+
+        Raises:
+            QueueFull: It may not.
+        """
+        lane = self._lanes[name]
+        if lane.is_full:
+            message = f"{lane.num_waiting} jobs wait for {name} already; try again later"
+            evidence = {
+                "lane": name,
+                "queued": lane.num_waiting,
+                "bound": lane.max_waiting,
+                "retry_after": lane.retry_after,
+            }
+            raise QueueFull(message, evidence)
+
+    def seat(
+        self,
+        name: str,
+        ticket: str,
+        use: Callable[[Slot], None],
+        *,
+        warm_key: str | None = None,
+        priority: int = 0,
+        order: int | None = None,
+    ) -> int:
+        """Call `use` with a slot as soon as there is one; return the place in the queue.
+
+        Args:
+            name: Of the lane.
+            ticket: Who waits.
+            use: Gets the slot, and must `release` it.
+            warm_key: What a slot may be warm with.
+            priority: Larger comes first.
+            order: The place of who waits again.
+        """
+        lane = self._lanes[name]
+        place = lane.next_order() if order is None else order
+        since = asyncio.get_running_loop().time()
+        lane.add(Ticket(ticket, warm_key, priority, since, use, place))
+        self._assign(lane)
+        return place
+
+    def release(self, name: str, slot: Slot, outcome: Outcome | None, seconds: float) -> None:
+        """Give a slot back after a run; it is used again once it is ready."""
+        lane = self._lanes[name]
+        is_intact = isinstance(outcome, Returned | Raised) or (
+            isinstance(outcome, Ended) and outcome.error is not None
+        )
+        if not is_intact:
+            lane.cool(slot)
+        self.spawn(self._admit(lane, slot, seconds))
+
+    def readmit(self, name: str, slot: Slot) -> None:
+        """Take a slot back that was not used."""
+        self.spawn(self._admit(self._lanes[name], slot, None))
+
+    def spawn(self, work: Coroutine[Any, Any, None]) -> None:
+        """Carry out work that nobody waits for; it is canceled when the floor closes."""
+        if self._is_closed:
+            work.close()
+            return
+        task = asyncio.get_running_loop().create_task(work)
+        self._tasks.add(task)
+        task.add_done_callback(self._on_done)
+
+    async def _admit(self, lane: Lane, slot: Slot, seconds: float | None) -> None:
+        await slot.ready()
+        lane.give_back(slot, seconds)
+        self._assign(lane)
+
+    def _assign(self, lane: Lane) -> None:
+        loop = asyncio.get_running_loop()
+        decided = lane.assign(loop.time())
+        timer = self._timers.pop(lane.name, None)
+        if timer is not None:
+            timer.cancel()
+        if decided.look_again is not None:
+            self._timers[lane.name] = loop.call_at(decided.look_again, self._assign, lane)
+        for ticket, slot in decided.pairs:
+            ticket.use(slot)
+
+    def _on_done(self, task: asyncio.Task[Any]) -> None:
+        self._tasks.discard(task)
+        if not task.cancelled() and (fault := task.exception()) is not None:
+            _log.error("a job's run failed", exc_info=fault)

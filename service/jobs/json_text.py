@@ -1,0 +1,71 @@
+"""JSON texts: how payloads, results and events are kept and sent."""
+
+import json
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, override
+
+from sqlalchemy import Dialect, Text
+from sqlalchemy.types import TypeDecorator
+
+
+@dataclass(frozen=True)
+class Encoded:
+    """Content that is JSON text already, so that nobody decodes it only to encode it again."""
+
+    text: str
+
+
+def encode(content: Any) -> str:
+    """Return the JSON text of content; numbers that JSON cannot hold become null.
+
+    Floats come back bit for bit. The text is ASCII, so every database can hold it.
+
+    Raises:
+        TypeError: Something in it is not JSON-compatible.
+        ValueError: It contains itself.
+    """
+    try:
+        return json.dumps(content, allow_nan=False, separators=(",", ":"))
+    except ValueError as fault:
+        if "Circular" in str(fault):
+            raise
+        return json.dumps(_finite(content), allow_nan=False, separators=(",", ":"))
+
+
+def encode_leniently(content: Any) -> str:
+    """Return the JSON text of content; what is not JSON-compatible is shown as Python shows it."""
+    try:
+        return encode(content)
+    except (TypeError, ValueError, RecursionError):
+        return json.dumps({"shown": repr(content)[:2000]})
+
+
+def _finite(content: Any) -> Any:
+    match content:
+        case float() if not math.isfinite(content):
+            return None
+        case Mapping():
+            return {key: _finite(item) for key, item in content.items()}
+        case list() | tuple():
+            return [_finite(item) for item in content]
+        case _:
+            return content
+
+
+class JsonText(TypeDecorator[Any]):
+    """A column of JSON text; unlike databases' own JSON types it changes no byte of it."""
+
+    impl = Text
+    cache_ok = True
+
+    @override
+    def process_bind_param(self, value: Any, dialect: Dialect) -> str | None:
+        if value is None:
+            return None
+        return value.text if isinstance(value, Encoded) else encode(value)
+
+    @override
+    def process_result_value(self, value: Any, dialect: Dialect) -> Any:
+        return None if value is None else json.loads(value)

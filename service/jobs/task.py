@@ -1,0 +1,70 @@
+"""Running a task, wherever it runs, to an end that is always one of three."""
+
+import importlib
+import json
+import traceback
+from dataclasses import dataclass
+from typing import Any
+
+from planning.errors import WayproofError
+from service.jobs.error_text import error_text
+from service.jobs.errors import InternalError
+from service.jobs.json_text import encode, encode_leniently
+from service.jobs.link import FrameKind
+
+# Events are for people; whatever is larger belongs into the result.
+MAX_EVENT = 64 * 1024
+
+
+@dataclass(frozen=True)
+class TaskEnd:
+    """How a task ended.
+
+    Attributes:
+        kind: RESULT, FAILURE or CRASH.
+        text: The result or the error as JSON; what ended the process.
+    """
+
+    kind: FrameKind
+    text: str
+
+
+def run_task(task: str, payload: str, channel: Any) -> TaskEnd:
+    """Call `module:function` with a payload (JSON) and say how it ended.
+
+    What it should not raise is an InternalError. What a process should not outlive (an exit, an
+    interrupt, memory that ran out) is a crash.
+    """
+    try:
+        return TaskEnd(FrameKind.RESULT, encode(load_task(task)(json.loads(payload), channel)))
+    except WayproofError as error:
+        return TaskEnd(FrameKind.FAILURE, error_text(error))
+    except MemoryError:
+        return TaskEnd(FrameKind.CRASH, "MemoryError")
+    except Exception as fault:  # noqa: BLE001  (the last edge: nothing may be lost)
+        return TaskEnd(FrameKind.FAILURE, error_text(_internal(fault)))
+    except BaseException as fault:  # noqa: BLE001
+        return TaskEnd(FrameKind.CRASH, f"{type(fault).__name__}: {fault}"[:500])
+
+
+def load_task(task: str) -> Any:
+    """Return the function that `module:function` names."""
+    module, _, function = task.partition(":")
+    return getattr(importlib.import_module(module), function)
+
+
+def event_text(data: dict[str, Any]) -> str:
+    """Return the JSON text of an event's data; too much of it is left out, and that is said."""
+    text = encode_leniently(data)
+    if len(text) <= MAX_EVENT:
+        return text
+    kept = {name: data[name] for name in ("stage", "progress") if name in data}
+    short = encode_leniently({**kept, "truncated": True, "bytes": len(text)})
+    return short if len(short) <= MAX_EVENT else '{"truncated":true}'
+
+
+def _internal(fault: BaseException) -> InternalError:
+    lines = traceback.format_exception(fault)[-6:]
+    evidence = {"exception": repr(fault)[:500], "traceback": "".join(lines)[-3000:]}
+    what = f"the task failed in a way that is our fault: {type(fault).__name__}: {fault}"
+    return InternalError(what[:500], evidence)

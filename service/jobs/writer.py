@@ -1,0 +1,110 @@
+"""Writer: one thread that writes to the store for coroutines.
+
+What waits while a transaction is on its way to the disk goes into the next one together: a disk
+that takes milliseconds to be sure slows each job, not their number.
+"""
+
+import asyncio
+import queue
+import threading
+from collections.abc import Callable
+from contextlib import suppress
+from dataclasses import dataclass
+from typing import Any
+
+from sqlalchemy.exc import OperationalError
+
+from service.jobs.store import JobStore
+
+_MAX_BATCH = 64
+_PATIENCE = (0.1, 0.3, 1.0, 3.0)
+
+
+@dataclass(frozen=True)
+class _Order:
+    work: Callable[[], Any]
+    done: asyncio.Future[Any]
+    is_durable: bool
+
+
+class Writer:
+    """Carries out writes in the order in which they were asked for."""
+
+    def __init__(self, store: JobStore) -> None:
+        """Write to `store`, from the running loop."""
+        self._store = store
+        self._loop = asyncio.get_running_loop()
+        self._orders: queue.SimpleQueue[_Order | None] = queue.SimpleQueue()
+        self._thread = threading.Thread(target=self._serve, name="job-writer", daemon=True)
+        self._thread.start()
+
+    async def do[T](self, work: Callable[[], T], *, is_durable: bool = True) -> T:
+        """Carry out a write; it is committed when this returns.
+
+        Args:
+            work: Calls methods of the store; may be called again if the database was busy.
+            is_durable: Whether it must survive a power cut.
+        """
+        done: asyncio.Future[Any] = self._loop.create_future()
+        self._orders.put(_Order(work, done, is_durable))
+        result: T = await done
+        return result
+
+    async def close(self) -> None:
+        """Carry out what was asked for, and no more."""
+        self._orders.put(None)
+        await asyncio.to_thread(self._thread.join)
+
+    def _serve(self) -> None:
+        is_open = True
+        while is_open:
+            orders = [self._orders.get()]
+            with suppress(queue.Empty):
+                while len(orders) < _MAX_BATCH:
+                    orders.append(self._orders.get_nowait())
+            is_open = None not in orders
+            self._carry_out([order for order in orders if order is not None])
+
+    def _carry_out(self, orders: list[_Order]) -> None:
+        """Write all in one transaction; if that fails, each on its own."""
+        if not orders:
+            return
+        try:
+            with self._store.transaction(is_durable=any(order.is_durable for order in orders)):
+                results = [order.work() for order in orders]
+        except Exception:  # noqa: BLE001  (whose fault it is comes out one by one)
+            for order in orders:
+                self._carry_out_alone(order)
+            return
+        answers = zip(orders, results, strict=True)
+        self._answer([(order.done, result, None) for order, result in answers])
+
+    def _carry_out_alone(self, order: _Order) -> None:
+        for pause in (*_PATIENCE, None):
+            try:
+                with self._store.transaction(is_durable=order.is_durable):
+                    result = order.work()
+            except OperationalError as fault:
+                if pause is None:
+                    self._answer([(order.done, None, fault)])
+                    return
+                threading.Event().wait(pause)
+            except Exception as fault:  # noqa: BLE001  (it is told to whoever asked)
+                self._answer([(order.done, None, fault)])
+                return
+            else:
+                self._answer([(order.done, result, None)])
+                return
+
+    def _answer(self, answers: list[tuple[asyncio.Future[Any], Any, Exception | None]]) -> None:
+        def settle() -> None:
+            for done, result, fault in answers:
+                if done.done():
+                    continue
+                if fault is None:
+                    done.set_result(result)
+                else:
+                    done.set_exception(fault)
+
+        with suppress(RuntimeError):  # the loop is closed: nobody waits
+            self._loop.call_soon_threadsafe(settle)

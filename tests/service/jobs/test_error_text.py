@@ -1,0 +1,50 @@
+"""Errors cross to the server and are what they were."""
+
+import math
+
+import pytest
+
+from planning import errors as planning_errors
+from planning.errors import UnknownName, WayproofError
+from service.jobs.error_text import RemoteFailure, error_in, error_text
+
+
+def classes_below(base):
+    return {base} | {leaf for child in base.__subclasses__() for leaf in classes_below(child)}
+
+
+OURS = sorted(
+    (k for k in classes_below(WayproofError) if k.__module__ == planning_errors.__name__),
+    key=lambda kind: kind.__name__,
+)
+
+
+@pytest.mark.parametrize("kind", OURS, ids=lambda kind: kind.__name__)
+def test_an_error_keeps_its_class_detail_and_evidence(kind):
+    told = error_in(error_text(kind("why \u2028 \0", {"depth": 0.1 + 0.2, "pairs": [["a", "b"]]})))
+    assert type(told) is kind
+    assert told.detail == "why \u2028 \0"
+    assert told.evidence == {"depth": 0.1 + 0.2, "pairs": [["a", "b"]]}
+
+
+def test_classes_with_builders_cross_too():
+    told = error_in(error_text(UnknownName.among("frame", "x", ["y", "z"])))
+    assert isinstance(told, UnknownName)
+    assert told.evidence["known"] == ["y", "z"]
+
+
+def test_a_class_that_only_the_worker_knows_keeps_its_code_and_stage():
+    class Strange(WayproofError):
+        code = "strange"
+        stage = "nowhere"
+
+    told = error_in(error_text(Strange("odd", {"n": math.inf, "set": 1})))
+    assert isinstance(told, RemoteFailure)
+    assert (told.code, told.stage, told.detail) == ("strange", "nowhere", "odd")
+    assert told.evidence == {"n": None, "set": 1}
+
+
+def test_evidence_that_is_no_json_does_not_hide_the_error():
+    told = error_in(error_text(UnknownName("odd", {"what": {1}})))
+    assert isinstance(told, UnknownName)
+    assert "{1}" in told.evidence["shown"]

@@ -1,0 +1,92 @@
+"""Writes happen in order, each once, and whose fault it is comes out with whom it concerns."""
+
+import asyncio
+import threading
+from contextlib import asynccontextmanager, contextmanager
+from functools import partial
+
+import pytest
+from sqlalchemy.exc import OperationalError
+
+from service.jobs import writer as writer_module
+from service.jobs.writer import Writer
+
+
+class Store:
+    """Counts transactions; the first ones may fail."""
+
+    def __init__(self, num_faults=0):
+        self.durable = []
+        self.num_faults = num_faults
+        self.gate = threading.Event()
+        self.gate.set()
+
+    @contextmanager
+    def transaction(self, *, is_durable):
+        self.gate.wait(5)
+        if self.num_faults > 0:
+            self.num_faults -= 1
+            raise OperationalError("BEGIN", {}, Exception("database is locked"))
+        yield
+        self.durable.append(is_durable)
+
+
+@asynccontextmanager
+async def writing(store):
+    made = Writer(store)
+    try:
+        yield made
+    finally:
+        await made.close()
+
+
+def test_what_waits_goes_together_and_in_order():
+    async def story():
+        store = Store()
+        async with writing(store) as writer:
+            store.gate.clear()
+            written = []
+            first = asyncio.create_task(writer.do(partial(written.append, 0), is_durable=False))
+            await asyncio.sleep(0.02)
+            rest = [writer.do(partial(written.append, i), is_durable=i == 7) for i in range(1, 20)]
+            tasks = [asyncio.create_task(work) for work in rest]
+            await asyncio.sleep(0)
+            store.gate.set()
+            await asyncio.gather(first, *tasks)
+            assert written == list(range(20))
+            assert store.durable == [False, True]
+
+    asyncio.run(story())
+
+
+def test_a_fault_is_told_to_whom_it_concerns():
+    async def story():
+        store = Store()
+        async with writing(store) as writer:
+            store.gate.clear()
+            works = [partial(int, "1"), partial(int, "x"), partial(int, "3")]
+            tasks = [asyncio.create_task(writer.do(work)) for work in works]
+            await asyncio.sleep(0)
+            store.gate.set()
+            told = await asyncio.gather(*tasks, return_exceptions=True)
+            assert told[0] == 1
+            assert isinstance(told[1], ValueError)
+            assert told[2] == 3
+
+    asyncio.run(story())
+
+
+@pytest.mark.parametrize(("num_faults", "is_done"), [(3, True), (6, False)])
+def test_a_busy_database_is_asked_again(monkeypatch, num_faults, is_done):
+    monkeypatch.setattr(writer_module, "_PATIENCE", (0.001,) * 4)
+
+    async def story():
+        async with writing(Store(num_faults)) as writer:
+            if is_done:
+                assert await writer.do(partial(int, "1")) == 1
+            else:
+                with pytest.raises(OperationalError):
+                    await writer.do(partial(int, "1"))
+            assert await writer.do(partial(int, "2")) == 2
+
+    asyncio.run(story())
