@@ -41,7 +41,29 @@ def with_readable_meshes(
                 element.set(attribute, paths[element.get(attribute, "")])
         if element.tag == "uri" and (element.text or "").strip() in paths:
             element.text = paths[(element.text or "").strip()]
+    _tame_colors(copy)
+    for transmission in copy.findall("transmission"):
+        copy.remove(transmission)  # of no use to us, and fatal to Drake if its joint is not there
     return ET.tostring(copy, encoding="unicode")
+
+
+def _tame_colors(root: ET.Element) -> None:
+    """Mend what other viewers forgive and Drake does not: colours are no reason to refuse a robot.
+
+    A material's name that is given twice with different colours gets a number, and a colour of five
+    numbers, as one converter writes, loses the fourth.
+    """
+    known: dict[str, str] = {}
+    for material in root.iter("material"):
+        color = material.find("color")
+        if color is None:
+            continue
+        words = color.get("rgba", "").split()
+        color.set("rgba", " ".join(words if len(words) <= 4 else [*words[:3], words[-1]]))
+        name = material.get("name", "")
+        if known.setdefault(name, color.get("rgba", "")) != color.get("rgba"):
+            material.set("name", f"{name}_{len(known)}")
+            known[material.get("name", "")] = color.get("rgba", "")
 
 
 def _readable(file: Path, mesh: Path) -> Path:

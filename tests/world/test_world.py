@@ -213,7 +213,9 @@ def _example_models() -> dict[str, Path]:
     return {path.stem: path for path in found}
 
 
-@pytest.mark.parametrize("name", ["ur5_gripper", "so101", "kinova_robotiq"])
+@pytest.mark.parametrize(
+    "name", ["ur5_gripper", "so101", "kinova_robotiq", "reachback", "stretch4_sg4"]
+)
 def test_robots_of_other_makers_load_with_their_meshes(name: str) -> None:
     world = load(f"robots: [{{name: other, model: {_example_models()[name]}}}]")
     group = world.group("other")
