@@ -1,0 +1,1 @@
+"""The parts of `benchmarks/mbm.py`: problems, robots, runs, the referee and the tables."""

@@ -1,0 +1,172 @@
+"""Plan every problem, time it, and let the referee judge what is delivered."""
+
+import inspect
+import time
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, field
+from typing import Literal
+
+import numpy as np
+
+import planning
+from benchmarks.motion_bench_maker.problems import Problem
+from benchmarks.motion_bench_maker.referee import Polynomials, Referee
+from benchmarks.motion_bench_maker.robots import ARM, RobotFiles, scene_of
+from planning.errors import PlanningFailure
+
+ALLOWED_SECONDS = 5.0
+# The tool's pose is asked for exactly.
+_EXACT = np.zeros(3)
+
+type GoalKind = Literal["joint", "pose"]
+
+
+@dataclass(frozen=True)
+class Run:
+    """One call of plan(), and what came of it.
+
+    Attributes:
+        problem: Which.
+        goal: What kind of goal was asked for.
+        total_ms: Wall time of the call, also of one that failed.
+        cpu_ms: Processor time of the call.
+        stages_ms: By stage; empty if it failed.
+        failure: The code of the failure; "" if it was solved.
+        length: Of the delivered motion, in joint space [rad].
+        duration: Of the delivered motion [s].
+        free: Whether the referee finds the delivered motion free, and from start to goal.
+    """
+
+    problem: Problem
+    goal: GoalKind
+    total_ms: float
+    cpu_ms: float
+    stages_ms: dict[str, float] = field(default_factory=dict[str, float])
+    failure: str = ""
+    length: float = 0.0
+    duration: float = 0.0
+    free: bool = False
+
+    @property
+    def solved(self) -> bool:
+        """Whether a motion was delivered."""
+        return not self.failure
+
+
+@dataclass(frozen=True)
+class Runs:
+    """What came of some problems.
+
+    Attributes:
+        problems: All of them.
+        invalid: Those whose start or goal collides in the exact model; they were not planned.
+        runs: Two for each of the others, or one if only joint goals were asked for.
+        load_ms: Time to load each world, counted nowhere else.
+    """
+
+    problems: list[Problem]
+    invalid: list[Problem]
+    runs: list[Run]
+    load_ms: list[float]
+
+
+@dataclass(frozen=True)
+class Bench:
+    """What is the same for all problems.
+
+    Attributes:
+        files: The robot of the data, for the referee.
+        library: The same robot, for the planner.
+        refine: Method of the refine stage.
+    """
+
+    files: RobotFiles
+    library: planning.ModelLibrary
+    refine: Literal["none", "trajopt"]
+
+    def load(self, problem: Problem, *, kernel: bool) -> planning.World:
+        """Return the problem's world, with or without the native kernel."""
+        scene = scene_of(problem, self.files.spec)
+        if kernel:
+            return planning.load_world(scene, self.library)
+        return planning.load_world(scene, self.library, kernel=False)  # pyright: ignore[reportCallIssue]
+
+    def run_all(
+        self, problems: Iterable[Problem], goals: tuple[GoalKind, ...], *, kernel: bool
+    ) -> Runs:
+        """Plan every valid problem, once per kind of goal."""
+        done = Runs(list(problems), [], [], [])
+        for problem in done.problems:
+            referee = Referee(self.files, problem)
+            if not referee.is_valid:
+                done.invalid.append(problem)
+                continue
+            for goal in goals:
+                began = time.perf_counter()
+                world = self.load(problem, kernel=kernel)
+                done.load_ms.append(1e3 * (time.perf_counter() - began))
+                done.runs.append(self._run(problem, goal, world, referee))
+        return done
+
+    def _run(
+        self, problem: Problem, goal: GoalKind, world: planning.World, referee: Referee
+    ) -> Run:
+        query = planning.PlanningProblem(
+            f"robot::{ARM}",
+            self._goal(problem, goal, referee),
+            start=np.array(problem.start),
+            search=planning.SearchOptions(allowed_planning_time=ALLOWED_SECONDS),
+            refine=planning.RefineOptions(self.refine),
+        )
+        failure, plan = "", None
+        cpu, began = time.process_time(), time.perf_counter()
+        deadline = planning.Deadline.after(ALLOWED_SECONDS, time.monotonic)
+        try:
+            plan = planning.plan(query, world, deadline=deadline)
+        except PlanningFailure as fault:
+            failure = fault.code
+        total = 1e3 * (time.perf_counter() - began)
+        cpu = 1e3 * (time.process_time() - cpu)
+        if plan is None:
+            return Run(problem, goal, total, cpu, failure=failure)
+        motion = polynomials_of(plan)
+        samples = motion.samples()
+        return Run(
+            problem,
+            goal,
+            total,
+            cpu,
+            stages_ms={s: 1e3 * t for s, t in plan.timings.items() if s != "total"},
+            length=float(np.linalg.norm(np.diff(samples, axis=0), axis=1).sum()),
+            duration=plan.trajectory.duration,
+            free=referee.is_free(motion)
+            and referee.is_from_start_to_goal(motion, pose=goal == "pose"),
+        )
+
+    def _goal(
+        self, problem: Problem, goal: GoalKind, referee: Referee
+    ) -> planning.JointGoal | planning.PoseGoal:
+        if goal == "joint":
+            return planning.JointGoal(np.array([problem.goal]))
+        target = planning.PoseTarget(planning.Pose.from_matrix(referee.goal_pose))
+        return planning.PoseGoal((target,), f"robot::{self.files.spec.tool}", _EXACT, _EXACT)
+
+
+def has_kernel_switch() -> bool:
+    """Return whether the kernel can be turned off."""
+    return "kernel" in inspect.signature(planning.load_world).parameters
+
+
+def polynomials_of(plan: planning.MotionPlan) -> Polynomials:
+    """Return the numbers of a delivered trajectory."""
+    curve = plan.trajectory
+    joints = tuple(joint.name.partition("::")[2] for joint in curve.joints)
+    return Polynomials(joints, curve.breaks, curve.bases, curve.coefficients)
+
+
+def by_set(runs: Iterable[Run]) -> Iterator[tuple[str, list[Run]]]:
+    """Yield the runs of each set, in the order of their first."""
+    groups: dict[str, list[Run]] = {}
+    for run in runs:
+        groups.setdefault(run.problem.set, []).append(run)
+    yield from groups.items()
