@@ -5,6 +5,7 @@ problem's objects, and the trajectory's polynomials are evaluated here. Only the
 taken from the plan.
 """
 
+import logging
 from dataclasses import dataclass
 from typing import Any
 
@@ -23,6 +24,9 @@ from pydrake.planning import (
 
 from benchmarks.motion_bench_maker.problems import Obstacle, Problem
 from benchmarks.motion_bench_maker.robots import RobotFiles
+
+# Drake warns of every URDF tag that it does not need.
+logging.getLogger("drake").setLevel(logging.ERROR)
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 

@@ -1,6 +1,5 @@
 """Plan every problem, time it, and let the referee judge what is delivered."""
 
-import inspect
 import time
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
@@ -150,11 +149,6 @@ class Bench:
             return planning.JointGoal(np.array([problem.goal]))
         target = planning.PoseTarget(planning.Pose.from_matrix(referee.goal_pose))
         return planning.PoseGoal((target,), f"robot::{self.files.spec.tool}", _EXACT, _EXACT)
-
-
-def has_kernel_switch() -> bool:
-    """Return whether the kernel can be turned off."""
-    return "kernel" in inspect.signature(planning.load_world).parameters
 
 
 def polynomials_of(plan: planning.MotionPlan) -> Polynomials:

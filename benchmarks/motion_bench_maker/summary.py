@@ -67,7 +67,7 @@ def _document(done: Runs, drake: Runs | None, goal: GoalKind) -> dict[str, Any]:
     runs = of_goal(done.runs, goal)
     solved = [run for run in runs if run.solved]
     stages = {name: stage_times(runs, name) for name in stage_names(runs)}
-    counts: dict[str, Any] = {
+    return {
         "problems": len(done.problems),
         "valid": len(done.problems) - len(done.invalid),
         "solved": len(solved),
@@ -79,18 +79,21 @@ def _document(done: Runs, drake: Runs | None, goal: GoalKind) -> dict[str, Any]:
         "duration_s": {"median": _rounded([run.duration for run in solved])["median"]},
         "failures": [{"problem": r.problem.name, "code": r.failure} for r in runs if r.failure],
         "not_free": [run.problem.name for run in solved if not run.free],
+        "drake_only": None if drake is None else _drake_only(done, drake, goal),
     }
-    if drake is not None:
-        plain = of_goal(drake.runs, goal)
-        times = ratio(done, drake, goal)
-        counts["drake_only"] = {
-            "valid": len(plain),
-            "solved": sum(run.solved for run in plain),
-            "free": sum(run.free for run in plain),
-            "total_ms": _rounded([run.total_ms for run in plain]),
-            "ratio": None if times is None else round(times, 2),
-        }
-    return counts
+
+
+def _drake_only(done: Runs, drake: Runs, goal: GoalKind) -> dict[str, Any]:
+    runs = of_goal(drake.runs, goal)
+    times = ratio(done, drake, goal)
+    return {
+        "problems": len(drake.problems),
+        "valid": len(drake.problems) - len(drake.invalid),
+        "solved": sum(run.solved for run in runs),
+        "free": sum(run.free for run in runs),
+        "total_ms": _rounded([run.total_ms for run in runs]),
+        "ratio": None if times is None else round(times, 2),
+    }
 
 
 def _rounded(numbers: Sequence[float]) -> dict[str, float | None]:

@@ -1,0 +1,42 @@
+"""Round robin, percentiles and ratios."""
+
+from benchmarks.motion_bench_maker.problems import Problem, round_robin
+from benchmarks.motion_bench_maker.runs import Run, Runs
+from benchmarks.motion_bench_maker.summary import Spread, document, ratio
+
+
+def problem(name: str, index: int) -> Problem:
+    return Problem(name, index, (), (), (), ())
+
+
+def run(name: str, index: int, total: float, failure: str = "") -> Run:
+    return Run(problem(name, index), "joint", total, total, failure=failure, free=not failure)
+
+
+def test_round_robin_takes_one_of_each_set_in_turn() -> None:
+    given = [problem("a", 1), problem("a", 2), problem("a", 3), problem("b", 1), problem("c", 1)]
+    given.append(problem("c", 2))
+    assert [p.name for p in round_robin(given)] == ["a 1", "b 1", "c 1", "a 2", "c 2", "a 3"]
+
+
+def test_spread_of_a_hundred_and_one_numbers() -> None:
+    spread = Spread.of([float(number) for number in reversed(range(101))])
+    assert spread == Spread(50.0, 50.0, 95.0)
+    assert Spread.of([0.0, 2.0]) == Spread(1.0, 1.0, 1.9)
+    assert Spread.of([]) is None
+
+
+def test_failed_plans_count_in_total_with_their_time() -> None:
+    runs = [run("a", 1, 10.0), run("a", 2, 5000.0, "deadline_exceeded")]
+    done = Runs([r.problem for r in runs] + [problem("a", 3)], [problem("a", 3)], runs, [1.0])
+    found = document(done, None)
+    counts = [found[key] for key in ("problems", "valid", "solved", "free")]
+    assert counts == [3, 2, 1, 1]
+    assert found["total_ms"]["mean"] == 2505.0
+    assert found["failures"] == [{"problem": "a 2", "code": "deadline_exceeded"}]
+
+
+def test_ratio_is_taken_on_the_same_problems() -> None:
+    ours = [run("a", 1, 10.0), run("b", 1, 20.0), run("a", 2, 9000.0)]
+    theirs = [run("a", 1, 50.0), run("b", 1, 100.0)]
+    assert ratio(Runs([], [], ours, []), Runs([], [], theirs, []), "joint") == 5.0
