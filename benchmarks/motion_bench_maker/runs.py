@@ -31,6 +31,7 @@ class Run:
         cpu_ms: Processor time of the call.
         stages_ms: By stage; empty if it failed.
         failure: The code of the failure; "" if it was solved.
+        detail: What the failure says.
         length: Of the delivered motion, in joint space [rad].
         duration: Of the delivered motion [s].
         free: Whether the referee finds the delivered motion free, and from start to goal.
@@ -42,6 +43,7 @@ class Run:
     cpu_ms: float
     stages_ms: dict[str, float] = field(default_factory=dict[str, float])
     failure: str = ""
+    detail: str = ""
     length: float = 0.0
     duration: float = 0.0
     free: bool = False
@@ -117,17 +119,17 @@ class Bench:
             search=planning.SearchOptions(allowed_planning_time=ALLOWED_SECONDS),
             refine=planning.RefineOptions(self.refine),
         )
-        failure, plan = "", None
+        failure, detail, plan = "", "", None
         cpu, began = time.process_time(), time.perf_counter()
         deadline = planning.Deadline.after(ALLOWED_SECONDS, time.monotonic)
         try:
             plan = planning.plan(query, world, deadline=deadline)
         except PlanningFailure as fault:
-            failure = fault.code
+            failure, detail = fault.code, fault.detail
         total = 1e3 * (time.perf_counter() - began)
         cpu = 1e3 * (time.process_time() - cpu)
         if plan is None:
-            return Run(problem, goal, total, cpu, failure=failure)
+            return Run(problem, goal, total, cpu, failure=failure, detail=detail)
         motion = polynomials_of(plan)
         samples = motion.samples()
         return Run(

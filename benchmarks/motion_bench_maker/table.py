@@ -84,7 +84,7 @@ def _print_faults(console: Console, done: Runs) -> None:
         if run.failure:
             console.print(
                 f"not solved: {run.problem.name}, {run.goal} goal: {run.failure} "
-                f"after {run.total_ms:.0f} ms"
+                f"after {run.total_ms:.0f} ms: {run.detail}"
             )
         elif not run.free:
             console.print(f"NOT FREE: {run.problem.name}, {run.goal} goal")
