@@ -1,0 +1,1 @@
+"""Native code: fast conservative answers about collision, and kinematics in batches."""

@@ -1,0 +1,66 @@
+from typing import Any
+
+import numpy as np
+
+type _Doubles = np.ndarray[Any, np.dtype[np.float64]]
+type _Integers = np.ndarray[Any, np.dtype[np.int64]]
+type _Verdicts = np.ndarray[Any, np.dtype[np.uint8]]
+
+class Scene:
+    def __init__(self, num_positions: int, num_velocities: int) -> None: ...
+    def add_link(
+        self,
+        parent: int,
+        X_PF: _Doubles,
+        kind: int,
+        axis: _Doubles,
+        position: int,
+        velocity: int,
+    ) -> None: ...
+    def add_follower(
+        self,
+        follower: int,
+        leader: int,
+        follower_velocity: int,
+        leader_velocity: int,
+        multiplier: float,
+        offset: float,
+    ) -> None: ...
+    def add_geometry(
+        self,
+        link: int,
+        X_LG: _Doubles,
+        kind: int,
+        size: _Doubles,
+        vertices: _Doubles,
+        planes: _Doubles,
+        outer: _Doubles,
+        inner: _Doubles,
+        bound: _Doubles,
+    ) -> None: ...
+    def add_pair(self, a: int, b: int) -> None: ...
+
+class Checker:
+    def __init__(
+        self,
+        scene: Scene,
+        positions: _Integers,
+        velocities: _Integers,
+        state: _Doubles,
+        demands: _Doubles,
+        kernel: str = "",
+    ) -> None: ...
+    def judge(self, qs: _Doubles) -> _Verdicts: ...
+    def judge_one(self, q: _Doubles) -> int: ...
+    def judge_motions(
+        self, origins: _Doubles, displacements: _Doubles, n: _Integers
+    ) -> tuple[_Verdicts, _Integers]: ...
+    def judge_motion(
+        self, origin: _Doubles, displacement: _Doubles, n: int
+    ) -> tuple[int, list[int]]: ...
+    @property
+    def doubtful_fixed_pairs(self) -> list[int]: ...
+    @property
+    def lane_kernel(self) -> str: ...
+
+def lane_kernels() -> list[str]: ...

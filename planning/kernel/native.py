@@ -1,0 +1,24 @@
+"""The native code, if it was built, and whether it was."""
+
+import logging
+from functools import cache
+from importlib import import_module
+from types import ModuleType
+
+_LOG = logging.getLogger(__name__)
+
+
+@cache
+def native() -> ModuleType | None:
+    """Return the native module, or None where there was no compiler; says so once in the log."""
+    try:
+        return import_module("planning.kernel._native")
+    except ImportError as fault:
+        _LOG.warning("no native kernel (%s): Drake answers everything, more slowly", fault)
+        return None
+
+
+def kernel_name() -> str:
+    """Return the instruction set that the kernel runs on, or "none"."""
+    module = native()
+    return module.lane_kernels()[0] if module else "none"

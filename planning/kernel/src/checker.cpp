@@ -1,0 +1,166 @@
+#include "checker.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <new>
+#include <utility>
+
+#include "sample_order.hpp"
+#include "separation.hpp"
+
+namespace wayproof {
+namespace {
+
+// How far the exact distance must be from what is demanded for a verdict [m]: the exact checker's
+// own tolerance.
+constexpr double exact_slack = 1e-5;
+constexpr double turn = 6.283185307179586;
+
+struct Aligned {
+  float* data;
+  explicit Aligned(std::size_t floats)
+      : data(static_cast<float*>(::operator new[](std::max<std::size_t>(floats, 1) * sizeof(float), std::align_val_t{64}))) {}
+  ~Aligned() { ::operator delete[](data, std::align_val_t{64}); }
+  Aligned(const Aligned&) = delete;
+  Aligned& operator=(const Aligned&) = delete;
+};
+
+}  // namespace
+
+// Everything that a thread writes while it judges.
+struct Checker::Workspace {
+  LaneModel model;
+  int width;
+  Aligned coordinates, scratch;
+  std::vector<int> pairs;
+  std::vector<unsigned> lanes;
+  std::vector<double> full;
+  std::vector<Transform> X_WL;
+
+  explicit Workspace(const Checker& c)
+      : model(c.lanes_.view()),
+        width(c.kernel_.width),
+        coordinates(static_cast<std::size_t>(width) * model.num_coordinates),
+        scratch(scratch_floats(model, width)),
+        pairs(c.lanes_.pair_of.size() + 1),
+        lanes(c.lanes_.pair_of.size() + 1),
+        full(c.group_.state),
+        X_WL(c.X_WL_) {}
+
+  // Writes one configuration into a lane and returns how far its lengths reach [m].
+  double pack(const Checker& c, const double* q, int lane) {
+    c.group_.embed(c.scene_->tree, q, full.data());
+    double reach = 0;
+    using Kind = LaneCoordinate::Kind;
+    for (std::size_t i = 0; i < c.lanes_.coordinates.size(); ++i) {
+      const auto [position, kind] = c.lanes_.coordinates[i];
+      double x = full[position];
+      if (kind == Kind::angle) x -= turn * std::nearbyint(x / turn);
+      if (kind == Kind::length) reach = std::max(reach, std::abs(x));
+      if (kind == Kind::quaternion_w) scale = quaternion_scale(&full[position]);
+      if (kind == Kind::quaternion_w || kind == Kind::quaternion_xyz) x *= scale;
+      coordinates.data[i * width + lane] = static_cast<float>(x);
+    }
+    return reach;
+  }
+
+ private:
+  double scale = 1;
+
+  static double quaternion_scale(const double* q) {
+    return 1 / std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
+  }
+};
+
+Checker::Checker(std::shared_ptr<const Scene> scene, Group group, std::vector<Demand> demands, LaneKernel kernel)
+    : scene_(std::move(scene)), group_(std::move(group)), demands_(std::move(demands)), kernel_(kernel),
+      X_WL_(scene_->tree.links.size()) {
+  scene_->tree.place(group_.state.data(), X_WL_.data());
+  lanes_ = LaneModelStorage(*scene_, group_, demands_, X_WL_);
+  std::vector<char> judged(scene_->pairs.size(), 0);
+  for (int pair : lanes_.pair_of) judged[pair] = 1;
+  for (std::size_t i = 0; i < judged.size(); ++i)
+    if (!judged[i] && judge_pair(static_cast<int>(i), X_WL_.data()) != Verdict::free) doubtful_.push_back(static_cast<int>(i));
+}
+
+Verdict Checker::judge_pair(int index, const Transform* X_WL) const {
+  const Pair pair = scene_->pairs[index];
+  const Demand demand = demands_[index];
+  const Separation found =
+      separation(scene_->geometries[pair.a].shape, scene_->pose(pair.a, X_WL), scene_->geometries[pair.b].shape,
+                 scene_->pose(pair.b, X_WL), demand.margin + exact_slack, demand.touching - exact_slack, {});
+  if (found.lower >= demand.margin + exact_slack) return Verdict::free;
+  return found.upper <= demand.touching - exact_slack ? Verdict::colliding : Verdict::unsure;
+}
+
+// Settles one lane by exact distances of the pairs of which nothing was sure.
+Verdict Checker::judge_exactly(const double* q, unsigned lane, const LaneVerdict& v, Workspace& w) const {
+  group_.embed(scene_->tree, q, w.full.data());
+  group_.place(scene_->tree, w.full.data(), w.X_WL.data());
+  Verdict all = Verdict::free;
+  for (int k = 0; k < v.num_unsure; ++k) {
+    if (!(v.lanes[k] & lane)) continue;
+    const Verdict one = judge_pair(lanes_.pair_of[v.pairs[k]], w.X_WL.data());
+    if (one == Verdict::colliding) return one;
+    if (one == Verdict::unsure) all = one;
+  }
+  return all;
+}
+
+void Checker::judge_block(const double* qs, int count, Verdict* verdicts, Workspace& w) const {
+  const int nq = num_positions();
+  double reach = 0;
+  for (int lane = 0; lane < w.width; ++lane) reach = std::max(reach, w.pack(*this, qs + nq * std::min(lane, count - 1), lane));
+  const unsigned active = count == 32 ? ~0u : (1u << count) - 1;
+  LaneVerdict v{0, 0, w.pairs.data(), w.lanes.data()};
+  kernel_.judge(w.model, w.coordinates.data, active, static_cast<float>(lanes_.slack_per_metre * reach), w.scratch.data, v);
+  unsigned unsure = 0;
+  for (int k = 0; k < v.num_unsure; ++k) unsure |= v.lanes[k];
+  for (int lane = 0; lane < count; ++lane) {
+    const unsigned bit = 1u << lane;
+    verdicts[lane] = v.hit & bit      ? Verdict::colliding
+                     : unsure & bit   ? judge_exactly(qs + nq * lane, bit, v, w)
+                                      : Verdict::free;
+    if (verdicts[lane] == Verdict::free && !doubtful_.empty()) verdicts[lane] = Verdict::unsure;
+  }
+}
+
+void Checker::judge(const double* qs, std::int64_t count, Verdict* verdicts) const {
+  Workspace w(*this);
+  for (std::int64_t i = 0; i < count; i += w.width)
+    judge_block(qs + num_positions() * i, static_cast<int>(std::min<std::int64_t>(w.width, count - i)), verdicts + i, w);
+}
+
+void Checker::judge_motions(const double* origins, const double* displacements, const std::int64_t* n, std::int64_t count,
+                            Verdict* verdicts, std::vector<Unsure>& unsure) const {
+  Workspace w(*this);
+  const int nq = num_positions();
+  std::vector<double> qs(static_cast<std::size_t>(w.width) * nq);
+  std::vector<std::int64_t> numbers(w.width);
+  std::vector<Verdict> found(w.width);
+  for (std::int64_t j = 0; j < count; ++j) {
+    const std::size_t before = unsure.size();
+    const double *origin = origins + j * nq, *displacement = displacements + j * nq;
+    SampleOrder order(n[j]);
+    verdicts[j] = Verdict::free;
+    while (verdicts[j] != Verdict::colliding) {
+      int size = 0;
+      while (size < w.width && order.next(numbers[size])) ++size;
+      if (!size) break;
+      for (int k = 0; k < size; ++k) {
+        const double fraction = static_cast<double>(numbers[k]) / static_cast<double>(n[j]);
+        for (int i = 0; i < nq; ++i) qs[k * nq + i] = origin[i] + fraction * displacement[i];
+      }
+      judge_block(qs.data(), size, found.data(), w);
+      for (int k = 0; k < size; ++k) {
+        if (found[k] == Verdict::colliding) verdicts[j] = Verdict::colliding;
+        if (found[k] == Verdict::unsure) unsure.push_back({j, numbers[k], n[j]});
+      }
+    }
+    if (verdicts[j] == Verdict::colliding) unsure.resize(before);
+    else if (unsure.size() > before) verdicts[j] = Verdict::unsure;
+  }
+}
+
+}  // namespace wayproof

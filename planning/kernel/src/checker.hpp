@@ -1,0 +1,64 @@
+// Checker: collision verdicts on configurations and motions of one group, with margins per pair.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "lane_model.hpp"
+#include "lanes.hpp"
+#include "scene.hpp"
+
+namespace wayproof {
+
+enum class Verdict : std::uint8_t { free = 0, colliding = 1, unsure = 2 };
+
+// What is demanded of a pair: its distance is to be at least `margin`. A pair is surely in collision
+// if it is nearer than `touching`, which is the margin, or 0 where the exact checker is known to
+// overstate positive distances.
+struct Demand {
+  double margin, touching;
+};
+
+// Samples of a motion, by number i of n, that the kernel is not sure of.
+struct Unsure {
+  std::int64_t motion, i, n;
+};
+
+class Checker {
+ public:
+  Checker(std::shared_ptr<const Scene> scene, Group group, std::vector<Demand> demands,
+          LaneKernel kernel);
+
+  int num_positions() const { return static_cast<int>(group_.positions.size()); }
+
+  // Judges configurations, [count][nq].
+  void judge(const double* qs, std::int64_t count, Verdict* verdicts) const;
+
+  // Judges motions origin + (i / n) displacement, i = 1 .. n: free or colliding; unsure if only
+  // some samples are, which are then appended to `unsure`. [count][nq] each; n at least 1.
+  void judge_motions(const double* origins, const double* displacements, const std::int64_t* n,
+                     std::int64_t count, Verdict* verdicts, std::vector<Unsure>& unsure) const;
+
+  // Pairs that the group does not move and that are not surely free: no configuration is free.
+  const std::vector<int>& doubtful_fixed_pairs() const { return doubtful_; }
+
+  const LaneKernel& kernel() const { return kernel_; }
+
+ private:
+  struct Workspace;
+
+  void judge_block(const double* qs, int count, Verdict* verdicts, Workspace& w) const;
+  Verdict judge_exactly(const double* q, unsigned lane, const LaneVerdict& v, Workspace& w) const;
+  Verdict judge_pair(int pair, const Transform* X_WL) const;
+
+  std::shared_ptr<const Scene> scene_;
+  Group group_;
+  std::vector<Demand> demands_;
+  LaneKernel kernel_;
+  LaneModelStorage lanes_;
+  std::vector<Transform> X_WL_;  // at the group's state
+  std::vector<int> doubtful_;
+};
+
+}  // namespace wayproof

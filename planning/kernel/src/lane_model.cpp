@@ -1,0 +1,221 @@
+#include "lane_model.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "checker.hpp"
+
+namespace wayproof {
+namespace {
+
+// The unit roundoff of single precision, and how much of it one link's arithmetic may lose: about
+// ten operations on each rotation matrix and its sines, and as many on the position.
+constexpr double unit = 6e-8;
+constexpr double losses_per_link = 32;
+// The exact checker's own tolerance [m].
+constexpr double exact_slack = 1e-5;
+constexpr double endless = 1e15;
+// Faces of a hull that are looked at; those left out only make it seem larger.
+constexpr std::size_t max_planes = 48;
+
+void write(const Transform& x, float* R, float* p) {
+  for (int i = 0; i < 9; ++i) R[i] = static_cast<float>(x.R.m[i]);
+  for (int i = 0; i < 3; ++i) p[i] = static_cast<float>(x.p[i]);
+}
+
+// Rounded away from zero error: `radius` may only grow if `grow`, only shrink otherwise.
+LaneSphere lane_sphere(const Transform& x, const Sphere& s, bool grow) {
+  const Vec3 c = x * s.center;
+  const double dust = unit * (norm(c) + s.radius) * 4;
+  return {static_cast<float>(c.x), static_cast<float>(c.y), static_cast<float>(c.z),
+          static_cast<float>(std::max(0.0, grow ? s.radius + dust : s.radius - dust))};
+}
+
+// Tangent planes of an ellipsoid along the directions of a refined cube.
+std::vector<std::array<double, 4>> tangent_planes(Vec3 axes) {
+  std::vector<std::array<double, 4>> planes;
+  for (int i = -1; i <= 1; ++i)
+    for (int j = -1; j <= 1; ++j)
+      for (int k = -1; k <= 1; ++k) {
+        if (!i && !j && !k) continue;
+        // Normals of the image of a sphere: evenly spread on long ellipsoids too.
+        Vec3 n{i / axes.x, j / axes.y, k / axes.z};
+        n = (1 / norm(n)) * n;
+        planes.push_back({n.x, n.y, n.z, norm(Vec3{axes.x * n.x, axes.y * n.y, axes.z * n.z})});
+      }
+  return planes;
+}
+
+// A few of many planes, as different as can be: each next one is farthest from those taken.
+std::vector<std::array<double, 4>> spread(const std::vector<std::array<double, 4>>& all) {
+  if (all.size() <= max_planes) return all;
+  std::vector<std::array<double, 4>> taken{all[0]};
+  std::vector<double> cosine(all.size(), -2);
+  while (taken.size() < max_planes) {
+    const auto& last = taken.back();
+    std::size_t next = 0;
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      cosine[i] = std::max(cosine[i], all[i][0] * last[0] + all[i][1] * last[1] + all[i][2] * last[2]);
+      if (cosine[i] < cosine[next]) next = i;
+    }
+    taken.push_back(all[next]);
+  }
+  return taken;
+}
+
+struct Builder {
+  const Scene& scene;
+  const Group& group;
+  const std::vector<Transform>& X_WL;
+  LaneModelStorage& out;
+  std::vector<int> lane_link;
+  std::vector<double> depth, extent;  // of every lane link: joints before it, metres of chain
+  std::map<int, int> body_of, obstacle_of;
+
+  void add_links() {
+    lane_link.assign(scene.tree.links.size(), -1);
+    for (std::size_t i = 0; i < scene.tree.links.size(); ++i) {
+      if (!group.moves[i]) continue;
+      const Link& link = scene.tree.links[i];
+      const int parent = link.parent < 0 ? -1 : lane_link[link.parent];
+      const Transform X = parent < 0 && link.parent >= 0 ? X_WL[link.parent] * link.X_PF : link.X_PF;
+      LaneLink made{parent, static_cast<int>(link.kind), static_cast<int>(out.coordinates.size()), {}, {}, {}};
+      write(X, made.R, made.p);
+      for (int k = 0; k < 3; ++k) made.axis[k] = static_cast<float>(link.axis[k]);
+      add_coordinates(link);
+      lane_link[i] = static_cast<int>(out.links.size());
+      depth.push_back(parent < 0 ? 1 : depth[parent] + 1);
+      extent.push_back(norm(X.p) + (parent < 0 ? 0 : extent[parent]));
+      out.links.push_back(made);
+    }
+  }
+
+  void add_coordinates(const Link& link) {
+    using Kind = LaneCoordinate::Kind;
+    const auto add = [&](int offset, Kind kind) {
+      out.coordinates.push_back({link.position + offset, kind});
+      out.has_lengths |= kind == Kind::length;
+    };
+    switch (link.kind) {
+      case JointKind::revolute: add(0, Kind::angle); break;
+      case JointKind::prismatic: add(0, Kind::length); break;
+      case JointKind::planar: add(0, Kind::length), add(1, Kind::length), add(2, Kind::angle); break;
+      case JointKind::floating:
+        add(0, Kind::quaternion_w);
+        for (int k = 1; k < 4; ++k) add(k, Kind::quaternion_xyz);
+        for (int k = 4; k < 7; ++k) add(k, Kind::length);
+        break;
+      default: break;
+    }
+  }
+
+  int body(int geometry) {
+    const auto found = body_of.find(geometry);
+    if (found != body_of.end()) return found->second;
+    const Geometry& g = scene.geometries[geometry];
+    LaneBody made{lane_link[g.link], static_cast<int>(out.outer.size()), 0, static_cast<int>(out.inner.size()), 0,
+                  lane_sphere(g.X_LG, g.bound, true)};
+    for (const Sphere& s : g.outer) out.outer.push_back(lane_sphere(g.X_LG, s, true));
+    for (const Sphere& s : g.inner) out.inner.push_back(lane_sphere(g.X_LG, s, false));
+    made.outer_end = static_cast<int>(out.outer.size());
+    made.inner_end = static_cast<int>(out.inner.size());
+    out.bodies.push_back(made);
+    return body_of[geometry] = static_cast<int>(out.bodies.size()) - 1;
+  }
+
+  int obstacle(int geometry) {
+    const auto found = obstacle_of.find(geometry);
+    if (found != obstacle_of.end()) return found->second;
+    const Geometry& g = scene.geometries[geometry];
+    const Transform X_WO = scene.pose(geometry, X_WL.data());
+    LaneObstacle made{};
+    made.kind = static_cast<int>(g.shape.kind);
+    Transform X{transposed(X_WO.R), X_WO.p};
+    write(X, made.R, made.p);
+    for (int k = 0; k < 3; ++k) made.size[k] = static_cast<float>(g.shape.size[k]);
+    made.bound = lane_sphere(X_WO, {g.shape.center, std::min(g.shape.radius, endless)}, true);
+    if (g.shape.kind == ShapeKind::ellipsoid) add_planes(made, tangent_planes(g.shape.axes), X_WO, false);
+    if (g.shape.kind == ShapeKind::hull)
+      add_planes(made, spread(g.shape.planes), X_WO, g.shape.planes.size() <= max_planes);
+    out.obstacles.push_back(made);
+    return obstacle_of[geometry] = static_cast<int>(out.obstacles.size()) - 1;
+  }
+
+  void add_planes(LaneObstacle& made, const std::vector<std::array<double, 4>>& planes, const Transform& X_WO,
+                  bool are_all) {
+    made.kind = static_cast<int>(ShapeKind::hull);
+    made.planes_are_all = are_all;
+    made.planes_begin = static_cast<int>(out.planes.size());
+    for (const auto& p : planes) {
+      const Vec3 n = X_WO.R * Vec3{p[0], p[1], p[2]};
+      out.planes.push_back({static_cast<float>(n.x), static_cast<float>(n.y), static_cast<float>(n.z),
+                            static_cast<float>(p[3] + dot(n, X_WO.p))});
+    }
+    made.planes_end = static_cast<int>(out.planes.size());
+  }
+
+  double rounding_of_body(int geometry) const {
+    const Geometry& g = scene.geometries[geometry];
+    const int link = lane_link[g.link];
+    const double reach = extent[link] + norm(g.X_LG.p) + g.shape.radius;
+    return unit * losses_per_link * (depth[link] + 1) * reach;
+  }
+
+  double rounding_of_obstacle(int geometry) const {
+    const Geometry& g = scene.geometries[geometry];
+    const Vec3 size = g.shape.size;
+    double reach = norm(scene.pose(geometry, X_WL.data()).p) + norm(size);
+    if (g.shape.kind == ShapeKind::hull) reach += g.shape.radius + norm(g.shape.center);
+    return unit * 12 * reach;
+  }
+
+  void add_pair(int index, const Demand& demand) {
+    auto [a, b] = scene.pairs[index];
+    const bool a_moves = scene.is_moved(group, a), b_moves = scene.is_moved(group, b);
+    if (!a_moves) std::swap(a, b);
+    const double slack = exact_slack + rounding_of_body(a) +
+                         (a_moves && b_moves ? rounding_of_body(b) : rounding_of_obstacle(b));
+    const auto make = [&](int other) {
+      return LanePair{body(a), other, static_cast<float>(demand.margin + slack), static_cast<float>(demand.touching - slack)};
+    };
+    if (a_moves && b_moves) {
+      out.body_pairs.push_back(make(body(b)));
+      body_pair_of.push_back(index);
+    } else {
+      out.obstacle_pairs.push_back(make(obstacle(b)));
+      out.pair_of.push_back(index);
+    }
+  }
+
+  std::vector<int> body_pair_of;
+};
+
+}  // namespace
+
+LaneModelStorage::LaneModelStorage(const Scene& scene, const Group& group, const std::vector<Demand>& demands,
+                                   const std::vector<Transform>& X_WL) {
+  Builder builder{scene, group, X_WL, *this, {}, {}, {}, {}, {}, {}};
+  builder.add_links();
+  for (std::size_t i = 0; i < scene.pairs.size(); ++i) {
+    const auto [a, b] = scene.pairs[i];
+    const bool moved = scene.is_moved(group, a) || scene.is_moved(group, b);
+    const bool half_space_moves = (scene.geometries[a].shape.kind == ShapeKind::half_space && scene.is_moved(group, a)) ||
+                                  (scene.geometries[b].shape.kind == ShapeKind::half_space && scene.is_moved(group, b));
+    if (moved && !half_space_moves && scene.geometries[a].link != scene.geometries[b].link)
+      builder.add_pair(static_cast<int>(i), demands[i]);
+  }
+  pair_of.insert(pair_of.end(), builder.body_pair_of.begin(), builder.body_pair_of.end());
+  double deepest = 0;
+  for (double d : builder.depth) deepest = std::max(deepest, d);
+  slack_per_metre = unit * losses_per_link * (deepest + 1) * 2;
+}
+
+LaneModel LaneModelStorage::view() const {
+  return {links.data(), static_cast<int>(links.size()), bodies.data(), static_cast<int>(bodies.size()),
+          outer.data(), static_cast<int>(outer.size()), inner.data(), static_cast<int>(inner.size()),
+          obstacles.data(), planes.data(), obstacle_pairs.data(), static_cast<int>(obstacle_pairs.size()),
+          body_pairs.data(), static_cast<int>(body_pairs.size()), static_cast<int>(coordinates.size())};
+}
+
+}  // namespace wayproof

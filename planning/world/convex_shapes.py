@@ -1,0 +1,66 @@
+"""Drake's collision shapes as the kernel takes them."""
+
+from typing import Any
+
+import numpy as np
+from pydrake.geometry import (
+    Box,
+    Capsule,
+    Convex,
+    Cylinder,
+    Ellipsoid,
+    HalfSpace,
+    Mesh,
+    Sphere,
+)
+
+from planning.kernel.shape import ConvexShape, ShapeKind
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
+
+# Faces of a hull whose normals differ by less are one [rad].
+_SAME_FACE = 1e-4
+
+
+def convex_shape(shape: Any) -> ConvexShape | None:  # noqa: PLR0911  (one case per shape)
+    """Return the convex body that Drake takes a shape for; None if it is of an unknown kind."""
+    match shape:
+        case Box():
+            return _primitive(ShapeKind.BOX, *(np.asarray(shape.size()) / 2))
+        case Sphere():
+            return _primitive(ShapeKind.SPHERE, shape.radius())
+        case Cylinder():
+            return _primitive(ShapeKind.CYLINDER, shape.radius(), shape.length() / 2)
+        case Capsule():
+            return _primitive(ShapeKind.CAPSULE, shape.radius(), shape.length() / 2)
+        case Ellipsoid():
+            return _primitive(ShapeKind.ELLIPSOID, shape.a(), shape.b(), shape.c())
+        case HalfSpace():
+            return _primitive(ShapeKind.HALF_SPACE)
+        case Convex() | Mesh():
+            return _hull(shape.GetConvexHull())
+        case _:
+            return None
+
+
+def _primitive(kind: ShapeKind, *sizes: float) -> ConvexShape:
+    size = np.zeros(3)
+    size[: len(sizes)] = sizes
+    return ConvexShape(kind, size, np.zeros((0, 3)), np.zeros((0, 4)))
+
+
+def _hull(mesh: Any) -> ConvexShape:
+    """Return a hull with every face once, moved outwards until it contains every vertex."""
+    vertices = np.array([mesh.vertex(i) for i in range(mesh.num_vertices())])
+    normals = np.array([mesh.face_normal(i) for i in range(mesh.num_faces())])
+    kept: list[Array] = []
+    for normal in normals / np.linalg.norm(normals, axis=1)[:, None]:
+        if not any(float(np.linalg.norm(normal - other)) < _SAME_FACE for other in kept):
+            kept.append(normal)
+    faces = np.array(kept)
+    return ConvexShape(
+        ShapeKind.HULL,
+        np.zeros(3),
+        vertices,
+        np.column_stack([faces, (vertices @ faces.T).max(axis=0)]),
+    )

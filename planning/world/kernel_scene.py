@@ -1,0 +1,124 @@
+"""KernelScene: a loaded world in the native kernel."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from pydrake.geometry import GeometryId, Role
+from pydrake.math import RigidTransform
+from pydrake.multibody.tree import BodyIndex
+
+from planning.kernel.covering import Covering, cached_covering
+from planning.kernel.native import native
+from planning.kernel.shape import ConvexShape, ShapeKind
+from planning.world.convex_shapes import convex_shape
+from planning.world.drake_model import DrakeModel
+from planning.world.link_tree import LinkTree, link_tree
+from planning.world.mesh_files import cache_folder
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
+
+# The kernel's numbers for kinds of shapes (shape.hpp).
+_KINDS = tuple(ShapeKind)
+
+
+@dataclass(frozen=True)
+class KernelScene:
+    """Never leaves the process, as a DrakeModel.
+
+    Attributes:
+        native: The kernel's Scene.
+        pairs: Both geometries of every pair that may collide, in the kernel's order.
+        bodies: Full names of their bodies.
+        kinds: Their shapes' kinds.
+        links: For every body's index, its link and X_LB.
+    """
+
+    native: Any
+    pairs: tuple[tuple[GeometryId, GeometryId], ...]
+    bodies: tuple[tuple[str, str], ...]
+    kinds: tuple[tuple[ShapeKind, ShapeKind], ...]
+    links: dict[int, tuple[int, RigidTransform]]
+
+
+def kernel_scene(model: DrakeModel) -> KernelScene | None:
+    """Return the model in the kernel.
+
+    None if there is no kernel, or if the model has a joint or a shape that it does not know: Drake
+    alone answers then.
+    """
+    module, tree = native(), link_tree(model.plant)
+    if module is None or tree is None:
+        return None
+    inspector = model.scene_graph.model_inspector()
+    ids: list[GeometryId] = sorted(inspector.GetAllGeometryIds(Role.kProximity))
+    shapes = [convex_shape(inspector.GetShape(i)) for i in ids]
+    if None in shapes:
+        return None
+    scene = module.Scene(model.plant.num_positions(), model.plant.num_velocities())
+    _add_links(scene, model, tree)
+    owners: dict[GeometryId, Any] = {
+        i: model.plant.GetBodyFromFrameId(inspector.GetFrameId(i)).index() for i in ids
+    }
+    for i, shape in zip(ids, shapes, strict=True):
+        assert shape is not None  # noqa: S101  (looked at above)
+        link, x_lb = tree.bodies[int(owners[i])]
+        _add_geometry(scene, link, x_lb.multiply(inspector.GetPoseInFrame(i)), shape)
+    row = {i: k for k, i in enumerate(ids)}
+    pairs: list[tuple[GeometryId, GeometryId]] = sorted(inspector.GetCollisionCandidates())
+    for a, b in pairs:
+        scene.add_pair(row[a], row[b])
+    kind = {i: shape.kind for i, shape in zip(ids, shapes, strict=True) if shape}
+    return KernelScene(
+        native=scene,
+        pairs=tuple(pairs),
+        bodies=tuple((_name(model, owners[a]), _name(model, owners[b])) for a, b in pairs),
+        kinds=tuple((kind[a], kind[b]) for a, b in pairs),
+        links=tree.bodies,
+    )
+
+
+def _add_links(scene: Any, model: DrakeModel, tree: LinkTree) -> None:
+    for link in tree.links:
+        scene.add_link(
+            link.parent, _flat(link.X_PF), link.kind, link.axis, link.position, link.velocity
+        )
+    for c in model.couplings:
+        scene.add_follower(
+            c.follower_position,
+            c.leader_position,
+            c.follower_velocity,
+            c.leader_velocity,
+            c.multiplier,
+            c.offset,
+        )
+
+
+def _add_geometry(scene: Any, link: int, x_lg: RigidTransform, shape: ConvexShape) -> None:
+    endless = shape.kind is ShapeKind.HALF_SPACE
+    none = np.zeros((0, 4))
+    covering = (
+        Covering(none, none, np.zeros(4), 0.0)
+        if endless
+        else cached_covering(shape, cache_folder() / "coverings")
+    )
+    scene.add_geometry(
+        link,
+        _flat(x_lg),
+        _KINDS.index(shape.kind),
+        shape.size,
+        shape.vertices,
+        shape.planes,
+        covering.outer,
+        covering.inner,
+        covering.bound,
+    )
+
+
+def _flat(x: RigidTransform) -> Array:
+    """Return R, row by row, and p: the kernel's way to write a transform, shape (12,)."""
+    return np.concatenate([x.rotation().matrix().ravel(), x.translation()])
+
+
+def _name(model: DrakeModel, body: BodyIndex) -> str:
+    return model.body_names.get(body, model.plant.get_body(body).name())

@@ -1,0 +1,115 @@
+"""LinkTree: a Drake plant's joints as the kernel takes them, with welded bodies merged."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from pydrake.math import RigidTransform
+from pydrake.multibody.plant import MultibodyPlant
+from pydrake.multibody.tree import (
+    JointIndex,
+    PlanarJoint,
+    PrismaticJoint,
+    QuaternionFloatingJoint,
+    RevoluteJoint,
+    WeldJoint,
+)
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
+
+# The kernel's numbers for kinds of joints (tree.hpp).
+_REVOLUTE, _PRISMATIC, _PLANAR, _FLOATING = 1, 2, 3, 4
+WORLD = -1
+
+
+@dataclass(frozen=True)
+class KernelLink:
+    """A link L whose frame is the moving frame of the joint that carries it.
+
+    Attributes:
+        parent: An earlier link, or WORLD.
+        X_PF: Where the joint begins.
+        kind: The kernel's number.
+        axis: Of a revolute or prismatic joint, in F, shape (3,).
+        position: Where its coordinates begin in the plant's q.
+        velocity: And in its v.
+    """
+
+    parent: int
+    X_PF: RigidTransform
+    kind: int
+    axis: Array
+    position: int
+    velocity: int
+
+
+@dataclass(frozen=True)
+class LinkTree:
+    """All that moves.
+
+    Attributes:
+        links: Parents first.
+        bodies: For every body's index, the link that it belongs to and X_LB.
+    """
+
+    links: tuple[KernelLink, ...]
+    bodies: dict[int, tuple[int, RigidTransform]]
+
+
+def link_tree(plant: MultibodyPlant) -> LinkTree | None:
+    """Return the tree, or None if it has a joint of a kind that the kernel does not know."""
+    at_body: dict[int, list[Any]] = {}
+    joints: list[Any] = [plant.get_joint(JointIndex(int(i))) for i in plant.GetJointIndices()]
+    for joint in joints:
+        for body in (joint.parent_body(), joint.child_body()):
+            at_body.setdefault(int(body.index()), []).append(joint)
+    world = int(plant.world_body().index())
+    bodies = {world: (WORLD, RigidTransform())}
+    links: list[KernelLink] = []
+    frontier = [world]
+    while frontier:
+        here = frontier.pop(0)
+        for joint in at_body.get(here, []):
+            forwards = int(joint.parent_body().index()) == here
+            there = int((joint.child_body() if forwards else joint.parent_body()).index())
+            if there in bodies:
+                continue
+            placed = _cross(joint, bodies[here], links, forwards=forwards)
+            if placed is None:
+                return None
+            bodies[there] = placed
+            frontier.append(there)
+    return LinkTree(tuple(links), bodies)
+
+
+def _cross(
+    joint: Any, here: tuple[int, RigidTransform], links: list[KernelLink], *, forwards: bool
+) -> tuple[int, RigidTransform] | None:
+    """Return the link and X_LB of the body on the other side of a joint, adding a link if needed.
+
+    A joint that is crossed from child to parent turns and slides the other way.
+    """
+    frames = (joint.frame_on_parent(), joint.frame_on_child())
+    near, far = frames if forwards else frames[::-1]
+    parent, x_lb = here
+    x_lf = x_lb.multiply(near.GetFixedPoseInBodyFrame())
+    x_fb = far.GetFixedPoseInBodyFrame().inverse()
+    sign = 1.0 if forwards else -1.0
+    match joint:
+        case WeldJoint():
+            x_fm = joint.X_FM() if forwards else joint.X_FM().inverse()
+            return parent, x_lf.multiply(x_fm).multiply(x_fb)
+        case RevoluteJoint():
+            kind, axis = _REVOLUTE, sign * np.array(joint.revolute_axis())
+        case PrismaticJoint():
+            kind, axis = _PRISMATIC, sign * np.array(joint.translation_axis())
+        case PlanarJoint() if forwards:
+            kind, axis = _PLANAR, np.zeros(3)
+        case QuaternionFloatingJoint() if forwards:
+            kind, axis = _FLOATING, np.zeros(3)
+        case _:
+            return None
+    links.append(
+        KernelLink(parent, x_lf, kind, axis, joint.position_start(), joint.velocity_start())
+    )
+    return len(links) - 1, x_fb
