@@ -60,7 +60,7 @@ class _Build:
 
 
 def build_diagram(
-    scene: Scene, library: ModelLibrary, *, time_step: float = 0.001
+    scene: Scene, library: ModelLibrary, *, time_step: float = 0.001, kernel: bool = True
 ) -> tuple[DrakeModel, tuple[LoadedRobot, ...]]:
     """Return the scene in Drake, and what is known of each robot.
 
@@ -68,6 +68,7 @@ def build_diagram(
         scene: What to build.
         library: Where robots are found.
         time_step: Of the plant [s]; matters only to simulation.
+        kernel: Whether the native kernel may answer where it is sure.
 
     Raises:
         SceneInvalid: A name is given twice, or a frame hangs on itself.
@@ -103,6 +104,7 @@ def build_diagram(
             indices,
             [(robot.scene_robot.name, m) for robot in build.robots for m in robot.file.mimics],
         ),
+        uses_kernel=kernel,
     )
     return model, tuple(build.robots)
 

@@ -19,7 +19,7 @@ from planning.kernel.shape import ConvexShape, ShapeKind
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # Faces of a hull whose normals differ by less are one [rad].
-_SAME_FACE = 1e-4
+_SAME_FACE = 1e-7
 
 
 def convex_shape(shape: Any) -> ConvexShape | None:  # noqa: PLR0911  (one case per shape)
@@ -53,11 +53,9 @@ def _hull(mesh: Any) -> ConvexShape:
     """Return a hull with every face once, moved outwards until it contains every vertex."""
     vertices = np.array([mesh.vertex(i) for i in range(mesh.num_vertices())])
     normals = np.array([mesh.face_normal(i) for i in range(mesh.num_faces())])
-    kept: list[Array] = []
-    for normal in normals / np.linalg.norm(normals, axis=1)[:, None]:
-        if not any(float(np.linalg.norm(normal - other)) < _SAME_FACE for other in kept):
-            kept.append(normal)
-    faces = np.array(kept)
+    normals /= np.linalg.norm(normals, axis=1)[:, None]
+    _, first = np.unique(np.round(normals / _SAME_FACE), axis=0, return_index=True)
+    faces = normals[np.sort(first)]
     return ConvexShape(
         ShapeKind.HULL,
         np.zeros(3),

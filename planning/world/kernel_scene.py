@@ -2,11 +2,13 @@
 
 from dataclasses import dataclass
 from typing import Any
+from weakref import WeakKeyDictionary
 
 import numpy as np
 from pydrake.geometry import GeometryId, Role
 from pydrake.math import RigidTransform
 from pydrake.multibody.tree import BodyIndex
+from pydrake.planning import RobotDiagram
 
 from planning.kernel.covering import Covering, cached_covering
 from planning.kernel.native import native
@@ -39,6 +41,21 @@ class KernelScene:
     bodies: tuple[tuple[str, str], ...]
     kinds: tuple[tuple[ShapeKind, ShapeKind], ...]
     links: dict[int, tuple[int, RigidTransform]]
+
+
+_made: WeakKeyDictionary[RobotDiagram, KernelScene | None] = WeakKeyDictionary()
+
+
+def kernel_scene_of(model: DrakeModel) -> KernelScene | None:
+    """Return the model in the kernel, making it the first time only.
+
+    None if the model shall do without, or as `kernel_scene` says.
+    """
+    if not model.uses_kernel:
+        return None
+    if model.diagram not in _made:
+        _made[model.diagram] = kernel_scene(model)
+    return _made[model.diagram]
 
 
 def kernel_scene(model: DrakeModel) -> KernelScene | None:

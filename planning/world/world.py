@@ -15,11 +15,17 @@ from planning.world.builder import LoadedRobot, build_diagram, pose_of
 from planning.world.collision import DistanceProbe, DrakeCollisionOracle
 from planning.world.drake_model import DrakeModel
 from planning.world.groups import RobotGroups, group_limits, robot_groups
+from planning.world.kernel_oracle import KernelCollisionOracle
+from planning.world.kernel_scene import kernel_scene_of
 from planning.world.margins import PairMargins
 from planning.world.model_library import ModelLibrary
 from planning.world.placement import named_configurations, placed_state
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
+type CollisionJudge = DrakeCollisionOracle | KernelCollisionOracle
+
+# Making a judge takes longer than most of its answers: those last asked for are kept.
+_MOST_JUDGES = 16
 
 
 class World:
@@ -44,6 +50,7 @@ class World:
         self.library = library
         self.drake = drake
         self._robots = robots
+        self._judges: dict[tuple[str, PairMargins], CollisionJudge] = {}
         self._robot_groups = [robot_groups(drake, loaded) for loaded in robots]
         self._groups = {
             group.name: group for own in self._robot_groups for group in own.groups.values()
@@ -137,9 +144,20 @@ class World:
         }
         return PairMargins(default + padding, exceptions)
 
-    def collision_oracle(self, group: JointGroup, margins: PairMargins) -> DrakeCollisionOracle:
-        """Return a fast judge of the group's configurations."""
-        return DrakeCollisionOracle(self.drake, group, self.state, margins)
+    def collision_oracle(self, group: JointGroup, margins: PairMargins) -> CollisionJudge:
+        """Return a fast judge of the group's configurations; the same one for the same question."""
+        key = group.name, margins
+        if key not in self._judges:
+            if len(self._judges) >= _MOST_JUDGES:
+                self._judges.pop(next(iter(self._judges)))
+            self._judges[key] = self._make_judge(group, margins)
+        return self._judges[key]
+
+    def _make_judge(self, group: JointGroup, margins: PairMargins) -> CollisionJudge:
+        kernel = kernel_scene_of(self.drake)
+        if kernel is None:
+            return DrakeCollisionOracle(self.drake, group, self.state, margins)
+        return KernelCollisionOracle(self.drake, kernel, group, self.state, margins)
 
     def distance_probe(self, margins: PairMargins) -> DistanceProbe:
         """Return a slow judge that says which pairs, how near and where."""
@@ -181,8 +199,14 @@ class World:
         return self._robot_groups
 
 
-def load_world(scene: Scene, library: ModelLibrary | None = None) -> World:
+def load_world(scene: Scene, library: ModelLibrary | None = None, *, kernel: bool = True) -> World:
     """Load a scene into Drake.
+
+    Args:
+        scene: What to load.
+        library: Where robots are found; None for those that come with Wayproof.
+        kernel: Whether the native kernel may answer where it is sure; the answers are Drake's
+            either way.
 
     Raises:
         SceneInvalid: A name in the scene is wrong; evidence has its `path`.
@@ -191,7 +215,7 @@ def load_world(scene: Scene, library: ModelLibrary | None = None) -> World:
         UnknownName: There is no such robot.
     """
     chosen = library or ModelLibrary.bundled()
-    drake, robots = build_diagram(scene, chosen)
+    drake, robots = build_diagram(scene, chosen, kernel=kernel)
     world = World(scene, chosen, drake, robots)
     for i, entry in enumerate(scene.margins):
         for body in entry.bodies:

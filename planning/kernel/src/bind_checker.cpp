@@ -53,16 +53,16 @@ int judge_one(const Checker& checker, const Doubles& q) {
   return static_cast<int>(verdict);
 }
 
-auto judge_motions(const Checker& checker, const Doubles& origins, const Doubles& displacements, const Integers& n) {
-  const std::size_t count = n.size(), nq = checker.num_positions();
+auto judge_motions(const Checker& checker, const Doubles& origins, const Doubles& displacements, double resolution) {
+  const std::size_t count = origins.ndim() ? origins.shape(0) : 0, nq = checker.num_positions();
   require_shape(origins, count, nq, "origins");
   require_shape(displacements, count, nq, "displacements");
-  for (std::size_t i = 0; i < count; ++i) require(n.data()[i] >= 1, "a motion has one sample or more");
+  require(resolution > 0, "the resolution is positive");
   std::vector<Verdict> verdicts(count);
   std::vector<Unsure> unsure;
   {
     nb::gil_scoped_release released;
-    checker.judge_motions(origins.data(), displacements.data(), n.data(), static_cast<std::int64_t>(count), verdicts.data(), unsure);
+    checker.judge_motions(origins.data(), displacements.data(), resolution, static_cast<std::int64_t>(count), verdicts.data(), unsure);
   }
   std::vector<std::uint8_t> plain(count);
   for (std::size_t i = 0; i < count; ++i) plain[i] = static_cast<std::uint8_t>(verdicts[i]);
@@ -71,20 +71,18 @@ auto judge_motions(const Checker& checker, const Doubles& origins, const Doubles
   return nb::make_tuple(array_of(plain, count), array_of(rows, unsure.size(), 3));
 }
 
-// One motion: its verdict and the numbers of its unsure samples.
-auto judge_motion(const Checker& checker, const Doubles& origin, const Doubles& displacement, std::int64_t n) {
+// One motion: its verdict alone.
+auto judge_motion(const Checker& checker, const Doubles& origin, const Doubles& displacement, double resolution) {
   const std::size_t nq = checker.num_positions();
   require(origin.size() == nq && displacement.size() == nq, "origin and displacement have one number per position");
-  require(n >= 1, "a motion has one sample or more");
+  require(resolution > 0, "the resolution is positive");
   Verdict verdict;
   std::vector<Unsure> unsure;
   {
     nb::gil_scoped_release released;
-    checker.judge_motions(origin.data(), displacement.data(), &n, 1, &verdict, unsure);
+    checker.judge_motions(origin.data(), displacement.data(), resolution, 1, &verdict, unsure);
   }
-  std::vector<std::int64_t> numbers;
-  for (const Unsure& u : unsure) numbers.push_back(u.i);
-  return std::make_tuple(static_cast<int>(verdict), numbers);
+  return static_cast<int>(verdict);
 }
 
 }  // namespace
@@ -102,8 +100,8 @@ void bind_checker(nb::module_& m) {
       }, nb::arg("scene"), nb::arg("positions"), nb::arg("velocities"), nb::arg("state"), nb::arg("demands"), nb::arg("kernel") = "")
       .def("judge", &judge, nb::arg("qs"))
       .def("judge_one", &judge_one, nb::arg("q"))
-      .def("judge_motions", &judge_motions, nb::arg("origins"), nb::arg("displacements"), nb::arg("n"))
-      .def("judge_motion", &judge_motion, nb::arg("origin"), nb::arg("displacement"), nb::arg("n"))
+      .def("judge_motions", &judge_motions, nb::arg("origins"), nb::arg("displacements"), nb::arg("resolution"))
+      .def("judge_motion", &judge_motion, nb::arg("origin"), nb::arg("displacement"), nb::arg("resolution"))
       .def_prop_ro("doubtful_fixed_pairs", &Checker::doubtful_fixed_pairs)
       .def_prop_ro("lane_kernel", [](const Checker& c) { return std::string(c.kernel().name); });
   m.def("lane_kernels", [] {

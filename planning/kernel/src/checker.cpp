@@ -17,6 +17,13 @@ namespace {
 constexpr double exact_slack = 1e-5;
 constexpr double turn = 6.283185307179586;
 
+// The same number as planning/domain/motion_samples.py has, operation by operation.
+std::int64_t num_samples(const double* displacement, int nq, double resolution) {
+  double square = 0;
+  for (int i = 0; i < nq; ++i) square += displacement[i] * displacement[i];
+  return static_cast<std::int64_t>(std::max(std::ceil(std::sqrt(square) / resolution - 1e-9), 1.0));
+}
+
 struct Aligned {
   float* data;
   explicit Aligned(std::size_t floats)
@@ -37,6 +44,7 @@ struct Checker::Workspace {
   std::vector<unsigned> lanes;
   std::vector<double> full;
   std::vector<Transform> X_WL;
+  std::vector<Vec3> directions;  // that last parted each pair, in the frame of its first geometry
 
   explicit Workspace(const Checker& c)
       : model(c.lanes_.view()),
@@ -46,7 +54,8 @@ struct Checker::Workspace {
         pairs(c.lanes_.pair_of.size() + 1),
         lanes(c.lanes_.pair_of.size() + 1),
         full(c.group_.state),
-        X_WL(c.X_WL_) {}
+        X_WL(c.X_WL_),
+        directions(c.scene_->pairs.size()) {}
 
   // Writes one configuration into a lane and returns how far its lengths reach [m].
   double pack(const Checker& c, const double* q, int lane) {
@@ -80,16 +89,24 @@ Checker::Checker(std::shared_ptr<const Scene> scene, Group group, std::vector<De
   lanes_ = LaneModelStorage(*scene_, group_, demands_, X_WL_);
   std::vector<char> judged(scene_->pairs.size(), 0);
   for (int pair : lanes_.pair_of) judged[pair] = 1;
-  for (std::size_t i = 0; i < judged.size(); ++i)
-    if (!judged[i] && judge_pair(static_cast<int>(i), X_WL_.data()) != Verdict::free) doubtful_.push_back(static_cast<int>(i));
+  for (std::size_t i = 0; i < judged.size(); ++i) {
+    Vec3 direction;
+    if (!judged[i] && judge_pair(static_cast<int>(i), X_WL_.data(), direction) != Verdict::free)
+      doubtful_.push_back(static_cast<int>(i));
+  }
 }
 
-Verdict Checker::judge_pair(int index, const Transform* X_WL) const {
+Verdict Checker::judge_pair(int index, const Transform* X_WL, Vec3& direction) const {
   const Pair pair = scene_->pairs[index];
   const Demand demand = demands_[index];
-  const Separation found =
-      separation(scene_->geometries[pair.a].shape, scene_->pose(pair.a, X_WL), scene_->geometries[pair.b].shape,
-                 scene_->pose(pair.b, X_WL), demand.margin + exact_slack, demand.touching - exact_slack, {});
+  const Geometry &a = scene_->geometries[pair.a], &b = scene_->geometries[pair.b];
+  const Transform X_WA = scene_->pose(pair.a, X_WL), X_WB = scene_->pose(pair.b, X_WL);
+  // Neighbours are always near, and nearly always the same plane parts them.
+  if (dot(direction, direction) > 0 && slab(a.shape, X_WA, b.shape, X_WB, X_WA.R * direction) >= demand.margin + exact_slack)
+    return Verdict::free;
+  const Separation found = separation(a.shape, X_WA, b.shape, X_WB, demand.margin + exact_slack,
+                                      demand.touching - exact_slack, {});
+  if (found.lower > 0) direction = transposed_times(X_WA.R, found.direction);
   if (found.lower >= demand.margin + exact_slack) return Verdict::free;
   return found.upper <= demand.touching - exact_slack ? Verdict::colliding : Verdict::unsure;
 }
@@ -101,20 +118,21 @@ Verdict Checker::judge_exactly(const double* q, unsigned lane, const LaneVerdict
   Verdict all = Verdict::free;
   for (int k = 0; k < v.num_unsure; ++k) {
     if (!(v.lanes[k] & lane)) continue;
-    const Verdict one = judge_pair(lanes_.pair_of[v.pairs[k]], w.X_WL.data());
+    const Verdict one = judge_pair(lanes_.pair_of[v.pairs[k]], w.X_WL.data(), w.directions[lanes_.pair_of[v.pairs[k]]]);
     if (one == Verdict::colliding) return one;
     if (one == Verdict::unsure) all = one;
   }
   return all;
 }
 
-void Checker::judge_block(const double* qs, int count, Verdict* verdicts, Workspace& w) const {
+bool Checker::judge_block(const double* qs, int count, Verdict* verdicts, Workspace& w, bool any_hit_decides) const {
   const int nq = num_positions();
   double reach = 0;
   for (int lane = 0; lane < w.width; ++lane) reach = std::max(reach, w.pack(*this, qs + nq * std::min(lane, count - 1), lane));
   const unsigned active = count == 32 ? ~0u : (1u << count) - 1;
   LaneVerdict v{0, 0, w.pairs.data(), w.lanes.data()};
   kernel_.judge(w.model, w.coordinates.data, active, static_cast<float>(lanes_.slack_per_metre * reach), w.scratch.data, v);
+  if (any_hit_decides && v.hit) return true;
   unsigned unsure = 0;
   for (int k = 0; k < v.num_unsure; ++k) unsure |= v.lanes[k];
   for (int lane = 0; lane < count; ++lane) {
@@ -122,17 +140,19 @@ void Checker::judge_block(const double* qs, int count, Verdict* verdicts, Worksp
     verdicts[lane] = v.hit & bit      ? Verdict::colliding
                      : unsure & bit   ? judge_exactly(qs + nq * lane, bit, v, w)
                                       : Verdict::free;
+    if (any_hit_decides && verdicts[lane] == Verdict::colliding) return true;
     if (verdicts[lane] == Verdict::free && !doubtful_.empty()) verdicts[lane] = Verdict::unsure;
   }
+  return false;
 }
 
 void Checker::judge(const double* qs, std::int64_t count, Verdict* verdicts) const {
   Workspace w(*this);
   for (std::int64_t i = 0; i < count; i += w.width)
-    judge_block(qs + num_positions() * i, static_cast<int>(std::min<std::int64_t>(w.width, count - i)), verdicts + i, w);
+    judge_block(qs + num_positions() * i, static_cast<int>(std::min<std::int64_t>(w.width, count - i)), verdicts + i, w, false);
 }
 
-void Checker::judge_motions(const double* origins, const double* displacements, const std::int64_t* n, std::int64_t count,
+void Checker::judge_motions(const double* origins, const double* displacements, double resolution, std::int64_t count,
                             Verdict* verdicts, std::vector<Unsure>& unsure) const {
   Workspace w(*this);
   const int nq = num_positions();
@@ -142,21 +162,23 @@ void Checker::judge_motions(const double* origins, const double* displacements, 
   for (std::int64_t j = 0; j < count; ++j) {
     const std::size_t before = unsure.size();
     const double *origin = origins + j * nq, *displacement = displacements + j * nq;
-    SampleOrder order(n[j]);
+    const std::int64_t n = num_samples(displacement, nq, resolution);
+    SampleOrder order(n);
     verdicts[j] = Verdict::free;
-    while (verdicts[j] != Verdict::colliding) {
+    for (;;) {
       int size = 0;
       while (size < w.width && order.next(numbers[size])) ++size;
       if (!size) break;
       for (int k = 0; k < size; ++k) {
-        const double fraction = static_cast<double>(numbers[k]) / static_cast<double>(n[j]);
+        const double fraction = static_cast<double>(numbers[k]) / static_cast<double>(n);
         for (int i = 0; i < nq; ++i) qs[k * nq + i] = origin[i] + fraction * displacement[i];
       }
-      judge_block(qs.data(), size, found.data(), w);
-      for (int k = 0; k < size; ++k) {
-        if (found[k] == Verdict::colliding) verdicts[j] = Verdict::colliding;
-        if (found[k] == Verdict::unsure) unsure.push_back({j, numbers[k], n[j]});
+      if (judge_block(qs.data(), size, found.data(), w, true)) {
+        verdicts[j] = Verdict::colliding;
+        break;
       }
+      for (int k = 0; k < size; ++k)
+        if (found[k] == Verdict::unsure) unsure.push_back({j, numbers[k], n});
     }
     if (verdicts[j] == Verdict::colliding) unsure.resize(before);
     else if (unsure.size() > before) verdicts[j] = Verdict::unsure;

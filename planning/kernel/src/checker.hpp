@@ -35,9 +35,10 @@ class Checker {
   // Judges configurations, [count][nq].
   void judge(const double* qs, std::int64_t count, Verdict* verdicts) const;
 
-  // Judges motions origin + (i / n) displacement, i = 1 .. n: free or colliding; unsure if only
-  // some samples are, which are then appended to `unsure`. [count][nq] each; n at least 1.
-  void judge_motions(const double* origins, const double* displacements, const std::int64_t* n,
+  // Judges motions origin + (i / n) displacement, i = 1 .. n, n the least number whose steps are at
+  // most `resolution` long: free or colliding; unsure if only some samples are, which are then
+  // appended to `unsure`. [count][nq] each. For joints whose q and v are the same.
+  void judge_motions(const double* origins, const double* displacements, double resolution,
                      std::int64_t count, Verdict* verdicts, std::vector<Unsure>& unsure) const;
 
   // Pairs that the group does not move and that are not surely free: no configuration is free.
@@ -48,9 +49,12 @@ class Checker {
  private:
   struct Workspace;
 
-  void judge_block(const double* qs, int count, Verdict* verdicts, Workspace& w) const;
+  // Judges at most as many configurations as there are lanes. Returns early, with verdicts undone,
+  // if any of them collides and that decides.
+  bool judge_block(const double* qs, int count, Verdict* verdicts, Workspace& w, bool any_hit_decides) const;
   Verdict judge_exactly(const double* q, unsigned lane, const LaneVerdict& v, Workspace& w) const;
-  Verdict judge_pair(int pair, const Transform* X_WL) const;
+  // `direction` is a guess of what parts the pair, and then what did.
+  Verdict judge_pair(int pair, const Transform* X_WL, Vec3& direction) const;
 
   std::shared_ptr<const Scene> scene_;
   Group group_;

@@ -17,7 +17,7 @@ constexpr double losses_per_link = 32;
 constexpr double exact_slack = 1e-5;
 constexpr double endless = 1e15;
 // Faces of a hull that are looked at; those left out only make it seem larger.
-constexpr std::size_t max_planes = 48;
+constexpr std::size_t max_planes = 32;
 
 void write(const Transform& x, float* R, float* p) {
   for (int i = 0; i < 9; ++i) R[i] = static_cast<float>(x.R.m[i]);
@@ -172,30 +172,60 @@ struct Builder {
 
   void add_pair(int index, const Demand& demand) {
     auto [a, b] = scene.pairs[index];
-    const bool a_moves = scene.is_moved(group, a), b_moves = scene.is_moved(group, b);
-    if (!a_moves) std::swap(a, b);
-    const double slack = exact_slack + rounding_of_body(a) +
-                         (a_moves && b_moves ? rounding_of_body(b) : rounding_of_obstacle(b));
-    const auto make = [&](int other) {
-      return LanePair{body(a), other, static_cast<float>(demand.margin + slack), static_cast<float>(demand.touching - slack)};
-    };
-    if (a_moves && b_moves) {
-      out.body_pairs.push_back(make(body(b)));
-      body_pair_of.push_back(index);
-    } else {
-      out.obstacle_pairs.push_back(make(obstacle(b)));
-      out.pair_of.push_back(index);
+    const bool both = scene.is_moved(group, a) && scene.is_moved(group, b);
+    if (!scene.is_moved(group, a) || (both && lane_link[scene.geometries[a].link] > lane_link[scene.geometries[b].link]))
+      std::swap(a, b);
+    const double slack = exact_slack + rounding_of_body(a) + (both ? rounding_of_body(b) : rounding_of_obstacle(b));
+    const int first = body(a), other = both ? body(b) : obstacle(b);
+    const LanePair pair{first, other, static_cast<float>(demand.margin + slack), static_cast<float>(demand.touching - slack)};
+    (both ? among_bodies : with_obstacles).push_back({lane_link[scene.geometries[a].link],
+                                                      both ? lane_link[scene.geometries[b].link] : other, pair, index});
+  }
+
+  struct Made {
+    int link, other;
+    LanePair pair;
+    int index;
+  };
+  std::vector<Made> with_obstacles, among_bodies;
+
+  // Sorts pairs by link and obstacle or other link, and says where each such group is.
+  void group_pairs(std::vector<Made>& made, std::vector<LanePair>& pairs, std::vector<LaneGroup>& groups) {
+    std::stable_sort(made.begin(), made.end(), [](const Made& x, const Made& y) {
+      return x.link != y.link ? x.link < y.link : x.other < y.other;
+    });
+    for (const Made& m : made) {
+      const int at = static_cast<int>(pairs.size());
+      if (groups.empty() || groups.back().link != m.link || groups.back().other != m.other)
+        groups.push_back({m.link, m.other, at, at, m.pair.free_above});
+      groups.back().end = at + 1;
+      groups.back().far = std::max(groups.back().far, m.pair.free_above);
+      pairs.push_back(m.pair);
+      out.pair_of.push_back(m.index);
     }
   }
 
-  std::vector<int> body_pair_of;
+  // One sphere about the bounding spheres of each link's bodies, around their mean.
+  void bound_links() {
+    for (std::size_t link = 0; link < out.links.size(); ++link) {
+      Vec3 sum;
+      double count = 0, radius = 0;
+      for (const LaneBody& b : out.bodies)
+        if (b.link == static_cast<int>(link)) sum = sum + Vec3{b.bound.x, b.bound.y, b.bound.z}, ++count;
+      const Vec3 center = count ? (1 / count) * sum : sum;
+      for (const LaneBody& b : out.bodies)
+        if (b.link == static_cast<int>(link))
+          radius = std::max(radius, norm(Vec3{b.bound.x, b.bound.y, b.bound.z} - center) + b.bound.r);
+      out.link_bounds.push_back(lane_sphere({}, {center, radius}, true));
+    }
+  }
 };
 
 }  // namespace
 
 LaneModelStorage::LaneModelStorage(const Scene& scene, const Group& group, const std::vector<Demand>& demands,
                                    const std::vector<Transform>& X_WL) {
-  Builder builder{scene, group, X_WL, *this, {}, {}, {}, {}, {}, {}};
+  Builder builder{scene, group, X_WL, *this, {}, {}, {}, {}, {}, {}, {}};
   builder.add_links();
   for (std::size_t i = 0; i < scene.pairs.size(); ++i) {
     const auto [a, b] = scene.pairs[i];
@@ -205,7 +235,9 @@ LaneModelStorage::LaneModelStorage(const Scene& scene, const Group& group, const
     if (moved && !half_space_moves && scene.geometries[a].link != scene.geometries[b].link)
       builder.add_pair(static_cast<int>(i), demands[i]);
   }
-  pair_of.insert(pair_of.end(), builder.body_pair_of.begin(), builder.body_pair_of.end());
+  builder.group_pairs(builder.with_obstacles, obstacle_pairs, obstacle_groups);
+  builder.group_pairs(builder.among_bodies, body_pairs, link_groups);
+  builder.bound_links();
   double deepest = 0;
   for (double d : builder.depth) deepest = std::max(deepest, d);
   slack_per_metre = unit * losses_per_link * (deepest + 1) * 2;
@@ -215,7 +247,9 @@ LaneModel LaneModelStorage::view() const {
   return {links.data(), static_cast<int>(links.size()), bodies.data(), static_cast<int>(bodies.size()),
           outer.data(), static_cast<int>(outer.size()), inner.data(), static_cast<int>(inner.size()),
           obstacles.data(), planes.data(), obstacle_pairs.data(), static_cast<int>(obstacle_pairs.size()),
-          body_pairs.data(), static_cast<int>(body_pairs.size()), static_cast<int>(coordinates.size())};
+          body_pairs.data(), static_cast<int>(body_pairs.size()), link_bounds.data(),
+          obstacle_groups.data(), static_cast<int>(obstacle_groups.size()), link_groups.data(),
+          static_cast<int>(link_groups.size()), static_cast<int>(coordinates.size())};
 }
 
 }  // namespace wayproof

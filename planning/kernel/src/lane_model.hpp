@@ -25,6 +25,8 @@ struct LaneModelStorage {
   std::vector<LaneObstacle> obstacles;
   std::vector<LanePlane> planes;
   std::vector<LanePair> obstacle_pairs, body_pairs;
+  std::vector<LaneSphere> link_bounds;
+  std::vector<LaneGroup> obstacle_groups, link_groups;
   std::vector<LaneCoordinate> coordinates;
   std::vector<int> pair_of;  // the scene's number of each pair, obstacle pairs first
   double slack_per_metre = 0;  // rounding grows with how far a length coordinate reaches

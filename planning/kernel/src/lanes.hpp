@@ -46,6 +46,14 @@ struct LanePair {
   float free_above, hit_below;
 };
 
+// Pairs of one link with one obstacle or another link: where those two are farther apart than `far`
+// nothing more is asked.
+struct LaneGroup {
+  int link, other;
+  int begin, end;
+  float far;
+};
+
 struct LaneModel {
   const LaneLink* links;
   int num_links;
@@ -57,10 +65,15 @@ struct LaneModel {
   int num_inner;
   const LaneObstacle* obstacles;
   const LanePlane* planes;
-  const LanePair* obstacle_pairs;  // sorted by body
+  const LanePair* obstacle_pairs;
   int num_obstacle_pairs;
   const LanePair* body_pairs;
   int num_body_pairs;
+  const LaneSphere* link_bounds;  // around all bodies of each link
+  const LaneGroup* obstacle_groups;
+  int num_obstacle_groups;
+  const LaneGroup* link_groups;
+  int num_link_groups;
   int num_coordinates;
 };
 
@@ -92,7 +105,7 @@ int lane_kernels(LaneKernel* found, int most);
 
 // Floats that `scratch` must hold.
 inline long scratch_floats(const LaneModel& m, int width) {
-  return static_cast<long>(width) * (12L * m.num_links + 3L * (m.num_bodies + m.num_outer + m.num_inner) + 8);
+  return static_cast<long>(width) * (15L * m.num_links + 3L * (m.num_bodies + m.num_outer + m.num_inner) + 8);
 }
 
 }  // namespace wayproof

@@ -1,0 +1,191 @@
+"""Microseconds per configuration and per edge: the native kernel beside Drake's own checker.
+
+A Panda among 10, 100 and 1,000 boxes, cylinders and spheres that are scattered around it, and
+before the bundled bookshelf. Both answer the same random configurations and edges in the same
+process and in turns; the oracle's times include what the kernel leaves to Drake.
+"""
+
+import argparse
+import json
+import os
+import statistics
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+from rich.console import Console
+from rich.table import Table
+
+import planning
+from planning.kernel.native import kernel_name
+from planning.world.collision import DrakeCollisionOracle
+from planning.world.kernel_oracle import KernelCollisionOracle
+
+OBSTACLES = (10, 100, 1000)
+BATCHES = (1, 16, 256, 4096)
+ROUNDS = 7
+RESOLUTION = 0.05
+_EDGE_LENGTH = 1.0
+
+
+@dataclass(frozen=True)
+class Row:
+    """One line of the table.
+
+    Attributes:
+        scene: What surrounds the arm.
+        what: Configurations in batches of so many, or edges.
+        kernel_us: Median time per item with the kernel [us].
+        drake_us: And with Drake alone [us].
+        unsure: Share of configurations that were left to Drake.
+        free: Share that is free.
+    """
+
+    scene: str
+    what: str
+    kernel_us: float
+    drake_us: float
+    unsure: float
+    free: float
+
+
+def main() -> None:
+    """Run and print."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--obstacles", type=int, nargs="+", default=OBSTACLES)
+    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--json", action="store_true")
+    options = parser.parse_args()
+    os.sched_setaffinity(0, {min(os.sched_getaffinity(0))})
+    rows = list(_measure(options))
+    if options.json:
+        print(json.dumps([asdict(row) | {"ratio": row.drake_us / row.kernel_us} for row in rows]))
+    else:
+        Console().print(_table(rows))
+
+
+def _measure(options: argparse.Namespace) -> Iterator[Row]:
+    rng = np.random.default_rng(options.seed)
+    shelf = planning.bundled_folder("scenes") / "panda_shelf.scene.yaml"
+    yield from _scene_rows("bookshelf", planning.read_scene(shelf), rng)
+    for count in options.obstacles:
+        yield from _scene_rows(f"{count} obstacles", scattered(count, rng), rng)
+
+
+def scattered(count: int, rng: np.random.Generator) -> planning.Scene:
+    """Return a Panda among obstacles between 0.35 and 1.1 m from its base, smaller as they are more.
+
+    Args:
+        count: How many.
+        rng: Decides where and what.
+    """
+    size = 0.25 / count ** (1 / 3)
+    objects: list[dict[str, Any]] = []
+    for i in range(count):
+        direction = rng.normal(size=3)
+        direction /= np.linalg.norm(direction)
+        a, b, c = size * rng.uniform(0.4, 1.0, 3)
+        shapes = (
+            {"box": [a, b, c]},
+            {"cylinder": {"radius": a / 2, "length": b}},
+            {"sphere": a / 2},
+        )
+        position = direction * rng.uniform(0.35, 1.1) + [0, 0, 0.4]
+        pose = {"position": position.tolist(), "rpy": rng.uniform(-3, 3, 3).tolist()}
+        objects.append({"name": f"thing_{i}", "shape": shapes[i % 3], "pose": pose})
+    document = {
+        "name": "scattered",
+        "robots": [{"name": "panda", "model": "panda"}],
+        "objects": objects,
+    }
+    return planning.parse_scene(document)
+
+
+def _scene_rows(name: str, scene: planning.Scene, rng: np.random.Generator) -> Iterator[Row]:
+    world = planning.load_world(scene)
+    group = world.group("panda")
+    limits, margins = world.limits(group), world.margins()
+    kernel = world.collision_oracle(group, margins)
+    drake = DrakeCollisionOracle(world.drake, group, world.state, margins)
+    qs = rng.uniform(limits.lower, limits.upper, (max(BATCHES), group.num_positions))
+    free = kernel.are_free(qs)
+    unsure = kernel.num_left / len(qs) if isinstance(kernel, KernelCollisionOracle) else 1.0
+    for size in BATCHES:
+        count = min(max(size, 64), len(qs))
+        kernel_us, drake_us = _in_turns(
+            *(lambda o=o, k=count, n=size: _judge(o, qs[:k], n) for o in (kernel, drake)),
+            count=count,
+        )
+        yield Row(name, f"batches of {size}", kernel_us, drake_us, unsure, float(free.mean()))
+    ends = rng.normal(size=(256, group.num_positions))
+    ends *= _EDGE_LENGTH / np.linalg.norm(ends, axis=1)[:, None]
+    starts = np.ascontiguousarray(qs[free][:256])
+    ends = ends[: len(starts)]
+    for claim, rows in _edges(kernel, starts, ends):
+        kernel_us, drake_us = _in_turns(
+            *(lambda o=o, r=rows: _judge_edges(o, starts[r], ends[r]) for o in (kernel, drake)),
+            count=len(rows),
+        )
+        yield Row(name, f"{claim} edges of 1 rad", kernel_us, drake_us, unsure, float(free.mean()))
+
+
+def _edges(kernel: Any, starts: Any, ends: Any) -> Iterator[tuple[str, Any]]:
+    """Yield free edges and blocked ones, as rows."""
+    free = kernel.are_motions_free(starts, ends, RESOLUTION)
+    for claim, rows in (("free", np.flatnonzero(free)), ("blocked", np.flatnonzero(~free))):
+        if len(rows):
+            yield claim, rows
+
+
+def _judge(oracle: Any, qs: Any, size: int) -> None:
+    if size == 1:
+        for q in qs:
+            oracle.is_free(q)
+        return
+    for begin in range(0, len(qs), size):
+        oracle.are_free(qs[begin : begin + size])
+
+
+def _judge_edges(oracle: Any, starts: Any, ends: Any) -> None:
+    for start, end in zip(starts, ends, strict=True):
+        oracle.is_motion_free(start, end, RESOLUTION)
+
+
+def _in_turns(
+    kernel: Callable[[], None], drake: Callable[[], None], *, count: int
+) -> tuple[float, float]:
+    """Return the median time per item of both [us]; each runs several times between the other."""
+    times: tuple[list[float], list[float]] = ([], [])
+    for round_ in range(ROUNDS):
+        for run, kept, repeat in ((kernel, times[0], 20), (drake, times[1], 1)):
+            began = time.perf_counter()
+            for _ in range(repeat):
+                run()
+            if round_:  # the first one warms up
+                kept.append(1e6 * (time.perf_counter() - began) / (count * repeat))
+    return statistics.median(times[0]), statistics.median(times[1])
+
+
+def _table(rows: list[Row]) -> Table:
+    table = Table(title=f"kernel ({kernel_name()}) and Drake, one core, medians of {ROUNDS - 1}")
+    for column in ("scene", "what"):
+        table.add_column(column)
+    for column in ("kernel us", "Drake us", "ratio", "left to Drake", "free"):
+        table.add_column(column, justify="right")
+    for row in rows:
+        table.add_row(
+            row.scene,
+            row.what,
+            f"{row.kernel_us:.2f}",
+            f"{row.drake_us:.1f}",
+            f"{row.drake_us / row.kernel_us:.0f}",
+            f"{100 * row.unsure:.2f} %",
+            f"{100 * row.free:.0f} %",
+        )
+    return table
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,125 @@
+"""Collision verdicts by the native kernel where it is sure, and by Drake where it is not."""
+
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from jaxtyping import Bool, Float64, UInt8
+
+from planning.domain import motion_samples
+from planning.domain.joints import JointGroup
+from planning.domain.manifold import Manifold
+from planning.kernel.native import native
+from planning.kernel.shape import ShapeKind
+from planning.world.collision import DrakeCollisionOracle
+from planning.world.drake_model import DrakeModel
+from planning.world.kernel_scene import KernelScene
+from planning.world.margins import PairMargins
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
+
+_FREE, _COLLIDING, _UNSURE = 0, 1, 2
+
+
+class KernelCollisionOracle:
+    """Gives Drake's answers: what the kernel calls free or colliding, Drake does as well.
+
+    Attributes:
+        num_left: Configurations that were left to Drake so far.
+    """
+
+    def __init__(
+        self,
+        model: DrakeModel,
+        scene: KernelScene,
+        group: JointGroup,
+        state: Float64[np.ndarray, " num_positions"],
+        margins: PairMargins,
+    ) -> None:
+        """Prepare the kernel for a group whose verdicts demand `margins` of every pair."""
+        self.num_left = 0
+        self._drake_arguments = model, group, state, margins
+        self._manifold = Manifold(group.joints)
+        module: Any = native()
+        self._checker = module.Checker(
+            scene.native,
+            model.position_indices(group).astype(np.int64),
+            model.velocity_indices(group).astype(np.int64),
+            model.follow(np.array(state)),
+            demands_of(scene, margins),
+        )
+        self._is_straight = group.num_positions == group.num_velocities
+
+    def is_free(self, q: Float64[np.ndarray, " nq"]) -> bool:
+        """Return whether the group at q, shape (nq,), keeps its distances."""
+        verdict = self._checker.judge_one(q)
+        if verdict == _UNSURE:
+            self.num_left += 1
+            return self._drake.is_free(q)
+        return verdict == _FREE
+
+    def are_free(self, qs: Float64[np.ndarray, "m nq"]) -> Bool[np.ndarray, " m"]:
+        """Return the same for each row."""
+        verdicts = self.verdicts(qs)
+        free = verdicts == _FREE
+        unsure = np.flatnonzero(verdicts == _UNSURE)
+        if len(unsure):
+            self.num_left += len(unsure)
+            free[unsure] = self._drake.are_free(qs[unsure])
+        return free
+
+    def verdicts(self, qs: Float64[np.ndarray, "m nq"]) -> UInt8[np.ndarray, " m"]:
+        """Return what the kernel says by itself: 0 free, 1 colliding, 2 not sure."""
+        return self._checker.judge(qs)
+
+    def is_motion_free(
+        self,
+        origin: Float64[np.ndarray, " nq"],
+        displacement: Float64[np.ndarray, " nv"],
+        resolution: float,
+    ) -> bool:
+        """Return whether every sample of a motion is free, as `motion_samples` defines them."""
+        if self._is_straight:
+            verdict = self._checker.judge_motion(origin, displacement, resolution)
+            if verdict != _UNSURE:
+                return verdict == _FREE
+        return bool(self.are_motions_free(origin[None], displacement[None], resolution)[0])
+
+    def are_motions_free(
+        self,
+        origins: Float64[np.ndarray, "m nq"],
+        displacements: Float64[np.ndarray, "m nv"],
+        resolution: float,
+    ) -> Bool[np.ndarray, " m"]:
+        """Return the same for each pair of rows."""
+        if not self._is_straight:
+            motions = origins, displacements
+            return motion_samples.are_motions_free(
+                self._manifold, self.are_free, motions, resolution
+            )
+        verdicts, unsure = self._checker.judge_motions(origins, displacements, resolution)
+        free = verdicts != _COLLIDING
+        for motion in np.unique(unsure[:, 0]):
+            rows = unsure[unsure[:, 0] == motion]
+            fractions = rows[:, 1] / rows[:, 2]
+            qs = origins[motion] + fractions[:, None] * displacements[motion]
+            self.num_left += len(qs)
+            free[motion] = self._drake.are_free(qs).all()
+        return free
+
+    @cached_property
+    def _drake(self) -> DrakeCollisionOracle:
+        """Made when it is first needed: it takes longer than most searches."""
+        return DrakeCollisionOracle(*self._drake_arguments)
+
+
+def demands_of(scene: KernelScene, margins: PairMargins) -> Array:
+    """Return margin and touching distance of every pair [m], shape (n, 2).
+
+    Drake overstates the distance of separate boxes (docs/decisions/0006): what keeps a margin for
+    it may lack it in truth, so only boxes that overlap are surely in collision for Drake.
+    """
+    demanded = {names: margins.of(*names) for names in set(scene.bodies)}
+    margin = np.array([demanded[names] for names in scene.bodies], dtype=np.float64)
+    boxes = np.array([kinds == (ShapeKind.BOX, ShapeKind.BOX) for kinds in scene.kinds], dtype=bool)
+    return np.column_stack([margin, np.where(boxes, 0.0, margin)]).reshape(-1, 2)

@@ -1,0 +1,141 @@
+"""What every collision oracle promises: Drake's verdicts, one by one, in batches and along motions."""
+
+import tempfile
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import planning
+from benchmarks.motion_bench_maker.problems import data_folder, read_problems, round_robin
+from benchmarks.motion_bench_maker.robots import ROBOTS, robot_files, robot_library, scene_of
+from planning.domain.joints import JointGroup
+from planning.domain.manifold import Manifold
+from planning.domain.motion_samples import sample_batches
+from planning.search.oracle import CollisionOracle
+from planning.world.collision import DrakeCollisionOracle
+from planning.world.kernel_oracle import KernelCollisionOracle
+from planning.world.kernel_scene import kernel_scene_of
+from planning.world.margins import PairMargins
+from planning.world.world import World
+from tests.conftest import bundled_world
+
+SCENES = ("ur5e_pickup", "panda_shelf", "maze_2d", "window_3d")
+# Random configurations per bundled scene, and per problem of the public set where it is at hand.
+PER_SCENE = 20_000
+PER_PROBLEM = 6_000
+PROBLEMS = 10
+SPREAD = 2.5  # of coordinates without limits
+# Configurations that the kernel may leave to Drake.
+MOST_LEFT = 0.03
+
+
+def drake_oracle(world: World, group: JointGroup, margins: PairMargins) -> CollisionOracle:
+    return DrakeCollisionOracle(world.drake, group, world.state, margins)
+
+
+def kernel_oracle(world: World, group: JointGroup, margins: PairMargins) -> CollisionOracle:
+    scene = kernel_scene_of(world.drake)
+    if scene is None:
+        pytest.skip("the native kernel is not built")
+    return KernelCollisionOracle(world.drake, scene, group, world.state, margins)
+
+
+ORACLES = pytest.mark.parametrize("make", [drake_oracle, kernel_oracle])
+type Make = Callable[[World, JointGroup, PairMargins], CollisionOracle]
+
+
+def configurations(world: World, group: JointGroup, count: int, seed: int) -> np.ndarray:
+    limits = world.limits(group)
+    lower = np.where(np.isfinite(limits.lower), limits.lower, -SPREAD)
+    upper = np.where(np.isfinite(limits.upper), limits.upper, SPREAD)
+    qs = np.random.default_rng(seed).uniform(lower, upper, (count, len(lower)))
+    return Manifold(group.joints).normalized(qs)
+
+
+@ORACLES
+@pytest.mark.parametrize("scene", SCENES)
+def test_one_by_one_in_batches_and_along_motions_the_same(make: Make, scene: str) -> None:
+    world = bundled_world(scene)
+    group = world.groups[0]
+    oracle = make(world, group, world.margins())
+    assert isinstance(oracle, CollisionOracle)
+    qs = configurations(world, group, 60, 3)
+    manifold = Manifold(group.joints)
+    batch = oracle.are_free(qs)
+    np.testing.assert_array_equal(batch, [oracle.is_free(q) for q in qs])
+    steps = np.random.default_rng(4).normal(0.0, 0.2, (len(qs), manifold.num_velocities))
+    along = oracle.are_motions_free(qs, steps, 0.05)
+    for q, step, verdict in zip(qs, steps, along, strict=True):
+        samples = np.concatenate(list(sample_batches(manifold, (q, step), 0.05)))
+        assert oracle.are_free(samples).all() == verdict == oracle.is_motion_free(q, step, 0.05)
+
+
+@ORACLES
+def test_no_configurations_are_no_verdicts(make: Make) -> None:
+    world = bundled_world("panda_shelf")
+    oracle = make(world, world.groups[0], world.margins())
+    nq = world.groups[0].num_positions
+    assert oracle.are_free(np.zeros((0, nq))).shape == (0,)
+    assert oracle.are_motions_free(np.zeros((0, nq)), np.zeros((0, nq)), 0.1).shape == (0,)
+
+
+@ORACLES
+def test_a_larger_margin_frees_nothing(make: Make) -> None:
+    world = bundled_world("ur5e_pickup")
+    group = world.group("arm")
+    qs = configurations(world, group, 400, 9)
+    before = make(world, group, world.margins(0.0)).are_free(qs)
+    for margin in (0.005, 0.03, 0.1):
+        after = make(world, group, world.margins(margin)).are_free(qs)
+        assert not (after & ~before).any()
+        before = after
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("scene", SCENES)
+@pytest.mark.parametrize("margin", [0.0, 0.01])
+def test_the_kernel_gives_drakes_answers(scene: str, margin: float) -> None:
+    world = bundled_world(scene)
+    _compare(world, world.groups[0], margin, PER_SCENE, scene)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("robot", ["panda", "ur5"])
+def test_the_kernel_gives_drakes_answers_on_public_problems(robot: str) -> None:
+    problems = list(_public_worlds(robot))
+    if not problems:
+        pytest.skip("the public problems are not at hand; bundled scenes are compared above")
+    for k, (name, world) in enumerate(problems):
+        _compare(world, world.group("robot::arm"), 0.001 * (k % 2), PER_PROBLEM, name)
+
+
+def _compare(world: World, group: JointGroup, margin: float, count: int, name: str) -> None:
+    margins = world.margins(margin)
+    kernel = kernel_oracle(world, group, margins)
+    assert isinstance(kernel, KernelCollisionOracle)
+    qs = configurations(world, group, count, 17)
+    verdicts = kernel.verdicts(qs)
+    drake = drake_oracle(world, group, margins).are_free(qs)
+    left = float((verdicts == 2).mean())
+    print(
+        f"{name}: margin {margin}, left to Drake {100 * left:.2f} %, free {100 * drake.mean():.0f} %"
+    )
+    assert not (drake & (verdicts == 1)).sum()
+    assert not (~drake & (verdicts == 0)).sum()
+    assert left <= MOST_LEFT
+
+
+def _public_worlds(robot: str) -> Iterator[tuple[str, World]]:
+    """Yield the worlds of some public problems, none where the data is not there."""
+    file = data_folder() / f"problems_{robot}.json"
+    if not file.is_file():
+        return
+    problems = round_robin(read_problems(file, robot))[:PROBLEMS]
+    files = robot_files(data_folder() / "models", ROBOTS[robot])
+    with tempfile.TemporaryDirectory() as folder:
+        library = robot_library(files, problems[0].joints, Path(folder))
+        for problem in problems:
+            scene = scene_of(problem, files.spec)
+            yield f"{robot} {problem.set} {problem.index}", planning.load_world(scene, library)

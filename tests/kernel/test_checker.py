@@ -1,0 +1,145 @@
+"""A verdict of the kernel is never wrong, whatever it runs on."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from pydrake.geometry import Box, Sphere
+from pydrake.math import RigidTransform
+
+from planning.kernel.native import native
+from tests.certify.chains import FLOATING, PLANAR, P, R, Builder, random_robot
+from tests.kernel.conftest import COLLIDING, FREE, UNSURE, Judged
+
+
+def lane_kernels() -> list[str]:
+    module: Any = native()
+    return module.lane_kernels() if module else ["none"]
+
+
+@settings(max_examples=60)
+@given(
+    seed=st.integers(0, 2**32 - 1),
+    margin=st.sampled_from([0.0, 0.001, 0.02, 0.1]),
+    spread=st.sampled_from([0.2, 0.5, 3.0]),
+)
+def test_no_verdict_is_wrong_on_random_robots(seed: int, margin: float, spread: float) -> None:
+    rng = np.random.default_rng(seed)
+    judged = Judged.of(random_robot(rng, int(rng.integers(1, 9)), int(rng.integers(0, 20))))
+    qs = judged.configurations(rng, 48, spread)
+    drake = judged.drake(qs, margin)
+    for name in lane_kernels():
+        verdicts = judged.checker(margin, name).judge(qs)
+        assert not (drake[verdicts == COLLIDING]).any(), name
+        assert drake[verdicts == FREE].all(), name
+        assert (verdicts == UNSURE).mean() < 0.2, name
+
+
+@pytest.mark.parametrize("kernel", lane_kernels())
+@given(distance=st.floats(-0.05, 0.05), margin=st.sampled_from([0.0, 0.01]))
+def test_free_ends_where_the_margin_ends(kernel: str, distance: float, margin: float) -> None:
+    """A sphere slides towards a wall: its distance is known exactly."""
+    builder = Builder()
+    builder.link(P, Sphere(0.1), axis=np.array([1.0, 0.0, 0.0]))
+    builder.obstacle("wall", Box(0.2, 2.0, 2.0), RigidTransform(np.array([1.1, 0.0, 0.0])))
+    checker = Judged.of(builder.build()).checker(margin, kernel)
+    verdict = checker.judge_one(np.array([0.9 - distance]))
+    expected = FREE if distance > margin else COLLIDING
+    assert verdict == expected or (verdict == UNSURE and abs(distance - margin) < 1e-4)
+
+
+@pytest.mark.parametrize("kind", [R, PLANAR, P, FLOATING])
+@pytest.mark.parametrize("away", [0.0, 50.0, 5e3])
+def test_far_from_the_origin_verdicts_get_unsure_but_not_wrong(kind: Any, away: float) -> None:
+    builder = Builder()
+    far = RigidTransform(np.array([away, 0.0, 0.0]))
+    builder.link(kind, Sphere(0.1), x_pf=far)
+    builder.obstacle("ball", Sphere(0.1), RigidTransform(np.array([away + 0.25, 0.0, 0.0])))
+    judged = Judged.of(builder.build())
+    qs = judged.configurations(np.random.default_rng(1), 200, 0.1)
+    verdicts, drake = judged.checker(0.0).judge(qs), judged.drake(qs, 0.0)
+    assert drake[verdicts == FREE].all()
+    assert not drake[verdicts == COLLIDING].any()
+    assert (verdicts == UNSURE).mean() < 0.5
+
+
+def test_whole_turns_change_nothing() -> None:
+    rng = np.random.default_rng(5)
+    builder = Builder()
+    arm = builder.link(R, Box(0.1, 0.1, 0.6), x_bg=RigidTransform(np.array([0.0, 0.0, 0.3])))
+    builder.link(
+        R, Sphere(0.1), arm, RigidTransform(np.array([0.3, 0.0, 0.6])), np.array([1.0, 0, 0])
+    )
+    builder.obstacle("post", Box(0.1, 0.1, 1.0), RigidTransform(np.array([0.4, 0.0, 0.4])))
+    judged = Judged.of(builder.build())
+    qs = judged.configurations(rng, 100, 1.0)
+    turned = qs + 2 * np.pi * rng.integers(-40, 40, qs.shape)
+    checker = judged.checker(0.0)
+    np.testing.assert_array_equal(checker.judge(qs), checker.judge(turned))
+
+
+@pytest.mark.parametrize("kernel", lane_kernels())
+def test_batches_motions_and_single_questions_agree(kernel: str) -> None:
+    rng = np.random.default_rng(8)
+    judged = Judged.of(random_robot(np.random.default_rng(31), 5, 12))
+    if judged.robot.group.num_positions != judged.robot.group.num_velocities:
+        judged = Judged.of(random_robot(np.random.default_rng(33), 1, 12))
+    checker = judged.checker(0.01, kernel)
+    origins = judged.configurations(rng, 40, 0.3)
+    if (
+        checker.judge(origins).shape != (40,)
+        or origins.shape[1] != judged.robot.group.num_velocities
+    ):
+        pytest.skip("floating")
+    steps = rng.normal(0.0, 0.3, origins.shape)
+    verdicts, unsure = checker.judge_motions(origins, steps, 0.05)
+    for j, (origin, step) in enumerate(zip(origins, steps, strict=True)):
+        n = max(1, int(np.ceil(np.linalg.norm(step) / 0.05 - 1e-9)))
+        qs = origin + (np.arange(1, n + 1) / n)[:, None] * step
+        one_by_one = np.array([checker.judge_one(q) for q in qs])
+        np.testing.assert_array_equal(one_by_one, checker.judge(qs))
+        if (one_by_one == COLLIDING).any():
+            assert verdicts[j] == COLLIDING
+        elif (one_by_one == UNSURE).any():
+            assert verdicts[j] == UNSURE
+            rows = unsure[unsure[:, 0] == j]
+            assert sorted(rows[:, 1]) == list(np.flatnonzero(one_by_one == UNSURE) + 1)
+        else:
+            assert verdicts[j] == FREE
+
+
+def test_what_nothing_moves_is_judged_once() -> None:
+    """Two links that no joint of the group parts: if they touch, nothing is called free."""
+    builder = Builder()
+    first = builder.link(R, Box(0.2, 0.2, 0.2))
+    builder.plant.RegisterCollisionGeometry(
+        builder.links[first],
+        RigidTransform(np.array([0.0, 0.0, 0.5])),
+        Sphere(0.05),
+        "tip",
+        _friction(),
+    )
+    builder.obstacle("floor", Box(1.0, 1.0, 0.1), RigidTransform(np.array([0.0, 0.0, -1.0])))
+    judged = Judged.of(builder.build())
+    assert judged.checker(0.0).doubtful_fixed_pairs == []
+    assert judged.checker(0.0).judge_one(np.zeros(1)) == FREE
+
+
+def test_bad_arguments_are_refused() -> None:
+    judged = Judged.of(random_robot(np.random.default_rng(0), 3, 3))
+    checker = judged.checker(0.0)
+    nq = judged.robot.group.num_positions
+    with pytest.raises(ValueError, match="one column per position"):
+        checker.judge(np.zeros((2, nq + 1)))
+    with pytest.raises(ValueError, match="resolution"):
+        checker.judge_motions(np.zeros((1, nq)), np.zeros((1, nq)), 0.0)
+    with pytest.raises(ValueError, match="no lane kernel"):
+        judged.checker(0.0, "mmx")
+
+
+def _friction() -> Any:
+    from pydrake.multibody.plant import CoulombFriction
+
+    return CoulombFriction(1.0, 1.0)
