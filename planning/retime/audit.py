@@ -11,7 +11,7 @@ import numpy as np
 
 from planning.domain.curve import Curve, derivative
 from planning.domain.joints import JointLimits
-from planning.retime.bounds import turning_blocks
+from planning.retime.bounds import block_norms, turning_blocks
 from planning.retime.polynomials import halved, norms, to_bernstein
 from planning.retime.turning import has_moving_axis, rate_bounds, with_derivatives
 
@@ -48,8 +48,10 @@ def largest_use(curve: Curve, limits: JointLimits, order: int) -> Use:
         for i in (turning_blocks(curve, limits) if order > 1 else [])
     }
     polynomials = to_bernstein(derivative(curve.coefficients, order), widths)
-    rows, owners = _rows(polynomials, limits, bounds, turning)
-    best = _search(rows, owners, _norm_bounds, _GAP, Use(0.0, 0))
+    sizes = block_norms(polynomials, limits) / bounds
+    for i, moving in turning.items():
+        sizes[moving, :, i] = 0.0
+    best = _polynomial_use(polynomials, sizes, limits, bounds)
     for i, moving in turning.items():
         if moving.any():
             indices = list(limits.blocks[i])
@@ -60,26 +62,47 @@ def largest_use(curve: Curve, limits: JointLimits, order: int) -> Use:
     return best
 
 
-def _rows(
-    polynomials: Array, limits: JointLimits, bounds: Array, turning: dict[int, Any]
-) -> tuple[Array, Any]:
-    """Return every piece of every block over its limit, padded to one width, and whose it is."""
+def _polynomial_use(polynomials: Array, sizes: Array, limits: JointLimits, bounds: Array) -> Use:
+    """Return the largest norm over limit, from norms of Bernstein coefficients over limits.
+
+    Args:
+        polynomials: Bernstein coefficients, shape (n, k, nv).
+        sizes: Their norms by block, over the limits; zero for those that do not count.
+        limits: For its blocks.
+        bounds: The blocks' limits.
+    """
+    upper, attained = _extremes(sizes)
+    top = int(np.argmax(attained))
+    floor = float(attained.flat[top])
+    keep = upper > floor * (1 + _GAP)
+    best = Use(floor, top % upper.shape[1])
+    if keep.any():
+        nodes, owners = _nodes(polynomials, keep, limits, bounds)
+        best = _search(nodes, owners, _norm_bounds, _GAP, best)
+    # What is not looked at more closely may exceed what is attained, by the gap.
+    return Use(max(best.fraction, float(upper[~keep].max(initial=0.0))), best.block)
+
+
+def _nodes(polynomials: Array, keep: Any, limits: JointLimits, bounds: Array) -> tuple[Array, Any]:
+    """Return the chosen pieces of blocks over their limits, padded to one width, and whose."""
+    pieces, owners = np.nonzero(keep)
     width = max(len(block) for block in limits.blocks)
-    stacked: list[Array] = []
-    for i, block in enumerate(limits.blocks):
-        part = polynomials[:, :, list(block)] / bounds[i]
-        if i in turning:
-            part = part[~turning[i]]
-        padded = np.zeros((*part.shape[:2], width))
-        padded[:, :, : len(block)] = part
-        stacked.append(padded)
-    owners = np.repeat(np.arange(len(stacked)), [len(part) for part in stacked])
-    return np.concatenate(stacked), owners
+    columns = np.array([[*block, *[-1] * (width - len(block))] for block in limits.blocks])[owners]
+    nodes = polynomials[pieces[:, None], :, columns] / bounds[owners][:, None, None]
+    nodes[columns < 0] = 0.0
+    return nodes.transpose(0, 2, 1), owners
+
+
+def _extremes(sizes: Array) -> tuple[Array, Array]:
+    """Return what norms do not exceed and what they attain, from those of Bernstein coefficients.
+
+    The second axis runs along the coefficients.
+    """
+    return sizes.max(axis=1), np.maximum(sizes[:, 0], sizes[:, -1])
 
 
 def _norm_bounds(nodes: Array, _: int) -> tuple[Array, Array]:
-    sizes = norms(nodes)
-    return sizes.max(axis=1), np.maximum(sizes[:, 0], sizes[:, -1])
+    return _extremes(norms(nodes))
 
 
 def _turning_use(deltas: Array, widths: Array, what: tuple[int, float, int], best: Use) -> Use:

@@ -36,6 +36,19 @@ def block_peaks(curve: Curve, limits: JointLimits, order: int) -> Float64[np.nda
     return peaks
 
 
+def block_sizes(curve: Curve, limits: JointLimits, order: int) -> Float64[np.ndarray, "n k blocks"]:
+    """Return the norms of the Bernstein coefficients of each block's order-th derivative."""
+    polynomials = to_bernstein(derivative(curve.coefficients, order), np.diff(curve.breaks))
+    return block_norms(polynomials, limits)
+
+
+def block_norms(vectors: Float64[np.ndarray, "*n nv"], limits: JointLimits) -> Array:
+    """Return the norm of every block of vectors, shape (*n, blocks)."""
+    if all(len(block) == 1 for block in limits.blocks):
+        return np.abs(vectors[..., [block[0] for block in limits.blocks]])
+    return np.stack([norms(vectors[..., list(block)]) for block in limits.blocks], axis=-1)
+
+
 def turning_blocks(curve: Curve, limits: JointLimits) -> list[int]:
     """Return which blocks are the rotation of a floating joint."""
     starts: list[int] = []

@@ -1,15 +1,39 @@
-"""The quickest profile along a straight line: full acceleration, full speed, full braking."""
+"""The quickest profile through cells of a path, given the speeds at their edges.
+
+On a line that is full acceleration, full speed, full braking (Lynch and Park, "Modern Robotics",
+2017, section 9.2.2.2); a curved cell is passed with constant acceleration.
+"""
+
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from planning.retime.profile import SpeedProfile
 
+type Array = np.ndarray[Any, np.dtype[np.float64]]
+
+# Phases that are briefer than this, relative to the whole duration, are left out.
+_BRIEF = 1e-12
+
+
+@dataclass(frozen=True)
+class LineLimits:
+    """What is allowed on each of n cells if they are lines.
+
+    Attributes:
+        is_line: Whether the cell is a line, boolean, shape (n,).
+        speed: Largest ds/dt on it [1/s], shape (n,).
+        acceleration: Largest d2s/dt2 on it [1/s^2], shape (n,).
+    """
+
+    is_line: Any
+    speed: Array
+    acceleration: Array
+
 
 def line_profile(s0: float, s1: float, speed: float, acceleration: float) -> SpeedProfile:
-    """Return the time-optimal rest-to-rest profile from s0 to s1.
-
-    Bang-bang if the top speed is not reached, else with a cruise between (Lynch and Park, "Modern
-    Robotics", 2017, section 9.2.2.2).
+    """Return the time-optimal rest-to-rest profile along a line.
 
     Args:
         s0: Where it begins.
@@ -17,23 +41,46 @@ def line_profile(s0: float, s1: float, speed: float, acceleration: float) -> Spe
         speed: Largest ds/dt [1/s].
         acceleration: Largest d2s/dt2 [1/s^2].
     """
-    length = s1 - s0
-    if speed**2 / acceleration >= length:
-        ramp = np.sqrt(length / acceleration)
-        top = acceleration * ramp
-        return SpeedProfile(
-            np.array([s0, s0 + length / 2, s1]),
-            np.array([0.0, top]),
-            np.array([acceleration, -acceleration]),
-            np.zeros(2),
-            np.array([ramp, ramp]),
-        )
-    ramp = speed / acceleration
-    climb = speed * ramp / 2
+    lines = LineLimits(np.array([True]), np.array([speed]), np.array([acceleration]))
+    return profile_between(np.array([s0, s1]), np.zeros(2), lines)
+
+
+def profile_between(edges: Array, x: Array, lines: LineLimits) -> SpeedProfile:
+    """Return the profile that has given squared speeds at the edges of cells.
+
+    Where a line's acceleration does not connect the speeds at its ends, more of it is used.
+
+    Args:
+        edges: Path parameter, increasing, shape (n + 1,).
+        x: (ds/dt)^2 at the edges [1/s^2], shape (n + 1,). On curved cells not zero at both ends.
+        lines: How to pass cells that are lines.
+    """
+    v, widths = np.sqrt(x), np.diff(edges)
+    before, after = v[:-1], v[1:]
+    needed = (x[1:] - x[:-1]) / (2 * widths)
+    a = np.maximum(lines.acceleration, np.abs(needed))
+    top = np.minimum(lines.speed, np.sqrt((x[:-1] + x[1:]) / 2 + a * widths))
+    top = np.maximum(top, np.maximum(before, after))
+    times = np.stack([(top - before) / a, np.zeros_like(a), (top - after) / a])
+    climb, brake = times[0] * (top + before) / 2, times[2] * (top + after) / 2
+    times[1] = np.maximum(widths - climb - brake, 0.0) / top
+    curved = np.flatnonzero(~lines.is_line)
+    times[0, curved] = 2 * widths[curved] / (before[curved] + after[curved])
+    times[1:, curved] = 0.0
+    keep = times > _BRIEF * times.sum()
+    # What is left out moves to the phase after it, so that every edge begins a phase.
+    places = np.stack([
+        edges[:-1],
+        np.where(keep[0], edges[:-1] + climb, edges[:-1]),
+        np.where(keep[0] | keep[1], edges[1:] - brake, edges[:-1]),
+    ])
+    speeds = np.stack([before, top, top])
+    pushes = np.stack([np.where(lines.is_line, a, needed), np.zeros_like(a), -a])
+    kept = keep.T
     return SpeedProfile(
-        np.array([s0, s0 + climb, s1 - climb, s1]),
-        np.array([0.0, speed, speed]),
-        np.array([acceleration, 0.0, -acceleration]),
-        np.zeros(3),
-        np.array([ramp, (length - 2 * climb) / speed, ramp]),
+        np.append(places.T[kept], edges[-1]),
+        speeds.T[kept],
+        pushes.T[kept],
+        np.zeros(int(kept.sum())),
+        times.T[kept],
     )

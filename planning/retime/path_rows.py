@@ -1,6 +1,6 @@
 """Acceleration limits along a path, as linear inequalities in x = sdot^2 and u = sddot.
 
-With x at an interval's beginning and u constant on it, sdot^2 = x + 2 D u at a distance D into it,
+With x at a cell's beginning and u constant on it, sdot^2 = x + 2 D u at a distance D into it,
 where q'' = r' u + r'' (x + 2 D u). A scalar coordinate gives two inequalities. A block of several
 has |q''| <= limit: q'' lies in the plane of r' and r'', in fact in the half of it with p >= 0 for
 p = w (x + 2 D u), w = |r'' - (r'' . n) n|, n = r' / |r'|; there the disc is replaced by a polygon
@@ -17,45 +17,61 @@ from planning.retime.stretches import path_derivatives
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
-# Where in each grid interval the limits are demanded.
-_PLACES = (0.0, 0.5, 1.0)
+# Where in each cell the limits are demanded. If r is quadratic, q'' is linear in D, and |q''| is
+# largest at an end.
+_PLACES = np.array([0.0, 0.5, 1.0])
+_ENDS = np.array([0.0, 1.0])
 # Sides of the half polygon; it lacks at most 1 - cos(pi / 24), 0.9 %, of the disc's radius.
 _SIDES = 12
 _ANGLES = (np.arange(_SIDES) + 0.5) * np.pi / _SIDES
 _APOTHEM = np.cos(np.pi / (2 * _SIDES))
 
 
-def acceleration_rows(
-    stretch: JointSpline, limits: JointLimits, grid: Array
-) -> tuple[Array, Array]:
-    """Return a and b of a u + b x <= 1 on every grid interval, each shape (intervals, rows).
+def acceleration_rows(cells: JointSpline, limits: JointLimits) -> tuple[Array, Array]:
+    """Return a and b of a u + b x <= 1 on every cell, each shape (cells, rows).
 
     Blocks that nowhere move have no rows.
     """
-    steps = np.diff(grid)
-    pieces, _ = stretch.locate((grid[:-1] + grid[1:]) / 2)
-    rows_a: list[Array] = []
-    rows_b: list[Array] = []
-    moves = (stretch.coefficients[:, 1:] != 0).any(axis=(0, 1))
-    for place in _PLACES:
-        local = grid[:-1] + place * steps - stretch.breaks[pieces]
-        rate, curvature = path_derivatives(stretch, pieces, local)
-        twice = (2 * place * steps)[:, None]
-        for block, limit in zip(limits.blocks, limits.acceleration, strict=True):
-            indices = [i for i in block if moves[i]]
-            if len(indices) == 1:
-                straight, across = curvature[:, indices], np.zeros((len(steps), 1))
-                ahead = rate[:, indices]
-                cosines, sines, radius = np.array([1.0, -1.0]), np.zeros(2), limit
-            elif indices:
-                ahead, straight, across = _in_plane(rate[:, list(block)], curvature[:, list(block)])
-                cosines, sines, radius = np.cos(_ANGLES), np.sin(_ANGLES), limit * _APOTHEM
-            else:
-                continue
-            bend = (cosines * straight + sines * across) / radius
-            rows_a.append(cosines * ahead / radius + twice * bend)
-            rows_b.append(bend)
-    return np.concatenate(rows_a, axis=1), np.concatenate(rows_b, axis=1)
+    is_quadratic = cells.manifold.is_flat and not cells.coefficients[:, 3:].any()
+    places = _ENDS if is_quadratic else _PLACES
+    steps = np.diff(cells.breaks)
+    local = (places[:, None] * steps).ravel()
+    pieces = np.tile(np.arange(len(steps)), len(places))
+    rate, curvature = path_derivatives(cells, pieces, local)
+    rows = _scalar_rows(rate, curvature, cells, limits) + _disc_rows(rate, curvature, cells, limits)
+    ahead = np.concatenate([row for row, _ in rows], axis=1)
+    bend = np.concatenate([row for _, row in rows], axis=1)
+    ahead += 2 * local[:, None] * bend
+    return _side_by_side(ahead, len(places)), _side_by_side(bend, len(places))
+
+
+def _scalar_rows(
+    rate: Array, curvature: Array, cells: JointSpline, limits: JointLimits
+) -> list[tuple[Array, Array]]:
+    """Return r' and r'' over the limits of moving blocks of one coordinate, both signs."""
+    moves = cells.coefficients[:, 1:].any(axis=(0, 1))
+    chosen = [i for i, block in enumerate(limits.blocks) if len(block) == 1 and moves[block[0]]]
+    if not chosen:
+        return []
+    indices = [limits.blocks[i][0] for i in chosen]
+    bounds = limits.acceleration[chosen]
+    ahead, bend = rate[:, indices] / bounds, curvature[:, indices] / bounds
+    return [(ahead, bend), (-ahead, -bend)]
+
+
+def _disc_rows(
+    rate: Array, curvature: Array, cells: JointSpline, limits: JointLimits
+) -> list[tuple[Array, Array]]:
+    """Return the sides of the polygons of moving blocks of several coordinates."""
+    rows: list[tuple[Array, Array]] = []
+    cosines, sines = np.cos(_ANGLES), np.sin(_ANGLES)
+    for block, limit in zip(limits.blocks, limits.acceleration, strict=True):
+        indices = list(block)
+        if len(indices) > 1 and cells.coefficients[:, 1:, indices].any():
+            ahead, straight, across = _in_plane(rate[:, indices], curvature[:, indices])
+            radius = limit * _APOTHEM
+            rows.append((cosines * ahead / radius, (cosines * straight + sines * across) / radius))
+    return rows
 
 
 def _in_plane(rate: Array, curvature: Array) -> tuple[Array, Array, Array]:
@@ -65,3 +81,9 @@ def _in_plane(rate: Array, curvature: Array) -> tuple[Array, Array, Array]:
     straight = np.sum(curvature * unit, axis=1, keepdims=True)
     across = np.linalg.norm(curvature - straight * unit, axis=1, keepdims=True)
     return ahead, straight, across
+
+
+def _side_by_side(rows: Array, num_places: int) -> Array:
+    """Return what is demanded of one cell at its places in one row."""
+    by_place = rows.reshape(num_places, -1, rows.shape[1])
+    return by_place.transpose(1, 0, 2).reshape(by_place.shape[1], -1)

@@ -100,7 +100,7 @@ def _timed(
     stretch: JointSpline, limits: JointLimits, retimer: Retimer
 ) -> tuple[TimedTrajectory, list[Use], float]:
     """Return one stretch timed and audited, what it uses, and how long it was before the audit."""
-    profile = retimer.profile(stretch, limits).split_at(stretch.breaks[1:-1])
+    profile = retimer.profile(stretch, limits)
     raw = compose(stretch, profile)
     uses = [largest_use(raw, limits, order) for order in range(1, len(retimer.rates) + 1)]
     factor = max(use.fraction ** (1 / order) for order, use in enumerate(uses, start=1))

@@ -48,7 +48,8 @@ def ruckig_profile(stretch: JointSpline, limits: JointLimits) -> SpeedProfile:
     if not hops:
         message = "no speed along the path keeps the jerk limits"
         raise RetimingFailed(message, {"method": "ruckig", "num_cells": len(is_straight)})
-    return SpeedProfile.joined([_profile(hop, cells.edges) for hop in hops])
+    whole = SpeedProfile.joined([_profile(hop, cells.edges) for hop in hops])
+    return whole.split_at(stretch.breaks[1:-1])
 
 
 def _in_cells(stretch: JointSpline) -> tuple[JointSpline, Any]:

@@ -1,41 +1,36 @@
 """Time-optimal profiles under velocity and acceleration limits, by TOPP-RA.
 
-Pham and Pham, "A new approach to time-optimal path parameterization based on reachability
-analysis", T-RO 2018. Only the speeds at the grid points are taken from toppra: between them s(t)
-has constant acceleration, and q(t) = r(s(t)) is composed exactly, so the motion never leaves the
-path.
+Only the speeds at the edges of cells are taken from toppra. A curve is cut into cells on which s(t)
+has constant acceleration. A line is one cell: its limits are the same all along, so that speeds at
+both ends that one acceleration can connect are all that toppra must find, and what is quickest in
+between has a closed form. q(t) = r(s(t)) is composed exactly: the motion never leaves the path.
 """
 
-import logging
-import warnings
-from typing import Any, override
+from typing import Any
 
 import numpy as np
 
 from planning.domain.curve import JointSpline
 from planning.domain.joints import JointLimits
 from planning.errors import RetimingFailed
-from planning.retime.bounds import block_peaks
+from planning.retime.bounds import block_sizes
 from planning.retime.compose import shifted
-from planning.retime.line_profile import line_profile
+from planning.retime.line_profile import LineLimits, profile_between
 from planning.retime.path_rows import acceleration_rows
+from planning.retime.polynomials import norms
 from planning.retime.profile import SpeedProfile
-
-with warnings.catch_warnings():
-    warnings.simplefilter("ignore")
-    from toppra.algorithm import TOPPRA
-    from toppra.constraint import ConstraintType, DiscretizationType, LinearConstraint
-    from toppra.interpolator import AbstractGeometricPath
-
-logging.getLogger("toppra").setLevel(logging.CRITICAL)
+from planning.retime.speed_caps import speed_caps
+from planning.retime.toppra_passes import squared_speeds
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
-# Grid intervals for a stretch of nothing but curves, or nothing but lines, and for any piece: on
-# a line only the instant at which braking begins has to be met.
-_ON_CURVES, _ON_LINES, _LEAST_PER_PIECE = 200, 80, 3
+# Cells of a curve, and how many more if it turns by one radian. Durations are within 0.5 % of what
+# many more cells give, and nearer than that on paths of several corners.
+_LEAST, _PER_TURN, _MOST = 2, 6, 64
 # Squared speeds beyond this, in toppra's units of order one, are unbounded to it.
 _UNBOUNDED = 1e6
+# Cells on which r' is this small relative to its largest count as if it were larger.
+_STANDSTILL = 1e-9
 
 
 def toppra_profile(stretch: JointSpline, limits: JointLimits) -> SpeedProfile:
@@ -44,124 +39,51 @@ def toppra_profile(stretch: JointSpline, limits: JointLimits) -> SpeedProfile:
     Raises:
         RetimingFailed: toppra finds none.
     """
-    rates = block_peaks(stretch, limits, 1)
-    if stretch.num_pieces == 1 and not stretch.coefficients[:, 2:].any():
-        with np.errstate(divide="ignore"):
-            speed = float((limits.velocity / rates).min())
-            acceleration = float((limits.acceleration / rates).min())
-        begin, end = float(stretch.breaks[0]), float(stretch.breaks[-1])
-        return line_profile(begin, end, speed, acceleration)
-    grid = _grid(stretch)
-    steps = np.diff(grid)
+    is_line = ~stretch.coefficients[:, 2:].any(axis=(1, 2))
+    cells, owners = _in_cells(stretch, is_line)
+    sizes = block_sizes(cells, limits, 1)
+    peaks = sizes.max(axis=1)
+    peaks = np.maximum(peaks, _STANDSTILL * peaks.max())
+    with np.errstate(divide="ignore"):
+        speed = (limits.velocity / peaks).min(axis=1)
+        acceleration = (limits.acceleration / peaks).min(axis=1)
+    lines = LineLimits(is_line[owners], speed, acceleration)
+    if stretch.num_pieces == 1 and is_line[0]:
+        return profile_between(cells.breaks, np.zeros(2), lines)
     # In units of the least time that a path as fast as allowed would take, toppra's numbers are
     # of order one, as its absolute tolerances want them.
-    unit = float(((rates / limits.velocity).max(axis=1) * np.diff(stretch.breaks)).sum())
-    x = _squared_speeds(stretch, limits, grid, unit) / unit**2
-    speeds = np.sqrt(x)
-    return SpeedProfile(
-        grid,
-        speeds[:-1],
-        np.diff(x) / (2 * steps),
-        np.zeros(len(steps)),
-        2 * steps / (speeds[:-1] + speeds[1:]),
-    )
-
-
-def _squared_speeds(stretch: JointSpline, limits: JointLimits, grid: Array, unit: float) -> Array:
-    """Return toppra's (ds/dt)^2 at the grid points, with time in `unit` seconds."""
-    bounds = _Bounds(stretch, limits, unit)
-    solver = TOPPRA([bounds], _Path(stretch), gridpoints=grid, solver_wrapper="seidel")
-    speeds = solver.compute_parameterization(0.0, 0.0)[1]
-    if speeds is None or not np.isfinite(speeds).all():
-        message = "toppra finds no speed profile along the path"
-        raise RetimingFailed(message, {"method": "toppra", "num_grid_points": len(grid)})
-    x = np.asarray(speeds, dtype=np.float64).ravel() ** 2
-    x[[0, -1]] = 0.0
-    if not (x[:-1] + x[1:] > 0).all():
+    unit = float((np.diff(cells.breaks) / speed).sum())
+    caps = speed_caps(sizes, limits.velocity) * unit**2
+    caps = np.minimum(np.append(caps[:, 0], _UNBOUNDED), np.insert(caps[:, 1], 0, _UNBOUNDED))
+    a, b = acceleration_rows(cells, limits)
+    x = squared_speeds(cells.breaks, (a / unit**2, b / unit**2), caps) / unit**2
+    if not (lines.is_line | (x[:-1] + x[1:] > 0)).all():
         message = "toppra's profile stands still on the way"
-        raise RetimingFailed(message, {"method": "toppra", "num_grid_points": len(grid)})
-    return x
+        raise RetimingFailed(message, {"method": "toppra", "num_grid_points": len(x)})
+    return profile_between(cells.breaks, x, lines)
 
 
-def _grid(stretch: JointSpline) -> Array:
-    """Return grid points, evenly spaced on each piece, with every break among them."""
+def _in_cells(stretch: JointSpline, is_line: Any) -> tuple[JointSpline, Any]:
+    """Return the stretch cut into cells, and whose piece each is."""
+    counts = _num_cells(stretch, is_line)
     widths = np.diff(stretch.breaks)
-    is_curved = stretch.coefficients[:, 2:].any(axis=(1, 2))
-    wanted = np.where(is_curved, _ON_CURVES, _ON_LINES)
-    counts = np.ceil(wanted * widths / widths.sum()).astype(int)
-    parts = [
-        np.linspace(a, b, max(_LEAST_PER_PIECE, count) + 1)[:-1]
-        for a, b, count in zip(stretch.breaks[:-1], stretch.breaks[1:], counts, strict=True)
-    ]
-    return np.append(np.concatenate(parts), stretch.breaks[-1])
+    owners = np.repeat(np.arange(len(counts)), counts)
+    firsts = np.cumsum(counts) - counts
+    offsets = (np.arange(len(owners)) - firsts[owners]) * (widths / counts)[owners]
+    edges = np.append(stretch.breaks[owners] + offsets, stretch.breaks[-1])
+    local = shifted(stretch.coefficients[owners], offsets)
+    return JointSpline(stretch.joints, edges, stretch.bases[owners], local), owners
 
 
-class _Path(AbstractGeometricPath):
-    """The stretch as toppra sees it; only its extent matters, `_Bounds` reads the rest."""
-
-    def __init__(self, stretch: JointSpline) -> None:
-        self._stretch = stretch
-
-    @override
-    def __call__(self, path_positions: Any, order: int = 0) -> Any:
-        return self._stretch.tangents(np.atleast_1d(path_positions), order)
-
-    @property
-    @override
-    def dof(self) -> int:
-        return self._stretch.coefficients.shape[2]
-
-    @property
-    @override
-    def path_interval(self) -> Array:
-        return self._stretch.breaks[[0, -1]]
-
-    @property
-    @override
-    def waypoints(self) -> Any:
-        return self._stretch.breaks, self._stretch.positions(self._stretch.breaks)
-
-
-class _Bounds(LinearConstraint):
-    """Velocity and acceleration limits on every grid interval, from that interval's own piece.
-
-    toppra's own constraints look at grid points only and take one side's r'' where it jumps.
-    Velocity bounds x = sdot^2 at both ends of an interval by the largest |r'| in between.
-    """
-
-    def __init__(self, stretch: JointSpline, limits: JointLimits, unit: float) -> None:
-        super().__init__()
-        self.constraint_type = ConstraintType.CanonicalLinear
-        self.discretization_type = DiscretizationType.Collocation
-        self.identical = True
-        self.dof = stretch.coefficients.shape[2]
-        self._stretch = stretch
-        self._limits = limits
-        self._unit = unit
-
-    @override
-    def compute_constraint_params(
-        self, path: Any, gridpoints: Array, *args: Any, **kwargs: Any
-    ) -> tuple[Any, ...]:
-        a, b = acceleration_rows(self._stretch, self._limits, gridpoints)
-        a, b = a / self._unit**2, b / self._unit**2
-        # Nothing follows the last grid point; toppra wants rows for it all the same.
-        a, b = np.vstack([a, a[-1:]]), np.vstack([b, b[-1:]])
-        count = a.shape[1]
-        bounds = np.ones(count)
-        return a, b, np.zeros_like(a), np.eye(count), bounds, None, self._speed_bounds(gridpoints)
-
-    def _speed_bounds(self, grid: Array) -> Array:
-        """Return bounds on x at the grid points that keep the speed in between as well."""
-        pieces, _ = self._stretch.locate((grid[:-1] + grid[1:]) / 2)
-        peaks = block_peaks(_cut(self._stretch, grid, pieces), self._limits, 1)
-        with np.errstate(divide="ignore"):
-            fastest = self._unit * (self._limits.velocity / peaks).min(axis=1)
-        x = np.minimum(np.append(fastest, np.inf), np.insert(fastest, 0, np.inf)) ** 2
-        return np.stack([np.zeros_like(x), np.minimum(x, _UNBOUNDED)], axis=1)
-
-
-def _cut(stretch: JointSpline, grid: Array, pieces: Any) -> JointSpline:
-    """Return the stretch with a piece for every grid interval."""
-    local = shifted(stretch.coefficients[pieces], grid[:-1] - stretch.breaks[pieces])
-    return JointSpline(stretch.joints, grid, stretch.bases[pieces], local)
+def _num_cells(stretch: JointSpline, is_line: Any) -> Any:
+    """Return how many cells to cut each piece into: one if it is a line, more the more it turns."""
+    degrees = np.arange(stretch.coefficients.shape[1])
+    if len(degrees) < 3:
+        return np.ones(stretch.num_pieces, dtype=int)
+    widths = np.diff(stretch.breaks)
+    # Bounds on the change of r' along a piece, over the greatest |r'| anywhere.
+    changes = norms(stretch.coefficients) * widths[:, None] ** (degrees - 1)
+    fastest = norms(stretch.coefficients[:, 1]).max()
+    turns = (changes * degrees)[:, 2:].sum(axis=1) / fastest
+    counts = np.minimum(np.ceil(_LEAST + _PER_TURN * turns), _MOST)
+    return np.where(is_line, 1, counts).astype(int)

@@ -8,9 +8,13 @@ from jaxtyping import Bool, Float64
 from planning.domain.deadline import Deadline
 from planning.domain.joints import JointGroup, JointLimits
 from planning.domain.manifold import Manifold
+from planning.domain.motion_samples import Counts, sample_batches, steps_of
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 type Flags = np.ndarray[Any, np.dtype[np.bool_]]
+
+# Between two looks at the clock an oracle is asked for at most so many states, or for one motion.
+_MOST_AT_ONCE = 4096
 
 
 @runtime_checkable
@@ -25,6 +29,24 @@ class CollisionOracle(Protocol):
         """Return the same for each row of qs, shape (m, nq)."""
         ...
 
+    def is_motion_free(
+        self,
+        origin: Float64[np.ndarray, " nq"],
+        displacement: Float64[np.ndarray, " nv"],
+        resolution: float,
+    ) -> bool:
+        """Return whether every sample of a motion is free, as `motion_samples` defines them."""
+        ...
+
+    def are_motions_free(
+        self,
+        origins: Float64[np.ndarray, "m nq"],
+        displacements: Float64[np.ndarray, "m nv"],
+        resolution: float,
+    ) -> Bool[np.ndarray, " m"]:
+        """Return the same for each pair of rows, shapes (m, nq) and (m, nv)."""
+        ...
+
 
 class WatchedOracle:
     """An oracle that counts, keeps limits on circles, and ends the search when time is up.
@@ -32,7 +54,8 @@ class WatchedOracle:
     The bounds of OMPL's spaces hold every other coordinate; on a circle OMPL knows none.
 
     Attributes:
-        num_states: Configurations asked for so far.
+        num_states: Configurations asked for so far; of a motion every sample counts, looked at or
+            not, so that the number does not depend on how an oracle goes about its work.
     """
 
     def __init__(
@@ -41,6 +64,7 @@ class WatchedOracle:
         """Watch `inner`, for the joints and limits of a group."""
         self._inner = inner
         self._deadline = deadline
+        self._manifold = Manifold(group.joints)
         self._circle, self._lower, self._width = _bounded_circles(group, limits)
         self.num_states = 0
 
@@ -69,10 +93,79 @@ class WatchedOracle:
         verdicts = self._inner.are_free(qs)
         return verdicts & self._keeps_circles(qs) if self._circle else verdicts
 
+    def is_motion_free(
+        self,
+        origin: Float64[np.ndarray, " nq"],
+        displacement: Float64[np.ndarray, " nv"],
+        resolution: float,
+    ) -> bool:
+        """Return whether every sample of a motion is admissible; the origin is not one of them.
+
+        Raises:
+            Canceled: Somebody asked for the end.
+            DeadlineExceeded: The time has run out.
+        """
+        return bool(self.are_motions_free(origin[None], displacement[None], resolution)[0])
+
+    def are_motions_free(
+        self,
+        origins: Float64[np.ndarray, "m nq"],
+        displacements: Float64[np.ndarray, "m nv"],
+        resolution: float,
+    ) -> Bool[np.ndarray, " m"]:
+        """Return the same for each pair of rows, shapes (m, nq) and (m, nv).
+
+        Raises:
+            Canceled: Somebody asked for the end.
+            DeadlineExceeded: The time has run out.
+        """
+        counts = steps_of(displacements, resolution)
+        self.num_states += int(counts.sum())
+        free = self._stay_on_circles(origins, displacements, resolution)
+        is_long = counts > _MOST_AT_ONCE
+        for row in np.flatnonzero(free & is_long):
+            free[row] = self._is_long_motion_free((origins[row], displacements[row]), resolution)
+        for rows in _portions(np.flatnonzero(free & ~is_long), counts):
+            self._deadline.check("search")
+            free[rows] = self._inner.are_motions_free(
+                origins[rows], displacements[rows], resolution
+            )
+        return free
+
+    def _is_long_motion_free(self, motion: tuple[Array, Array], resolution: float) -> bool:
+        for qs in sample_batches(self._manifold, motion, resolution):
+            self._deadline.check("search")
+            if not self._inner.are_free(qs).all():
+                return False
+        return True
+
+    def _stay_on_circles(self, origins: Array, displacements: Array, resolution: float) -> Flags:
+        """Return for every motion whether its samples avoid all forbidden arcs."""
+        if not self._circle:
+            return np.ones(len(origins), dtype=bool)
+        verdicts = [
+            all(
+                self._keeps_circles(qs).all()
+                for qs in sample_batches(self._manifold, motion, resolution)
+            )
+            for motion in zip(origins, displacements, strict=True)
+        ]
+        return np.array(verdicts, dtype=bool)
+
     def _keeps_circles(self, qs: Array) -> Flags:
         beyond = np.remainder(qs[:, self._circle] - self._lower, 2 * np.pi)
         dust = 1e-9
         return ((beyond <= self._width + dust) | (beyond >= 2 * np.pi - dust)).all(axis=1)
+
+
+def _portions(
+    rows: np.ndarray[Any, np.dtype[np.intp]], counts: Counts
+) -> list[np.ndarray[Any, np.dtype[np.intp]]]:
+    """Return the rows in pieces of not too many states."""
+    if not len(rows):
+        return []
+    place = np.cumsum(counts[rows]) // _MOST_AT_ONCE
+    return np.split(rows, np.flatnonzero(np.diff(place)) + 1)
 
 
 def _bounded_circles(group: JointGroup, limits: JointLimits) -> tuple[list[int], Array, Array]:

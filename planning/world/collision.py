@@ -7,7 +7,9 @@ from jaxtyping import Bool, Float64
 from pydrake.common import Parallelism
 from pydrake.planning import CollisionCheckerParams, SceneGraphCollisionChecker
 
+from planning.domain import motion_samples
 from planning.domain.joints import JointGroup
+from planning.domain.manifold import Manifold
 from planning.domain.report import BodyPair
 from planning.world.drake_model import DrakeModel
 from planning.world.margins import PairMargins
@@ -27,8 +29,7 @@ class DrakeCollisionOracle:
     ) -> None:
         """Make a checker whose verdicts demand `margins` of every pair of bodies."""
         self._model = model
-        self._group = group
-        self._state = state
+        self._manifold = Manifold(group.joints)
         self._checker = _make_checker(model, margins)
         self._full = model.follow(np.array(state))
         self._indices = model.position_indices(group)
@@ -41,9 +42,31 @@ class DrakeCollisionOracle:
 
     def are_free(self, qs: Float64[np.ndarray, "m nq"]) -> Bool[np.ndarray, " m"]:
         """Return the same for each row."""
-        full = self._model.embed(self._group, qs, self._state)
+        full = np.repeat(self._full[None], len(qs), axis=0)
+        full[:, self._indices] = qs
+        self._model.follow(full)
         verdicts = self._checker.CheckConfigsCollisionFree(list(full), parallelize=Parallelism(1))
         return np.array(verdicts, dtype=bool)
+
+    def is_motion_free(
+        self,
+        origin: Float64[np.ndarray, " nq"],
+        displacement: Float64[np.ndarray, " nv"],
+        resolution: float,
+    ) -> bool:
+        """Return whether every sample of a motion is free, as `motion_samples` defines them."""
+        motion = origin, displacement
+        return motion_samples.is_motion_free(self._manifold, self.are_free, motion, resolution)
+
+    def are_motions_free(
+        self,
+        origins: Float64[np.ndarray, "m nq"],
+        displacements: Float64[np.ndarray, "m nv"],
+        resolution: float,
+    ) -> Bool[np.ndarray, " m"]:
+        """Return the same for each pair of rows."""
+        motions = origins, displacements
+        return motion_samples.are_motions_free(self._manifold, self.are_free, motions, resolution)
 
 
 class DistanceProbe:

@@ -6,18 +6,23 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
+from planning.domain import motion_samples
 from planning.domain.deadline import Deadline
 from planning.domain.joints import Joint, JointGroup, JointLimits, JointType
+from planning.domain.manifold import Manifold
 from planning.domain.options import SearchOptions
 from planning.domain.rotation import rotate
 from planning.search.solver import SearchTask
 
 
 class Oracle:
-    """Free where a function of a batch says so."""
+    """Free where a function of a batch says so; of a group if its joints do not simply add."""
 
-    def __init__(self, are_free: Callable[[np.ndarray], np.ndarray]) -> None:
+    def __init__(
+        self, are_free: Callable[[np.ndarray], np.ndarray], group: JointGroup | None = None
+    ) -> None:
         self._are_free = are_free
+        self._manifold = Manifold(() if group is None else group.joints)
         self.asked: list[np.ndarray] = []
 
     def is_free(self, q):
@@ -26,6 +31,14 @@ class Oracle:
     def are_free(self, qs):
         self.asked.append(np.array(qs))
         return self._are_free(qs)
+
+    def is_motion_free(self, origin, displacement, resolution):
+        motion = origin, displacement
+        return motion_samples.is_motion_free(self._manifold, self.are_free, motion, resolution)
+
+    def are_motions_free(self, origins, displacements, resolution):
+        motions = origins, displacements
+        return motion_samples.are_motions_free(self._manifold, self.are_free, motions, resolution)
 
 
 def group_of(*kinds: JointType) -> JointGroup:
@@ -139,4 +152,4 @@ def slit():
 
 @pytest.fixture
 def window():
-    return Oracle(bar_in_window)
+    return Oracle(bar_in_window, group_of(JointType.FLOATING))

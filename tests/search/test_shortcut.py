@@ -4,7 +4,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from planning.domain.joints import JointType
@@ -60,9 +60,9 @@ def test_an_early_end_leaves_the_path_whole(edges):
     assert np.array_equal(kept, DETOUR)
 
 
-@given(st.integers(0, 10_000))
-@settings(max_examples=6, deadline=None)
-def test_never_longer_on_any_manifold(seed):
+@given(seed=st.integers(0, 10_000))
+@settings(max_examples=6, suppress_health_check=[HealthCheck.function_scoped_fixture])
+def test_never_longer_on_any_manifold(make_oracle, seed):
     import time
 
     from planning.domain.deadline import Deadline
@@ -76,16 +76,9 @@ def test_never_longer_on_any_manifold(seed):
     rng = np.random.default_rng(seed)
     manifold = Manifold(group.joints)
 
-    class Sieve:
-        """Blocks thin shells, so that some edges are free and some are not."""
-
-        def is_free(self, q):
-            return bool(self.are_free(q[None])[0])
-
-        def are_free(self, qs):
-            return np.sin(7 * qs.sum(axis=1) + seed) < 0.9
-
-    watched = WatchedOracle(Sieve(), group, limits, Deadline.after(10.0, time.perf_counter))
+    # Thin shells are blocked, so that some edges are free and some are not.
+    sieve = make_oracle(lambda qs: np.sin(7 * qs.sum(axis=1) + seed) < 0.9, group)
+    watched = WatchedOracle(sieve, group, limits, Deadline.after(10.0, time.perf_counter))
     edges = EdgeChecker(manifold, watched, 0.1)
     path = manifold.normalized(rng.uniform(-2, 2, (8, group.num_positions)))
     shorter = shortcut(path, edges, rng, never)

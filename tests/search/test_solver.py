@@ -293,13 +293,16 @@ def test_progress_is_told_before_each_attempt(plane, wall, soon, crossing):
 PROGRAM = """
 import hashlib, time
 import numpy as np
+from planning.domain import motion_samples
 from planning.domain.deadline import Deadline
 from planning.domain.joints import Joint, JointGroup, JointLimits, JointType
+from planning.domain.manifold import Manifold
 from planning.domain.options import SearchOptions
 from planning.search.planners import planner_names
 from planning.search.solver import SearchTask, search
 
 group = JointGroup("r", (Joint("r::p", JointType.PLANAR), Joint("r::z", JointType.PRISMATIC)), ())
+MANIFOLD = Manifold(group.joints)
 upper, one = np.array([1.0, 1.0, np.inf, 1.0]), np.ones(3)
 limits = JointLimits(-upper, upper, one, one, one, one, ((0, 1), (2,), (3,)))
 
@@ -308,6 +311,12 @@ class Wall:
         return bool(self.are_free(q[None])[0])
     def are_free(self, qs):
         return ~((np.abs(qs[:, 0]) < 0.1) & (qs[:, 1] + 0.1 * np.cos(qs[:, 2]) < 0.6))
+    def is_motion_free(self, *motion_and_resolution):
+        *motion, step = motion_and_resolution
+        return motion_samples.is_motion_free(MANIFOLD, self.are_free, tuple(motion), step)
+    def are_motions_free(self, *motions_and_resolution):
+        *motions, step = motions_and_resolution
+        return motion_samples.are_motions_free(MANIFOLD, self.are_free, tuple(motions), step)
 
 for name in planner_names():
     task = SearchTask(
