@@ -1,7 +1,6 @@
 // Kinematics of a frame that a group moves, on numpy arrays and without the interpreter's lock.
 #include <nanobind/stl/shared_ptr.h>
 #include <nanobind/stl/string.h>
-#include <nanobind/stl/vector.h>
 
 #include <memory>
 #include <new>
@@ -65,46 +64,41 @@ auto jacobians(const Chain& c, const Doubles& qs) {
   return array_of(found, count, 6, c.num_velocities);
 }
 
-auto solve(const Chain& c, const Doubles& seeds, const Doubles& targets, const Integers& target_of, const Doubles& lower,
-           const Doubles& upper, const Doubles& tolerance, long enough, int max_iterations, const Doubles& tuning, const std::string& name) {
+IkKernel kernel_named(const std::string& name) {
+  IkKernel all[4];
+  const int count = ik_kernels(all, 4);
+  for (int i = 0; i < count; ++i)
+    if (name.empty() || name == all[i].name) return all[i];
+  throw std::invalid_argument("this machine has no lane kernel " + name);
+}
+
+IkTolerance tolerance(const Doubles& box, int freedom, int axis, double bound) {
+  require(box.size() == 3, "a box has three half-widths");
+  require(freedom >= 0 && freedom <= 2 && axis >= 0 && axis <= 2, "no such freedom or axis");
+  return {{box.data()[0], box.data()[1], box.data()[2]}, static_cast<Freedom>(freedom), axis, bound};
+}
+
+auto solve(const Chain& c, const Doubles& seeds, const Integers& target_of, const Doubles& targets, const Doubles& lower,
+           const Doubles& upper, const IkTolerance& wanted, std::int64_t enough, int max_iterations, const std::string& name) {
   const std::size_t count = rows(c, seeds), nq = c.num_positions;
   require(lower.size() == nq && upper.size() == nq, "limits have one number per position");
   require(targets.ndim() == 2 && targets.shape(1) == 12, "targets have 12 columns");
   require(target_of.size() == count, "every seed has a target");
-  require(tolerance.size() == 6, "a tolerance is a box, a freedom, an axis and a bound");
   for (std::size_t i = 0; i < count; ++i)
     require(target_of.data()[i] >= 0 && target_of.data()[i] < static_cast<std::int64_t>(targets.shape(0)), "no such target");
   const IkStorage storage(c, lower.data(), upper.data());
-  IkTask task{};
-  task.model = storage.view();
-  const double* t = tolerance.data();
-  task.tolerance = {{t[0], t[1], t[2]}, static_cast<Freedom>(static_cast<int>(t[3])), static_cast<int>(t[4]), t[5]};
+  const IkKernel kernel = kernel_named(name);
   std::vector<double> q(count * nq);
   std::vector<std::uint8_t> converged(count);
-  std::vector<int> iterations(count);
-  std::vector<long long> which(target_of.data(), target_of.data() + count);
-  task.count = static_cast<long>(count);
-  task.enough = enough;
-  task.max_iterations = max_iterations;
-  task.seeds = seeds.data();
-  task.targets = targets.data();
-  task.target_of = which.data();
-  task.q = q.data();
-  task.converged = converged.data();
-  task.iterations = iterations.data();
-  for (int i = 0; i < 8; ++i) task.tuning[i] = tuning.data()[i];
-  IkKernel all[4];
-  const int kernels = ik_kernels(all, 4);
-  const IkKernel* kernel = nullptr;
-  for (int i = kernels; i-- > 0;)
-    if (name.empty() || name == all[i].name) kernel = all + i;
-  require(kernel, "this machine has no such lane kernel");
-  long tried = 0;
+  std::vector<std::int64_t> iterations(count);
+  const IkTask task{storage.view(), wanted, static_cast<std::int64_t>(count), enough, max_iterations, seeds.data(), targets.data(),
+                    target_of.data(), q.data(), converged.data(), iterations.data()};
+  std::int64_t tried = 0;
   {
     nb::gil_scoped_release released;
-    auto* scratch = static_cast<double*>(
-        ::operator new[](ik_scratch_doubles(task.model, kernel->width) * sizeof(double), std::align_val_t{64}));
-    tried = kernel->solve(task, scratch);
+    const auto size = static_cast<std::size_t>(ik_scratch_doubles(task.model, kernel.width));
+    auto* scratch = static_cast<double*>(::operator new[](size * sizeof(double), std::align_val_t{64}));
+    tried = kernel.solve(task, scratch);
     ::operator delete[](scratch, std::align_val_t{64});
   }
   q.resize(tried * nq);
@@ -116,6 +110,10 @@ auto solve(const Chain& c, const Doubles& seeds, const Doubles& targets, const I
 }  // namespace
 
 void bind_ik(nb::module_& m) {
+  nb::class_<IkTolerance>(m, "IkTolerance", "How far a pose may be missed.")
+      .def("__init__", [](IkTolerance* self, const Doubles& box, int freedom, int axis, double bound) {
+        new (self) IkTolerance(tolerance(box, freedom, axis, bound));
+      }, nb::arg("box"), nb::arg("freedom"), nb::arg("axis"), nb::arg("bound"));
   nb::class_<Chain>(m, "Chain", "How a frame depends on a group's q.")
       .def("__init__", [](Chain* self, std::shared_ptr<Scene> scene, const Integers& positions, const Integers& velocities,
                           const Doubles& state, int link, const Doubles& X_LT) {
@@ -123,8 +121,8 @@ void bind_ik(nb::module_& m) {
       }, nb::arg("scene"), nb::arg("positions"), nb::arg("velocities"), nb::arg("state"), nb::arg("link"), nb::arg("X_LT"))
       .def("poses", &poses, nb::arg("qs"))
       .def("jacobians", &jacobians, nb::arg("qs"))
-      .def("solve", &solve, nb::arg("seeds"), nb::arg("targets"), nb::arg("target_of"), nb::arg("lower"), nb::arg("upper"),
-           nb::arg("tolerance"), nb::arg("enough"), nb::arg("max_iterations"), nb::arg("tuning"), nb::arg("kernel") = "");
+      .def("solve", &solve, nb::arg("seeds"), nb::arg("target_of"), nb::arg("targets"), nb::arg("lower"), nb::arg("upper"),
+           nb::arg("tolerance"), nb::arg("enough"), nb::arg("max_iterations"), nb::arg("kernel") = "");
 }
 
 }  // namespace wayproof

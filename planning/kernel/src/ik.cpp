@@ -6,7 +6,7 @@ namespace wayproof {
 
 #define WAYPROOF_DECLARE(name)                 \
   namespace name {                             \
-  long solve(const IkTask&, double* scratch);  \
+  int64_t solve(const IkTask&, double*);       \
   }
 WAYPROOF_DECLARE(ik_base)
 #if defined(__x86_64__)

@@ -4,6 +4,8 @@
 // no other lane and on no instruction set.
 #pragma once
 
+#include <stdint.h>
+
 namespace wayproof {
 
 // What of R_GT is tolerated: an angle up to a bound, the angle of one axis up to a bound, anything.
@@ -53,21 +55,20 @@ struct IkModel {
 struct IkTask {
   IkModel model;
   IkTolerance tolerance;
-  long count;
-  long enough;
+  int64_t count;
+  int64_t enough;
   int max_iterations;
-  const double* seeds;        // [count][num_positions], within limits
+  const double* seeds;        // [count][num_positions]
   const double* targets;      // X_WG, [num_targets][12]: R by rows, then p
-  const long long* target_of; // [count]
+  const int64_t* target_of;   // [count]
   double* q;                  // [count][num_positions]
-  unsigned char* converged;   // [count]
-  int* iterations;            // [count]
-  double tuning[8];
+  uint8_t* converged;         // [count]
+  int64_t* iterations;        // [count]
 };
 
 // Returns how many seeds were tried: the first ones, whatever the lanes have done beyond.
 // `scratch` is 64-aligned.
-using IkSolver = long (*)(const IkTask&, double* scratch);
+using IkSolver = int64_t (*)(const IkTask&, double* scratch);
 
 struct IkKernel {
   const char* name;
@@ -77,8 +78,8 @@ struct IkKernel {
 
 int ik_kernels(IkKernel* found, int most);
 
-inline long ik_scratch_doubles(const IkModel& m, int width) {
-  return static_cast<long>(width) * (8L * m.num_velocities + m.num_positions + 12L * (m.num_joints + 1));
+inline int64_t ik_scratch_doubles(const IkModel& m, int width) {
+  return static_cast<int64_t>(width) * (8 * m.num_velocities + m.num_positions + 12 * (m.num_joints + 1));
 }
 
 }  // namespace wayproof
