@@ -42,6 +42,7 @@ class DrakeModel:
         frames: Drake frames by full name; "world" is one of them.
         joint_indices: Drake's joint by full name.
         couplings: Mimic joints; the plant itself does not know of them.
+        uses_kernel: Whether the native kernel may answer where it is sure, or Drake always does.
     """
 
     diagram: RobotDiagram
@@ -52,6 +53,7 @@ class DrakeModel:
     frames: Mapping[str, Frame]
     joint_indices: Mapping[str, JointIndex]
     couplings: tuple[Coupling, ...]
+    uses_kernel: bool = True
 
     @property
     def mimics(self) -> tuple[tuple[int, int, float], ...]:
