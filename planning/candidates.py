@@ -86,7 +86,8 @@ def _rounded(
     watch: Stopwatch,
 ) -> Candidate | None:
     smoothness = 2 if problem.retime.method == "ruckig" else 1
-    spline = blend_corners(path, deviation, smoothness)
+    with watch.stage("retime"):
+        spline = blend_corners(path, deviation, smoothness)
     name = f"path with corners rounded by {deviation:g}" if deviation else "path itself"
     made = _timed(name, spline, limits, problem, report, watch)
     if made is None and deviation == 0:

@@ -21,7 +21,9 @@ from planning.domain.path import JointPath
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
-_MIDDLE = {1: 1 / 4, 2: 3 / 16}
+# 1 / w, and the degree of delta, by smoothness.
+_FARTHEST = {1: 4.0, 2: 16 / 3}
+_DEGREE = {1: 2, 2: 4}
 # Corners sharper than this (cosine of the turn) are rested at: rounded, they would be cusps.
 _SHARPEST = -0.98
 # Turns smaller than this are left to the retimer, which passes them as straight (|u2 - u1|).
@@ -42,69 +44,63 @@ def blend_corners(path: JointPath, deviation: float, smoothness: int = 1) -> Joi
     if deviation <= 0 or len(waypoints) < 3:
         return path.spline
     steps = manifold.minus(waypoints[1:], waypoints[:-1])
-    lengths = np.linalg.norm(steps, axis=1)
-    units = steps / lengths[:, None]
-    reaches = _reaches(waypoints, units, lengths, deviation, _MIDDLE[smoothness], manifold)
-    pieces: list[tuple[float, Array, Array]] = []
-    for i in range(len(steps)):
-        before, after = reaches[i], reaches[i + 1]
-        straight = lengths[i] - before - after
-        if straight > _SHORTEST:
-            line = np.stack([before * units[i], units[i]])
-            pieces.append((straight, waypoints[i], line))
-        if after > 0:
-            back = -manifold.minus(waypoints[i : i + 1], waypoints[i + 1 : i + 2])[0] / lengths[i]
-            arc = _arc(after, back, units[i + 1], smoothness)
-            pieces.append((2 * after, waypoints[i + 1], arc))
-    return _assemble(path, pieces)
+    lengths = np.sqrt((steps**2).sum(axis=1))
+    # Directions in which lines leave their first waypoint, and arrive at their second.
+    leaving = steps / lengths[:, None]
+    arriving = -manifold.minus(waypoints[:-1], waypoints[1:]) / lengths[:, None]
+    reaches = _reaches(leaving, arriving, lengths, deviation * _FARTHEST[smoothness])
+    # After every line comes the corner at its end; the last one has none.
+    widths = np.stack([lengths - reaches[:-1] - reaches[1:], 2 * reaches[1:]], axis=1)
+    polynomials = np.zeros((len(lengths), 2, _DEGREE[smoothness] + 1, leaving.shape[1]))
+    polynomials[:, 0, 0] = reaches[:-1, None] * leaving
+    polynomials[:, 0, 1] = leaving
+    polynomials[:-1, 1] = _arcs(reaches[1:-1, None], arriving[:-1], leaving[1:], smoothness)
+    is_there = widths > [_SHORTEST, 0.0]
+    bases = np.stack([waypoints[:-1], waypoints[1:]], axis=1)
+    return _spline(path, widths[is_there], bases[is_there], polynomials[is_there])
 
 
-def _reaches(
-    waypoints: Array,
-    units: Array,
-    lengths: Array,
-    deviation: float,
-    middle: float,
-    manifold: Manifold,
-) -> Array:
-    """Return lambda at every waypoint; 0 at both ends and where nothing is rounded."""
-    reaches = np.zeros(len(waypoints))
-    for i in range(1, len(waypoints) - 1):
-        back = -manifold.minus(waypoints[i - 1], waypoints[i]) / lengths[i - 1]
-        turn = float(np.linalg.norm(units[i] - back))
-        if turn > _STRAIGHT and float(back @ units[i]) > _SHARPEST:
-            room = min(lengths[i - 1], lengths[i]) / 2
-            reaches[i] = min(deviation / (middle * turn), room)
-    return reaches
+def _reaches(leaving: Array, arriving: Array, lengths: Array, farthest: float) -> Array:
+    """Return lambda at every waypoint; 0 at both ends and where nothing is rounded.
+
+    Args:
+        leaving: Unit directions of the lines where they begin.
+        arriving: And where they end.
+        lengths: Of the lines.
+        farthest: lambda |u2 - u1| may be this.
+    """
+    before, after = arriving[:-1], leaving[1:]
+    turns = np.sqrt(((after - before) ** 2).sum(axis=1))
+    is_rounded = (turns > _STRAIGHT) & ((before * after).sum(axis=1) > _SHARPEST)
+    room = np.minimum(lengths[:-1], lengths[1:]) / 2
+    wanted = np.minimum(farthest / np.maximum(turns, _STRAIGHT), room)
+    return np.concatenate([[0.0], np.where(is_rounded, wanted, 0.0), [0.0]])
 
 
-def _arc(reach: float, u1: Array, u2: Array, smoothness: int) -> Array:
-    """Return power-basis coefficients of the rounded corner, in x in [0, 2 reach]."""
-    width = 2 * reach
+def _arcs(reach: Array, u1: Array, u2: Array, smoothness: int) -> Array:
+    """Return power-basis coefficients of rounded corners, in x in [0, 2 reach], stacked first."""
+    width = np.where(reach > 0, 2 * reach, 1.0)
     turn = u2 - u1
     if smoothness == 1:
-        return np.stack([-reach * u1, u1, turn / (2 * width)])
+        return np.stack([-reach * u1, u1, turn / (2 * width)], axis=1)
     zero = np.zeros_like(u1)
-    return np.stack([-reach * u1, u1, zero, turn / width**2, -turn / (2 * width**3)])
+    ends = turn / width**2, -turn / (2 * width**3)
+    return np.stack([-reach * u1, u1, zero, *ends], axis=1)
 
 
-def _assemble(path: JointPath, pieces: list[tuple[float, Array, Array]]) -> JointSpline:
+def _spline(path: JointPath, widths: Array, bases: Array, polynomials: Array) -> JointSpline:
     """Return the pieces as one spline over [0, 1]."""
-    widths = np.array([width for width, _, _ in pieces])
     total = float(widths.sum())
     breaks = np.concatenate([[0.0], np.cumsum(widths) / total])
     breaks[-1] = 1.0
-    degree = max(len(coefficients) for _, _, coefficients in pieces)
-    scaled = np.zeros((len(pieces), degree, pieces[0][2].shape[1]))
-    for i, (_, _, coefficients) in enumerate(pieces):
-        powers = total ** np.arange(len(coefficients))
-        scaled[i, : len(coefficients)] = coefficients * powers[:, None]
-    bases = np.stack([base for _, base, _ in pieces])
-    return JointSpline(path.group.joints, breaks, bases, scaled)
+    powers = total ** np.arange(polynomials.shape[1])
+    return JointSpline(path.group.joints, breaks, bases, polynomials * powers[:, None])
 
 
 def _distinct(waypoints: Array, manifold: Manifold) -> Array:
     """Return the waypoints without those that repeat the one before; both ends are kept."""
+    if (manifold.distance(waypoints[1:], waypoints[:-1]) > _SHORTEST).all():
+        return waypoints
     keep = [0]
     for i in range(1, len(waypoints)):
         if float(manifold.distance(waypoints[i], waypoints[keep[-1]])) > _SHORTEST:

@@ -118,23 +118,24 @@ def _usable(spline: JointSpline, limits: JointLimits, method: str) -> JointLimit
     Raises:
         RetimingFailed: A block that moves along the spline may not.
     """
+    rates = {name: np.asarray(getattr(limits, name)) for name in RATES}
+    if all((values > 0).all() and (values <= _UNLIMITED).all() for values in rates.values()):
+        return limits
     moving = [bool(spline.coefficients[:, 1:, list(block)].any()) for block in limits.blocks]
     names = _block_names(spline)
-    rates: dict[str, Array] = {}
-    for name in RATES:
-        values = np.array(getattr(limits, name))
+    for name, values in rates.items():
         stuck = [names[i] for i in np.flatnonzero(moving & ~(values > 0))]
         if stuck and name in RETIMERS[method].rates:
             message = f"the path moves {', '.join(stuck)}, whose {name} limit is not positive"
             raise RetimingFailed(message, {"method": method, "limit": name, "stuck": stuck})
         rates[name] = np.where(values > 0, np.minimum(values, _UNLIMITED), 1.0)
-    return JointLimits(
-        limits.lower, limits.upper, **rates, effort=limits.effort, blocks=limits.blocks
-    )
+    return replace(limits, **rates)
 
 
 def _joined(parts: list[TimedTrajectory]) -> TimedTrajectory:
     """Return the parts one after another."""
+    if len(parts) == 1:
+        return parts[0]
     degree = max(part.coefficients.shape[1] for part in parts)
     padded = [
         np.pad(part.coefficients, ((0, 0), (0, degree - part.coefficients.shape[1]), (0, 0)))

@@ -7,6 +7,7 @@ import numpy as np
 from jaxtyping import Float64
 
 from planning.domain.curve import JointSpline, derivative
+from planning.retime.polynomials import norms
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
@@ -19,7 +20,10 @@ def smooth_stretches(spline: JointSpline, smoothness: int) -> list[JointSpline]:
 
     Each keeps the spline's parameter, so its first break is where the one before it ends.
     """
-    edges = [0, *(1 + np.flatnonzero(_jumps(spline, smoothness))).tolist(), spline.num_pieces]
+    jumps = np.flatnonzero(_jumps(spline, smoothness))
+    if not len(jumps):
+        return [spline]
+    edges = [0, *(1 + jumps).tolist(), spline.num_pieces]
     return [
         JointSpline(
             spline.joints,
@@ -41,11 +45,12 @@ def path_derivatives(
         pieces: Which piece each row is on, also where two of them meet, shape (n,).
         local: Parameter relative to the piece's break.
     """
-    delta, rate, curvature = (
-        _evaluated(derivative(curve.coefficients, order)[pieces], local) for order in range(3)
-    )
+    coefficients = curve.coefficients[pieces]
+    slopes = derivative(coefficients, 1)
+    rate, curvature = _evaluated(slopes, local), _evaluated(derivative(slopes, 1), local)
     if curve.manifold.is_flat:
         return rate, curvature
+    delta = _evaluated(coefficients, local)
     q = curve.manifold.plus(curve.bases[pieces], delta)
     return (
         curve.manifold.generalized_velocity(q, delta, rate),
@@ -55,17 +60,17 @@ def path_derivatives(
 
 def _jumps(spline: JointSpline, smoothness: int) -> Any:
     """Return for each inner break whether a derivative up to `smoothness` jumps there."""
-    pieces = np.arange(spline.num_pieces)
-    widths = np.diff(spline.breaks)
-    before = path_derivatives(spline, pieces[:-1], widths[:-1])
-    after = path_derivatives(spline, pieces[1:], np.zeros(len(widths) - 1))
-    jumps = np.zeros(len(widths) - 1, dtype=bool)
+    count = spline.num_pieces - 1
+    # Every break from the piece before it, then every break from the piece after it.
+    pieces = np.concatenate([np.arange(count), np.arange(1, count + 1)])
+    local = np.concatenate([np.diff(spline.breaks)[:-1], np.zeros(count)])
+    jumps = np.zeros(count, dtype=bool)
     # The whole path has a parameter of length 1, so r' is a fair reference for r'' as well.
-    scale = np.full(len(jumps), 1e-300)
-    for n in range(smoothness):
-        sizes = [np.linalg.norm(side[n], axis=1) for side in (before, after)]
-        scale = np.maximum(scale, np.maximum(*sizes))
-        jumps |= np.linalg.norm(after[n] - before[n], axis=1) > _JUMP * scale
+    scale = np.full(count, 1e-300)
+    for both in path_derivatives(spline, pieces, local)[:smoothness]:
+        before, after = both[:count], both[count:]
+        scale = np.maximum(scale, np.maximum(norms(before), norms(after)))
+        jumps |= norms(after - before) > _JUMP * scale
     return jumps
 
 

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from planning.domain.curve import JointSpline
 from planning.domain.joints import JointType
 from planning.retime.compose import compose
-from planning.retime.line_profile import line_profile
+from planning.retime.line_profile import LineLimits, line_profile, profile_between
 from planning.retime.profile import SpeedProfile
 from tests.conftest import group_of
 
@@ -53,3 +53,47 @@ def test_composition_is_exact(seed: int) -> None:
     times = times[np.abs(times - profile.h[0]) > 1e-9]
     wanted = spline.positions(place(profile, times))
     assert np.abs(trajectory.positions(times) - wanted).max() < 1e-12
+
+
+@given(
+    seed=st.integers(0, 10_000),
+    speeds=st.lists(st.sampled_from([0.0, 0.3, 0.7, 1.0]), min_size=2, max_size=6),
+)
+def test_cells_are_passed_with_the_speeds_at_their_edges(seed: int, speeds: list[float]) -> None:
+    rng = np.random.default_rng(seed)
+    count = len(speeds) - 1
+    edges = np.concatenate([[0.0], np.cumsum(rng.uniform(0.1, 1.0, count))])
+    v = np.array(speeds)
+    is_line = (rng.random(count) < 0.5) | (v[:-1] + v[1:] == 0)
+    lines = LineLimits(is_line, rng.choice([1.0, 1.5], count), rng.uniform(0.5, 20.0, count))
+    profile = profile_between(edges, v**2, lines)
+    assert (profile.h > 0).all()
+    # Places and speeds go on where the phase before ends, and edges are where phases begin.
+    steps = profile.h * (profile.v + profile.h * profile.a / 2)
+    assert np.abs(profile.s[:-1] + steps - profile.s[1:]).max() < 1e-9
+    begins = np.searchsorted(profile.s, edges)
+    assert np.array_equal(profile.s[begins], edges)
+    assert np.abs(np.append(profile.v, v[-1])[begins] - v).max() < 1e-9
+    after = profile.v + profile.h * profile.a
+    assert np.abs(after[:-1] - profile.v[1:]).max(initial=0.0) < 1e-9
+    owners = np.clip(np.searchsorted(edges, profile.s[:-1], side="right") - 1, 0, count - 1)
+    on_line = is_line[owners]
+    assert (np.maximum(profile.v, after)[on_line] <= lines.speed[owners][on_line] + 1e-9).all()
+    needed = (np.abs(np.diff(v**2)) / (2 * np.diff(edges)))[owners]
+    allowed = np.maximum(np.where(on_line, lines.acceleration[owners], 0.0), needed)
+    assert (np.abs(profile.a) <= allowed * (1 + 1e-9)).all()
+
+
+@given(st.floats(0.0, 1.0), st.floats(0.0, 1.0), st.floats(0.6, 30.0), st.floats(1.0, 3.0))
+def test_a_line_between_two_speeds_takes_the_least_time(
+    before: float, after: float, push: float, speed: float
+) -> None:
+    lines = LineLimits(np.array([True]), np.array([speed]), np.array([push]))
+    squares = np.array([before**2, after**2])
+    profile = profile_between(np.array([0.0, 1.0]), squares, lines)
+    # The least time is that at the greatest speed that can be reached and left again.
+    s = np.linspace(0.0, 1.0, 20_001)
+    top = np.minimum(squares[0] + 2 * push * s, squares[1] + 2 * push * (1 - s))
+    v = np.sqrt(np.minimum(top, speed**2))
+    least = float((2 * np.diff(s) / (v[1:] + v[:-1])).sum())
+    assert np.isclose(profile.duration, least, rtol=1e-4)

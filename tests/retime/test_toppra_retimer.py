@@ -79,3 +79,23 @@ def test_the_speeds_nearly_keep_the_limits_before_the_audit(kind: JointType, see
     path = JointPath(group, random_waypoints(group, seed, 4))
     _, report = retime(blend_corners(path, 0.05), limits_of(group), RetimeOptions())
     assert report.slowed <= 1 + 1e-3
+
+
+@pytest.mark.parametrize("kind", [JointType.REVOLUTE, JointType.PLANAR, JointType.FLOATING])
+@given(seed=st.integers(0, 10_000))
+def test_many_more_cells_would_save_little(kind: JointType, seed: int) -> None:
+    group = group_of(kind, kind)
+    spline = blend_corners(JointPath(group, random_waypoints(group, seed, 4)), 0.1)
+    few, _ = retime(spline, limits_of(group), RetimeOptions())
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("planning.retime.toppra_retimer._PER_TURN", 60)
+        many, _ = retime(spline, limits_of(group), RetimeOptions())
+    assert few.num_pieces < many.num_pieces
+    assert few.duration < many.duration * 1.01
+
+
+def test_lines_are_three_phases_and_corners_a_few() -> None:
+    path = JointPath(SEVEN, random_waypoints(SEVEN, 2, 8))
+    trajectory, report = retime(blend_corners(path, 0.1), limits_of(SEVEN), RetimeOptions())
+    assert report.stops == 0
+    assert trajectory.num_pieces <= 7 * 3 + 6 * 14
