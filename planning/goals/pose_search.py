@@ -5,6 +5,7 @@ from typing import Any
 import numpy as np
 
 from planning.domain.deadline import Deadline
+from planning.domain.manifold import Manifold
 from planning.domain.report import Funnel, PairTally
 from planning.goals.goal_query import GoalQuery
 from planning.goals.pose_solvers import PoseSolver
@@ -52,14 +53,16 @@ class PoseSearch:
         self._seeds = Seeds(query.group, self._limits, query.start, rng)
         self._drawn = self._seeds.take(0)
         self._tried = self._converged = self._within = self._free = self._repeats = 0
-        self.found = Distinct(query.group)
+        self._manifold = Manifold(query.group.joints)
+        self.found = Distinct(query.group, self._manifold)
         self.colliding: list[Array] = []
 
     def run(self) -> None:
         """Try seeds until there is enough, or no hope or time for more."""
         while not self._is_done():
             seeds, targets = self._next()
-            enough = self._query.options.max_configurations - len(self.found)
+            # Some will collide, and some be the same.
+            enough = 2 * (self._query.options.max_configurations - len(self.found))
             converged, q = self._solver.solve(seeds, targets, enough)
             self._admit(converged, q, targets[: len(q)])
 
@@ -94,7 +97,7 @@ class PoseSearch:
 
     def _admit(self, converged: Flags, q: Array, targets: Indices) -> None:
         """Count and keep what was found, in the order of the seeds, until there is enough."""
-        q = clip_dust(self._limits, self._query.group, q)
+        q = clip_dust(self._limits, self._manifold, q)
         within = converged & within_limits(self._limits, q)
         free, is_new = np.zeros_like(within), np.zeros_like(within)
         free[within] = self._oracle.are_free(q[within])

@@ -83,7 +83,7 @@ class DrakePoseSolver:
 class KernelPoseSolver:
     """The native kernel's Levenberg-Marquardt, as many seeds at once as a register holds."""
 
-    num_at_once = 256
+    num_at_once = 320
 
     def __init__(
         self, world: World, group: JointGroup, targets: list[ToolTarget], chain: Any

@@ -19,9 +19,9 @@ _MAX_EQUIVALENTS = 4096
 class Distinct:
     """Solutions that differ, whole turns aside, from all others of the same target."""
 
-    def __init__(self, group: JointGroup) -> None:
+    def __init__(self, group: JointGroup, manifold: Manifold) -> None:
         """Begin with none."""
-        self._manifold = Manifold(group.joints)
+        self._manifold = manifold
         self._turns = np.array(_turning(group), dtype=bool)
         self._keyed = np.array(
             [
@@ -60,16 +60,17 @@ class Distinct:
     def _alike(self, rows: Array, targets: Indices) -> tuple[Indices, Indices]:
         """Return the pairs (i, j < i) of rows that are the same, by rising i.
 
-        A sum of cosines changes by at most the sum of the changes of its angles, so most pairs
-        need no closer look.
+        A sum of cosines changes by at most the sum of the changes of its angles, so only rows whose
+        sums are close need a closer look.
         """
         keys = np.cos(rows[:, self._keyed] + self._phases).sum(axis=1)
-        near = np.abs(keys[:, None] - keys) <= SAME * len(self._phases) + 1e-9
-        i, j = np.nonzero(np.tril(near, -1) & (targets[:, None] == targets))
+        a, b = _pairs_within(keys, SAME * len(self._phases) + 1e-9)
+        i, j = np.maximum(a, b), np.minimum(a, b)
         delta = self._manifold.minus(rows[i], rows[j])
         delta[:, self._turns] = np.remainder(delta[:, self._turns] + np.pi, 2 * np.pi) - np.pi
-        same = np.abs(delta).max(axis=1, initial=0.0) <= SAME
-        return i[same], j[same]
+        same = (np.abs(delta).max(axis=1, initial=0.0) <= SAME) & (targets[i] == targets[j])
+        order = np.argsort(i[same], kind="stable")
+        return i[same][order], j[same][order]
 
 
 def equivalents(
@@ -103,16 +104,31 @@ def equivalents(
 
 
 def nearest_first(
-    group: JointGroup,
+    manifold: Manifold,
     start: Float64[np.ndarray, " nq"],
     rows: Float64[np.ndarray, "n nq"],
     targets: Int64[np.ndarray, " n"],
     count: int,
 ) -> tuple[Array, tuple[int, ...]]:
     """Return the `count` rows nearest to the start and their target indices."""
-    distances = Manifold(group.joints).distance(rows, start[None])
+    distances = manifold.distance(rows, start[None])
     order = np.argsort(distances, kind="stable")[:count]
     return rows[order], tuple(int(i) for i in targets[order])
+
+
+def _pairs_within(keys: Array, distance: float) -> tuple[Indices, Indices]:
+    """Return every pair of indices whose keys differ by at most `distance`, once."""
+    order = np.argsort(keys, kind="stable")
+    rising = keys[order]
+    a: list[Indices] = [order[:0]]
+    b: list[Indices] = [order[:0]]
+    for step in range(1, len(keys)):
+        near = np.flatnonzero(rising[step:] - rising[:-step] <= distance)
+        if not len(near):
+            break
+        a.append(order[near])
+        b.append(order[near + step])
+    return np.concatenate(a), np.concatenate(b)
 
 
 def _turning(group: JointGroup) -> list[bool]:

@@ -8,6 +8,7 @@ import numpy as np
 from planning.domain.deadline import Deadline
 from planning.domain.goal import ConfigurationGoal, JointGoal, PoseGoal
 from planning.domain.joints import JointGroup
+from planning.domain.manifold import Manifold
 from planning.domain.report import BodyPair, Funnel, GoalConfigurations
 from planning.errors import GoalInCollision, GoalOutOfLimits
 from planning.goals.goal_query import GoalQuery
@@ -31,7 +32,7 @@ type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 _LOG = logging.getLogger(__name__)
 # Where some configurations are free, so many of those that are not are measured for the report.
-_LOOKED_AT = 8
+_LOOKED_AT = 4
 
 
 def find_goals(
@@ -64,7 +65,8 @@ def find_goals(
 def _given(world: World, query: GoalQuery, rows: Array) -> GoalConfigurations:
     """Keep those of the given configurations that are within limits and free."""
     group, limits = query.group, world.limits(query.group)
-    rows = clip_dust(limits, group, rows)
+    manifold = Manifold(group.joints)
+    rows = clip_dust(limits, manifold, rows)
     inside = np.flatnonzero(within_limits(limits, rows))
     if not len(inside):
         outside = limit_violations(limits, group, rows[0])
@@ -88,7 +90,7 @@ def _given(world: World, query: GoalQuery, rows: Array) -> GoalConfigurations:
         message = f"every goal configuration collides: {describe_pairs(pairs, query.margins)}"
         evidence = {"funnel": funnel_evidence(funnel), "pairs": pair_evidence(pairs, query.margins)}
         raise GoalInCollision(message, evidence)
-    found, indices = nearest_first(group, query.start, rows[free], free, len(free))
+    found, indices = nearest_first(manifold, query.start, rows[free], free, len(free))
     return GoalConfigurations(found, indices, funnel)
 
 
@@ -122,7 +124,8 @@ def _reaching(
     rows, index = equivalents(group, limits, search.found.rows)
     turned = search.found.targets[index]
     count = query.options.max_configurations
-    return GoalConfigurations(*nearest_first(group, query.start, rows, turned, count), funnel)
+    nearest = nearest_first(Manifold(group.joints), query.start, rows, turned, count)
+    return GoalConfigurations(*nearest, funnel)
 
 
 def _are_met(world: World, group: JointGroup, targets: list[ToolTarget], found: Distinct) -> bool:

@@ -13,7 +13,7 @@ type Array = np.ndarray[Any, np.dtype[np.float64]]
 _NUM_NEAR = 8
 _NEAR = 0.4
 _REACH = 2.0
-_AT_ONCE = 64
+_AT_ONCE = 256
 
 
 class Seeds:

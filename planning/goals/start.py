@@ -28,7 +28,7 @@ def admit_start(
         StartInCollision: A pair of bodies is nearer than its margin.
     """
     limits = world.limits(group)
-    start = clip_dust(limits, group, q)
+    start = clip_dust(limits, Manifold(group.joints), q)
     outside = limit_violations(limits, group, start)
     if outside:
         worst = max(outside, key=lambda entry: entry["violation"])
@@ -45,9 +45,9 @@ def admit_start(
     return start, start - q
 
 
-def clip_dust(limits: JointLimits, group: JointGroup, q: Float64[np.ndarray, "*n nq"]) -> Array:
+def clip_dust(limits: JointLimits, manifold: Manifold, q: Float64[np.ndarray, "*n nq"]) -> Array:
     """Return q with unit quaternions, and with limits that it misses by dust kept."""
-    unit = Manifold(group.joints).normalized(q)
+    unit = manifold.normalized(q)
     clipped = np.clip(unit, limits.lower, limits.upper)
     return np.where(np.abs(clipped - unit) <= DUST, clipped, unit)
 

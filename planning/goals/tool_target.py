@@ -93,19 +93,21 @@ class ToolTarget(Value):
 
     def are_met_by(self, reached: Float64[np.ndarray, "n 4 4"]) -> Bool[np.ndarray, " n"]:
         """Return the same for homogeneous transforms X_WT."""
-        x_gw = self.pose.inverse.matrix
-        error = x_gw @ reached
-        inside = np.abs(error[:, :3, 3]) <= self.position_tolerance + POSE_TOLERANCE
+        x_wg = self.pose.matrix
+        miss = (reached[:, :3, 3] - x_wg[:3, 3]) @ x_wg[:3, :3]
+        inside = (np.abs(miss) <= self.position_tolerance + POSE_TOLERANCE).all(axis=1)
         rest = self.rotation_freedom
-        turn = np.zeros(len(error))
-        if rest.kind is FreedomKind.CONE:
-            turn = np.arccos(np.clip(error[:, rest.axis, rest.axis], -1.0, 1.0))
-        elif rest.kind is FreedomKind.BALL:
-            r = error[:, :3, :3]
-            skew = r - r.transpose(0, 2, 1)
-            sine = np.linalg.norm(skew[:, [2, 0, 1], [1, 2, 0]], axis=1)
-            turn = np.arctan2(sine, np.trace(r, axis1=1, axis2=2) - 1)
-        return inside.all(axis=1) & (turn <= rest.bound + POSE_TOLERANCE)
+        change = reached[:, :3, :3] - x_wg[:3, :3]
+        if rest.kind is FreedomKind.FREE:
+            return inside
+        # |R_1 - R_2| = sqrt(8) sin(angle / 2); of one column it is the chord of its own angle.
+        chord = (
+            np.linalg.norm(change, axis=(1, 2)) / np.sqrt(2)
+            if rest.kind is FreedomKind.BALL
+            else np.linalg.norm(change[:, :, rest.axis], axis=1)
+        )
+        turn = 2 * np.arcsin(np.minimum(chord / 2, 1.0))
+        return inside & (turn <= rest.bound + POSE_TOLERANCE)
 
     @property
     def rotation_freedom(self) -> RotationFreedom:
@@ -133,7 +135,9 @@ def tool_targets(
     return [
         ToolTarget(
             tool,
-            world.frame_pose(target.frame, full) @ target.pose,
+            target.pose
+            if target.frame == "world"
+            else world.frame_pose(target.frame, full) @ target.pose,
             goal.position_tolerance,
             goal.rotation_tolerance,
         )
