@@ -46,7 +46,7 @@ def kernel_scene(model: DrakeModel) -> KernelScene | None:
     None if there is no kernel, or if the model has a joint or a shape that it does not know: Drake
     alone answers then.
     """
-    module, tree = native(), link_tree(model.plant)
+    module, tree = native(), link_tree(model)
     if module is None or tree is None:
         return None
     inspector = model.scene_graph.model_inspector()

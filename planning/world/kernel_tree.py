@@ -74,7 +74,7 @@ def flat_transform(x: RigidTransform) -> Array:
 
 
 def _tree(model: DrakeModel) -> tuple[Any, LinkTree] | None:
-    module, tree = native(), link_tree(model.plant)
+    module, tree = native(), link_tree(model)
     if module is None or tree is None:
         return None
     scene = module.Scene(model.plant.num_positions(), model.plant.num_velocities())
