@@ -9,6 +9,7 @@ from planning.domain.joints import JointGroup, JointLimits, JointType
 from planning.domain.manifold import Manifold
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
+type Flags = np.ndarray[Any, np.dtype[np.bool_]]
 type Indices = np.ndarray[Any, np.dtype[np.int64]]
 
 # Two configurations nearer than this in every joint are one and the same [rad or m].
@@ -48,29 +49,44 @@ class Distinct:
         self, rows: Float64[np.ndarray, "n nq"], targets: Int64[np.ndarray, " n"]
     ) -> Bool[np.ndarray, " n"]:
         """Return whether each row differs from all here and from the new ones before it."""
-        every, known = np.concatenate([self.rows, rows]), len(self.rows)
-        of = np.concatenate([self.targets, targets])
-        later, earlier = self._alike(every, of)
-        kept = np.ones(len(every), dtype=bool)
-        for i, j in zip(later, earlier, strict=True):
-            if i >= known and kept[j]:
-                kept[i] = False
-        return kept[known:]
+        every = np.concatenate([self.rows, rows])
+        labels = self._alike(every, np.concatenate([self.targets, targets]))
+        first = np.unique(labels, return_index=True)[1]
+        kept = np.zeros(len(every), dtype=bool)
+        kept[first] = True
+        return kept[len(self.rows) :]
 
-    def _alike(self, rows: Array, targets: Indices) -> tuple[Indices, Indices]:
-        """Return the pairs (i, j < i) of rows that are the same, by rising i.
+    def _alike(self, rows: Array, targets: Indices) -> Indices:
+        """Return labels, the same number for rows that are the same (or joined by such rows).
 
-        A sum of cosines changes by at most the sum of the changes of its angles, so only rows whose
-        sums are close need a closer look.
+        Sums of cosines and of sines change by at most the sum of the changes of their angles, so
+        only rows whose sums are close can be the same.
         """
-        keys = np.cos(rows[:, self._keyed] + self._phases).sum(axis=1)
-        a, b = _pairs_within(keys, SAME * len(self._phases) + 1e-9)
-        i, j = np.maximum(a, b), np.minimum(a, b)
-        delta = self._manifold.minus(rows[i], rows[j])
+        angles, close = rows[:, self._keyed] + self._phases, SAME * len(self._phases) + 1e-9
+        keys, others = np.cos(angles).sum(axis=1), np.sin(angles).sum(axis=1)
+        order = np.argsort(keys, kind="stable")
+        keys, others, labels = keys[order], others[order], np.arange(len(keys))
+        for step in range(1, len(keys)):
+            near = keys[step:] - keys[:-step] <= close
+            a = np.flatnonzero(near & (labels[step:] != labels[:-step]))
+            # Of rows further apart, none are the same whose labels do not say so already.
+            if not len(a):
+                break
+            a = a[np.abs(others[a + step] - others[a]) <= close]
+            if not len(a):
+                continue
+            same = self._are_same(rows[order[a]], rows[order[a + step]])
+            same &= targets[order[a]] == targets[order[a + step]]
+            for i in a[same]:
+                labels[labels == labels[i + step]] = labels[i]
+        named = np.empty_like(labels)
+        named[order] = labels
+        return named
+
+    def _are_same(self, a: Array, b: Array) -> Flags:
+        delta = self._manifold.minus(a, b)
         delta[:, self._turns] = np.remainder(delta[:, self._turns] + np.pi, 2 * np.pi) - np.pi
-        same = (np.abs(delta).max(axis=1, initial=0.0) <= SAME) & (targets[i] == targets[j])
-        order = np.argsort(i[same], kind="stable")
-        return i[same][order], j[same][order]
+        return np.abs(delta).max(axis=1, initial=0.0) <= SAME
 
 
 def equivalents(
@@ -114,21 +130,6 @@ def nearest_first(
     distances = manifold.distance(rows, start[None])
     order = np.argsort(distances, kind="stable")[:count]
     return rows[order], tuple(int(i) for i in targets[order])
-
-
-def _pairs_within(keys: Array, distance: float) -> tuple[Indices, Indices]:
-    """Return every pair of indices whose keys differ by at most `distance`, once."""
-    order = np.argsort(keys, kind="stable")
-    rising = keys[order]
-    a: list[Indices] = [order[:0]]
-    b: list[Indices] = [order[:0]]
-    for step in range(1, len(keys)):
-        near = np.flatnonzero(rising[step:] - rising[:-step] <= distance)
-        if not len(near):
-            break
-        a.append(order[near])
-        b.append(order[near + step])
-    return np.concatenate(a), np.concatenate(b)
 
 
 def _turning(group: JointGroup) -> list[bool]:

@@ -32,7 +32,7 @@ type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 _LOG = logging.getLogger(__name__)
 # Where some configurations are free, so many of those that are not are measured for the report.
-_LOOKED_AT = 4
+_LOOKED_AT = 2
 
 
 def find_goals(
