@@ -29,19 +29,25 @@ _SHARPEST = -0.98
 # Turns smaller than this are left to the retimer, which passes them as straight (|u2 - u1|).
 _STRAIGHT = 1e-9
 _SHORTEST = 1e-9
+# Waypoints as near as this to the one before, or this share of the deviation, are the same: corners
+# so close together would be too short for the retimer's tolerances.
+_ALIKE, _ALIKE_SHARE = 1e-6, 1e-3
 
 
 def blend_corners(path: JointPath, deviation: float, smoothness: int = 1) -> JointSpline:
-    """Return the path with its corners rounded.
+    """Return the path with its corners rounded; waypoints that nearly repeat become one.
 
     Args:
         path: Waypoints joined by geodesics.
         deviation: How far the curve may be from each corner (joint-space length); 0 for none.
         smoothness: 1 for a continuous r', 2 for a continuous r'' as well.
     """
+    if deviation <= 0:
+        return path.spline
     manifold = Manifold(path.group.joints)
-    waypoints = _distinct(path.waypoints, manifold)
-    if deviation <= 0 or len(waypoints) < 3:
+    alike = max(_SHORTEST, min(_ALIKE, _ALIKE_SHARE * deviation))
+    waypoints = _distinct(path.waypoints, manifold, alike)
+    if len(waypoints) < 3:
         return path.spline
     steps = manifold.minus(waypoints[1:], waypoints[:-1])
     lengths = np.sqrt((steps**2).sum(axis=1))
@@ -97,13 +103,13 @@ def _spline(path: JointPath, widths: Array, bases: Array, polynomials: Array) ->
     return JointSpline(path.group.joints, breaks, bases, polynomials * powers[:, None])
 
 
-def _distinct(waypoints: Array, manifold: Manifold) -> Array:
+def _distinct(waypoints: Array, manifold: Manifold, alike: float) -> Array:
     """Return the waypoints without those that repeat the one before; both ends are kept."""
-    if (manifold.distance(waypoints[1:], waypoints[:-1]) > _SHORTEST).all():
+    if (manifold.distance(waypoints[1:], waypoints[:-1]) > alike).all():
         return waypoints
     keep = [0]
     for i in range(1, len(waypoints)):
-        if float(manifold.distance(waypoints[i], waypoints[keep[-1]])) > _SHORTEST:
+        if float(manifold.distance(waypoints[i], waypoints[keep[-1]])) > alike:
             keep.append(i)
     if len(keep) == 1 or keep[-1] != len(waypoints) - 1:
         keep = [*keep[: max(1, len(keep) - 1)], len(waypoints) - 1]

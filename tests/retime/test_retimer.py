@@ -151,6 +151,22 @@ def test_waypoints_that_repeat_do_no_harm(method: str) -> None:
     assert np.allclose(trajectory.end, waypoints[-1])
 
 
+@pytest.mark.parametrize("gap", [1e-4, 1e-6, 1e-7, 1e-8, 3e-9])
+def test_waypoints_that_nearly_repeat_cost_hardly_any_time(gap: float) -> None:
+    group = GROUPS["seven joints"]
+    waypoints = random_waypoints(group, 5, 5)
+    pairs = np.repeat(waypoints, 2, axis=0)
+    pairs[1::2] += gap * np.random.default_rng(5).normal(size=waypoints.shape)
+    durations = [
+        retime(blend_corners(JointPath(group, w), 0.1), limits_of(group), RetimeOptions())[
+            0
+        ].duration
+        for w in (waypoints, pairs)
+    ]
+    # From 1e-6 on two corners so near each other have to be passed much more slowly than one.
+    assert durations[1] == pytest.approx(durations[0], rel=1e-3 if gap < 1e-6 else 0.7)
+
+
 @pytest.mark.parametrize("method", sorted(RETIMERS))
 def test_a_path_that_goes_nowhere_is_a_moment_of_rest(method: str) -> None:
     group = GROUPS["space"]
