@@ -73,7 +73,7 @@ def test_on_random_robots_what_converged_reaches_within_limits(seed: int) -> Non
 
 @pytest.mark.parametrize("scene", ["panda_shelf", "ur5e_pickup"])
 def test_reachable_poses_are_reached_within_64_seeds(scene: str) -> None:
-    world, targets, solve = arm(scene, 200)
+    _, targets, solve = arm(scene, 200)
     converged, _, _ = solve(64, tolerance(exact(targets[0])))
     solved = converged.reshape(len(targets), 64).any(axis=1)
     assert solved.mean() >= 0.99
@@ -82,7 +82,7 @@ def test_reachable_poses_are_reached_within_64_seeds(scene: str) -> None:
 
 @pytest.mark.parametrize("scene", ["panda_shelf", "ur5e_pickup"])
 def test_every_instruction_set_gives_the_same_bits(scene: str) -> None:
-    world, targets, solve = arm(scene, 10)
+    _, targets, solve = arm(scene, 10)
     answers = [solve(30, tolerance(exact(targets[0])), name) for name in lane_kernels()]
     for answer in answers[1:]:
         for one, other in zip(answers[0], answer, strict=True):
@@ -90,7 +90,7 @@ def test_every_instruction_set_gives_the_same_bits(scene: str) -> None:
 
 
 def test_enough_is_a_prefix_that_ends_with_a_solution() -> None:
-    world, targets, solve = arm("panda_shelf", 3)
+    _, targets, solve = arm("panda_shelf", 3)
     wanted = tolerance(exact(targets[0]))
     every, found, iterations = solve(40, wanted)
     for enough in (1, 2, 17):
