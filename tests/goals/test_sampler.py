@@ -1,5 +1,7 @@
 """Goal configurations: they reach, they are free, they are distinct, and the funnel adds up."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -51,11 +53,8 @@ def test_all_eight_branches_of_a_ur_are_found(engine: str) -> None:
 def test_whole_turns_are_offered_within_limits() -> None:
     group = group_of(JointType.REVOLUTE, JointType.REVOLUTE, JointType.CONTINUOUS)
     limits = limits_of(group)
-    limits = type(limits)(**{
-        **limits.__dict__,
-        "lower": np.array([-2 * np.pi, -1, -np.inf]),
-        "upper": np.array([2 * np.pi, 1, np.inf]),
-    })
+    lower, upper = np.array([-2 * np.pi, -1, -np.inf]), np.array([2 * np.pi, 1, np.inf])
+    limits = replace(limits, lower=lower, upper=upper)
     rows, _ = equivalents(group, limits, np.array([[1.0, 0.5, 0.2]]))
     assert sorted(rows[:, 0]) == pytest.approx([1.0 - 2 * np.pi, 1.0])
     assert set(rows[:, 1]) == {0.5}
