@@ -23,8 +23,7 @@ std::vector<int> integers(const Integers& from, int below, const char* message) 
 }
 
 Chain chain(const Scene& scene, const Integers& positions, const Integers& velocities,
-    const Doubles& state, int link,
-            const Doubles& X_LT) {
+            const Doubles& state, int link, const Doubles& X_LT) {
   const Tree& tree = scene.tree;
   require(state.size() == static_cast<std::size_t>(tree.num_positions), "the state has the wrong length");
   require(link < static_cast<int>(tree.links.size()), "no such link");
@@ -37,7 +36,7 @@ Chain chain(const Scene& scene, const Integers& positions, const Integers& veloc
 
 std::size_t rows(const Chain& c, const Doubles& qs) {
   require(qs.ndim() == 2 && qs.shape(1) == static_cast<std::size_t>(c.num_positions),
-      "qs has one column per position");
+          "qs has one column per position");
   return qs.shape(0);
 }
 
@@ -81,24 +80,22 @@ IkTolerance tolerance(const Doubles& box, int freedom, int axis, double bound) {
 }
 
 auto solve(const Chain& c, const Doubles& seeds, const Integers& target_of, const Doubles& targets,
-    const Doubles& lower,
-           const Doubles& upper, const IkTolerance& wanted, std::int64_t enough, int max_iterations,
-               const std::string& name) {
+           const Doubles& lower, const Doubles& upper, const IkTolerance& wanted, std::int64_t enough,
+           int max_iterations, const std::string& name) {
   const std::size_t count = rows(c, seeds), nq = c.num_positions;
   require(lower.size() == nq && upper.size() == nq, "limits have one number per position");
   require(targets.ndim() == 2 && targets.shape(1) == 12, "targets have 12 columns");
   require(target_of.size() == count, "every seed has a target");
   for (std::size_t i = 0; i < count; ++i)
     require(target_of.data()[i] >= 0 && target_of.data()[i] < static_cast<std::int64_t>(targets.shape(0)),
-        "no such target");
+            "no such target");
   const IkStorage storage(c, lower.data(), upper.data());
   const IkKernel kernel = kernel_named(name);
   std::vector<double> q(count * nq);
   std::vector<std::uint8_t> converged(count);
   std::vector<std::int64_t> iterations(count);
   const IkTask task{storage.view(), wanted, static_cast<std::int64_t>(count), enough, max_iterations,
-      seeds.data(), targets.data(),
-                    target_of.data(), q.data(), converged.data(), iterations.data()};
+                    seeds.data(), targets.data(), target_of.data(), q.data(), converged.data(), iterations.data()};
   std::int64_t tried = 0;
   {
     nb::gil_scoped_release released;
@@ -122,16 +119,14 @@ void bind_ik(nb::module_& m) {
       }, nb::arg("box"), nb::arg("freedom"), nb::arg("axis"), nb::arg("bound"));
   nb::class_<Chain>(m, "Chain", "How a frame depends on a group's q.")
       .def("__init__", [](Chain* self, std::shared_ptr<Scene> scene, const Integers& positions,
-          const Integers& velocities,
-                          const Doubles& state, int link, const Doubles& X_LT) {
+                          const Integers& velocities, const Doubles& state, int link, const Doubles& X_LT) {
         new (self) Chain(chain(*scene, positions, velocities, state, link, X_LT));
       }, nb::arg("scene"), nb::arg("positions"), nb::arg("velocities"), nb::arg("state"), nb::arg("link"),
-          nb::arg("X_LT"))
+         nb::arg("X_LT"))
       .def("poses", &poses, nb::arg("qs"))
       .def("jacobians", &jacobians, nb::arg("qs"))
       .def("solve", &solve, nb::arg("seeds"), nb::arg("target_of"), nb::arg("targets"), nb::arg("lower"),
-          nb::arg("upper"),
-           nb::arg("tolerance"), nb::arg("enough"), nb::arg("max_iterations"), nb::arg("kernel") = "");
+           nb::arg("upper"), nb::arg("tolerance"), nb::arg("enough"), nb::arg("max_iterations"), nb::arg("kernel") = "");
 }
 
 }  // namespace wayproof
