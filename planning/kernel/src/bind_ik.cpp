@@ -95,7 +95,8 @@ auto solve(const Chain& c, const Doubles& seeds, const Integers& target_of, cons
   std::vector<std::uint8_t> converged(count);
   std::vector<std::int64_t> iterations(count);
   const IkTask task{storage.view(), wanted, static_cast<std::int64_t>(count), enough, max_iterations,
-                    seeds.data(), targets.data(), target_of.data(), q.data(), converged.data(), iterations.data()};
+                    seeds.data(), targets.data(), target_of.data(), q.data(), converged.data(),
+                    iterations.data()};
   std::int64_t tried = 0;
   {
     nb::gil_scoped_release released;
@@ -126,7 +127,8 @@ void bind_ik(nb::module_& m) {
       .def("poses", &poses, nb::arg("qs"))
       .def("jacobians", &jacobians, nb::arg("qs"))
       .def("solve", &solve, nb::arg("seeds"), nb::arg("target_of"), nb::arg("targets"), nb::arg("lower"),
-           nb::arg("upper"), nb::arg("tolerance"), nb::arg("enough"), nb::arg("max_iterations"), nb::arg("kernel") = "");
+           nb::arg("upper"), nb::arg("tolerance"), nb::arg("enough"),
+           nb::arg("max_iterations"), nb::arg("kernel") = "");
 }
 
 }  // namespace wayproof
