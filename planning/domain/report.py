@@ -51,7 +51,8 @@ class Funnel(Value):
         within_limits: Kept the joint limits.
         collision_free: Touch nothing.
         distinct: Differ from all others; whole turns of joints do not make them differ here.
-        rejected_by: Which pairs the colliding ones hit.
+        rejected_by: Which pairs the colliding ones hit; only the first few are measured, more of
+            them if none is free.
     """
 
     tried: int = 0

@@ -1,69 +1,135 @@
 """Which configurations are distinct, which whole turns they have, and which come first."""
 
-from itertools import product
 from typing import Any
 
 import numpy as np
-from jaxtyping import Float64
+from jaxtyping import Bool, Float64, Int64
 
 from planning.domain.joints import JointGroup, JointLimits, JointType
 from planning.domain.manifold import Manifold
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
+type Flags = np.ndarray[Any, np.dtype[np.bool_]]
+type Indices = np.ndarray[Any, np.dtype[np.int64]]
 
 # Two configurations nearer than this in every joint are one and the same [rad or m].
 SAME = 1e-3
 _MAX_EQUIVALENTS = 4096
 
 
-def is_new(
-    group: JointGroup, q: Float64[np.ndarray, " nq"], known: list[tuple[int, Array]], target: int
-) -> bool:
-    """Return whether q differs, whole turns aside, from every known solution of that target."""
-    manifold = Manifold(group.joints)
-    others = [other for index, other in known if index == target]
-    if not others:
-        return True
-    delta = manifold.minus(np.stack(others), q[None])
-    turns = np.array(_turning(group))
-    delta[:, turns] = np.remainder(delta[:, turns] + np.pi, 2 * np.pi) - np.pi
-    return bool(np.abs(delta).max(axis=1).min() > SAME)
+class Distinct:
+    """Solutions that differ, whole turns aside, from all others of the same target."""
+
+    def __init__(self, group: JointGroup, manifold: Manifold) -> None:
+        """Begin with none."""
+        self._manifold = manifold
+        self._turns = np.array(_turning(group), dtype=bool)
+        self._keyed = np.array(
+            [
+                not (joint.type is JointType.FLOATING and i < 4)
+                for joint in group.joints
+                for i in range(len(joint.position_names))
+            ],
+            dtype=bool,
+        )
+        self._phases = np.sqrt(2.0 + np.arange(self._keyed.sum()))
+        self.rows: Array = np.zeros((0, group.num_positions))
+        self.targets: Indices = np.zeros(0, dtype=np.int64)
+
+    def __len__(self) -> int:
+        """How many there are."""
+        return len(self.rows)
+
+    def add(self, rows: Float64[np.ndarray, "n nq"], targets: Int64[np.ndarray, " n"]) -> None:
+        """Add solutions that are known to be new."""
+        self.rows = np.concatenate([self.rows, rows])
+        self.targets = np.concatenate([self.targets, targets])
+
+    def are_new(
+        self, rows: Float64[np.ndarray, "n nq"], targets: Int64[np.ndarray, " n"]
+    ) -> Bool[np.ndarray, " n"]:
+        """Return whether each row differs from all here and from the new ones before it."""
+        every = np.concatenate([self.rows, rows])
+        labels = self._alike(every, np.concatenate([self.targets, targets]))
+        first = np.unique(labels, return_index=True)[1]
+        kept = np.zeros(len(every), dtype=bool)
+        kept[first] = True
+        return kept[len(self.rows) :]
+
+    def _alike(self, rows: Array, targets: Indices) -> Indices:
+        """Return labels, the same number for rows that are the same (or joined by such rows).
+
+        Sums of cosines and of sines change by at most the sum of the changes of their angles, so
+        only rows whose sums are close can be the same.
+        """
+        angles, close = rows[:, self._keyed] + self._phases, SAME * len(self._phases) + 1e-9
+        keys, others = np.cos(angles).sum(axis=1), np.sin(angles).sum(axis=1)
+        order = np.argsort(keys, kind="stable")
+        keys, others, labels = keys[order], others[order], np.arange(len(keys))
+        for step in range(1, len(keys)):
+            near = keys[step:] - keys[:-step] <= close
+            a = np.flatnonzero(near & (labels[step:] != labels[:-step]))
+            # Of rows further apart, none are the same whose labels do not say so already.
+            if not len(a):
+                break
+            a = a[np.abs(others[a + step] - others[a]) <= close]
+            if not len(a):
+                continue
+            same = self._are_same(rows[order[a]], rows[order[a + step]])
+            same &= targets[order[a]] == targets[order[a + step]]
+            for i in a[same]:
+                labels[labels == labels[i + step]] = labels[i]
+        named = np.empty_like(labels)
+        named[order] = labels
+        return named
+
+    def _are_same(self, a: Array, b: Array) -> Flags:
+        delta = self._manifold.minus(a, b)
+        delta[:, self._turns] = np.remainder(delta[:, self._turns] + np.pi, 2 * np.pi) - np.pi
+        return np.abs(delta).max(axis=1, initial=0.0) <= SAME
 
 
 def equivalents(
-    group: JointGroup, limits: JointLimits, q: Float64[np.ndarray, " nq"]
-) -> Float64[np.ndarray, "n nq"]:
-    """Return q with whole turns added to its revolute joints in every way within the limits.
+    group: JointGroup, limits: JointLimits, rows: Float64[np.ndarray, "m nq"]
+) -> tuple[Float64[np.ndarray, "n nq"], Int64[np.ndarray, " n"]]:
+    """Return each row with whole turns added to its revolute joints in every way within limits.
 
     Continuous joints have none: a whole turn of theirs is the same point of the manifold.
+
+    Returns:
+        The rows, each followed by no other row's, and which of the given ones each is.
     """
-    choices: list[list[float]] = []
-    names = [joint.type for joint in group.joints for _ in joint.position_names]
-    for kind, x, low, high in zip(names, q, limits.lower, limits.upper, strict=True):
-        if kind is not JointType.REVOLUTE:
-            choices.append([float(x)])
-            continue
-        first = int(np.ceil((low - x) / (2 * np.pi) - 1e-12))
-        last = int(np.floor((high - x) / (2 * np.pi) + 1e-12))
-        turns = [float(x + 2 * np.pi * k) for k in range(first, last + 1)]
-        choices.append([float(np.clip(turn, low, high)) for turn in turns] or [float(x)])
-    count = int(np.prod([len(choice) for choice in choices]))
-    if count > _MAX_EQUIVALENTS:
-        return q[None]
-    return np.array(list(product(*choices)))
+    kinds = [joint.type for joint in group.joints for _ in joint.position_names]
+    turning = np.array([kind is JointType.REVOLUTE for kind in kinds], dtype=bool)
+    first, last = np.zeros(rows.shape), np.zeros(rows.shape)
+    low, high = limits.lower[turning], limits.upper[turning]
+    first[:, turning] = np.ceil((low - rows[:, turning]) / (2 * np.pi) - 1e-12)
+    last[:, turning] = np.floor((high - rows[:, turning]) / (2 * np.pi) + 1e-12)
+    choices = np.prod(np.maximum(last - first + 1, 1), axis=1)
+    fixed = (last < first) | (choices > _MAX_EQUIVALENTS)[:, None]
+    first[fixed] = last[fixed] = 0
+    index = np.arange(len(rows))
+    for k in np.flatnonzero((first != last).any(axis=0)):
+        count = (last - first)[index, k].astype(int) + 1
+        turn = np.concatenate([
+            first[i, k] + np.arange(n) for i, n in zip(index, count, strict=True)
+        ])
+        rows, index = np.repeat(rows, count, axis=0), np.repeat(index, count)
+        rows[:, k] += 2 * np.pi * turn
+    return np.where(turning, np.clip(rows, limits.lower, limits.upper), rows), index
 
 
 def nearest_first(
-    group: JointGroup,
+    manifold: Manifold,
     start: Float64[np.ndarray, " nq"],
-    candidates: list[tuple[int, Array]],
+    rows: Float64[np.ndarray, "n nq"],
+    targets: Int64[np.ndarray, " n"],
     count: int,
 ) -> tuple[Array, tuple[int, ...]]:
-    """Return the `count` candidates nearest to the start and their target indices."""
-    rows = np.stack([q for _, q in candidates])
-    distances = Manifold(group.joints).distance(rows, start[None])
+    """Return the `count` rows nearest to the start and their target indices."""
+    distances = manifold.distance(rows, start[None])
     order = np.argsort(distances, kind="stable")[:count]
-    return rows[order], tuple(candidates[i][0] for i in order)
+    return rows[order], tuple(int(i) for i in targets[order])
 
 
 def _turning(group: JointGroup) -> list[bool]:

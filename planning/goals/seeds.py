@@ -1,6 +1,5 @@
 """Seeds for the solver: the start, its neighbourhood, then anywhere."""
 
-from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -14,32 +13,49 @@ type Array = np.ndarray[Any, np.dtype[np.float64]]
 _NUM_NEAR = 8
 _NEAR = 0.4
 _REACH = 2.0
+_AT_ONCE = 256
 
 
-def seeds(
-    group: JointGroup,
-    limits: JointLimits,
-    start: Float64[np.ndarray, " nq"],
-    rng: np.random.Generator,
-) -> Iterator[Array]:
-    """Yield configurations to solve from, each shape (nq,), without end.
+class Seeds:
+    """An endless row of seeds. What it gives does not depend on how many are taken at once."""
 
-    Coordinates without bounds are drawn within half a turn, or within 2 m of the start.
-    """
-    manifold = Manifold(group.joints)
-    yield start
-    for _ in range(_NUM_NEAR):
-        delta = rng.normal(0.0, _NEAR, manifold.num_velocities)
-        yield np.clip(manifold.plus(start, delta), limits.lower, limits.upper)
-    spread = [_spread(joint.type) for joint in group.joints]
-    reach = np.concatenate(spread)
-    lower = np.where(np.isfinite(limits.lower), limits.lower, start - reach)
-    upper = np.where(np.isfinite(limits.upper), limits.upper, start + reach)
-    turned = np.concatenate([_is_quaternion(joint.type) for joint in group.joints])
-    while True:
-        q = rng.uniform(lower, upper)
-        q[turned] = rng.normal(size=int(turned.sum()))
-        yield manifold.normalized(q)
+    def __init__(
+        self,
+        group: JointGroup,
+        limits: JointLimits,
+        start: Float64[np.ndarray, " nq"],
+        rng: np.random.Generator,
+    ) -> None:
+        """Begin at the start.
+
+        Coordinates without bounds are drawn within half a turn, or within 2 m of the start.
+        """
+        self._rng = rng
+        self._manifold = Manifold(group.joints)
+        delta = rng.normal(0.0, _NEAR, (_NUM_NEAR, self._manifold.num_velocities))
+        near = np.clip(self._manifold.plus(start[None], delta), limits.lower, limits.upper)
+        self._waiting = np.concatenate([start[None], near])
+        reach = np.concatenate([_spread(joint.type) for joint in group.joints])
+        self._lower = np.where(np.isfinite(limits.lower), limits.lower, start - reach)
+        self._upper = np.where(np.isfinite(limits.upper), limits.upper, start + reach)
+        self._turned = np.concatenate([_is_quaternion(joint.type) for joint in group.joints])
+
+    def take(self, count: int) -> Float64[np.ndarray, "count nq"]:
+        """Return the next ones."""
+        if len(self._waiting) < count:
+            drawn = self._drawn(_AT_ONCE * -(-(count - len(self._waiting)) // _AT_ONCE))
+            self._waiting = np.concatenate([self._waiting, drawn])
+        taken, self._waiting = self._waiting[:count], self._waiting[count:]
+        return taken
+
+    def _drawn(self, count: int) -> Array:
+        """Return `count` more, drawn in portions of always the same size."""
+        portions: list[Array] = []
+        for _ in range(count // _AT_ONCE):
+            q = self._rng.uniform(self._lower, self._upper, (_AT_ONCE, len(self._lower)))
+            q[:, self._turned] = self._rng.normal(size=(_AT_ONCE, int(self._turned.sum())))
+            portions.append(q)
+        return self._manifold.normalized(np.concatenate(portions))
 
 
 def _spread(kind: JointType) -> Array:

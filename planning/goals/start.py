@@ -3,9 +3,9 @@
 from typing import Any
 
 import numpy as np
-from jaxtyping import Float64
+from jaxtyping import Bool, Float64
 
-from planning.domain.joints import JointGroup
+from planning.domain.joints import JointGroup, JointLimits
 from planning.domain.manifold import Manifold
 from planning.domain.report import BodyPair
 from planning.errors import StartInCollision, StartOutOfLimits
@@ -27,8 +27,9 @@ def admit_start(
         StartOutOfLimits: A joint is outside by more than dust.
         StartInCollision: A pair of bodies is nearer than its margin.
     """
-    start = clip_dust(world, group, q)
-    outside = limit_violations(world, group, start)
+    limits = world.limits(group)
+    start = clip_dust(limits, Manifold(group.joints), q)
+    outside = limit_violations(limits, group, start)
     if outside:
         worst = max(outside, key=lambda entry: entry["violation"])
         message = (
@@ -36,26 +37,30 @@ def admit_start(
             f"is not in [{worst['lower']:.6g}, {worst['upper']:.6g}]"
         )
         raise StartOutOfLimits(message, {"joints": outside})
-    pairs = world.violations(group, start, margins)
-    if pairs:
-        message = f"the start collides: {describe_pairs(pairs, margins)}"
-        raise StartInCollision(message, {"pairs": pair_evidence(pairs, margins)})
+    if not world.collision_oracle(group, margins).is_free(start):
+        pairs = world.violations(group, start, margins)
+        if pairs:
+            message = f"the start collides: {describe_pairs(pairs, margins)}"
+            raise StartInCollision(message, {"pairs": pair_evidence(pairs, margins)})
     return start, start - q
 
 
-def clip_dust(world: World, group: JointGroup, q: Float64[np.ndarray, "*n nq"]) -> Array:
+def clip_dust(limits: JointLimits, manifold: Manifold, q: Float64[np.ndarray, "*n nq"]) -> Array:
     """Return q with unit quaternions, and with limits that it misses by dust kept."""
-    limits = world.limits(group)
-    unit = Manifold(group.joints).normalized(q)
+    unit = manifold.normalized(q)
     clipped = np.clip(unit, limits.lower, limits.upper)
     return np.where(np.abs(clipped - unit) <= DUST, clipped, unit)
 
 
+def within_limits(limits: JointLimits, q: Float64[np.ndarray, "n nq"]) -> Bool[np.ndarray, " n"]:
+    """Return whether each row keeps the position limits."""
+    return ((q >= limits.lower) & (q <= limits.upper)).all(axis=1)
+
+
 def limit_violations(
-    world: World, group: JointGroup, q: Float64[np.ndarray, " nq"]
+    limits: JointLimits, group: JointGroup, q: Float64[np.ndarray, " nq"]
 ) -> list[dict[str, Any]]:
     """Return every position outside its limits, as evidence."""
-    limits = world.limits(group)
     excess = np.maximum(limits.lower - q, q - limits.upper)
     return [
         {

@@ -4,8 +4,14 @@ from collections import defaultdict
 from dataclasses import dataclass, field
 from typing import Any
 
+import numpy as np
+
 from planning.domain.report import BodyPair, Funnel, PairTally
+from planning.goals.goal_query import GoalQuery
 from planning.world.margins import PairMargins
+from planning.world.world import World
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 
 @dataclass
@@ -15,7 +21,9 @@ class Tally:
     depths: dict[tuple[str, str], list[float]] = field(default_factory=lambda: defaultdict(list))
 
     def add(self, pairs: tuple[BodyPair, ...], margins: PairMargins) -> None:
-        """Count a rejected configuration by the pair that lacks most of its margin."""
+        """Count a rejected configuration by the pair that lacks most of its margin, if any does."""
+        if not pairs:
+            return
         worst = max(pairs, key=lambda pair: margins.of(*pair.bodies) - pair.distance)
         self.depths[worst.bodies].append(margins.of(*worst.bodies) - worst.distance)
 
@@ -24,6 +32,14 @@ class Tally:
         """The tallies, most frequent pair first."""
         tallies = [PairTally(b, len(d), min(d), max(d)) for b, d in self.depths.items()]
         return tuple(sorted(tallies, key=lambda tally: (-tally.count, tally.bodies)))
+
+
+def tallied(world: World, query: GoalQuery, rows: list[Array]) -> Tally:
+    """Return which pairs some configurations of the group hit."""
+    tally = Tally()
+    for q in rows:
+        tally.add(world.violations(query.group, q, query.margins), query.margins)
+    return tally
 
 
 def funnel_evidence(funnel: Funnel) -> dict[str, Any]:

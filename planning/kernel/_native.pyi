@@ -61,4 +61,32 @@ class Checker:
     @property
     def lane_kernel(self) -> str: ...
 
+class IkTolerance:
+    def __init__(self, box: _Doubles, freedom: int, axis: int, bound: float) -> None: ...
+
+class Chain:
+    def __init__(
+        self,
+        scene: Scene,
+        positions: _Integers,
+        velocities: _Integers,
+        state: _Doubles,
+        link: int,
+        X_LT: _Doubles,
+    ) -> None: ...
+    def poses(self, qs: _Doubles) -> _Doubles: ...
+    def jacobians(self, qs: _Doubles) -> _Doubles: ...
+    def solve(
+        self,
+        seeds: _Doubles,
+        target_of: _Integers,
+        targets: _Doubles,
+        lower: _Doubles,
+        upper: _Doubles,
+        tolerance: IkTolerance,
+        enough: int,
+        max_iterations: int,
+        kernel: str = "",
+    ) -> tuple[_Verdicts, _Doubles, _Integers]: ...
+
 def lane_kernels() -> list[str]: ...

@@ -6,6 +6,7 @@ import numpy as np
 from jaxtyping import Bool, Float64
 from pydrake.common import Parallelism
 from pydrake.planning import CollisionCheckerParams, SceneGraphCollisionChecker
+from pydrake.systems.framework import Context
 
 from planning.domain import motion_samples
 from planning.domain.joints import JointGroup
@@ -72,11 +73,13 @@ class DrakeCollisionOracle:
 class DistanceProbe:
     """Measures signed distances of pairs of bodies; one context, one thread."""
 
-    def __init__(self, model: DrakeModel, margins: PairMargins) -> None:
-        """Make a context of its own."""
+    def __init__(
+        self, model: DrakeModel, margins: PairMargins, context: Context | None = None
+    ) -> None:
+        """Use a context of the model's diagram, or make one, which takes longer than a query."""
         self._model = model
         self._margins = margins
-        self._context = model.diagram.CreateDefaultContext()
+        self._context = model.diagram.CreateDefaultContext() if context is None else context
         self._plant_context = model.plant.GetMyMutableContextFromRoot(self._context)
         self._query_port = model.scene_graph.get_query_output_port()
         self._query_context = model.scene_graph.GetMyContextFromRoot(self._context)

@@ -15,10 +15,9 @@ from planning.kernel.native import native
 from planning.kernel.shape import ConvexShape, ShapeKind
 from planning.world.convex_shapes import convex_shape
 from planning.world.drake_model import DrakeModel
-from planning.world.link_tree import LinkTree, link_tree
+from planning.world.kernel_tree import add_tree, flat_transform
+from planning.world.link_tree import link_tree
 from planning.world.mesh_files import cache_folder
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # The kernel's numbers for kinds of shapes (shape.hpp).
 _KINDS = tuple(ShapeKind)
@@ -64,7 +63,7 @@ def kernel_scene(model: DrakeModel) -> KernelScene | None:
     None if there is no kernel, or if the model has a joint or a shape that it does not know: Drake
     alone answers then.
     """
-    module, tree = native(), link_tree(model.plant)
+    module, tree = native(), link_tree(model)
     if module is None or tree is None:
         return None
     inspector = model.scene_graph.model_inspector()
@@ -73,7 +72,7 @@ def kernel_scene(model: DrakeModel) -> KernelScene | None:
     if None in shapes:
         return None
     scene = module.Scene(model.plant.num_positions(), model.plant.num_velocities())
-    _add_links(scene, model, tree)
+    add_tree(scene, model, tree)
     owners: dict[GeometryId, Any] = {
         i: model.plant.GetBodyFromFrameId(inspector.GetFrameId(i)).index() for i in ids
     }
@@ -95,22 +94,6 @@ def kernel_scene(model: DrakeModel) -> KernelScene | None:
     )
 
 
-def _add_links(scene: Any, model: DrakeModel, tree: LinkTree) -> None:
-    for link in tree.links:
-        scene.add_link(
-            link.parent, _flat(link.X_PF), link.kind, link.axis, link.position, link.velocity
-        )
-    for c in model.couplings:
-        scene.add_follower(
-            c.follower_position,
-            c.leader_position,
-            c.follower_velocity,
-            c.leader_velocity,
-            c.multiplier,
-            c.offset,
-        )
-
-
 def _add_geometry(scene: Any, link: int, x_lg: RigidTransform, shape: ConvexShape) -> None:
     endless = shape.kind is ShapeKind.HALF_SPACE
     none = np.zeros((0, 4))
@@ -121,7 +104,7 @@ def _add_geometry(scene: Any, link: int, x_lg: RigidTransform, shape: ConvexShap
     )
     scene.add_geometry(
         link,
-        _flat(x_lg),
+        flat_transform(x_lg),
         _KINDS.index(shape.kind),
         shape.size,
         shape.vertices,
@@ -130,11 +113,6 @@ def _add_geometry(scene: Any, link: int, x_lg: RigidTransform, shape: ConvexShap
         covering.inner,
         covering.bound,
     )
-
-
-def _flat(x: RigidTransform) -> Array:
-    """Return R, row by row, and p: the kernel's way to write a transform, shape (12,)."""
-    return np.concatenate([x.rotation().matrix().ravel(), x.translation()])
 
 
 def _name(model: DrakeModel, body: BodyIndex) -> str:

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from typing import Any
+from weakref import WeakKeyDictionary
 
 import numpy as np
 from pydrake.math import RigidTransform
@@ -14,6 +15,9 @@ from pydrake.multibody.tree import (
     RevoluteJoint,
     WeldJoint,
 )
+from pydrake.planning import RobotDiagram
+
+from planning.world.drake_model import DrakeModel
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
@@ -56,8 +60,20 @@ class LinkTree:
     bodies: dict[int, tuple[int, RigidTransform]]
 
 
-def link_tree(plant: MultibodyPlant) -> LinkTree | None:
-    """Return the tree, or None if it has a joint of a kind that the kernel does not know."""
+_made: WeakKeyDictionary[RobotDiagram, LinkTree | None] = WeakKeyDictionary()
+
+
+def link_tree(model: DrakeModel) -> LinkTree | None:
+    """Return the tree of a model's plant, making it the first time only.
+
+    None if it has a joint of a kind that the kernel does not know.
+    """
+    if model.diagram not in _made:
+        _made[model.diagram] = _explore(model.plant)
+    return _made[model.diagram]
+
+
+def _explore(plant: MultibodyPlant) -> LinkTree | None:
     at_body: dict[int, list[Any]] = {}
     joints: list[Any] = [plant.get_joint(JointIndex(int(i))) for i in plant.GetJointIndices()]
     for joint in joints:

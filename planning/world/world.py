@@ -50,7 +50,8 @@ class World:
         self.library = library
         self.drake = drake
         self._robots = robots
-        self._judges: dict[tuple[str, PairMargins], CollisionJudge] = {}
+        self._judges: dict[tuple[Any, ...], CollisionJudge] = {}
+        self._limits: dict[tuple[str, ...], JointLimits] = {}
         self._robot_groups = [robot_groups(drake, loaded) for loaded in robots]
         self._groups = {
             group.name: group for own in self._robot_groups for group in own.groups.values()
@@ -87,7 +88,10 @@ class World:
 
     def limits(self, group: JointGroup) -> JointLimits:
         """Return what the group may do."""
-        return group_limits(self.drake, group, list(self._robots))
+        key = tuple(joint.name for joint in group.joints)
+        if key not in self._limits:
+            self._limits[key] = group_limits(self.drake, group, list(self._robots))
+        return self._limits[key]
 
     def configurations(self, group: JointGroup) -> dict[str, Array]:
         """Return the group's named configurations, each shape (nq,)."""
@@ -127,6 +131,22 @@ class World:
         plant.SetPositions(self._plant_context, full)
         return pose_of(self.drake.frames[name].CalcPoseInWorld(self._plant_context))
 
+    def frame_poses(
+        self, name: str, full: Float64[np.ndarray, "n num_positions"]
+    ) -> Float64[np.ndarray, "n 4 4"]:
+        """Return X_WF of a frame at each full configuration, as homogeneous transforms.
+
+        Raises:
+            UnknownName: There is no such frame.
+        """
+        self.require_frame(name)
+        plant, frame = self.drake.plant, self.drake.frames[name]
+        poses = np.empty((len(full), 4, 4))
+        for i, q in enumerate(full):
+            plant.SetPositions(self._plant_context, q)
+            poses[i] = frame.CalcPoseInWorld(self._plant_context).GetAsMatrix4()
+        return poses
+
     def embed(self, group: JointGroup, q: Float64[np.ndarray, "*n nq"]) -> Array:
         """Return full configurations with the group at q and all else as in the scene."""
         return self.drake.embed(group, q, self.state)
@@ -146,7 +166,7 @@ class World:
 
     def collision_oracle(self, group: JointGroup, margins: PairMargins) -> CollisionJudge:
         """Return a fast judge of the group's configurations; the same one for the same question."""
-        key = group.name, margins
+        key = group.name, margins.default, *margins.by_pair.items()
         if key not in self._judges:
             if len(self._judges) >= _MOST_JUDGES:
                 self._judges.pop(next(iter(self._judges)))
@@ -167,7 +187,8 @@ class World:
         self, group: JointGroup, q: Float64[np.ndarray, " nq"], margins: PairMargins
     ) -> tuple[BodyPair, ...]:
         """Return the pairs of bodies that are nearer than their margin, nearest first."""
-        return self.distance_probe(margins).violations(self.embed(group, q))
+        probe = DistanceProbe(self.drake, margins, self._context)
+        return probe.violations(self.embed(group, q))
 
     @property
     def summary(self) -> SceneSummary:

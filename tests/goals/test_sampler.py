@@ -1,53 +1,34 @@
 """Goal configurations: they reach, they are free, they are distinct, and the funnel adds up."""
 
-import time
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from planning.domain.deadline import Deadline
-from planning.domain.goal import PoseGoal, PoseTarget
 from planning.domain.joints import JointType
 from planning.domain.manifold import Manifold
 from planning.domain.options import IkOptions
 from planning.domain.pose import Pose
-from planning.domain.report import GoalConfigurations
 from planning.errors import GoalInCollision, GoalUnreachable
 from planning.goals.ranking import equivalents
-from planning.goals.sampler import GoalQuery, find_goals
-from planning.world.world import World
-from tests.conftest import bundled_world, group_of, limits_of
-
-EXACT = np.zeros(3)
+from tests.conftest import group_of, limits_of
+from tests.goals.conftest import ENGINES, ask, at, world_by
 
 
-def ask(
-    world: World, name: str, goal: PoseGoal, options: IkOptions | None = None, seed: int = 0
-) -> GoalConfigurations:
-    group = world.group(name)
-    query = GoalQuery(group, goal, world.positions(group), world.margins(), options or IkOptions())
-    return find_goals(world, query, np.random.default_rng(seed), Deadline.after(60, time.monotonic))
-
-
-def at(
-    pose: Pose, frame: str = "world", rotation: np.ndarray = EXACT, position: np.ndarray = EXACT
-) -> PoseGoal:
-    return PoseGoal((PoseTarget(pose, frame),), "", position, rotation)
-
-
+@ENGINES
 @given(seed=st.integers(0, 500))
-@settings(max_examples=6)
-def test_every_solution_reaches_and_is_free_in_limits_and_distinct(seed: int) -> None:
-    world = bundled_world("ur5e_pickup")
+@settings(max_examples=4)
+def test_every_solution_reaches_and_is_free_in_limits_and_distinct(engine: str, seed: int) -> None:
+    world = world_by("ur5e_pickup", engine)
     group = world.group("arm")
     rng = np.random.default_rng(seed)
     limits = world.limits(group)
     q = rng.uniform(-np.pi, np.pi, 6)
     target = world.frame_pose("arm::tcp", world.embed(group, q))
     try:
-        found = ask(world, "arm", at(target), IkOptions(max_trials=60), seed)
+        found = ask(world, "arm", at(target), IkOptions(max_trials=40), seed)
     except (GoalInCollision, GoalUnreachable):
         return  # a random pose may well be in the table
     for row in found.positions:
@@ -62,8 +43,9 @@ def test_every_solution_reaches_and_is_free_in_limits_and_distinct(seed: int) ->
     assert (np.diff(distances) >= -1e-9).all()
 
 
-def test_all_eight_branches_of_a_ur_are_found() -> None:
-    world = bundled_world("ur5e_pickup")
+@ENGINES
+def test_all_eight_branches_of_a_ur_are_found(engine: str) -> None:
+    world = world_by("ur5e_pickup", engine)
     found = ask(world, "arm", at(Pose.from_parts([0.45, 0.25, 0.45], rpy=[np.pi, 0, 0.3])))
     assert found.funnel.distinct == 8
 
@@ -71,19 +53,17 @@ def test_all_eight_branches_of_a_ur_are_found() -> None:
 def test_whole_turns_are_offered_within_limits() -> None:
     group = group_of(JointType.REVOLUTE, JointType.REVOLUTE, JointType.CONTINUOUS)
     limits = limits_of(group)
-    limits = type(limits)(**{
-        **limits.__dict__,
-        "lower": np.array([-2 * np.pi, -1, -np.inf]),
-        "upper": np.array([2 * np.pi, 1, np.inf]),
-    })
-    rows = equivalents(group, limits, np.array([1.0, 0.5, 0.2]))
+    lower, upper = np.array([-2 * np.pi, -1, -np.inf]), np.array([2 * np.pi, 1, np.inf])
+    limits = replace(limits, lower=lower, upper=upper)
+    rows, _ = equivalents(group, limits, np.array([[1.0, 0.5, 0.2]]))
     assert sorted(rows[:, 0]) == pytest.approx([1.0 - 2 * np.pi, 1.0])
     assert set(rows[:, 1]) == {0.5}
     assert set(rows[:, 2]) == {0.2}
 
 
-def test_a_free_axis_is_free_and_the_others_are_not() -> None:
-    world = bundled_world("ur5e_pickup")
+@ENGINES
+def test_a_free_axis_is_free_and_the_others_are_not(engine: str) -> None:
+    world = world_by("ur5e_pickup", engine)
     group = world.group("arm")
     target = Pose.from_parts([0.45, 0.25, 0.4], rpy=[np.pi, 0, 0])
     found = ask(world, "arm", at(target, rotation=np.array([0.0, 0.0, np.pi])), IkOptions(20, 80))
@@ -97,8 +77,9 @@ def test_a_free_axis_is_free_and_the_others_are_not() -> None:
     assert np.ptp(turns) > 0.5
 
 
-def test_position_tolerance_is_a_box_in_the_targets_axes() -> None:
-    world = bundled_world("ur5e_pickup")
+@ENGINES
+def test_position_tolerance_is_a_box_in_the_targets_axes(engine: str) -> None:
+    world = world_by("ur5e_pickup", engine)
     group = world.group("arm")
     box = np.array([0.05, 0.0, 0.0])
     target = Pose.from_parts([0.45, 0.2, 0.4], rpy=[np.pi, 0, 0.7])
@@ -109,8 +90,9 @@ def test_position_tolerance_is_a_box_in_the_targets_axes() -> None:
         assert (np.abs(error) <= box + 2e-6).all()
 
 
-def test_rejections_are_tallied_by_pair_and_the_funnel_narrows() -> None:
-    world = bundled_world("ur5e_pickup")
+@ENGINES
+def test_rejections_are_tallied_by_pair_and_the_funnel_narrows(engine: str) -> None:
+    world = world_by("ur5e_pickup", engine)
     funnel = ask(world, "arm", at(Pose.identity(), "pick")).funnel
     counts = [
         funnel.tried,
@@ -120,13 +102,15 @@ def test_rejections_are_tallied_by_pair_and_the_funnel_narrows() -> None:
         funnel.distinct,
     ]
     assert counts == sorted(counts, reverse=True)
-    assert sum(t.count for t in funnel.rejected_by) == funnel.within_limits - funnel.collision_free
+    rejected = funnel.within_limits - funnel.collision_free
+    assert sum(t.count for t in funnel.rejected_by) == min(rejected, 2)
     assert all(0 < t.min_depth <= t.max_depth for t in funnel.rejected_by)
     assert any("table" in t.bodies for t in funnel.rejected_by)
 
 
-def test_the_nearest_pose_is_not_beaten_by_random_tries() -> None:
-    world = bundled_world("ur5e_pickup")
+@ENGINES
+def test_the_nearest_pose_is_not_beaten_by_random_tries(engine: str) -> None:
+    world = world_by("ur5e_pickup", engine)
     group = world.group("arm")
     target = Pose.from_parts([1.3, 0.3, 0.4])
     with pytest.raises(GoalUnreachable) as refusal:
@@ -140,9 +124,10 @@ def test_the_nearest_pose_is_not_beaten_by_random_tries() -> None:
         assert shift**2 + (0.1 * turn) ** 2 >= cost - 1e-3
 
 
+@ENGINES
 @pytest.mark.parametrize(("scene", "name"), [("maze_2d", "body"), ("window_3d", "body")])
-def test_free_bodies_have_goals_too(scene: str, name: str) -> None:
-    world = bundled_world(scene)
+def test_free_bodies_have_goals_too(engine: str, scene: str, name: str) -> None:
+    world = world_by(scene, engine)
     group = world.group(name)
     frame = "exit" if scene == "maze_2d" else "beyond"
     found = ask(world, name, at(Pose.identity(), frame), IkOptions(10, 40))

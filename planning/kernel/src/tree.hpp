@@ -29,6 +29,7 @@ struct Follower {
   int follower_velocity, leader_velocity;
 };
 
+int num_positions(JointKind kind);
 Transform joint_transform(const Link& link, const double* q);
 
 // Everything that moves, the world excluded. A link comes after its parent.

@@ -1,0 +1,30 @@
+"""GoalQuery: what the goals stage is asked."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float64
+
+from planning.domain.goal import Goal
+from planning.domain.joints import JointGroup
+from planning.domain.options import IkOptions
+from planning.world.margins import PairMargins
+
+
+@dataclass(frozen=True)
+class GoalQuery:
+    """What the stage is asked.
+
+    Attributes:
+        group: Whose configurations are wanted.
+        goal: What they shall reach.
+        start: The group's q, shape (nq,); nearness is measured from here.
+        margins: The distances to keep.
+        options: How hard to look.
+    """
+
+    group: JointGroup
+    goal: Goal
+    start: Float64[np.ndarray, " nq"]
+    margins: PairMargins
+    options: IkOptions

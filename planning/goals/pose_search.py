@@ -1,0 +1,125 @@
+"""The sampler over the targets of a pose goal: seeds, solutions, and which of them remain."""
+
+from typing import Any
+
+import numpy as np
+
+from planning.domain.deadline import Deadline
+from planning.domain.manifold import Manifold
+from planning.domain.report import Funnel, PairTally
+from planning.goals.goal_query import GoalQuery
+from planning.goals.pose_solvers import PoseSolver
+from planning.goals.ranking import Distinct
+from planning.goals.seeds import Seeds
+from planning.goals.start import clip_dust, within_limits
+from planning.world.world import World
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
+type Flags = np.ndarray[Any, np.dtype[np.bool_]]
+type Indices = np.ndarray[Any, np.dtype[np.int64]]
+
+# So many converged free solutions in a row that were known already: there are no more.
+_PATIENCE = 40
+
+
+class PoseSearch:
+    """One run of the sampler.
+
+    Every seed is tried on every target, in turn. What is found does not depend on how many seeds
+    the solver takes at once.
+
+    Attributes:
+        found: The distinct free solutions so far.
+        colliding: Solutions within limits that are nearer to something than its margin.
+    """
+
+    def __init__(
+        self,
+        world: World,
+        query: GoalQuery,
+        num_targets: int,
+        solver: PoseSolver,
+        rng: np.random.Generator,
+        deadline: Deadline,
+    ) -> None:
+        """Prepare to search."""
+        self._world = world
+        self._query = query
+        self._num_targets = num_targets
+        self._solver = solver
+        self._deadline = deadline
+        self._limits = world.limits(query.group)
+        self._oracle = world.collision_oracle(query.group, query.margins)
+        self._seeds = Seeds(query.group, self._limits, query.start, rng)
+        self._drawn = self._seeds.take(0)
+        self._tried = self._converged = self._within = self._free = self._repeats = 0
+        self._manifold = Manifold(query.group.joints)
+        self.found = Distinct(query.group, self._manifold)
+        self.colliding: list[Array] = []
+
+    def run(self) -> None:
+        """Try seeds until there is enough, or no hope or time for more."""
+        while not self._is_done():
+            seeds, targets = self._next()
+            # Some will collide, and some be the same.
+            enough = 2 * (self._query.options.max_configurations - len(self.found))
+            converged, q = self._solver.solve(seeds, targets, enough)
+            self._admit(converged, q, targets[: len(q)])
+
+    def funnel(self, rejected_by: tuple[PairTally, ...]) -> Funnel:
+        """Return how many got how far."""
+        return Funnel(
+            self._tried,
+            self._converged,
+            self._within,
+            self._free,
+            len(self.found),
+            rejected_by,
+        )
+
+    def _is_done(self) -> bool:
+        options = self._query.options
+        return (
+            self._tried >= options.max_trials
+            or len(self.found) >= options.max_configurations
+            or self._repeats >= _PATIENCE
+            or self._deadline.is_over
+        )
+
+    def _next(self) -> tuple[Array, Indices]:
+        """Return the seeds to try next, and the target of each."""
+        count = min(self._solver.num_at_once, self._query.options.max_trials - self._tried)
+        seeds, targets = np.divmod(np.arange(self._tried, self._tried + count), self._num_targets)
+        missing = int(seeds[-1]) + 1 - len(self._drawn)
+        if missing > 0:
+            self._drawn = np.concatenate([self._drawn, self._seeds.take(missing)])
+        return self._drawn[seeds], targets
+
+    def _admit(self, converged: Flags, q: Array, targets: Indices) -> None:
+        """Count and keep what was found, in the order of the seeds, until there is enough."""
+        q = clip_dust(self._limits, self._manifold, q)
+        within = converged & within_limits(self._limits, q)
+        free, is_new = np.zeros_like(within), np.zeros_like(within)
+        free[within] = self._oracle.are_free(q[within])
+        is_new[free] = self.found.are_new(q[free], targets[free])
+        end = self._end(free, is_new)
+        self._tried += end
+        self._converged += int(converged[:end].sum())
+        self._within += int(within[:end].sum())
+        self._free += int(free[:end].sum())
+        self.colliding += list(q[:end][(within & ~free)[:end]])
+        kept = is_new[:end]
+        self.found.add(q[:end][kept], targets[:end][kept])
+
+    def _end(self, free: Flags, is_new: Flags) -> int:
+        """Return how many of the rows count: up to the one that ends the search."""
+        found = len(self.found)
+        for i in np.flatnonzero(free):
+            if is_new[i]:
+                found += 1
+                self._repeats = 0
+            else:
+                self._repeats += 1
+            if found >= self._query.options.max_configurations or self._repeats >= _PATIENCE:
+                return int(i) + 1
+        return len(free)

@@ -1,0 +1,127 @@
+"""From seeds to configurations that reach a pose: by the kernel, many at once, or by Drake."""
+
+from functools import cached_property
+from typing import Any, Protocol, runtime_checkable
+
+import numpy as np
+from jaxtyping import Bool, Float64, Int64
+
+from planning.domain.deadline import Deadline
+from planning.domain.joints import JointGroup
+from planning.goals.ik_program import IkProgram
+from planning.goals.tool_target import ToolTarget
+from planning.kernel.native import native
+from planning.world.kernel_tree import kernel_chain
+from planning.world.world import World
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
+type Flags = np.ndarray[Any, np.dtype[np.bool_]]
+type Indices = np.ndarray[Any, np.dtype[np.int64]]
+
+_MAX_ITERATIONS = 30
+
+
+@runtime_checkable
+class PoseSolver(Protocol):
+    """Solves for some targets of one tool frame; targets are named by index.
+
+    Attributes:
+        num_at_once: How many seeds are worth handing over together.
+    """
+
+    num_at_once: int
+
+    def solve(
+        self,
+        seeds: Float64[np.ndarray, "n nq"],
+        targets: Int64[np.ndarray, " n"],
+        enough: int,
+    ) -> tuple[Bool[np.ndarray, " m"], Float64[np.ndarray, "m nq"]]:
+        """Solve from seed after seed until `enough` have converged; m <= n were tried.
+
+        Returns:
+            Whether each seed converged to its target within tolerance, and to what.
+        """
+        ...
+
+
+class DrakePoseSolver:
+    """Drake's InverseKinematics, seed by seed."""
+
+    num_at_once = 1
+
+    def __init__(
+        self, world: World, group: JointGroup, targets: list[ToolTarget], deadline: Deadline
+    ) -> None:
+        """Solve no more once the deadline is over."""
+        self._arguments = world, group
+        self._targets = targets
+        self._deadline = deadline
+
+    def solve(
+        self,
+        seeds: Float64[np.ndarray, "n nq"],
+        targets: Int64[np.ndarray, " n"],
+        enough: int,
+    ) -> tuple[Flags, Array]:
+        """As PoseSolver says."""
+        found: list[Array | None] = []
+        for seed, target in zip(seeds, targets, strict=True):
+            if enough <= sum(q is not None for q in found) or self._deadline.is_over:
+                break
+            found.append(self._programs[int(target)].solve(seed))
+        tried = len(found)
+        q = np.array([s if q is None else q for s, q in zip(seeds[:tried], found, strict=True)])
+        converged = np.array([q is not None for q in found], dtype=bool)
+        return converged, q.reshape(tried, seeds.shape[1])
+
+    @cached_property
+    def _programs(self) -> list[IkProgram]:
+        return [IkProgram(*self._arguments, target) for target in self._targets]
+
+
+class KernelPoseSolver:
+    """The native kernel's Levenberg-Marquardt, as many seeds at once as a register holds."""
+
+    num_at_once = 320
+
+    def __init__(
+        self, world: World, group: JointGroup, targets: list[ToolTarget], chain: Any
+    ) -> None:
+        """Prepare for targets of the frame that the kernel's chain leads to."""
+        self._chain = chain
+        limits = world.limits(group)
+        self._bounds = limits.lower, limits.upper
+        poses = [target.pose.matrix for target in targets]
+        self._targets = np.array([np.append(x[:3, :3].ravel(), x[:3, 3]) for x in poses])
+        module: Any = native()
+        rest = targets[0].rotation_freedom
+        self._tolerance = module.IkTolerance(
+            targets[0].position_tolerance, rest.kind, rest.axis, rest.bound
+        )
+
+    def solve(
+        self,
+        seeds: Float64[np.ndarray, "n nq"],
+        targets: Int64[np.ndarray, " n"],
+        enough: int,
+    ) -> tuple[Flags, Array]:
+        """As PoseSolver says."""
+        converged, q, _ = self._chain.solve(
+            np.ascontiguousarray(seeds),
+            targets,
+            self._targets,
+            *self._bounds,
+            self._tolerance,
+            enough,
+            _MAX_ITERATIONS,
+        )
+        return converged.astype(bool), q
+
+
+def kernel_pose_solver(
+    world: World, group: JointGroup, targets: list[ToolTarget]
+) -> KernelPoseSolver | None:
+    """Return the kernel's solver, or None if there is no kernel for this world."""
+    chain = kernel_chain(world.drake, group, world.state, targets[0].frame)
+    return None if chain is None else KernelPoseSolver(world, group, targets, chain)

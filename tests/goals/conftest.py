@@ -1,0 +1,53 @@
+"""Worlds whose inverse kinematics is the kernel's, and the same with Drake's."""
+
+import time
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import planning
+from planning.domain.deadline import Deadline
+from planning.domain.goal import PoseGoal, PoseTarget
+from planning.domain.options import IkOptions
+from planning.domain.pose import Pose
+from planning.domain.report import GoalConfigurations
+from planning.goals.sampler import GoalQuery, find_goals
+from planning.kernel.native import native
+from planning.world.world import World
+
+EXACT = np.zeros(3)
+ENGINES = pytest.mark.parametrize("engine", ["kernel", "drake"])
+
+
+def with_engine(world: World, engine: str) -> World:
+    """Let the kernel or Drake answer in a world that nobody else has."""
+    if engine == "kernel" and native() is None:
+        pytest.skip("the native kernel is not built")
+    world.drake = replace(world.drake, uses_kernel=engine == "kernel")
+    return world
+
+
+@cache
+def world_by(name: str, engine: str) -> World:
+    """Return a bundled scene whose inverse kinematics is the kernel's or Drake's."""
+    path: Path = planning.bundled_folder("scenes") / f"{name}.scene.yaml"
+    return with_engine(planning.load_world(planning.read_scene(path)), engine)
+
+
+def ask(
+    world: World, name: str, goal: PoseGoal, options: IkOptions | None = None, seed: int = 0
+) -> GoalConfigurations:
+    """Return the goal configurations of a group that is where the scene puts it."""
+    group = world.group(name)
+    query = GoalQuery(group, goal, world.positions(group), world.margins(), options or IkOptions())
+    return find_goals(world, query, np.random.default_rng(seed), Deadline.after(60, time.monotonic))
+
+
+def at(
+    pose: Pose, frame: str = "world", rotation: np.ndarray = EXACT, position: np.ndarray = EXACT
+) -> PoseGoal:
+    """Return the goal of one pose of the default tool frame."""
+    return PoseGoal((PoseTarget(pose, frame),), "", position, rotation)

@@ -1,0 +1,183 @@
+"""The kernel's way to a goal and Drake's: other numbers, the same kind of answer."""
+
+import time
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import planning
+from planning.domain.deadline import Deadline
+from planning.domain.goal import JointGoal, PoseGoal, PoseTarget
+from planning.domain.options import IkOptions
+from planning.domain.pose import Pose
+from planning.domain.report import Funnel
+from planning.errors import Canceled, DeadlineExceeded, GoalInCollision, GoalUnreachable
+from planning.goals.pose_solvers import KernelPoseSolver
+from planning.goals.sampler import GoalQuery, find_goals
+from planning.goals.start import admit_start
+from planning.world.world import World
+from tests.goals.conftest import ENGINES, EXACT, ask, at, with_engine, world_by
+
+DOWN = Pose.from_parts([0.45, 0.25, 0.45], rpy=[np.pi, 0, 0.3])
+
+
+def assert_narrows(funnel: Funnel) -> None:
+    counts = [
+        funnel.tried,
+        funnel.converged,
+        funnel.within_limits,
+        funnel.collision_free,
+        funnel.distinct,
+    ]
+    assert counts == sorted(counts, reverse=True)
+
+
+@ENGINES
+def test_the_same_question_has_the_same_answer(engine: str) -> None:
+    world = world_by("panda_shelf", engine)
+    group = world.groups[0]
+    target = world.frame_pose(group.tool_frames[0], world.state)
+    first, again = (ask(world, group.name, at(target), IkOptions(10, 30)) for _ in range(2))
+    assert first == again
+    assert ask(world, group.name, at(target), IkOptions(10, 30), seed=1) != first
+
+
+@ENGINES
+def test_options_end_the_search(engine: str) -> None:
+    world = world_by("panda_shelf", engine)
+    group = world.groups[0]
+    target = world.frame_pose(group.tool_frames[0], world.state)
+    few = ask(world, group.name, at(target), IkOptions(max_configurations=3))
+    assert len(few.positions) == few.funnel.distinct == 3
+    assert_narrows(few.funnel)
+    # The seed that found the third was the last one tried.
+    again = IkOptions(max_configurations=3, max_trials=few.funnel.tried - 1)
+    assert ask(world, group.name, at(target), again).funnel.distinct == 2
+    short = ask(world, group.name, at(target), IkOptions(max_trials=7))
+    assert short.funnel.tried == 7
+
+
+@ENGINES
+def test_every_target_is_tried_and_named(engine: str) -> None:
+    world = world_by("ur5e_pickup", engine)
+    group = world.group("arm")
+    poses = [Pose.from_parts([0.45, y, 0.45], rpy=[np.pi, 0, 0.3]) for y in (0.25, -9.0, 0.1)]
+    goal = PoseGoal(tuple(PoseTarget(pose) for pose in poses), "", EXACT, EXACT)
+    found = ask(world, "arm", goal, IkOptions(max_trials=90))
+    assert set(found.target_indices) == {0, 2}
+    for q, index in zip(found.positions, found.target_indices, strict=True):
+        reached = world.frame_pose("arm::tcp", world.embed(group, q))
+        assert max(reached.distance(poses[index])) < 2e-6
+
+
+@ENGINES
+def test_a_goal_inside_the_table_says_that_it_collides(engine: str) -> None:
+    world = world_by("ur5e_pickup", engine)
+    inside = Pose.from_parts([0.45, 0.25, 0.0], rpy=[np.pi, 0, 0.3])
+    with pytest.raises(GoalInCollision) as refusal:
+        ask(world, "arm", at(inside), IkOptions(max_trials=40))
+    funnel = refusal.value.evidence["funnel"]
+    assert funnel["collision_free"] == 0
+    assert sum(entry["count"] for entry in funnel["rejected_by"]) == funnel["within_limits"] > 0
+
+
+@ENGINES
+def test_out_of_reach_says_what_is_nearest(engine: str) -> None:
+    world = world_by("panda_shelf", engine)
+    with pytest.raises(GoalUnreachable) as refusal:
+        ask(world, world.groups[0].name, at(Pose.from_parts([3.0, 0, 0.5])), IkOptions(5, 40))
+    assert refusal.value.evidence["funnel"]["tried"] == 40
+    assert refusal.value.evidence["funnel"]["converged"] == 0
+    assert 1.5 < refusal.value.evidence["nearest"]["translation_error"] < 3.0
+
+
+@ENGINES
+def test_time_and_patience_of_others_end_it(engine: str) -> None:
+    world = world_by("panda_shelf", engine)
+    group = world.groups[0]
+    goal = at(world.frame_pose(group.tool_frames[0], world.state))
+    query = GoalQuery(group, goal, world.positions(group), world.margins(), IkOptions())
+    rng = np.random.default_rng(0)
+    with pytest.raises(DeadlineExceeded):
+        find_goals(world, query, rng, Deadline.after(0.0, time.monotonic))
+    with pytest.raises(Canceled):
+        find_goals(world, query, rng, Deadline.after(9.0, time.monotonic, lambda: True))
+
+
+def test_how_many_seeds_are_taken_at_once_does_not_matter(monkeypatch: Any) -> None:
+    world = world_by("ur5e_pickup", "kernel")
+    answers = []
+    for at_once in (1, 7, 320):
+        monkeypatch.setattr(KernelPoseSolver, "num_at_once", at_once)
+        answers.append(ask(world, "arm", at(DOWN), IkOptions(6, 200)))
+    assert answers[0] == answers[1] == answers[2]
+
+
+def test_what_drake_refutes_is_asked_of_drake(monkeypatch: Any) -> None:
+    world = world_by("ur5e_pickup", "kernel")
+
+    def claim(_: object, seeds: np.ndarray, *_rest: object) -> tuple[np.ndarray, np.ndarray]:
+        return np.ones(len(seeds), dtype=bool), np.array(seeds)
+
+    monkeypatch.setattr(KernelPoseSolver, "solve", claim)
+    found = ask(world, "arm", at(DOWN), IkOptions(4, 60))
+    expected = ask(world_by("ur5e_pickup", "drake"), "arm", at(DOWN), IkOptions(4, 60))
+    assert found == expected
+
+
+@ENGINES
+def test_frames_that_follow_are_led_there(engine: str, tmp_path: Path) -> None:
+    """The second slider goes twice as far as the first, plus 0.1 m."""
+    world = with_engine(follower_world(tmp_path), engine)
+    group = world.groups[0]
+    assert [joint.name for joint in group.joints] == ["slide::lead"]
+    target = Pose.from_parts([0.1 + 3 * 0.25, 0.0, 0.0])
+    goal = replace(at(target, rotation=np.full(3, np.pi)), frame="slide::tool")
+    found = ask(world, group.name, goal, IkOptions(5, 20))
+    assert found.positions[0] == pytest.approx([0.25], abs=1e-8)
+    far = replace(goal, targets=(PoseTarget(Pose.from_parts([9.0, 0.0, 0.0])),))
+    with pytest.raises(GoalUnreachable) as refusal:
+        ask(world, group.name, far, IkOptions(5, 20))
+    nearest = refusal.value.evidence["nearest"]
+    assert nearest["position"][0] == pytest.approx(0.1 + 3 * 0.5, abs=1e-3)
+
+
+@ENGINES
+def test_what_is_free_needs_no_distances(engine: str, monkeypatch: Any) -> None:
+    world = world_by("panda_shelf", engine)
+    group = world.groups[0]
+    q = world.positions(group)
+
+    def refuse(*_: object) -> None:
+        pytest.fail("distances were measured though nothing is wrong")
+
+    monkeypatch.setattr(World, "violations", refuse)
+    start, _ = admit_start(world, group, q, world.margins())
+    query = GoalQuery(group, JointGoal(q[None]), start, world.margins(), IkOptions())
+    deadline = Deadline.after(9.0, time.monotonic)
+    found = find_goals(world, query, np.random.default_rng(0), deadline)
+    np.testing.assert_array_equal(found.positions, q[None])
+
+
+SLIDERS = """<robot name="slide"><link name="base"/><link name="a"/><link name="tool"/>
+<joint name="lead" type="prismatic"><parent link="base"/><child link="a"/><axis xyz="1 0 0"/>
+<limit lower="-0.5" upper="0.5" effort="1" velocity="1"/></joint>
+<joint name="follow" type="prismatic"><parent link="a"/><child link="tool"/><axis xyz="1 0 0"/>
+<limit lower="-2" upper="2" effort="1" velocity="1"/>
+<mimic joint="lead" multiplier="2" offset="0.1"/></joint></robot>"""
+
+
+def follower_world(folder: Path) -> World:
+    home = folder / "slide"
+    home.mkdir()
+    (home / "slide.urdf").write_text(SLIDERS)
+    (home / "robot.yaml").write_text(
+        "name: slide\nfile: slide.urdf\nbase: base\ndefault_group: all\n"
+        "groups: {all: {joints: [lead], tool_frames: [tool]}}\n"
+        "limits: {lead: {velocity: 1.0, acceleration: 1.0}}\n"
+    )
+    scene = planning.parse_scene({"name": "s", "robots": [{"name": "slide", "model": "slide"}]})
+    return planning.load_world(scene, planning.ModelLibrary((folder,), allow_paths=False))

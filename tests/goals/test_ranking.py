@@ -1,0 +1,58 @@
+"""Which solutions are the same."""
+
+import numpy as np
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from planning.domain.joints import JointType
+from planning.domain.manifold import Manifold
+from planning.goals.ranking import Distinct
+from tests.conftest import group_of
+
+KINDS = (
+    JointType.REVOLUTE,
+    JointType.CONTINUOUS,
+    JointType.PRISMATIC,
+    JointType.PLANAR,
+    JointType.FLOATING,
+)
+
+
+@given(
+    seed=st.integers(0, 2**32 - 1),
+    kinds=st.lists(st.sampled_from(KINDS), min_size=1, max_size=4),
+    num_places=st.integers(1, 12),
+)
+@settings(max_examples=60)
+def test_rows_are_new_unless_they_repeat_one_before(
+    seed: int, kinds: list[JointType], num_places: int
+) -> None:
+    """Places are far apart; each row is one of them, with dust and whole turns."""
+    rng = np.random.default_rng(seed)
+    group = group_of(*kinds)
+    manifold = Manifold(group.joints)
+    zero = np.zeros(group.num_positions)
+    turning = np.zeros(group.num_positions)
+    begin = 0
+    for joint in group.joints:
+        zero[begin] = 1.0 if joint.type is JointType.FLOATING else 0.0
+        if joint.type in (JointType.REVOLUTE, JointType.CONTINUOUS):
+            turning[begin] = 1.0
+        if joint.type is JointType.PLANAR:
+            turning[begin + 2] = 1.0
+        begin += len(joint.position_names)
+    places = manifold.plus(zero[None], rng.normal(size=(num_places, manifold.num_velocities)))
+    choice, targets = rng.integers(num_places, size=40), rng.integers(2, size=40)
+    dust = rng.uniform(-1e-4, 1e-4, (40, manifold.num_velocities))
+    rows = manifold.plus(places[choice], dust)
+    rows += turning * 2 * np.pi * rng.integers(-1, 2, rows.shape)
+    distinct = Distinct(group, manifold)
+    seen: set[tuple[int, int]] = set()
+    for part in np.array_split(np.arange(40), 3):
+        are_new = distinct.are_new(rows[part], targets[part])
+        distinct.add(rows[part][are_new], targets[part][are_new])
+        for i, is_new in zip(part, are_new, strict=True):
+            place = int(choice[i]), int(targets[i])
+            assert is_new == (place not in seen)
+            seen.add(place)
+    assert len(distinct) == len(seen)
