@@ -7,4 +7,5 @@ NB_MODULE(_native, m) {
   m.doc() = "Native collision bounds and kinematics; see planning/kernel.";
   wayproof::bind_scene(m);
   wayproof::bind_checker(m);
+  wayproof::bind_prover(m);
 }
