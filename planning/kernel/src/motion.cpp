@@ -8,6 +8,9 @@
 namespace wayproof {
 namespace {
 
+// A row more is worth while it brings points nearer than this share of the polyline's length.
+constexpr double fine = 0.02;
+
 double binomial(int n, int k) {
   double c = 1;
   for (int i = 1; i <= k; ++i) c = c * (n - k + i) / i;
@@ -30,7 +33,54 @@ double norm_of(const double* x, int size) {
   return std::sqrt(square);
 }
 
+// The square of a point's distance from the chord of two others, whose difference to it goes to `away`.
+double distance_from_chord(const double* x, const double* a, const double* b, int size, double* away) {
+  double along = 0, square = 0, total = 0;
+  for (int v = 0; v < size; ++v) along += (x[v] - a[v]) * (b[v] - a[v]), square += (b[v] - a[v]) * (b[v] - a[v]);
+  const double s = square > 0 ? std::clamp(along / square, 0.0, 1.0) : 0;
+  for (int v = 0; v < size; ++v) away[v] = x[v] - (a[v] + s * (b[v] - a[v])), total += away[v] * away[v];
+  return total;
+}
+
 }  // namespace
+
+// Ramer, Douglas and Peucker's way: the worst point becomes a row.
+void simplify(const std::vector<double>& points, int count, int size, std::vector<double>& rows, double* residual,
+              int most_rows) {
+  const auto point = [&](int i) { return &points[static_cast<std::size_t>(i) * size]; };
+  struct Chord {
+    int first, last, worst;
+    double square;
+  };
+  std::vector<double> away(size);
+  const auto chord = [&](int first, int last) {
+    Chord c{first, last, -1, 0};
+    for (int i = first + 1; i < last; ++i)
+      if (const double square = distance_from_chord(point(i), point(first), point(last), size, away.data()); square > c.square)
+        c.square = square, c.worst = i;
+    return c;
+  };
+  std::vector<Chord> chords{chord(0, count - 1)};
+  double length = distance_from_chord(point(count - 1), point(0), point(0), size, away.data());
+  while (static_cast<int>(chords.size()) + 1 < most_rows) {
+    const auto worst = std::max_element(chords.begin(), chords.end(), [](const Chord& a, const Chord& b) { return a.square < b.square; });
+    length = std::max(length, worst->square);
+    if (worst->square <= fine * fine * length) break;
+    const Chord c = *worst;
+    *worst = chord(c.first, c.worst);
+    chords.push_back(chord(c.worst, c.last));
+  }
+  rows.assign(point(0), point(0) + size);
+  std::vector<double> added(size, 0.0);
+  for (const Chord& c : chords) {
+    rows.insert(rows.end(), point(c.last), point(c.last) + size);
+    for (int i = c.first + 1; i < c.last; ++i) {
+      distance_from_chord(point(i), point(c.first), point(c.last), size, away.data());
+      for (int v = 0; v < size; ++v) added[v] = std::max(added[v], std::abs(away[v]));
+    }
+  }
+  for (int v = 0; v < size; ++v) residual[v] += added[v];
+}
 
 Motion::Motion(const Tree& tree, const Group& group, std::vector<double> breaks, std::vector<double> bases,
                std::vector<double> coefficients, int terms)
@@ -90,6 +140,31 @@ Motion::Motion(const Tree& tree, const Group& group, std::vector<double> breaks,
       ball_strays_.push_back(stray);
     }
   }
+  bound_chords();
+}
+
+// Of a ball, whose coordinates begin anew with every piece, points and residuals are zero.
+void Motion::bound_chords() {
+  const int n = num_pieces();
+  points_.assign(static_cast<std::size_t>(n + 1) * nv_, 0);
+  residuals_.assign(static_cast<std::size_t>(n) * nv_, 0);
+  for (int p = 0; p < n; ++p) {
+    const double *b = &bernstein_[static_cast<std::size_t>(p) * terms_ * nv_], *base = &bases_[static_cast<std::size_t>(p) * nq_];
+    double* residual = &residuals_[static_cast<std::size_t>(p) * nv_];
+    std::vector<double> control(terms_ * nv_, 0.0), ends;
+    for (auto [q, v] : plain_) {
+      for (int i = 0; i < terms_; ++i) control[i * nv_ + v] = base[q] + b[i * nv_ + v];
+      points_[static_cast<std::size_t>(p) * nv_ + v] = control[v];
+    }
+    simplify(control, terms_, nv_, ends, residual, 2);
+    double* next = &points_[static_cast<std::size_t>(p + 1) * nv_];
+    for (auto [q, v] : plain_) {
+      const double end = control[(terms_ - 1) * nv_ + v];
+      const double begin = p + 1 < n ? bases_[static_cast<std::size_t>(p + 1) * nq_ + q] + bernstein_[static_cast<std::size_t>(p + 1) * terms_ * nv_ + v] : end;
+      residual[v] += std::abs(begin - end);
+      next[v] = begin;
+    }
+  }
 }
 
 void Motion::plus(const double* base, const double* delta, double* q) const {
@@ -137,54 +212,57 @@ Segment Motion::half(const Segment& segment, int which) const {
 }
 
 void Motion::enter(const Segment& segment, Strays& out) const {
-  const int middle = (segment.first + segment.last) / 2, pieces = segment.last - segment.first;
   out.q.resize(nq_);
-  out.num_rows = pieces * terms_;
-  out.rows.resize(static_cast<std::size_t>(out.num_rows) * nv_);
+  out.residual.assign(nv_, 0);
   out.block.assign(blocks_.size(), 0);
-  out.column.assign(nv_, 0);
-  if (segment.is_part()) {
-    std::vector<double> left(segment.control.size()), right(segment.control.size());
-    split(segment.control.data(), terms_, nv_, left.data(), right.data());
-    plus(&bases_[static_cast<std::size_t>(middle) * nq_], right.data(), out.q.data());
-    for (int i = 0; i < terms_; ++i)
-      for (int v = 0; v < nv_; ++v) out.rows[i * nv_ + v] = segment.control[i * nv_ + v] - right[v];
-    measure(out);
-  } else {
-    const double* center = &centers_[static_cast<std::size_t>(middle) * nq_];
-    std::copy(center, center + nq_, out.q.data());
-    double* row = out.rows.data();
-    for (int p = segment.first; p < segment.last; ++p) {
-      const double *b = &bernstein_[static_cast<std::size_t>(p) * terms_ * nv_],
-                   *mid = &middles_[static_cast<std::size_t>(p) * nv_], *q = &centers_[static_cast<std::size_t>(p) * nq_];
-      for (int i = 0; i < terms_; ++i, row += nv_, b += nv_) {
-        for (auto [iq, v] : plain_) row[v] = (q[iq] - center[iq]) + (b[v] - mid[v]);
-        for (const Ball& ball : balls_) row[ball.column] = row[ball.column + 1] = row[ball.column + 2] = 0;
-      }
-    }
-    measure(out);
-    // A floating joint turns by no more than its tangent moves: exp is 1-Lipschitz from R^3 to SO(3).
-    for (std::size_t k = 0; k < balls_.size(); ++k)
-      for (int p = segment.first; p < segment.last; ++p) {
-        double& stray = out.block[block_of_[balls_[k].column]];
-        stray = std::max(stray, angle(balls_[k], &centers_[static_cast<std::size_t>(p) * nq_], center) +
-                                    ball_strays_[p * balls_.size() + k]);
-      }
-  }
-  for (const Ball& ball : balls_)
-    for (int i = 0; i < out.num_rows; ++i)
-      for (int k = 0; k < 3; ++k) out.rows[i * nv_ + ball.column + k] = 0;
+  segment.is_part() ? enter_part(segment, out) : enter_range(segment, out);
+  out.num_rows = static_cast<int>(out.rows.size()) / nv_;
 }
 
-void Motion::measure(Strays& out) const {
-  for (int i = 0; i < out.num_rows; ++i) {
-    const double* row = &out.rows[i * nv_];
-    for (int v = 0; v < nv_; ++v) out.column[v] = std::max(out.column[v], std::abs(row[v]));
-    for (std::size_t b = 0; b < blocks_.size(); ++b)
-      if (blocks_[b].size > 1) out.block[b] = std::max(out.block[b], norm_of(row + blocks_[b].column, blocks_[b].size));
+void Motion::enter_part(const Segment& segment, Strays& out) const {
+  const int size = terms_ * nv_;
+  std::vector<double> left(size), middle(size);
+  split(segment.control.data(), terms_, nv_, left.data(), middle.data());
+  plus(&bases_[static_cast<std::size_t>(segment.first) * nq_], middle.data(), out.q.data());
+  for (int i = 0; i < terms_; ++i)
+    for (int v = 0; v < nv_; ++v) left[i * nv_ + v] = segment.control[i * nv_ + v] - middle[v];
+  for (int i = 0; i < terms_; ++i) bound_blocks(&left[i * nv_], out.residual.data(), out);
+  for (const Ball& ball : balls_)
+    for (int i = 0; i < terms_; ++i) std::fill_n(&left[i * nv_ + ball.column], 3, 0.0);
+  simplify(left, terms_, nv_, out.rows, out.residual.data());
+}
+
+void Motion::enter_range(const Segment& segment, Strays& out) const {
+  const int first = segment.first, count = segment.last - segment.first;
+  const int middle = (segment.first + segment.last) / 2;
+  const double* center = &centers_[static_cast<std::size_t>(middle) * nq_];
+  std::copy(center, center + nq_, out.q.data());
+  std::vector<double> points(points_.begin() + first * nv_, points_.begin() + (segment.last + 1) * nv_);
+  for (auto [q, v] : plain_)
+    for (int i = 0; i <= count; ++i) points[i * nv_ + v] -= center[q];
+  for (int i = 0; i < count; ++i) {
+    const double* residual = &residuals_[static_cast<std::size_t>(first + i) * nv_];
+    bound_blocks(&points[i * nv_], residual, out);
+    bound_blocks(&points[(i + 1) * nv_], residual, out);
+    for (int v = 0; v < nv_; ++v) out.residual[v] = std::max(out.residual[v], residual[v]);
   }
-  for (std::size_t b = 0; b < blocks_.size(); ++b)
-    if (blocks_[b].size == 1) out.block[b] = out.column[blocks_[b].column];
+  simplify(points, count + 1, nv_, out.rows, out.residual.data());
+  // A floating joint turns by no more than its tangent moves: exp is 1-Lipschitz from R^3 to SO(3).
+  for (std::size_t k = 0; k < balls_.size(); ++k)
+    for (int p = first; p < segment.last; ++p) {
+      double& stray = out.block[block_of_[balls_[k].column]];
+      stray = std::max(stray, angle(balls_[k], &centers_[static_cast<std::size_t>(p) * nq_], center) +
+                                  ball_strays_[p * balls_.size() + k]);
+    }
+}
+
+void Motion::bound_blocks(const double* point, const double* residual, Strays& out) const {
+  for (std::size_t b = 0; b < blocks_.size(); ++b) {
+    const auto [column, size, ball] = blocks_[b];
+    const double bound = size == 1 ? std::abs(point[column]) + residual[column]
+                                   : norm_of(point + column, size) + norm_of(residual + column, size);
+    out.block[b] = std::max(out.block[b], bound);
+  }
 }
 
 // |a - b| = 2 sin(angle / 4) of unit quaternions, for the nearer of b and -b: well conditioned.

@@ -1,8 +1,10 @@
 // Motion: q(t) = base_i [+] delta_i(t), and segments of it with how far the joints stray within each.
 //
 // A polynomial stays in the convex hull of its Bernstein coefficients, all coordinates at once (Farouki,
-// "The Bernstein polynomial basis: a centennial retrospective", 2012, section 3). So on a segment the
-// displacement of the group's coordinates from its centre is always a convex combination of some rows.
+// "The Bernstein polynomial basis: a centennial retrospective", 2012, section 3). Points near a line need no
+// more than its ends: the coefficients of a piece become a chord and a residual per coordinate, and the chords of
+// a segment a polyline of few rows. So on a segment the displacement of the group's coordinates from its centre
+// is always a convex combination of the rows, and some residual.
 #pragma once
 
 #include <utility>
@@ -30,12 +32,17 @@ struct Segment {
 
 // A segment's centre, and how the coordinates move away from it.
 struct Strays {
-  std::vector<double> q;       // the group's q at the centre
-  std::vector<double> rows;    // [num_rows][nv] displacements; zero in a ball's columns
-  std::vector<double> column;  // largest displacement of each coordinate
-  std::vector<double> block;   // largest norm of each block's displacement, balls included
+  std::vector<double> q;         // the group's q at the centre
+  std::vector<double> rows;      // [num_rows][nv] displacements; zero in a ball's columns
+  std::vector<double> residual;  // of each coordinate
+  std::vector<double> block;     // largest norm of each block's displacement, balls included
   int num_rows = 0;
 };
+
+// Keeps of a polyline, [count][size], the few rows that bring every point of it within a residual per coordinate
+// of the polyline of those; the residual is added to what is there.
+void simplify(const std::vector<double>& points, int count, int size, std::vector<double>& rows, double* residual,
+              int most_rows = 6);
 
 class Motion {
  public:
@@ -61,15 +68,20 @@ class Motion {
     int position, column;
   };
 
+  void bound_chords();
   Segment range(int first, int last) const;
   void plus(const double* base, const double* delta, double* q) const;
-  void measure(Strays& strays) const;
+  void enter_part(const Segment& segment, Strays& strays) const;
+  void enter_range(const Segment& segment, Strays& strays) const;
+  void bound_blocks(const double* point, const double* residual, Strays& strays) const;
   double angle(const Ball& ball, const double* q1, const double* q0) const;
 
   int nq_, nv_, terms_;
   std::vector<double> breaks_, bases_, coefficients_, bernstein_;
-  std::vector<double> middles_, centers_;    // of each piece: delta and q at its middle
-  std::vector<double> ball_strays_;          // of each piece and ball
+  std::vector<double> middles_, centers_;  // of each piece: delta and q at its middle
+  std::vector<double> points_;             // where each piece begins, in v's coordinates; and where the last ends
+  std::vector<double> residuals_;          // of each piece's chord, from its first point to the next piece's
+  std::vector<double> ball_strays_;        // of each piece and ball
   std::vector<std::pair<int, int>> plain_;
   std::vector<Ball> balls_;
   std::vector<Block> blocks_;

@@ -215,33 +215,41 @@ double MotionBounds::along(const Pair& pair, const Relative& relative, Vec3 n, d
   if (!(width - rest >= enough)) return -inf;
   linearise(chain_a, relative.a, n, linear_a_);
   linearise(chain_b, relative.b, n, linear_b_);
-  const Shape &a = scene_.geometries[pair.a].shape, &b = scene_.geometries[pair.b].shape;
-  const Vec3 c_a = center(pair.a), c_b = center(pair.b);
-  const int nv = motion_.num_velocities();
+  const double blur = residual(pair.a, relative.a, linear_a_) + residual(pair.b, relative.b, linear_b_);
+  if (!(width - blur - rest >= enough)) return -inf;
   double least = width;
   for (int row = 0; row < strays_->num_rows; ++row) {
-    const double* d = &strays_->rows[static_cast<std::size_t>(row) * nv];
-    Vec3 w_a, w_b;
-    double rate_a = 0, rate_b = 0;
-    for (std::size_t i = 0; i < linear_a_.size(); ++i) {
-      const double s = d[axes_[chain_a[relative.a + i]].column];
-      w_a = w_a + s * linear_a_[i].turn, rate_a += s * linear_a_[i].rate;
-    }
-    for (std::size_t i = 0; i < linear_b_.size(); ++i) {
-      const double s = d[axes_[chain_b[relative.b + i]].column];
-      w_b = w_b + s * linear_b_[i].turn, rate_b += s * linear_b_[i].rate;
-    }
-    const double turn_a = norm(w_a), turn_b = norm(w_b);
-    double bound = width + rate_a - rate_b;
-    if (turn_a > 0) bound += dot(c_a, w_a) - a.radius * turn_a;
-    if (turn_b > 0) bound -= dot(c_b, w_b) + b.radius * turn_b;
-    if (bound - rest < enough) {
-      bound = lowest(pair.a, n + w_a) + rate_a + lowest(pair.b, -(n + w_b)) - rate_b;
-      if (!(bound - rest >= enough)) return -inf;
-    }
-    least = std::min(least, bound);
+    const double* d = &strays_->rows[static_cast<std::size_t>(row) * motion_.num_velocities()];
+    least = std::min(least, lowest_at(pair.a, relative.a, linear_a_, n, d, 1) + lowest_at(pair.b, relative.b, linear_b_, n, d, -1));
+    if (!(least - blur - rest >= enough)) return -inf;
   }
-  return least - rest;
+  return least - blur - rest;
+}
+
+// How much the residuals of the strays move any point of a shape along the direction.
+double MotionBounds::residual(int geometry, int from, const std::vector<Linear>& linear) const {
+  const auto& axes = chain(geometry);
+  const double radius = scene_.geometries[geometry].shape.radius;
+  double total = 0;
+  for (std::size_t i = 0; i < linear.size(); ++i) {
+    const double stray = strays_->residual[axes_[axes[from + i]].column], turn = norm(linear[i].turn);
+    if (stray == 0) continue;
+    total += stray * std::abs(linear[i].rate + dot(linear[i].turn, placed_[geometry].center));
+    if (turn > 0) total += stray * turn * radius;
+  }
+  return total;
+}
+
+// min over the points x of a shape of sign (n . x + sum_k d_k n . J_k(x)).
+double MotionBounds::lowest_at(int geometry, int from, const std::vector<Linear>& linear, Vec3 n, const double* d,
+                               double sign) {
+  const auto& axes = chain(geometry);
+  double rate = 0;
+  for (std::size_t i = 0; i < linear.size(); ++i) {
+    const double stray = d[axes_[axes[from + i]].column];
+    n = n + stray * linear[i].turn, rate += stray * linear[i].rate;
+  }
+  return lowest(geometry, sign * n) + sign * rate;
 }
 
 }  // namespace wayproof

@@ -12,7 +12,7 @@
 // |r| <= 1/2 sum_jk |d_j| |d_k| |H_jk|, where H_jk, the derivative of J_k by an earlier joint j (or by itself), is
 // J_k turned: of norm |J_k| if j turns, else zero. On the way J_k is at most rho_k + m_{k+1} long. The linear part
 // is smallest at one of the rows of which d is a convex combination, and there it is a support function of A
-// along n + sum_k d_k (n x w_k).
+// along n + sum_k d_k (n x w_k); what the residuals of d add is bounded by the bounding sphere.
 #pragma once
 
 #include <vector>
@@ -71,6 +71,8 @@ class MotionBounds {
   const std::vector<int>& chain(int geometry) const;
   double remainder(int geometry, int from);
   double lowest(int geometry, Vec3 n);
+  double residual(int geometry, int from, const std::vector<Linear>& linear) const;
+  double lowest_at(int geometry, int from, const std::vector<Linear>& linear, Vec3 n, const double* d, double sign);
   void linearise(const std::vector<int>& chain, int from, Vec3 n, std::vector<Linear>& out) const;
 
   const Scene& scene_;

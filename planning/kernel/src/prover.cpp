@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "overlap.hpp"
 #include "separation.hpp"
 
 namespace wayproof {
@@ -21,10 +22,12 @@ constexpr double wide = 0.25;
 constexpr double resolution = 1e-3;
 constexpr double relative_resolution = 0.01;
 constexpr int tightening_looks = 2000;
+// How well a distance is measured in a segment, as a share of how much it changes there.
+constexpr double coarse = 0.02;
 // Instants at which a refused motion is looked at for its worst collision.
 constexpr int instants = 33;
 // Pairs that are judged between two calls of `interrupt`.
-constexpr int interrupt_every = 1500;
+constexpr int interrupt_every = 256;
 
 }  // namespace
 
@@ -122,6 +125,12 @@ void Prover::see(int pair, double distance, double time) {
   const auto note = [&](Sighting& sighting, double what) {
     if (what < sighting.least) sighting = {what, pair, distance, time};
   };
+  if (distance <= rounding) {
+    const Pair& both = scene_->pairs[pair];
+    const double depth = overlap(scene_->geometries[both.a].shape, bounds_.pose(both.a),
+                                 scene_->geometries[both.b].shape, bounds_.pose(both.b));
+    distance = std::min(distance, depth);
+  }
   note(proof_.nearest, distance);
   note(proof_.tightest, distance - margins_[pair]);
 }
@@ -134,35 +143,36 @@ Prover::Judged Prover::judge(Open& open, double required, double few, bool last_
   const auto& relative = relatives_[open.pair];
   const Shape &a = scene_->geometries[pair.a].shape, &b = scene_->geometries[pair.b].shape;
   const double approach = bounds_.reach(pair.a, relative.a) + bounds_.reach(pair.b, relative.b);
-  if (!(approach < inf)) return {false, -inf, inf};
+  if (!(approach < inf)) return {false, true, -inf, inf};
   const double wanted = approach + required + 2 * rounding;
   const double gap = norm(bounds_.center(pair.a) - bounds_.center(pair.b)) - a.radius - b.radius;
-  if (gap >= wanted) return {true, gap - approach, inf};
-  if (approach > wide && !last_resort) return {false, gap - approach, inf};
-  const Transform &X_WA = bounds_.pose(pair.a), &X_WB = bounds_.pose(pair.b);
+  if (gap >= wanted) return {true, false, gap - approach, inf};
   const bool flat_a = a.kind == ShapeKind::half_space, flat_b = b.kind == ShapeKind::half_space;
-  if (flat_a && flat_b) return {false, -inf, -inf};
+  if (flat_a && flat_b) return {false, false, -inf, -inf};
+  if (approach > wide && !last_resort && gap > -inf) return {false, false, gap - approach, inf};
+  const Transform &X_WA = bounds_.pose(pair.a), &X_WB = bounds_.pose(pair.b);
   double lower = gap;
   if (open.aimed && !flat_a && !flat_b) {
     const double width = slab(a, X_WA, b, X_WB, open.n);
     lower = std::max(lower, width);
-    if (lower >= wanted) return {true, lower - approach, inf};
+    if (lower >= wanted) return {true, false, lower - approach, inf};
     const double bound = bounds_.along(pair, relative, open.n, width, required + 2 * rounding);
-    if (bound > -inf) return {true, bound, inf};
+    if (bound > -inf) return {true, false, bound, inf};
   }
+  // A share of what the segment costs anyway is not worth looking for, unless it is news.
+  const double known = std::max(proof_.nearest.least, proof_.tightest.least + margins_[open.pair]);
   const Vec3 guess = open.aimed ? open.n : Vec3{};
-  Separation found = separation(a, X_WA, b, X_WB, wanted, few, guess);
-  const double known = std::min(proof_.nearest.least, proof_.tightest.least + margins_[open.pair]);
-  if (found.upper < known && found.upper > 0 && found.upper - found.lower > rounding)
-    found = separation(a, X_WA, b, X_WB, inf, -inf, found.direction);
+  Separation found = separation(a, X_WA, b, X_WB, wanted, few, guess, std::max(rounding, coarse * approach));
+  if (found.lower < known && found.upper > few && found.upper - found.lower > rounding)
+    found = separation(a, X_WA, b, X_WB, known, few, found.direction);
   open.aimed = true, open.n = found.direction;
   see(open.pair, found.upper, time);
   lower = std::max(lower, found.lower);
-  if (found.upper <= few) return {false, lower - approach, found.upper};
-  if (lower >= wanted) return {true, lower - approach, found.upper};
+  if (found.upper <= few) return {false, false, lower - approach, found.upper};
+  if (lower >= wanted) return {true, false, lower - approach, found.upper};
   const double bound = bounds_.along(pair, relative, open.n, found.lower, required + 2 * rounding);
-  if (bound > -inf) return {true, bound, found.upper};
-  return {false, lower - approach, found.upper};
+  if (bound > -inf) return {true, false, bound, found.upper};
+  return {false, false, lower - approach, found.upper};
 }
 
 // Decides what can be decided on a segment, and pushes what is left of it.
@@ -177,7 +187,8 @@ bool Prover::prove_node(Node node, std::vector<Node>& heap) {
   for (Open& open : node.open) {
     const double required = required_[open.pair];
     const Judged found = judge(open, required, required, exhausted, node.segment.time);
-    if (found.distance <= required) {
+    // So near that rounding decides: no segment is short enough to prove it.
+    if (found.distance <= required + rounding) {
       refuse(Outcome::too_near, open.pair, found.distance, 0, node.segment.time);
       return false;
     }
@@ -185,7 +196,7 @@ bool Prover::prove_node(Node node, std::vector<Node>& heap) {
     if (!found.decided) {
       rest.push_back(open);
       floor = std::min(floor, found.bound - required);
-      if (found.bound - required < least || worst < 0) least = found.bound - required, worst = open.pair, worst_found = found;
+      if (worst < 0 || found.bound - required < least || found.unbounded) least = found.bound - required, worst = open.pair, worst_found = found;
     } else if (open.bound < well) {
       kept.push_back(open);
       kept_floor = std::min(kept_floor, open.bound);
@@ -195,8 +206,7 @@ bool Prover::prove_node(Node node, std::vector<Node>& heap) {
   }
   if (!kept.empty()) leaves_.push_back({kept_floor, node.number, node.segment, std::move(kept)});
   if (rest.empty()) return true;
-  const bool unbounded = worst_found.bound == -inf && !(worst_found.distance < inf);
-  if (exhausted || unbounded) {
+  if (exhausted || worst_found.unbounded) {
     refuse(Outcome::unproven, worst, worst_found.distance, worst_found.distance - worst_found.bound, node.segment.time);
     return false;
   }

@@ -72,6 +72,7 @@ class Prover {
   };
   struct Judged {
     bool decided;
+    bool unbounded;   // no segment is short enough
     double bound;     // on the segment, if decided or measured
     double distance;  // at the centre, if measured
   };
