@@ -6,6 +6,7 @@
 #include <memory>
 #include <tuple>
 
+#include "bernstein.hpp"
 #include "bind.hpp"
 #include "prover.hpp"
 
@@ -59,6 +60,12 @@ auto bounds(Prover& prover, const std::vector<int>& halvings) {
   return nb::make_tuple(segment.begin, segment.end, segment.time, array_of(rows, rows.size() / 3, 3));
 }
 
+std::tuple<double, std::size_t, double> peak_of(const Doubles& coefficients, double tolerance) {
+  require(coefficients.ndim() == 2 && coefficients.shape(0) >= 1 && coefficients.shape(1) >= 1, "coefficients are [n][terms]");
+  const Peak found = peak(coefficients.data(), coefficients.shape(0), coefficients.shape(1), tolerance);
+  return {found.bound, found.row, found.fraction};
+}
+
 }  // namespace
 
 void bind_prover(nb::module_& m) {
@@ -82,6 +89,8 @@ void bind_prover(nb::module_& m) {
            nb::arg("curve"), nb::arg("margins"), nb::arg("slack"))
       .def("prove", &prove, nb::arg("interrupt"))
       .def("bounds", &bounds, nb::arg("halvings"));
+  m.def("peak", &peak_of, nb::arg("coefficients"), nb::arg("tolerance"),
+        "An upper bound on polynomials in Bernstein form, the row where it is, and the fraction of its interval.");
 }
 
 }  // namespace wayproof
