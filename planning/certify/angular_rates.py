@@ -87,7 +87,8 @@ def _model(tangents: list[Array], half: Array, order: int) -> tuple[Array, Array
     middle = np.stack([bernstein.halves(part)[0][:, -1] for part in tangents], axis=1)
     lengths = [np.linalg.norm(part, axis=2).max(axis=1) for part in tangents]
     bounds = np.stack(lengths, axis=1)[:, :, None]
-    omega, majorant = _velocity_series(middle, np.cross), _velocity_series(bounds, np.multiply)
+    omega = _velocity_series(_cross_products(middle), middle, -1.0)
+    majorant = _velocity_series(bounds[..., None], bounds, 1.0)
     lag = order - 1
     falling = np.array([factorial(j + lag) / factorial(j) for j in range(_ORDER + 2)])
     taylor = omega[:, lag : lag + _ORDER + 1] * falling[None, : _ORDER + 1, None]
@@ -95,18 +96,34 @@ def _model(tangents: list[Array], half: Array, order: int) -> tuple[Array, Array
     return taylor, beyond * half ** (_ORDER + 1)
 
 
-def _velocity_series(delta: Array, product: Any) -> Array:
-    """Return Taylor coefficients of omega from those of delta, or of the majorant."""
-    sign = -1.0 if product is np.cross else 1.0
-    length = delta.shape[1] - 1
-    term = delta[:, 1:] * np.arange(1, length + 1)[None, :, None]
+def _velocity_series(adjoint: Array, delta: Array, sign: float) -> Array:
+    """Return Taylor coefficients of omega from those of delta, or of the majorant.
+
+    Args:
+        adjoint: What multiplies a coefficient of delta with another vector, shape (n, k, c, c).
+        delta: Coefficients, shape (n, k, c).
+        sign: Of ad in the series.
+    """
+    count, length, width = len(delta), delta.shape[1] - 1, delta.shape[2]
+    # Multiplication by the whole polynomial: a lower block-triangular Toeplitz matrix.
+    product = np.zeros((count, length, width, length, width))
+    for i in range(length):
+        rows = np.arange(i, length)
+        product[:, rows, :, rows - i] = adjoint[:, i]
+    product = product.reshape(count, length * width, length * width)
+    term = (delta[:, 1:] * np.arange(1, length + 1)[None, :, None]).reshape(count, -1, 1)
     total = term
     for k in range(1, _TERMS):
-        grown = np.zeros_like(term)
-        for i in range(length):
-            grown[:, i:] += product(delta[:, i : i + 1], term[:, : length - i])
-        term = sign * grown / (k + 1)
+        term = (sign / (k + 1)) * (product @ term)
         total = total + term
         if np.abs(term).max() <= 1e-18 * np.abs(total).max():
             break
-    return total
+    return total.reshape(count, length, width)
+
+
+def _cross_products(vectors: Array) -> Array:
+    """Return the matrices that multiply with vectors by the cross product, shape (*n, 3, 3)."""
+    x, y, z = np.moveaxis(vectors, -1, 0)
+    zero = np.zeros_like(x)
+    rows = [[zero, -z, y], [z, zero, -x], [-y, x, zero]]
+    return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)

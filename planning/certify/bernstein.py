@@ -14,6 +14,8 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float64
 
+from planning.kernel.native import native
+
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 _MAX_HALVINGS = 40
@@ -27,6 +29,16 @@ def from_power(
     degree = coefficients.shape[1] - 1
     scaled = coefficients * widths[:, None, None] ** np.arange(degree + 1)[None, :, None]
     return np.einsum("ik,nkv->niv", _power_to_bernstein(degree), scaled)
+
+
+def rows_from_power(
+    coefficients: Float64[np.ndarray, "n k nv"], widths: Float64[np.ndarray, " n"]
+) -> Float64[np.ndarray, "nv n k"]:
+    """Return the same, a row of k coefficients for every coordinate and piece."""
+    count, terms, width = coefficients.shape
+    scaled = coefficients.transpose(2, 0, 1) * widths[:, None] ** np.arange(terms)
+    rows = scaled.reshape(-1, terms) @ _power_to_bernstein(terms - 1).T
+    return rows.reshape(width, count, terms)
 
 
 def about_middle(
@@ -73,6 +85,13 @@ def peak(bernstein: Float64[np.ndarray, "n k"], tolerance: float) -> tuple[float
         The bound, the row where it is, and the fraction of that row's interval. The bound holds
         always; it is within the tolerance unless the coefficients leave too many intervals open.
     """
+    module = native()
+    if module is not None:
+        return module.peak(np.ascontiguousarray(bernstein), tolerance)
+    return _peak(bernstein, tolerance)
+
+
+def _peak(bernstein: Float64[np.ndarray, "n k"], tolerance: float) -> tuple[float, int, float]:
     rows, low = np.arange(len(bernstein)), np.zeros(len(bernstein))
     width, nodes, dropped = 1.0, bernstein, -np.inf
     for _ in range(_MAX_HALVINGS):

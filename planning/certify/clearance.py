@@ -12,20 +12,19 @@ from typing import Any
 
 import numpy as np
 
+from planning.certify.native_clearance import native_clearance
 from planning.certify.pair_distances import Indices, Measured, PairDistances
-from planning.certify.proof_parts import Clearance, Node, Refused
+from planning.certify.proof_parts import MARGIN_SLACK, Clearance, Node, Refused
 from planning.certify.request import CertifyRequest
 from planning.certify.segments import Segment, Segments
 from planning.certify.sightings import Sightings
 from planning.domain.certificate import Check
 from planning.domain.deadline import Deadline
 from planning.world.drake_model import DrakeModel
+from planning.world.kernel_scene import kernel_scene_of
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
-# Less than a margin by this is enough: a start that keeps its margin exactly would otherwise be
-# refused for rounding. No margin means no contact, with nothing off [m].
-MARGIN_SLACK = 1e-6
 # Bounds are rounded by less than this [m].
 _ROUNDING = 1e-9
 # Segments shorter than this, or more of them, are given up as unproven [s].
@@ -45,11 +44,16 @@ _HORIZONS = (0.05, 0.2, 1.0, 5.0, 1e6)
 def check_clearance(model: DrakeModel, request: CertifyRequest, deadline: Deadline) -> Clearance:
     """Prove, or fail to prove, that every pair of bodies keeps its margin throughout.
 
+    In the kernel, if it has the scene; else here.
+
     Raises:
         DeadlineExceeded: Time ran out; nothing is proven.
         Canceled: Somebody asked for the end.
         ModelInvalid: A shape or joint of a kind that cannot be certified.
     """
+    scene = kernel_scene_of(model)
+    if scene is not None:
+        return native_clearance(scene, model, request, deadline)
     return _Proof(model, request, deadline).run()
 
 

@@ -4,7 +4,6 @@ from typing import Any
 
 import numpy as np
 
-from planning.certify import bernstein
 from planning.certify.request import CertifyRequest
 from planning.domain.certificate import Check
 
@@ -22,13 +21,13 @@ _ACCELERATION_JUMP = 1e-3
 
 def start_check(request: CertifyRequest) -> Check:
     """Return how far from the wanted start the motion begins."""
-    distance = _distance(request, request.trajectory.start, request.start)
+    distance = _distance(request, _at_begins(request, 0)[0], request.start)
     return Check("start", distance, SAME, "rad or m", 0.0, distance <= SAME)
 
 
 def goal_check(request: CertifyRequest) -> Check:
     """Return how far from the nearest goal configuration the motion ends."""
-    end = request.trajectory.end
+    end = _at_ends(request, 0)[-1]
     distance = min(_distance(request, end, goal) for goal in request.goals)
     time = request.trajectory.duration
     return Check("goal", distance, SAME, "rad or m", 0.0, distance <= SAME, "", time)
@@ -36,12 +35,10 @@ def goal_check(request: CertifyRequest) -> Check:
 
 def rest_check(request: CertifyRequest) -> Check:
     """Return the largest speed at both ends."""
-    curve = request.trajectory
-    ends = np.array([0.0, curve.duration])
-    speeds = np.abs(curve.tangents(ends, 1)).max(axis=1)
-    worst = int(np.argmax(speeds))
-    speed = float(speeds[worst])
-    return Check("rest", speed, _SLOW, "rad/s or m/s", 0.0, speed <= _SLOW, "", float(ends[worst]))
+    rates, duration = request.forms[1], request.trajectory.duration
+    first, last = float(np.abs(rates[:, 0, 0]).max()), float(np.abs(rates[:, -1, -1]).max())
+    speed, time = (first, 0.0) if first >= last else (last, duration)
+    return Check("rest", speed, _SLOW, "rad/s or m/s", 0.0, speed <= _SLOW, "", time)
 
 
 def continuity_checks(request: CertifyRequest) -> list[Check]:
@@ -51,56 +48,52 @@ def continuity_checks(request: CertifyRequest) -> list[Check]:
     be an infinite jerk.
     """
     curve = request.trajectory
-    before, after = _both_sides(request)
-    jumps = curve.manifold.distance(after[0], before[0])
-    checks = [_jump("continuity", jumps, SAME, "rad or m", curve.breaks[1:-1])]
-    shares = _shares(request, after[1] - before[1], request.limits.velocity)
-    checks.append(_jump("velocity continuity", shares, _RATE_JUMP, "1", curve.breaks[1:-1]))
+    between = curve.breaks[1:-1]
+    sides = [(_at_begins(request, order)[1:], _at_ends(request, order)[:-1]) for order in range(2)]
+    jumps = curve.manifold.distance(*sides[0])
+    checks = [_jump("continuity", jumps, SAME, "rad or m", between)]
+    shares = _shares(request, sides[1][0] - sides[1][1], request.limits.velocity)
+    checks.append(_jump("velocity continuity", shares, _RATE_JUMP, "1", between))
     if request.jerk:
-        steps = after[2] - before[2]
-        ends = _second_derivatives(request)
-        steps = np.concatenate([ends[:1], steps, ends[1:]])
+        after, before = _at_begins(request, 2), _at_ends(request, 2)
+        steps = np.concatenate([after[:1], after[1:] - before[:-1], before[-1:]])
         shares = _shares(request, steps, request.limits.acceleration)
         name = "acceleration continuity"
         checks.append(_jump(name, shares, _ACCELERATION_JUMP, "1", curve.breaks))
     return checks
 
 
-def _both_sides(request: CertifyRequest) -> tuple[list[Array], list[Array]]:
-    """Return q, v and vdot just before and just after every interior break."""
+def _at_begins(request: CertifyRequest, order: int) -> Array:
+    """Return q (0), v (1) or vdot (2) where every piece begins, a row for each."""
+    return _states(request, order, 0)
+
+
+def _at_ends(request: CertifyRequest, order: int) -> Array:
+    """Return the same where every piece ends."""
+    return _states(request, order, -1)
+
+
+def _states(request: CertifyRequest, order: int, which: int) -> Array:
     curve = request.trajectory
-    widths = np.diff(curve.breaks)
-    sides: list[list[Array]] = []
-    for pieces, local in (
-        (slice(None, -1), widths[:-1]),
-        (slice(1, None), np.zeros(curve.num_pieces - 1)),
-    ):
-        values = [_evaluate(curve.coefficients[pieces], local, order) for order in range(3)]
-        q = curve.manifold.plus(curve.bases[pieces], values[0])
-        v = curve.manifold.generalized_velocity(q, *values[:2])
-        vdot = curve.manifold.generalized_acceleration(q, *values)
-        sides.append([q, v, vdot])
-    return sides[0], sides[1]
-
-
-def _second_derivatives(request: CertifyRequest) -> Array:
-    """Return vdot at the start and at the end."""
-    return request.trajectory.accelerations(np.array([0.0, request.trajectory.duration]))
-
-
-def _evaluate(coefficients: Array, x: Array, order: int) -> Array:
-    coefficients = bernstein.derivative(coefficients, order)
-    powers = x[:, None] ** np.arange(coefficients.shape[1])
-    return np.einsum("nk,nkv->nv", powers, coefficients)
+    values = [form[:, :, which].T for form in request.forms[: order + 1]]
+    q = curve.manifold.plus(curve.bases, values[0])
+    match order:
+        case 0:
+            return q
+        case 1:
+            return curve.manifold.generalized_velocity(q, *values)
+        case _:
+            return curve.manifold.generalized_acceleration(q, *values)
 
 
 def _shares(request: CertifyRequest, steps: Array, limits: Array) -> Array:
     """Return the largest step of any block over its limit; what has no limit counts as it is."""
-    shares = np.zeros(len(steps))
-    for (_, indices), limit in zip(request.group.blocks, limits, strict=True):
-        sizes = np.linalg.norm(steps[:, list(indices)], axis=1)
-        shares = np.maximum(shares, sizes / (limit if np.isfinite(limit) else 1.0))
-    return shares
+    bounds = np.where(np.isfinite(limits), limits, 1.0)
+    blocks = [list(indices) for _, indices in request.group.blocks]
+    if all(len(block) == 1 for block in blocks):
+        return np.abs(steps[:, [block[0] for block in blocks]] / bounds).max(axis=1)
+    sizes = np.stack([np.linalg.norm(steps[:, block], axis=1) for block in blocks], axis=1)
+    return (sizes / bounds).max(axis=1)
 
 
 def _jump(name: str, jumps: Array, bound: float, unit: str, times: Array) -> Check:

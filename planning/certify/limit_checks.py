@@ -1,5 +1,6 @@
 """Limits on the whole interval, from the trajectory's polynomials."""
 
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -23,22 +24,21 @@ def position_check(request: CertifyRequest) -> Check:
 
     Quaternions are exempt: they have no limits. The value is a guaranteed bound.
     """
-    curve = request.trajectory
-    widths = np.diff(curve.breaks)
-    coefficients = bernstein.from_power(curve.coefficients, widths)
-    worst = Check("position", -np.inf, DUST, "rad or m", 0.0, passed=True)
-    for iq, iv in _plain_coordinates(request):
-        values = coefficients[:, :, iv] + curve.bases[:, iq, None]
-        excesses = values - request.limits.upper[iq], request.limits.lower[iq] - values
-        for excess in excesses:
-            if np.isneginf(excess).all():
-                continue
-            top, row, fraction = bernstein.peak(excess, DUST / 100)
-            if not top <= worst.value:
-                time = float(curve.breaks[row] + fraction * widths[row])
-                name = request.group.position_names[iq]
-                worst = Check("position", top, DUST, "rad or m", 0.0, top <= DUST, name, time)
-    return worst
+    curve, limits = request.trajectory, request.limits
+    iq, iv = (np.array(indices) for indices in zip(*_plain_coordinates(request), strict=True))
+    values = request.forms[0][iv] + curve.bases.T[iq][:, :, None]
+    above, below = np.isfinite(limits.upper[iq]), np.isfinite(limits.lower[iq])
+    excesses = np.concatenate([
+        values[above] - limits.upper[iq[above]][:, None, None],
+        limits.lower[iq[below]][:, None, None] - values[below],
+    ])
+    if len(excesses) == 0:
+        return Check("position", -np.inf, DUST, "rad or m", 0.0, passed=True)
+    top, row, fraction = bernstein.peak(_rows(excesses), DUST / 100)
+    which, piece = divmod(row, curve.num_pieces)
+    name = request.group.position_names[np.concatenate([iq[above], iq[below]])[which]]
+    time = _time(request, piece, fraction)
+    return Check("position", top, DUST, "rad or m", 0.0, top <= DUST, name, time)
 
 
 def rate_check(request: CertifyRequest, name: str, order: int) -> Check:
@@ -47,36 +47,56 @@ def rate_check(request: CertifyRequest, name: str, order: int) -> Check:
     The norm of a block is meant. The value is a guaranteed bound, for floating joints of the true
     angular velocity and its derivatives, not of the tangent's.
     """
-    limits: Array = getattr(request.limits, name)
-    widths = np.diff(request.trajectory.breaks)
     worst = Check(name, 0.0, MAX_UTILISATION, "1", 0.0, passed=True)
-    turning = _turning_blocks(request)
-    for (block, indices), limit in zip(request.group.blocks, limits, strict=True):
-        if np.isinf(limit):
-            continue
-        bound_of = _angular_bound if block in turning else _norm_bound
-        peak, row, fraction = bound_of(request, list(indices), order, float(limit))
-        used = peak / float(limit)
+    for used, block, piece, fraction in _utilisations(request, name, order):
         if not used <= worst.value:
-            time = float(request.trajectory.breaks[row] + fraction * widths[row])
-            passed = used <= MAX_UTILISATION
+            time, passed = _time(request, piece, fraction), used <= MAX_UTILISATION
             worst = Check(name, used, MAX_UTILISATION, "1", 0.0, passed, block, time)
     return worst
+
+
+def _utilisations(
+    request: CertifyRequest, name: str, order: int
+) -> Iterator[tuple[float, str, int, float]]:
+    """Yield peak over limit, block, piece and fraction: of all scalar blocks, and of each other."""
+    limits: Array = getattr(request.limits, name)
+    limited = [
+        (block, list(indices), float(limit))
+        for (block, indices), limit in zip(request.group.blocks, limits, strict=True)
+        if np.isfinite(limit)
+    ]
+    scalar = [entry for entry in limited if len(entry[1]) == 1]
+    if scalar:
+        columns = [indices[0] for _, indices, _ in scalar]
+        bounds = np.array([limit for _, _, limit in scalar])
+        shares = _rows(request.forms[order][columns] / bounds[:, None, None])
+        top, row, fraction = bernstein.peak(np.concatenate([shares, -shares]), _RELATIVE_GAP)
+        which, piece = divmod(row % len(shares), request.trajectory.num_pieces)
+        yield max(top, 0.0), scalar[which][0], piece, fraction
+    turning = _turning_blocks(request)
+    for block, indices, limit in limited:
+        if len(indices) > 1:
+            bound_of = _angular_bound if block in turning else _norm_bound
+            top, piece, fraction = bound_of(request, indices, order, limit)
+            yield top / limit, block, piece, fraction
 
 
 def _norm_bound(
     request: CertifyRequest, indices: list[int], order: int, limit: float
 ) -> tuple[float, int, float]:
     """Bound the norm of a block's derivative; return its piece and fraction as well."""
-    coefficients = bernstein.derivative(request.trajectory.coefficients[:, :, indices], order)
-    polynomials = bernstein.from_power(coefficients, np.diff(request.trajectory.breaks))
-    if len(indices) == 1:
-        both = np.concatenate([polynomials[:, :, 0], -polynomials[:, :, 0]])
-        top, row, fraction = bernstein.peak(both, _RELATIVE_GAP * limit)
-        return max(top, 0.0), row % len(polynomials), fraction
-    squares = bernstein.square_norm(polynomials)
+    squares = bernstein.square_norm(np.moveaxis(request.forms[order][indices], 0, -1))
     top, row, fraction = bernstein.peak(squares, _RELATIVE_GAP * limit**2)
     return float(np.sqrt(max(top, 0.0))), row, fraction
+
+
+def _rows(forms: Array) -> Array:
+    return forms.reshape(-1, forms.shape[-1])
+
+
+def _time(request: CertifyRequest, piece: int, fraction: float) -> float:
+    begin, end = request.trajectory.breaks[piece : piece + 2]
+    return float(begin + fraction * (end - begin))
 
 
 def _angular_bound(

@@ -8,6 +8,10 @@ from planning.certify.pair_distances import Indices
 from planning.certify.segments import Segment
 from planning.domain.certificate import Check
 
+# Less than a margin by this is enough: a start that keeps its margin exactly would otherwise be
+# refused for rounding. No margin means no contact, with nothing off [m].
+MARGIN_SLACK = 1e-6
+
 
 @dataclass(frozen=True)
 class Clearance:

@@ -1,14 +1,19 @@
 """CertifyRequest: a trajectory and everything it shall be held against."""
 
 from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
 
 import numpy as np
 from jaxtyping import Float64
 
+from planning.certify import bernstein
 from planning.domain.curve import TimedTrajectory
 from planning.domain.joints import JointGroup, JointLimits
 from planning.domain.value import Value
 from planning.world.margins import PairMargins
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,3 +39,17 @@ class CertifyRequest(Value):
     limits: JointLimits
     margins: PairMargins
     jerk: bool
+
+    @cached_property
+    def forms(self) -> tuple[Array, ...]:
+        """The tangent and its derivatives up to jerk in Bernstein form.
+
+        Each has the shape (nv, n, k): of n pieces, with k the degree, at least 0, and one.
+        """
+        curve = self.trajectory
+        widths = np.diff(curve.breaks)
+        with np.errstate(over="ignore", invalid="ignore"):
+            return tuple(
+                bernstein.rows_from_power(bernstein.derivative(curve.coefficients, order), widths)
+                for order in range(4)
+            )

@@ -34,7 +34,9 @@ class Value:
 
     def __post_init__(self) -> None:
         """Freeze every array."""
-        self._freeze(self.__dict__)
+        for name, item in self.__dict__.items():
+            if isinstance(item, np.ndarray):
+                self.__dict__[name] = frozen(item)
 
     def _freeze(self, state: Mapping[str, Any]) -> None:
         for name, item in list(state.items()):

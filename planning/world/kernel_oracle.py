@@ -119,7 +119,6 @@ def demands_of(scene: KernelScene, margins: PairMargins) -> Array:
     Drake overstates the distance of separate boxes (docs/decisions/0006): what keeps a margin for
     it may lack it in truth, so only boxes that overlap are surely in collision for Drake.
     """
-    demanded = {names: margins.of(*names) for names in set(scene.bodies)}
-    margin = np.array([demanded[names] for names in scene.bodies], dtype=np.float64)
+    margin = scene.demands(margins)
     boxes = np.array([kinds == (ShapeKind.BOX, ShapeKind.BOX) for kinds in scene.kinds], dtype=bool)
     return np.column_stack([margin, np.where(boxes, 0.0, margin)]).reshape(-1, 2)

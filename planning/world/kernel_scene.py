@@ -1,10 +1,12 @@
 """KernelScene: a loaded world in the native kernel."""
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 from weakref import WeakKeyDictionary
 
 import numpy as np
+from jaxtyping import Bool, Float64
 from pydrake.geometry import GeometryId, Role
 from pydrake.math import RigidTransform
 from pydrake.multibody.tree import BodyIndex
@@ -17,6 +19,7 @@ from planning.world.convex_shapes import convex_shape
 from planning.world.drake_model import DrakeModel
 from planning.world.kernel_tree import add_tree, flat_transform
 from planning.world.link_tree import link_tree
+from planning.world.margins import PairMargins
 from planning.world.mesh_files import cache_folder
 
 # The kernel's numbers for kinds of shapes (shape.hpp).
@@ -40,6 +43,25 @@ class KernelScene:
     bodies: tuple[tuple[str, str], ...]
     kinds: tuple[tuple[ShapeKind, ShapeKind], ...]
     links: dict[int, tuple[int, RigidTransform]]
+
+    def demands(self, margins: PairMargins) -> Float64[np.ndarray, " num_pairs"]:
+        """Return the margin of every pair [m]; as `PairMargins.of`, but of all pairs at once."""
+        demanded = np.where(self._of_one_robot, 0.0, margins.default)
+        for names, margin in margins.by_pair.items():
+            demanded[self._rows.get(names, [])] = margin
+        return demanded
+
+    @cached_property
+    def _of_one_robot(self) -> Bool[np.ndarray, " num_pairs"]:
+        bare = PairMargins(1.0)
+        return np.array([bare.of(*pair) == 0.0 for pair in self.bodies], dtype=bool)
+
+    @cached_property
+    def _rows(self) -> dict[tuple[str, str], list[int]]:
+        rows: dict[tuple[str, str], list[int]] = {}
+        for row, (a, b) in enumerate(self.bodies):
+            rows.setdefault((min(a, b), max(a, b)), []).append(row)
+        return rows
 
 
 _made: WeakKeyDictionary[RobotDiagram, KernelScene | None] = WeakKeyDictionary()

@@ -244,8 +244,13 @@ def test_no_time_is_no_verdict() -> None:
 
 def test_a_deadline_ends_a_long_proof() -> None:
     ticks = iter(np.arange(0.0, 1e6, 0.05))
-    robot = slider(Box(0.1, 0.1, 0.1), Box(0.1, 1.0, 4.0), np.array([0.10001, 0.0, 0.0]))
-    request = robot.request(quintic(robot.group, np.zeros(1), np.ones(1), 1.0), NO_MARGIN)
+    # A ball that spins beside a wall: nothing comes nearer, but a bound on turning does not know.
+    builder = Builder()
+    builder.link(FLOATING, Sphere(0.1))
+    builder.obstacle("wall", Box(0.1, 1.0, 1.0), RigidTransform(np.array([0.15001, 0.0, 0.0])))
+    robot = builder.build()
+    turned = np.concatenate([RollPitchYaw(0.0, 0.0, 2.0).ToQuaternion().wxyz(), np.zeros(3)])
+    request = robot.request(quintic(robot.group, np.eye(7)[0], turned, 1.0), NO_MARGIN)
     with pytest.raises(DeadlineExceeded):
         certify(robot.model, request, Deadline.after(0.5, lambda: float(next(ticks))))
 

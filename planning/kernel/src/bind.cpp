@@ -8,4 +8,5 @@ NB_MODULE(_native, m) {
   wayproof::bind_scene(m);
   wayproof::bind_checker(m);
   wayproof::bind_ik(m);
+  wayproof::bind_prover(m);
 }

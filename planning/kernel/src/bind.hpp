@@ -20,6 +20,7 @@ using Integers = nb::ndarray<const std::int64_t, nb::ndim<1>, nb::c_contig, nb::
 void bind_scene(nb::module_& m);
 void bind_checker(nb::module_& m);
 void bind_ik(nb::module_& m);
+void bind_prover(nb::module_& m);
 
 inline void require(bool claim, const char* message) {
   if (!claim) throw std::invalid_argument(message);

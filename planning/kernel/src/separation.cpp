@@ -103,7 +103,7 @@ double slab(const Shape& a, const Transform& X_WA, const Shape& b, const Transfo
 }
 
 Separation separation(const Shape& a, const Transform& X_WA, const Shape& b, const Transform& X_WB,
-                      double enough, double few, Vec3 guess) {
+                      double enough, double few, Vec3 guess, double close) {
   if (b.kind == ShapeKind::half_space) return above(a, X_WA, X_WB, false);
   if (a.kind == ShapeKind::half_space) return above(b, X_WB, X_WA, true);
   const double balls = a.ball + b.ball;
@@ -117,7 +117,7 @@ Separation separation(const Shape& a, const Transform& X_WA, const Shape& b, con
     const Vec3 n = (1 / length) * v;
     const Vec3 w = support(a, X_WA, b, X_WB, -n);
     if (const double width = dot(n, w) - balls; width > best.lower) best.lower = width, best.direction = n;
-    if (best.lower >= enough || best.upper <= few || best.upper - best.lower <= tolerance) break;
+    if (best.lower >= enough || best.upper <= few || best.upper - best.lower <= close) break;
     simplex.w[simplex.size++] = w;
     double depth;
     v = nearest(simplex, depth);

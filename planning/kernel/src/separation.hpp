@@ -19,9 +19,9 @@ struct Separation {
 };
 
 // Bounds the distance of A and B until the lower bound reaches `enough`, the upper one falls below
-// `few`, or both agree. `guess` points from B to A, or is zero.
+// `few`, or both agree but for `close`. `guess` points from B to A, or is zero.
 Separation separation(const Shape& a, const Transform& X_WA, const Shape& b, const Transform& X_WB,
-                      double enough, double few, Vec3 guess);
+                      double enough, double few, Vec3 guess, double close = 1e-10);
 
 // The slab between A and B across a unit vector n, from B to A: a lower bound on their distance.
 double slab(const Shape& a, const Transform& X_WA, const Shape& b, const Transform& X_WB, Vec3 n);

@@ -15,7 +15,10 @@ enum class ShapeKind { box, sphere, cylinder, capsule, ellipsoid, hull, half_spa
 struct Shape {
   ShapeKind kind = ShapeKind::sphere;
   Vec3 size;  // as in planning/kernel/shape.py
-  std::vector<double> vx, vy, vz;  // the polytope's vertices in G, padded to a multiple of 8
+  // The polytope's vertices in G, padded to a multiple of 8; of large ones neighbours are together, and every eight
+  // have a box: its centre and half sizes, padded to a multiple of 8 boxes.
+  std::vector<double> vx, vy, vz;
+  std::array<std::vector<double>, 6> boxes;
   Vec3 axes;                       // the ellipsoid's semi-axes in G
   double ball = 0;
   std::vector<std::array<double, 4>> planes;  // of hulls: n . x <= d
@@ -27,6 +30,9 @@ struct Shape {
 
   // The point of the core that lies farthest along n, in G.
   Vec3 core_support(Vec3 n) const;
+
+ private:
+  void make_boxes();
 };
 
 }  // namespace wayproof

@@ -1,0 +1,82 @@
+"""Clearance on the whole interval, proven by the native code.
+
+The same bisection as `clearance`, with two differences. Every distance is computed there from both
+sides, so that no other distance is needed. And where the direct bound on how much nearer two shapes
+can come is too coarse, it bounds to second order how a slab between them narrows, which takes much
+longer segments (motion_bounds.hpp). What it shares with the collision checks of the search is what
+a shape, a pose and a distance of two convex shapes are, and no more.
+"""
+
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from planning.certify.proof_parts import MARGIN_SLACK, Clearance
+from planning.certify.request import CertifyRequest
+from planning.domain.certificate import Check
+from planning.domain.deadline import Deadline
+from planning.kernel.native import native
+from planning.world.drake_model import DrakeModel
+from planning.world.kernel_scene import KernelScene
+
+# The kernel's numbers for outcomes (prover.hpp).
+_PROVEN, _TOO_NEAR = 0, 1
+
+
+def native_clearance(
+    scene: KernelScene, model: DrakeModel, request: CertifyRequest, deadline: Deadline
+) -> Clearance:
+    """Prove, or fail to prove, that every pair of bodies keeps its margin throughout.
+
+    Raises:
+        DeadlineExceeded: Time ran out; nothing is proven.
+        Canceled: Somebody asked for the end.
+    """
+    margins = scene.demands(request.margins)
+    proof = prover(scene, model, request, margins).prove(partial(deadline.check, "certify"))
+    nearest = proof.nearest
+    return Clearance(
+        check=_check(scene, proof, margins),
+        min_clearance=nearest.distance,
+        pair=scene.bodies[nearest.pair] if nearest.pair >= 0 else ("", ""),
+        time=nearest.time,
+        intervals=proof.segments,
+        queries=proof.looks,
+    )
+
+
+def prover(scene: KernelScene, model: DrakeModel, request: CertifyRequest, margins: Any) -> Any:
+    """Return the kernel's Prover of a request."""
+    module: Any = native()
+    group, curve = request.group, request.trajectory
+    return module.Prover(
+        scene.native,
+        model.position_indices(group).astype(np.int64),
+        model.velocity_indices(group).astype(np.int64),
+        request.state,
+        (curve.breaks, curve.bases, curve.coefficients),
+        margins,
+        MARGIN_SLACK,
+    )
+
+
+def _check(scene: KernelScene, proof: Any, margins: Any) -> Check:
+    """Return the verdict: of the pair with the least to spare, or of the one that cannot be."""
+    if proof.outcome in {_PROVEN, _TOO_NEAR}:
+        seen, passed = proof.tightest, proof.outcome == _PROVEN
+        gap = max(0.0, proof.nearest.distance - proof.floor) if seen.pair >= 0 and passed else 0.0
+        pair, distance, time, resolution = seen.pair, seen.distance, seen.time, gap
+    else:
+        pair, distance, time, passed = proof.pair, proof.distance, proof.time, False
+        resolution = proof.uncertainty
+    return Check(
+        name="clearance",
+        value=distance,
+        bound=float(margins[pair]) if pair >= 0 else 0.0,
+        unit="m",
+        resolution=resolution,
+        passed=passed,
+        where="-".join(scene.bodies[pair]) if pair >= 0 else "",
+        time=time,
+    )
