@@ -1,7 +1,6 @@
 """What `benchmarks/mbm.py` does once its process is pinned."""
 
 import argparse
-import inspect
 import json
 import tempfile
 from pathlib import Path
@@ -12,6 +11,7 @@ from benchmarks.motion_bench_maker.robots import ROBOTS, robot_files, robot_libr
 from benchmarks.motion_bench_maker.runs import Bench, GoalKind, Runs
 from benchmarks.motion_bench_maker.summary import document
 from benchmarks.motion_bench_maker.table import print_tables
+from planning.kernel.native import kernel_name
 
 GOALS: tuple[GoalKind, ...] = ("joint", "pose")
 
@@ -39,7 +39,8 @@ def bench(options: argparse.Namespace, core: int) -> None:
         print(json.dumps(document(done, drake)))
         return
     head = (
-        f"{options.robot}, {len(problems)} problems, refine {options.refine}, core {core}; the "
+        f"{options.robot}, {len(problems)} problems, refine {options.refine}, core {core}, "
+        f"kernel {kernel_name()}; the "
         "first plans of the process warmed up and are not counted; failed plans count in total"
     )
     print_tables(done, drake, head, note)
@@ -49,8 +50,6 @@ def _drake_only(arm: Bench, done: Runs, count: int) -> tuple[Runs | None, str]:
     """Plan the first problems again with the kernel off."""
     if count <= 0:
         return None, "Drake only: not asked for"
-    if "kernel" not in inspect.signature(planning.load_world).parameters:
-        return None, "Drake only: left out, as this version has no kernel to turn off"
     some = done.problems[:count]
     arm.run_all(some[:1], GOALS, kernel=False)  # warms up, not counted
     note = f"Drake only (kernel off): the first {len(some)} problems of the above"

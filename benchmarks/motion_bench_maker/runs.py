@@ -88,9 +88,7 @@ class Bench:
     def load(self, problem: Problem, *, kernel: bool) -> planning.World:
         """Return the problem's world, with or without the native kernel."""
         scene = scene_of(problem, self.files.spec)
-        if kernel:
-            return planning.load_world(scene, self.library)
-        return planning.load_world(scene, self.library, kernel=False)  # pyright: ignore[reportCallIssue]
+        return planning.load_world(scene, self.library, kernel=kernel)
 
     def run_all(
         self, problems: Iterable[Problem], goals: tuple[GoalKind, ...], *, kernel: bool
