@@ -10,6 +10,7 @@ in base 2, which meets a collision of width w after about 1/w samples. The first
 one, because most blocked motions end there; the others in batches that grow.
 """
 
+import math
 from collections.abc import Callable, Iterator
 from functools import lru_cache
 from typing import Any
@@ -29,6 +30,14 @@ _GROWTH = 4
 _LARGEST_BATCH = 1024
 _LARGEST_TABLE = 4096
 _FAR_END = np.ones(1)
+
+
+def num_steps(displacement: Float64[np.ndarray, " nv"], resolution: float) -> int:
+    """Return the number of samples of one motion, as `steps_of` does."""
+    squares = 0.0
+    for x in displacement.tolist():
+        squares += x * x
+    return max(1, math.ceil(math.sqrt(squares) / resolution - 1e-9))
 
 
 def steps_of(
@@ -82,8 +91,7 @@ def sample_batches(
 ) -> Iterator[Array]:
     """Yield the samples of a motion, shape (m, nq) each, in the order of checking."""
     origin, displacement = motion
-    steps = int(steps_of(displacement[None], resolution)[0])
-    for fractions in fraction_batches(steps):
+    for fractions in fraction_batches(num_steps(displacement, resolution)):
         yield manifold.plus(origin, fractions[:, None] * displacement)
 
 

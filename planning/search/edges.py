@@ -4,7 +4,7 @@ import math
 from typing import Any
 
 import numpy as np
-from jaxtyping import Float64
+from jaxtyping import Bool, Float64
 
 from planning.domain.manifold import Manifold
 from planning.search.oracle import WatchedOracle
@@ -55,6 +55,35 @@ class EdgeChecker:
         if free:
             self._free.add(key)
         return free
+
+    def are_free(
+        self, q0s: Float64[np.ndarray, "m nq"], q1s: Float64[np.ndarray, "m nq"]
+    ) -> Bool[np.ndarray, " m"]:
+        """Return the same as `is_free` for each pair of rows.
+
+        Raises:
+            Canceled: Somebody asked for the end.
+            DeadlineExceeded: The time has run out.
+        """
+        self.num_motions += len(q0s)
+        return self._oracle.are_motions_free(q0s, self._minus(q1s, q0s), self.resolution)
+
+    def lengths(
+        self, q0s: Float64[np.ndarray, "m nq"], q1s: Float64[np.ndarray, "m nq"]
+    ) -> Float64[np.ndarray, " m"]:
+        """Return the lengths of the geodesics between rows."""
+        delta = self._minus(q1s, q0s)
+        return np.sqrt(np.einsum("mv,mv->m", delta, delta))
+
+    def between(
+        self,
+        q0s: Float64[np.ndarray, "m nq"],
+        q1s: Float64[np.ndarray, "m nq"],
+        fractions: Float64[np.ndarray, " m"],
+    ) -> Array:
+        """Return the configuration at a fraction of the way between each pair of rows."""
+        steps = fractions[:, None] * self._minus(q1s, q0s)
+        return q0s + steps if self._is_vector else self.manifold.plus(q0s, steps)
 
     def distance(self, q0: Float64[np.ndarray, " nq"], q1: Float64[np.ndarray, " nq"]) -> float:
         """Return the length of the geodesic."""

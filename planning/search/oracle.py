@@ -8,7 +8,7 @@ from jaxtyping import Bool, Float64
 from planning.domain.deadline import Deadline
 from planning.domain.joints import JointGroup, JointLimits
 from planning.domain.manifold import Manifold
-from planning.domain.motion_samples import Counts, sample_batches, steps_of
+from planning.domain.motion_samples import Counts, num_steps, sample_batches, steps_of
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 type Flags = np.ndarray[Any, np.dtype[np.bool_]]
@@ -105,7 +105,12 @@ class WatchedOracle:
             Canceled: Somebody asked for the end.
             DeadlineExceeded: The time has run out.
         """
-        return bool(self.are_motions_free(origin[None], displacement[None], resolution)[0])
+        steps = num_steps(displacement, resolution)
+        if self._circle or steps > _MOST_AT_ONCE:
+            return bool(self.are_motions_free(origin[None], displacement[None], resolution)[0])
+        self._deadline.check("search")
+        self.num_states += steps
+        return self._inner.is_motion_free(origin, displacement, resolution)
 
     def are_motions_free(
         self,
@@ -120,7 +125,12 @@ class WatchedOracle:
             DeadlineExceeded: The time has run out.
         """
         counts = steps_of(displacements, resolution)
-        self.num_states += int(counts.sum())
+        total = int(counts.sum())
+        if not self._circle and total <= _MOST_AT_ONCE:
+            self._deadline.check("search")
+            self.num_states += total
+            return self._inner.are_motions_free(origins, displacements, resolution)
+        self.num_states += total
         free = self._stay_on_circles(origins, displacements, resolution)
         is_long = counts > _MOST_AT_ONCE
         for row in np.flatnonzero(free & is_long):

@@ -5,6 +5,7 @@ Which of them end how is told in `stopping` and `roadmap`.
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any
 
 from ompl import base as ob
@@ -21,6 +22,12 @@ from planning.search.parameters import (
     value_of,
 )
 
+# The longest step of RRTConnect where none is asked for, unless OMPL chooses a shorter one. OMPL's
+# choice, a fifth of the space's diagonal, is about 2.6 rad for an arm of seven joints: most motions
+# of that length are blocked, in narrow places nearly all. On MotionBenchMaker's Panda problems 0.5
+# took a sixth of the checks, 0.3 and 0.8 a few more than 0.5.
+_RANGE = 0.5
+
 # OMPL logs to the terminal by default; what it has to say is in our reports and errors.
 ou.setLogLevel(ou.LogLevel.LOG_NONE)
 
@@ -31,7 +38,7 @@ class PlannerParameter(Value):
 
     Attributes:
         name: OMPL's.
-        default: Its value if it is not given, as text ("range" 0 means that OMPL chooses).
+        default: Its value if it is not given, as text ("range" 0 means that it is chosen for the space).
         range: The values that it may have, for a person.
     """
 
@@ -55,7 +62,12 @@ class PlannerCard(Value):
 
 def planner_names() -> list[str]:
     """Return the names of all geometric planners, sorted."""
-    return sorted(name for name, item in vars(og).items() if _is_planner(item))
+    return list(_planner_names())
+
+
+@lru_cache(maxsize=1)
+def _planner_names() -> tuple[str, ...]:
+    return tuple(sorted(name for name, item in vars(og).items() if _is_planner(item)))
 
 
 def check_planner(name: str, parameters: Mapping[str, Scalar]) -> None:
@@ -65,7 +77,14 @@ def check_planner(name: str, parameters: Mapping[str, Scalar]) -> None:
         UnknownName: No planner, or no parameter of this one, has such a name.
         ProblemInvalid: A parameter's value has the wrong type or lies outside its range.
     """
-    make_planner(_nowhere(), name, parameters)
+    # True is 1 is 1.0 to a cache, but not to a planner.
+    _check(name, tuple((key, type(given), given) for key, given in sorted(parameters.items())))
+
+
+@lru_cache(maxsize=256)
+def _check(name: str, parameters: tuple[tuple[str, type, Scalar], ...]) -> None:
+    """Make such a planner; what it raises is not remembered, only that it raised nothing."""
+    make_planner(_nowhere(), name, {key: given for key, _, given in parameters})
 
 
 def list_planners() -> tuple[PlannerCard, ...]:
@@ -81,9 +100,8 @@ def make_planner(information: Any, name: str, parameters: Mapping[str, Scalar]) 
         UnknownName: No planner, or no parameter of this one, has such a name.
         ProblemInvalid: A parameter's value has the wrong type or lies outside its range.
     """
-    names = planner_names()
-    if name not in names:
-        raise UnknownName.among("planner", name, names)
+    if name not in _planner_names():
+        raise UnknownName.among("planner", name, planner_names())
     planner = getattr(og, name)(information)
     if name == "BFMT":
         # See `parameters`: it would crash the process.
@@ -93,6 +111,8 @@ def make_planner(information: Any, name: str, parameters: Mapping[str, Scalar]) 
     finally:
         # An AORRTC that was never set up crashes the process when it is thrown away (2.0.1).
         planner.setup()
+    if name == "RRTConnect" and not float(parameters.get("range", 0)):
+        planner.setRange(min(_RANGE, planner.getRange()))
     return planner
 
 

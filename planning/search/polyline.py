@@ -1,10 +1,9 @@
 """Polyline: waypoints joined by geodesics, addressed by length."""
 
-from bisect import bisect_right
 from typing import Any
 
 import numpy as np
-from jaxtyping import Float64
+from jaxtyping import Float64, Int64
 
 from planning.search.edges import EdgeChecker
 
@@ -16,42 +15,38 @@ class Polyline:
 
     Attributes:
         waypoints: Shape (n, nq), n >= 2.
-        along: Length from the start to each waypoint.
+        along: Length from the start to each waypoint, shape (n,).
     """
 
     def __init__(self, waypoints: Float64[np.ndarray, "n nq"], edges: EdgeChecker) -> None:
         """Measure the waypoints, shape (n, nq), with the metric of `edges`."""
         self.waypoints = waypoints
         self._edges = edges
-        steps = edges.manifold.distance(waypoints[1:], waypoints[:-1])
-        self.along: list[float] = [0.0, *np.cumsum(steps).tolist()]
+        steps = edges.lengths(waypoints[:-1], waypoints[1:])
+        self.along: Array = np.append(0.0, np.cumsum(steps))
 
     @property
     def length(self) -> float:
         """From the first waypoint to the last."""
-        return self.along[-1]
+        return float(self.along[-1])
 
-    def edge(self, place: float) -> int:
-        """Return the edge at a place."""
-        return min(max(bisect_right(self.along, place) - 1, 0), len(self.along) - 2)
+    def points(
+        self, places: Float64[np.ndarray, " m"]
+    ) -> tuple[Float64[np.ndarray, "m nq"], Int64[np.ndarray, " m"]]:
+        """Return the q at some places, and the edge that each is on or begins.
 
-    def near(self, place: float) -> tuple[float, int, Array]:
-        """Return a place, its edge and its q; waypoints attract, so that no tiny edges arise."""
-        i = self.edge(place)
-        for k in (i, i + 1):
-            if abs(place - self.along[k]) <= self._edges.resolution:
-                return self.along[k], i, self.waypoints[k]
-        fraction = np.array([(place - self.along[i]) / (self.along[i + 1] - self.along[i])])
-        q = self._edges.geodesic(self.waypoints[i], self.waypoints[i + 1], fraction)[0]
-        return place, i, q
+        At a waypoint's own place that is the waypoint, bit for bit.
+        """
+        last = len(self.along) - 2
+        edge = np.clip(np.searchsorted(self.along, places, side="right") - 1, 0, last)
+        begin, end = self.waypoints[edge], self.waypoints[edge + 1]
+        lengths = np.maximum(self.along[edge + 1] - self.along[edge], 1e-300)
+        fractions = (places - self.along[edge]) / lengths
+        qs = self._edges.between(begin, end, fractions)
+        for waypoint, is_there in ((begin, places == self.along[edge]), (end, places == self.along[edge + 1])):
+            qs[is_there] = waypoint[is_there]
+        return qs, edge
 
-    def two_places(self, rng: np.random.Generator) -> tuple[float, float]:
-        """Draw two places by length, in order, on two different edges."""
-        first, second = rng.random(2).tolist()
-        first *= self.length
-        edge = self.edge(first)
-        skipped = self.along[edge + 1] - self.along[edge]
-        second *= self.length - skipped
-        if second >= self.along[edge]:
-            second += skipped
-        return min(first, second), max(first, second)
+    def ends(self, edge: Int64[np.ndarray, " m"]) -> Float64[np.ndarray, " m"]:
+        """Return where some edges end."""
+        return self.along[edge + 1]

@@ -1,14 +1,14 @@
 """Shortcuts: a shorter polyline of geodesics between the same ends, every new edge checked.
 
-OMPL's simplifier may leave the valid set and stops by the clock. This one draws two points of the
-path at random and tries to make the way between them straight: in all coordinates, or in those of
-one block only, which takes useless turns out of a motion whose other coordinates are needed as they
-are (partial shortcuts; Geraerts and Overmars, "Creating high-quality paths for motion planning",
-2007).
+OMPL's simplifier may leave the valid set and stops by the clock. This one puts points on the path,
+asks at once which pairs of them see each other, and takes the shortest way through all of them, by
+dynamic programming: a round does what dozens of random shortcuts do one by one. Rounds with fresh
+points follow until they gain little. Between them the coordinates of one block are straightened
+alone, which takes useless turns out of a motion whose other coordinates are needed as they are
+(partial shortcuts; Geraerts and Overmars, "Creating high-quality paths for motion planning", 2007).
 """
 
 from collections.abc import Callable
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -20,11 +20,17 @@ from planning.search.polyline import Polyline
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
-_MOST_ROUNDS = 1000
-# Draws in a row that gain nothing before we stop.
-_PATIENCE = 60
-# A draw that would gain less than this share of the length is not worth a check.
-_LEAST_GAIN = 1e-3
+_MOST_ROUNDS = 8
+# Rounds in a row that gain less than this share of the length before we stop.
+_PATIENCE = 2
+_LEAST_GAIN = 0.004
+# Points on the path in one round, its corners included where they are not too many.
+_POINTS = 20
+_MOST_CORNERS = 28
+# What a corner costs as length: of two ways that are nearly as short the one with fewer is quicker.
+_CORNER = 0.02
+# Partial shortcuts that are checked in one round, the most promising of all.
+_PARTIAL = 24
 
 _PLANAR = ((0, 1), (2,))
 _FLOATING = ((0, 1, 2, 3), (4, 5, 6))
@@ -43,24 +49,29 @@ def shortcut(
     Args:
         waypoints: From start to goal, shape (n, nq).
         edges: Checks what is new.
-        rng: Decides what is tried.
-        is_over: Asked before each try; an early end leaves a path that is as good as the others.
+        rng: Decides where points are put.
+        is_over: Asked before each round; an early end leaves a path that is as good as the others.
     """
+    path = waypoints
     blocks = position_blocks(edges.manifold.joints)
-    line = Polyline(_without_detours(waypoints, edges, is_over), edges)
     idle = 0
-    for _ in range(_MOST_ROUNDS):
-        if len(line.waypoints) < 3 or idle >= _PATIENCE or is_over():
+    for round_ in range(_MOST_ROUNDS):
+        if len(path) < 3 or idle >= _PATIENCE or is_over():
             break
-        shorter = _straightened(line, blocks, edges, rng)
-        idle = idle + 1 if shorter is None else 0
-        line = line if shorter is None else Polyline(shorter, edges)
-    return _without_detours(line.waypoints, edges, is_over)
+        line = Polyline(path, edges)
+        shorter = _shortest_way(_places(line, round_, rng), line, edges)
+        if len(blocks) > 1 and len(shorter) > 2:
+            shorter = _with_straight_blocks(shorter, blocks, edges)
+        length = path_length(shorter, edges)
+        idle = 0 if length < line.length * (1 - _LEAST_GAIN) else idle + 1
+        if length <= line.length:
+            path = shorter
+    return path
 
 
 def path_length(waypoints: Float64[np.ndarray, "n nq"], edges: EdgeChecker) -> float:
     """Return the sum of the edges' lengths."""
-    return float(edges.manifold.distance(waypoints[1:], waypoints[:-1]).sum())
+    return float(edges.lengths(waypoints[:-1], waypoints[1:]).sum())
 
 
 def position_blocks(joints: tuple[Joint, ...]) -> list[list[int]]:
@@ -80,47 +91,72 @@ def position_blocks(joints: tuple[Joint, ...]) -> list[list[int]]:
     return found
 
 
-def _without_detours(path: Array, edges: EdgeChecker, is_over: Callable[[], bool]) -> Array:
-    """Return the path without the waypoints that can be skipped, from the start on.
-
-    From each waypoint the furthest of the next 1, 2, 4, 8, ... that can be reached is kept.
-    """
-    kept = [0]
-    while kept[-1] < len(path) - 1:
-        here = kept[-1]
-        reached, stride = here + 1, 2
-        while here + stride < len(path) and not is_over():
-            if not edges.is_known_free(path[here], path[here + stride]):
-                break
-            reached, stride = here + stride, stride * 2
-        kept.append(reached)
-    return path[kept]
+def _places(line: Polyline, round_: int, rng: np.random.Generator) -> Array:
+    """Return where points are put, as lengths along the path, in order; both ends are among them."""
+    corners = np.array(line.along)
+    if len(corners) > _MOST_CORNERS:
+        corners = corners[np.unique(np.linspace(0, len(corners) - 1, _MOST_CORNERS).astype(int))]
+    if round_ == 0:
+        return corners
+    count = max(_POINTS - len(corners), 4)
+    spread = (np.arange(count) + rng.random(count)) * (line.length / count)
+    return np.unique(np.concatenate([corners, spread]))
 
 
-def _straightened(
-    line: Polyline, blocks: list[list[int]], edges: EdgeChecker, rng: np.random.Generator
-) -> Array | None:
-    """Return the path with one random shortcut, or None if it gains nothing or is blocked."""
-    (s, before, p), (t, after, q) = (line.near(place) for place in line.two_places(rng))
-    if t <= s:
-        return None
-    new = np.stack([p, q])
-    choice = int(rng.integers(4 * len(blocks)))
-    if choice < len(blocks) and len(blocks) > 1:
-        fractions = (np.array([s, *line.along[before + 1 : after + 1], t]) - s) / (t - s)
-        straight = edges.geodesic(p, q, np.clip(fractions, 0.0, 1.0))
-        new = np.concatenate([p[None], line.waypoints[before + 1 : after + 1], q[None]])
-        new[1:-1, blocks[choice]] = straight[1:-1, blocks[choice]]
-    gain = t - s - path_length(new, edges)
-    if gain <= _LEAST_GAIN * line.length:
-        return None
-    new = _distinct(new)
-    if not all(edges.is_known_free(a, b) for a, b in pairwise(new)):
-        return None
-    head, tail = line.waypoints[: before + 1], line.waypoints[after + 1 :]
-    return _distinct(np.concatenate([head, new, tail]))
+def _shortest_way(places: Array, line: Polyline, edges: EdgeChecker) -> Array:
+    """Return the shortest way from point to point, of all that see each other."""
+    points, owners = line.points(places)
+    first, second = np.triu_indices(len(places), 1)
+    chords = edges.lengths(points[first], points[second])
+    # On one edge of the path, or where nothing is gained, the path itself is as good.
+    same_edge = places[second] <= line.ends(owners[first])
+    gains = places[second] - places[first] - chords > 1e-9 + 1e-3 * chords
+    asked = np.flatnonzero(gains & ~same_edge)
+    cost = np.full(len(first), np.inf)
+    cost[same_edge] = chords[same_edge] + _CORNER
+    free = edges.are_free(points[first[asked]], points[second[asked]])
+    cost[asked[free]] = chords[asked[free]] + _CORNER
+    return points[_cheapest(len(places), first, second, cost)]
 
 
-def _distinct(path: Array) -> Array:
-    """Return the path without waypoints that repeat the one before."""
-    return path[np.append(True, (path[1:] != path[:-1]).any(axis=1))]
+def _cheapest(count: int, first: Any, second: Any, cost: Array) -> list[int]:
+    """Return the cheapest chain of points from 0 to count - 1; edges lead forwards."""
+    table = np.full((count, count), np.inf)
+    table[first, second] = cost
+    best = np.zeros(count)
+    came = np.zeros(count, dtype=np.intp)
+    for j in range(1, count):
+        totals = best[:j] + table[:j, j]
+        came[j] = i = int(np.argmin(totals))
+        best[j] = totals[i]
+    chain = [count - 1]
+    while chain[-1]:
+        chain.append(int(came[chain[-1]]))
+    return chain[::-1]
+
+
+def _with_straight_blocks(path: Array, blocks: list[list[int]], edges: EdgeChecker) -> Array:
+    """Return the path with one block straightened between two of its corners, where that pays."""
+    tries: list[Array] = []
+    for begin in range(len(path) - 2):
+        for end in range(begin + 2, len(path)):
+            steps = edges.lengths(path[begin:end], path[begin + 1 : end + 1])
+            fractions = np.cumsum(steps)[:-1] / steps.sum()
+            straight = edges.geodesic(path[begin], path[end], fractions)
+            for block in blocks:
+                new = path.copy()
+                new[begin + 1 : end, block] = straight[:, block]
+                tries.append(new)
+    before = path_length(path, edges)
+    gains = np.array([before - path_length(new, edges) for new in tries])
+    order = np.argsort(-gains, kind="stable")[:_PARTIAL]
+    order = order[gains[order] > _LEAST_GAIN * before]
+    if not len(order):
+        return path
+    hops = [(tries[k][:-1], tries[k][1:]) for k in order]
+    free = edges.are_free(
+        np.concatenate([a for a, _ in hops]), np.concatenate([b for _, b in hops])
+    ).reshape(len(order), -1)
+    clear = np.flatnonzero(free.all(axis=1))
+    return tries[order[clear[0]]] if len(clear) else path
+

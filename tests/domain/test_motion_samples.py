@@ -11,6 +11,7 @@ from planning.domain.motion_samples import (
     are_motions_free,
     fraction_batches,
     is_motion_free,
+    num_steps,
     sample_batches,
     steps_of,
 )
@@ -36,6 +37,7 @@ def test_the_largest_gap_shrinks_with_every_doubling_of_samples(steps: int) -> N
 def test_steps_are_as_few_as_the_resolution_allows(length: float, resolution: float) -> None:
     (n,) = steps_of(np.array([[length]]), resolution)
     assert length / n <= resolution * (1 + 1e-8)
+    assert n == num_steps(np.array([length]), resolution)
     assert n == 1 or length / (n - 1) > resolution * (1 - 1e-8)
 
 
@@ -46,6 +48,7 @@ def test_lengths_are_sums_in_the_order_of_the_coordinates(seed: int, num_joints:
         squares = 0.0
         for x in displacement.tolist():
             squares += x * x
+        assert counted == num_steps(displacement, 1e-6)
         assert counted == max(1, np.ceil(np.sqrt(squares) / 1e-6 - 1e-9))
 
 

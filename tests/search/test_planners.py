@@ -6,7 +6,7 @@ from ompl import geometric as og
 
 from planning.errors import ProblemInvalid, UnknownName
 from planning.search.parameters import declared, set_parameters, value_of
-from planning.search.planners import check_planner, list_planners, planner_names
+from planning.search.planners import check_planner, list_planners, make_planner, planner_names
 
 BOUND = [
     "AORRTC",
@@ -134,3 +134,38 @@ def test_silly_values_are_refused_by_name(planner, parameter, value):
     assert caught.value.evidence["field"] == f"search.parameters.{parameter}"
     assert parameter in caught.value.detail
     assert "must be" in caught.value.detail
+
+
+def information_of(reach):
+    space = ob.RealVectorStateSpace(7)
+    space.setBounds(-reach, reach)
+    information = ob.SpaceInformation(space)
+    information.setStateValidityChecker(lambda _: True)
+    information.setup()
+    return information
+
+
+@pytest.mark.parametrize(
+    ("reach", "parameters", "expected"),
+    [
+        (3.0, {}, 0.5),
+        (3.0, {"range": "0"}, 0.5),
+        (3.0, {"range": 1.25}, 1.25),
+        (0.1, {}, 0.2 * 0.2 * 7**0.5),
+    ],
+)
+def test_steps_of_rrtconnect_are_short_unless_others_are_asked_for(reach, parameters, expected):
+    planner = make_planner(information_of(reach), "RRTConnect", parameters)
+    planner.setup()
+    assert planner.getRange() == pytest.approx(expected)
+
+
+def test_what_was_accepted_once_does_not_vouch_for_its_like():
+    check_planner("RRT", {"intermediate_states": True})
+    check_planner("RRT", {"intermediate_states": "1"})
+    for _ in range(2):
+        with pytest.raises(ProblemInvalid):
+            check_planner("RRT", {"intermediate_states": 2})
+        with pytest.raises(ProblemInvalid):
+            check_planner("RRT", {"goal_bias": True})
+        check_planner("RRT", {"goal_bias": 1})
