@@ -38,7 +38,7 @@ class PlannerParameter(Value):
 
     Attributes:
         name: OMPL's.
-        default: Its value if it is not given, as text ("range" 0 means that it is chosen for the space).
+        default: Its value if it is not given, as text ("range" 0: chosen for the space).
         range: The values that it may have, for a person.
     """
 
