@@ -3,6 +3,8 @@
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from planning.domain.curve import JointSpline, TimedTrajectory
 from planning.domain.deadline import Deadline
 from planning.domain.joints import JointLimits
@@ -20,6 +22,8 @@ from planning.world.world import World
 # How far corners may be rounded, largest first (joint-space length). The last resort, 0, follows
 # the very path that was checked and rests at every corner.
 _DEVIATIONS = (0.1, 0.03, 0.008, 0.0)
+# How closely a rounded path is looked at before it is timed (joint-space length).
+_GLANCE = 0.03
 
 
 @dataclass(frozen=True)
@@ -65,16 +69,33 @@ def candidates(
             report.method, improved=False, reason="the unrefined path is quicker or safer"
         )
     # With jerk limits a wide corner may well be slower than a rest: all of them are compared.
-    num_compared = len(_DEVIATIONS) if problem.retime.method == "ruckig" else 1
-    for deviation in _DEVIATIONS[:num_compared]:
+    with watch.stage("retime"):
+        clear = _clear_deviations(world, path, problem, margins)
+    num_compared = len(clear) if problem.retime.method == "ruckig" else 1
+    for deviation in clear[:num_compared]:
         made = _rounded(path, deviation, limits, problem, unrefined, watch)
         first += [made] if made else []
     yield from sorted(first, key=lambda candidate: candidate.trajectory.duration)
-    for deviation in _DEVIATIONS[num_compared:]:
+    for deviation in clear[num_compared:]:
         deadline.check("retime")
         made = _rounded(path, deviation, limits, problem, unrefined, watch)
         if made is not None:
             yield made
+
+
+def _clear_deviations(
+    world: World, path: JointPath, problem: PlanningProblem, margins: PairMargins
+) -> list[float]:
+    """Return the deviations that do not collide at a glance; what does is not worth timing."""
+    oracle = world.collision_oracle(world.group(problem.group), margins)
+    smoothness = 2 if problem.retime.method == "ruckig" else 1
+    count = int(path.length / _GLANCE) + 2
+    clear: list[float] = []
+    for deviation in _DEVIATIONS[:-1]:
+        curve = blend_corners(path, deviation, smoothness)
+        if oracle.are_free(curve.positions(np.linspace(0.0, 1.0, count))).all():
+            clear.append(deviation)
+    return [*clear, _DEVIATIONS[-1]]
 
 
 def _rounded(

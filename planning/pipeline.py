@@ -162,7 +162,7 @@ def _search_padded(task: _Task, round_: int, padding: float, deadline: Deadline)
         padding=padding,
         seed=task.problem.seed + round_,
     )
-    found = search(task.group, task.limits, oracle, request, deadline)
+    found = search(task.group, task.limits, oracle, request, deadline, watch=task.watch)
     return SearchResult(found.path.continuous, int(rows[found.goal_row]), found.report)
 
 

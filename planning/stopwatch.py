@@ -12,15 +12,19 @@ class Stopwatch:
         self._clock = clock
         self._began = clock()
         self._seconds: dict[str, float] = {}
+        self._within = 0.0
 
     @contextmanager
     def stage(self, name: str) -> Generator[None]:
-        """Count the time inside towards a stage."""
-        began = self._clock()
+        """Count the time inside towards a stage; that of stages within it counts only for them."""
+        began, before = self._clock(), self._within
+        self._within = 0.0
         try:
             yield
         finally:
-            self._seconds[name] = self._seconds.get(name, 0.0) + self._clock() - began
+            elapsed = self._clock() - began
+            self._seconds[name] = self._seconds.get(name, 0.0) + elapsed - self._within
+            self._within = before + elapsed
 
     @property
     def seconds(self) -> dict[str, float]:

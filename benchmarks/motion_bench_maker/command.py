@@ -5,7 +5,6 @@ import json
 import tempfile
 from pathlib import Path
 
-import planning
 from benchmarks.motion_bench_maker.problems import data_folder, read_problems, round_robin
 from benchmarks.motion_bench_maker.robots import ROBOTS, robot_files, robot_library
 from benchmarks.motion_bench_maker.runs import Bench, GoalKind, Runs

@@ -1,7 +1,6 @@
 """Coverings: a convex shape between spheres around it and spheres inside it."""
 
 import json
-import os
 import tempfile
 from dataclasses import dataclass
 from functools import lru_cache
@@ -105,6 +104,6 @@ def _write(file: Path, content: Covering) -> None:
         file.parent.mkdir(parents=True, exist_ok=True)
         with tempfile.NamedTemporaryFile("w", dir=file.parent, delete=False) as part:
             json.dump(document, part)
-        os.replace(part.name, file)
+        Path(part.name).replace(file)
     except OSError:
         return

@@ -21,6 +21,7 @@ from planning.search.planners import make_planner
 from planning.search.roadmap import is_roadmap_planner, solve_by_roadmap
 from planning.search.spaces import SearchSpace
 from planning.search.stopping import Stopping
+from planning.stopwatch import Stopwatch
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
@@ -40,6 +41,7 @@ class Query:
         planner: OMPL's name.
         parameters: Of the planner.
         deadline: When to give up.
+        watch: Told how long shortcuts take.
     """
 
     space: SearchSpace
@@ -49,6 +51,7 @@ class Query:
     planner: str
     parameters: Mapping[str, Scalar]
     deadline: Deadline
+    watch: Stopwatch
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,7 +87,7 @@ def attempt(query: Query, edges: EdgeChecker, seed: int) -> Attempt:
         DeadlineExceeded: The time has run out.
     """
     ou.RNG.setSeed(seed)
-    information = space_information(query.space, query.oracle, edges)
+    information = space_information(query.space, query.oracle, edges, query.planner)
     planner = make_planner(information, query.planner, query.parameters)
     definition = _define(information, query)
     planner.setProblemDefinition(definition)

@@ -41,6 +41,21 @@ class EdgeChecker:
         self.num_motions += 1
         return self._oracle.is_motion_free(q0, self._minus(q1, q0), self.resolution)
 
+    def is_whole_edge_free(self, q0: list[float], q1: list[float]) -> bool:
+        """Return whether all samples of the geodesic are free, both ends included.
+
+        Raises:
+            Canceled: Somebody asked for the end.
+            DeadlineExceeded: The time has run out.
+        """
+        self.num_motions += 1
+        if self._is_vector:
+            return self._oracle.is_edge_free(q0, q1, self.resolution)
+        begin, end = np.array(q0), np.array(q1)
+        return self._oracle.is_free(begin) and self._oracle.is_motion_free(
+            begin, self._minus(end, begin), self.resolution
+        )
+
     def is_known_free(self, q0: Float64[np.ndarray, " nq"], q1: Float64[np.ndarray, " nq"]) -> bool:
         """Return the same as `is_free`, but do not check again what was found free before.
 
@@ -57,16 +72,25 @@ class EdgeChecker:
         return free
 
     def are_free(
-        self, q0s: Float64[np.ndarray, "m nq"], q1s: Float64[np.ndarray, "m nq"]
+        self,
+        q0s: Float64[np.ndarray, "m nq"],
+        q1s: Float64[np.ndarray, "m nq"],
+        coarseness: float = 1.0,
     ) -> Bool[np.ndarray, " m"]:
         """Return the same as `is_free` for each pair of rows.
+
+        Args:
+            q0s: Where edges begin, shape (m, nq).
+            q1s: Where they end, shape (m, nq).
+            coarseness: How many times the resolution samples are apart.
 
         Raises:
             Canceled: Somebody asked for the end.
             DeadlineExceeded: The time has run out.
         """
         self.num_motions += len(q0s)
-        return self._oracle.are_motions_free(q0s, self._minus(q1s, q0s), self.resolution)
+        resolution = coarseness * self.resolution
+        return self._oracle.are_motions_free(q0s, self._minus(q1s, q0s), resolution)
 
     def lengths(
         self, q0s: Float64[np.ndarray, "m nq"], q1s: Float64[np.ndarray, "m nq"]

@@ -25,6 +25,21 @@ class EdgeMotionValidator(ob.MotionValidator):
         return self._is_free(self._read(arg0), self._read(arg1))
 
 
+class WholeEdgeValidator(ob.MotionValidator):
+    """Checks a motion with both of its ends, so that nobody need ask about states."""
+
+    def __init__(self, ompl: Any, space: SearchSpace, edges: EdgeChecker) -> None:
+        """Validate motions of an OMPL space information."""
+        super().__init__(ompl)
+        self._numbers = space.numbers
+        self._is_free = edges.is_whole_edge_free
+
+    @override
+    def checkMotion(self, arg0: Any, arg1: Any, /) -> bool:
+        """Return whether the geodesic is free, its first state included."""
+        return self._is_free(self._numbers(arg0), self._numbers(arg1))
+
+
 def state_validity(space: SearchSpace, oracle: WatchedOracle) -> Callable[[Any], bool]:
     """Return OMPL's question about one state.
 
@@ -39,10 +54,19 @@ def state_validity(space: SearchSpace, oracle: WatchedOracle) -> Callable[[Any],
     return is_valid
 
 
-def space_information(space: SearchSpace, oracle: WatchedOracle, edges: EdgeChecker) -> Any:
-    """Return OMPL's space information, ready to plan with."""
+def space_information(
+    space: SearchSpace, oracle: WatchedOracle, edges: EdgeChecker, planner: str
+) -> Any:
+    """Return OMPL's space information, ready to plan with.
+
+    RRTConnect adds no state but by a motion: checked with both ends, that is one question for two.
+    """
     ompl = ob.SpaceInformation(space.ompl)
-    ompl.setStateValidityChecker(state_validity(space, oracle))
-    ompl.setMotionValidator(EdgeMotionValidator(ompl, space, edges))
+    if planner == "RRTConnect":
+        ompl.setStateValidityChecker(ob.AllValidStateValidityChecker(ompl))
+        ompl.setMotionValidator(WholeEdgeValidator(ompl, space, edges))
+    else:
+        ompl.setStateValidityChecker(state_validity(space, oracle))
+        ompl.setMotionValidator(EdgeMotionValidator(ompl, space, edges))
     ompl.setup()
     return ompl

@@ -48,6 +48,15 @@ class CollisionOracle(Protocol):
         ...
 
 
+@runtime_checkable
+class EdgeOracle(Protocol):
+    """An oracle that judges edges without any array being made."""
+
+    def is_edge_free(self, q0: list[float], q1: list[float], resolution: float) -> tuple[bool, int]:
+        """Return whether the straight way from q0 to q1 is free, both ends included, and its steps."""
+        ...
+
+
 class WatchedOracle:
     """An oracle that counts, keeps limits on circles, and ends the search when time is up.
 
@@ -64,6 +73,7 @@ class WatchedOracle:
         """Watch `inner`, for the joints and limits of a group."""
         self._inner = inner
         self._deadline = deadline
+        self._edge = inner.is_edge_free if isinstance(inner, EdgeOracle) else self._judge_edge
         self._manifold = Manifold(group.joints)
         self._circle, self._lower, self._width = _bounded_circles(group, limits)
         self.num_states = 0
@@ -111,6 +121,28 @@ class WatchedOracle:
         self._deadline.check("search")
         self.num_states += steps
         return self._inner.is_motion_free(origin, displacement, resolution)
+
+    def is_edge_free(self, q0: list[float], q1: list[float], resolution: float) -> bool:
+        """Return whether the straight way from q0 to q1 is admissible, both ends included.
+
+        For joints that neither wrap nor float.
+
+        Raises:
+            Canceled: Somebody asked for the end.
+            DeadlineExceeded: The time has run out.
+        """
+        self._deadline.check("search")
+        free, steps = self._edge(q0, q1, resolution)
+        self.num_states += steps + 1
+        return free
+
+    def _judge_edge(self, q0: list[float], q1: list[float], resolution: float) -> tuple[bool, int]:
+        begin, end = np.array(q0), np.array(q1)
+        steps = num_steps(end - begin, resolution)
+        free = self._inner.is_free(begin) and self._inner.is_motion_free(
+            begin, end - begin, resolution
+        )
+        return free, steps
 
     def are_motions_free(
         self,

@@ -43,7 +43,10 @@ class Polyline:
         lengths = np.maximum(self.along[edge + 1] - self.along[edge], 1e-300)
         fractions = (places - self.along[edge]) / lengths
         qs = self._edges.between(begin, end, fractions)
-        for waypoint, is_there in ((begin, places == self.along[edge]), (end, places == self.along[edge + 1])):
+        for waypoint, is_there in (
+            (begin, places == self.along[edge]),
+            (end, places == self.along[edge + 1]),
+        ):
             qs[is_there] = waypoint[is_there]
         return qs, edge
 

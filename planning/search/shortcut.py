@@ -9,6 +9,7 @@ alone, which takes useless turns out of a motion whose other coordinates are nee
 """
 
 from collections.abc import Callable
+from itertools import combinations, pairwise
 from typing import Any
 
 import numpy as np
@@ -22,10 +23,13 @@ type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 _MOST_ROUNDS = 8
 # Rounds in a row that gain less than this share of the length before we stop.
-_PATIENCE = 2
-_LEAST_GAIN = 0.004
+_PATIENCE = 1
+_LEAST_GAIN = 0.01
 # Points on the path in one round, its corners included where they are not too many.
-_POINTS = 20
+_POINTS = 14
+# Pairs of points are looked at so many times less closely before they are taken for neighbours; the
+# way that is taken is then looked at in full, and anew where that finds a collision.
+_ROUGH = 4.0
 _MOST_CORNERS = 28
 # What a corner costs as length: of two ways that are nearly as short the one with fewer is quicker.
 _CORNER = 0.02
@@ -114,9 +118,24 @@ def _shortest_way(places: Array, line: Polyline, edges: EdgeChecker) -> Array:
     asked = np.flatnonzero(gains & ~same_edge)
     cost = np.full(len(first), np.inf)
     cost[same_edge] = chords[same_edge] + _CORNER
-    free = edges.are_free(points[first[asked]], points[second[asked]])
-    cost[asked[free]] = chords[asked[free]] + _CORNER
-    return points[_cheapest(len(places), first, second, cost)]
+    hopeful = asked[edges.are_free(points[first[asked]], points[second[asked]], _ROUGH)]
+    cost[hopeful] = chords[hopeful] + _CORNER
+    known = same_edge
+    count = len(places)
+    while True:
+        chain = _cheapest(count, first, second, cost)
+        used = np.array([_row_of_pair(i, j, count) for i, j in pairwise(chain)])
+        new = used[~known[used]]
+        free = edges.are_free(points[first[new]], points[second[new]])
+        known[new[free]] = True
+        cost[new[~free]] = np.inf
+        if free.all():
+            return points[chain]
+
+
+def _row_of_pair(i: int, j: int, count: int) -> int:
+    """Return the row of a pair i < j among all pairs, as np.triu_indices counts them."""
+    return i * count - i * (i + 1) // 2 + j - i - 1
 
 
 def _cheapest(count: int, first: Any, second: Any, cost: Array) -> list[int]:
@@ -137,26 +156,33 @@ def _cheapest(count: int, first: Any, second: Any, cost: Array) -> list[int]:
 
 def _with_straight_blocks(path: Array, blocks: list[list[int]], edges: EdgeChecker) -> Array:
     """Return the path with one block straightened between two of its corners, where that pays."""
-    tries: list[Array] = []
-    for begin in range(len(path) - 2):
-        for end in range(begin + 2, len(path)):
-            steps = edges.lengths(path[begin:end], path[begin + 1 : end + 1])
-            fractions = np.cumsum(steps)[:-1] / steps.sum()
-            straight = edges.geodesic(path[begin], path[end], fractions)
-            for block in blocks:
-                new = path.copy()
-                new[begin + 1 : end, block] = straight[:, block]
-                tries.append(new)
-    before = path_length(path, edges)
-    gains = np.array([before - path_length(new, edges) for new in tries])
+    steps = edges.lengths(path[:-1], path[1:])
+    tries = np.concatenate([
+        _with_straight_block(path, steps, span, blocks, edges)
+        for span in combinations(range(len(path)), 2)
+        if span[1] > span[0] + 1
+    ])
+    num_edges, nq = len(path) - 1, path.shape[1]
+    lengths = edges.lengths(tries[:, :-1].reshape(-1, nq), tries[:, 1:].reshape(-1, nq))
+    gains = steps.sum() - lengths.reshape(-1, num_edges).sum(axis=1)
     order = np.argsort(-gains, kind="stable")[:_PARTIAL]
-    order = order[gains[order] > _LEAST_GAIN * before]
-    if not len(order):
-        return path
-    hops = [(tries[k][:-1], tries[k][1:]) for k in order]
-    free = edges.are_free(
-        np.concatenate([a for a, _ in hops]), np.concatenate([b for _, b in hops])
-    ).reshape(len(order), -1)
-    clear = np.flatnonzero(free.all(axis=1))
-    return tries[order[clear[0]]] if len(clear) else path
+    order = order[gains[order] > _LEAST_GAIN * steps.sum()]
+    for some in (order[:2], order[2:]):
+        begins, ends = tries[some, :-1].reshape(-1, nq), tries[some, 1:].reshape(-1, nq)
+        free = edges.are_free(begins, ends).reshape(-1, num_edges).all(axis=1)
+        if free.any():
+            return tries[some[int(np.argmax(free))]]
+    return path
 
+
+def _with_straight_block(
+    path: Array, steps: Array, span: tuple[int, int], blocks: list[list[int]], edges: EdgeChecker
+) -> Array:
+    """Return the path with each block straightened within a span, shape (num_blocks, n, nq)."""
+    begin, end = span
+    along = np.cumsum(steps[begin:end])
+    straight = edges.geodesic(path[begin], path[end], along[:-1] / max(along[-1], 1e-300))
+    tries = np.repeat(path[None], len(blocks), axis=0)
+    for new, block in zip(tries, blocks, strict=True):
+        new[begin + 1 : end, block] = straight[:, block]
+    return tries

@@ -23,6 +23,7 @@ from planning.search.planners import check_planner
 from planning.search.sound import Closeness, SoundPath, checked, fine_checker, sound_attempt
 from planning.search.spaces import SearchSpace
 from planning.search.task import SearchResult, SearchTask
+from planning.stopwatch import Stopwatch
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 type OnProgress = Callable[[float, str], None]
@@ -55,6 +56,7 @@ def search(
     task: SearchTask,
     deadline: Deadline,
     on_progress: OnProgress = ignore_progress,
+    watch: Stopwatch | None = None,
 ) -> SearchResult:
     """Return a path from the start to one of the goals, free at a quarter of the resolution.
 
@@ -71,6 +73,7 @@ def search(
         task: Start, goals and how to search.
         deadline: When to give up; also asked whether anybody still wants the answer.
         on_progress: Told the share of the stage that is done, and what comes next.
+        watch: Told how long the stage "shortcut" takes.
 
     Raises:
         ProblemInvalid: A number in the task makes no sense.
@@ -86,7 +89,14 @@ def search(
     space = SearchSpace(group, limits, np.concatenate([task.start[None], task.goals]))
     rows = _admissible_goals(space, watched, task)
     query = Query(
-        space, watched, task.start, task.goals[rows], options.planner, options.parameters, deadline
+        space,
+        watched,
+        task.start,
+        task.goals[rows],
+        options.planner,
+        options.parameters,
+        deadline,
+        watch or Stopwatch(deadline.clock),
     )
     fine = fine_checker(query, task.resolution)
     closeness = Closeness(task.resolution, options.num_states, fine)

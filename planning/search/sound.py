@@ -110,8 +110,9 @@ def _shortened(
         return None
     for checker in (edges, closeness.fine):
         time = query.deadline.share(_SHORTCUT_SHARE)
-        shorter = shortcut(found.waypoints, checker, rng, lambda at=time: at.is_over)
-        path = checked(shorter, found.waypoints, found.goal_row, closeness)
+        with query.watch.stage("shortcut"):
+            shorter = shortcut(found.waypoints, checker, rng, lambda at=time: at.is_over)
+            path = checked(shorter, found.waypoints, found.goal_row, closeness)
         if path is not None:
             return path
     return None

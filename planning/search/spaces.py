@@ -66,10 +66,14 @@ class SearchSpace:
 
     def read(self, state: Any) -> Array:
         """Return the q of an OMPL state, shape (nq,)."""
+        return np.array(self.numbers(state))
+
+    def numbers(self, state: Any) -> list[float]:
+        """Return the same as a list, which is what OMPL gives."""
         if self._slice is not None:
-            return np.array(state[self._slice])
+            return state[self._slice]
         value = self.ompl.getValueAddressAtIndex
-        return np.array([value(state, i) for i in self._to_q])
+        return [value(state, i) for i in self._to_q]
 
     def write(self, q: Float64[np.ndarray, " nq"]) -> Any:
         """Return a new OMPL state at q, shape (nq,); quaternions are normalised."""

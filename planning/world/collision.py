@@ -1,5 +1,6 @@
 """Collision verdicts on configurations, by Drake's exact geometry."""
 
+from itertools import combinations
 from typing import Any
 
 import numpy as np
@@ -27,11 +28,14 @@ class DrakeCollisionOracle:
         group: JointGroup,
         state: Float64[np.ndarray, " num_positions"],
         margins: PairMargins,
+        bare: SceneGraphCollisionChecker | None = None,
     ) -> None:
-        """Make a checker whose verdicts demand `margins` of every pair of bodies."""
+        """Demand `margins` of every pair of bodies; `bare` is the model's `bare_checker`."""
         self._model = model
         self._manifold = Manifold(group.joints)
-        self._checker = _make_checker(model, margins)
+        self._checker = bare.Clone() if bare else bare_checker(model)
+        if margins.largest > 0:
+            _apply_margins(self._checker, model, margins)
         self._full = model.follow(np.array(state))
         self._indices = model.position_indices(group)
 
@@ -116,7 +120,11 @@ class DistanceProbe:
         return self._model.body_names.get(body.index(), body.name())
 
 
-def _make_checker(model: DrakeModel, margins: PairMargins) -> SceneGraphCollisionChecker:
+def bare_checker(model: DrakeModel) -> SceneGraphCollisionChecker:
+    """Return Drake's checker of a model, without margins.
+
+    Making one takes longer than many a plan; copying it does not.
+    """
     plant = model.plant
     robots = sorted(
         {
@@ -125,7 +133,7 @@ def _make_checker(model: DrakeModel, margins: PairMargins) -> SceneGraphCollisio
         },
         key=int,
     )
-    checker = SceneGraphCollisionChecker(
+    return SceneGraphCollisionChecker(
         CollisionCheckerParams(
             model=model.diagram,
             robot_model_instances=robots,
@@ -133,22 +141,17 @@ def _make_checker(model: DrakeModel, margins: PairMargins) -> SceneGraphCollisio
             implicit_context_parallelism=Parallelism(1),
         )
     )
-    if margins.largest > 0:
-        _apply_margins(checker, model, margins)
-    return checker
 
 
 def _apply_margins(
     checker: SceneGraphCollisionChecker, model: DrakeModel, margins: PairMargins
 ) -> None:
     """Tell Drake's checker the margin of every pair of bodies as its padding."""
-    plant = model.plant
-    bodies = [plant.get_body(index) for index in model.body_names]
+    named = [
+        (int(index), name, checker.IsPartOfRobot(index)) for index, name in model.body_names.items()
+    ]
     padding = np.array(checker.GetPaddingMatrix())
-    for a in bodies:
-        for b in bodies:
-            i, j = int(a.index()), int(b.index())
-            if i < j and (checker.IsPartOfRobot(a) or checker.IsPartOfRobot(b)):
-                names = model.body_names[a.index()], model.body_names[b.index()]
-                padding[i, j] = padding[j, i] = margins.of(*names)
+    for (i, a, a_moves), (j, b, b_moves) in combinations(named, 2):
+        if a_moves or b_moves:
+            padding[i, j] = padding[j, i] = margins.of(a, b)
     checker.SetPaddingMatrix(padding)

@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 from jaxtyping import Bool, Float64, UInt8
+from pydrake.planning import SceneGraphCollisionChecker
 
 from planning.domain import motion_samples
 from planning.domain.joints import JointGroup
@@ -35,10 +36,14 @@ class KernelCollisionOracle:
         group: JointGroup,
         state: Float64[np.ndarray, " num_positions"],
         margins: PairMargins,
+        bare: SceneGraphCollisionChecker | None = None,
     ) -> None:
-        """Prepare the kernel for a group whose verdicts demand `margins` of every pair."""
+        """Prepare the kernel for a group whose verdicts demand `margins` of every pair.
+
+        `bare` is the model's `bare_checker`, if there is one already.
+        """
         self.num_left = 0
-        self._drake_arguments = model, group, state, margins
+        self._drake_arguments = model, group, state, margins, bare
         self._manifold = Manifold(group.joints)
         module: Any = native()
         self._checker = module.Checker(
@@ -84,6 +89,17 @@ class KernelCollisionOracle:
             if verdict != _UNSURE:
                 return verdict == _FREE
         return bool(self.are_motions_free(origin[None], displacement[None], resolution)[0])
+
+    def is_edge_free(self, q0: list[float], q1: list[float], resolution: float) -> tuple[bool, int]:
+        """Return whether the straight way between two configurations is free, ends included.
+
+        And of how many steps it is. For joints that do not float.
+        """
+        verdict, steps = self._checker.judge_edge(q0, q1, resolution)
+        if verdict != _UNSURE:
+            return verdict == _FREE, steps
+        begin, end = np.array(q0), np.array(q1)
+        return self.is_free(begin) and self.is_motion_free(begin, end - begin, resolution), steps
 
     def are_motions_free(
         self,

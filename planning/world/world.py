@@ -12,7 +12,7 @@ from planning.domain.scene import Scene
 from planning.domain.summary import GroupSummary, SceneSummary
 from planning.errors import SceneInvalid, UnknownName
 from planning.world.builder import LoadedRobot, build_diagram, pose_of
-from planning.world.collision import DistanceProbe, DrakeCollisionOracle
+from planning.world.collision import DistanceProbe, DrakeCollisionOracle, bare_checker
 from planning.world.drake_model import DrakeModel
 from planning.world.groups import RobotGroups, group_limits, robot_groups
 from planning.world.kernel_oracle import KernelCollisionOracle
@@ -60,6 +60,7 @@ class World:
             for name, group in own.groups.items():
                 self._groups.setdefault(f"{own.robot}::{name}", group)
         self._configurations = named_configurations(scene, self._robot_groups, self.group)
+        self._bare = bare_checker(drake)
         self._context = drake.diagram.CreateDefaultContext()
         self._plant_context = drake.plant.GetMyMutableContextFromRoot(self._context)
         nominal = np.array(drake.plant.GetPositions(self._plant_context))
@@ -176,8 +177,8 @@ class World:
     def _make_judge(self, group: JointGroup, margins: PairMargins) -> CollisionJudge:
         kernel = kernel_scene_of(self.drake)
         if kernel is None:
-            return DrakeCollisionOracle(self.drake, group, self.state, margins)
-        return KernelCollisionOracle(self.drake, kernel, group, self.state, margins)
+            return DrakeCollisionOracle(self.drake, group, self.state, margins, self._bare)
+        return KernelCollisionOracle(self.drake, kernel, group, self.state, margins, self._bare)
 
     def distance_probe(self, margins: PairMargins) -> DistanceProbe:
         """Return a slow judge that says which pairs, how near and where."""

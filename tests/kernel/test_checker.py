@@ -10,7 +10,7 @@ from pydrake.geometry import Box, Sphere
 from pydrake.math import RigidTransform
 
 from planning.kernel.native import native
-from tests.certify.chains import FLOATING, PLANAR, P, R, Builder, random_robot
+from tests.certify.chains import FLOATING, PLANAR, Builder, P, R, random_robot
 from tests.kernel.conftest import COLLIDING, FREE, UNSURE, Judged
 
 

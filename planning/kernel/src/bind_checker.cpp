@@ -85,6 +85,20 @@ auto judge_motion(const Checker& checker, const Doubles& origin, const Doubles& 
   return static_cast<int>(verdict);
 }
 
+// An edge between two lists of numbers: its verdict and its number of samples.
+auto judge_edge(const Checker& checker, const std::vector<double>& from, const std::vector<double>& to, double resolution) {
+  const std::size_t nq = checker.num_positions();
+  require(from.size() == nq && to.size() == nq, "both ends have one number per position");
+  require(resolution > 0, "the resolution is positive");
+  std::int64_t n = 0;
+  Verdict verdict;
+  {
+    nb::gil_scoped_release released;
+    verdict = checker.judge_edge(from.data(), to.data(), resolution, n);
+  }
+  return std::make_tuple(static_cast<int>(verdict), n);
+}
+
 }  // namespace
 
 void bind_checker(nb::module_& m) {
@@ -102,6 +116,7 @@ void bind_checker(nb::module_& m) {
       .def("judge_one", &judge_one, nb::arg("q"))
       .def("judge_motions", &judge_motions, nb::arg("origins"), nb::arg("displacements"), nb::arg("resolution"))
       .def("judge_motion", &judge_motion, nb::arg("origin"), nb::arg("displacement"), nb::arg("resolution"))
+      .def("judge_edge", &judge_edge, nb::arg("q0"), nb::arg("q1"), nb::arg("resolution"))
       .def_prop_ro("doubtful_fixed_pairs", &Checker::doubtful_fixed_pairs)
       .def_prop_ro("lane_kernel", [](const Checker& c) { return std::string(c.kernel().name); });
   m.def("lane_kernels", [] {

@@ -45,6 +45,9 @@ struct Checker::Workspace {
   std::vector<double> full;
   std::vector<Transform> X_WL;
   std::vector<Vec3> directions;  // that last parted each pair, in the frame of its first geometry
+  std::vector<double> samples;
+  std::vector<std::int64_t> numbers;
+  std::vector<Verdict> found;
 
   explicit Workspace(const Checker& c)
       : model(c.lanes_.view()),
@@ -55,7 +58,10 @@ struct Checker::Workspace {
         lanes(c.lanes_.pair_of.size() + 1),
         full(c.group_.state),
         X_WL(c.X_WL_),
-        directions(c.scene_->pairs.size()) {}
+        directions(c.scene_->pairs.size()),
+        samples(static_cast<std::size_t>(width) * c.num_positions()),
+        numbers(width),
+        found(width) {}
 
   // Writes one configuration into a lane and returns how far its lengths reach [m].
   double pack(const Checker& c, const double* q, int lane) {
@@ -81,6 +87,28 @@ struct Checker::Workspace {
     return 1 / std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
   }
 };
+
+// A workspace for one call: the idle one if nobody else has it.
+struct Checker::Lease {
+  const Checker& checker;
+  std::unique_ptr<Workspace> workspace;
+
+  explicit Lease(const Checker& c) : checker(c) {
+    {
+      const std::lock_guard lock(c.idle_mutex_);
+      workspace = std::move(c.idle_);
+    }
+    if (!workspace) workspace = std::make_unique<Workspace>(c);
+  }
+  ~Lease() {
+    const std::lock_guard lock(checker.idle_mutex_);
+    checker.idle_ = std::move(workspace);
+  }
+  Lease(const Lease&) = delete;
+  Lease& operator=(const Lease&) = delete;
+};
+
+Checker::~Checker() = default;
 
 Checker::Checker(std::shared_ptr<const Scene> scene, Group group, std::vector<Demand> demands, LaneKernel kernel)
     : scene_(std::move(scene)), group_(std::move(group)), demands_(std::move(demands)), kernel_(kernel),
@@ -147,42 +175,57 @@ bool Checker::judge_block(const double* qs, int count, Verdict* verdicts, Worksp
 }
 
 void Checker::judge(const double* qs, std::int64_t count, Verdict* verdicts) const {
-  Workspace w(*this);
+  const Lease lease(*this);
+  Workspace& w = *lease.workspace;
   for (std::int64_t i = 0; i < count; i += w.width)
     judge_block(qs + num_positions() * i, static_cast<int>(std::min<std::int64_t>(w.width, count - i)), verdicts + i, w, false);
 }
 
+Verdict Checker::judge_motion(const Motion& motion, std::int64_t number, std::vector<Unsure>& unsure, Workspace& w) const {
+  const int nq = num_positions();
+  const std::size_t before = unsure.size();
+  SampleOrder order(motion.n);
+  bool origin_left = motion.from_origin;
+  for (;;) {
+    int size = 0;
+    while (size < w.width && order.next(w.numbers[size])) {
+      ++size;
+      if (origin_left && size < w.width) w.numbers[size++] = 0, origin_left = false;
+    }
+    if (!size) break;
+    for (int k = 0; k < size; ++k) {
+      const double fraction = static_cast<double>(w.numbers[k]) / static_cast<double>(motion.n);
+      for (int i = 0; i < nq; ++i) w.samples[k * nq + i] = motion.origin[i] + fraction * motion.displacement[i];
+    }
+    if (judge_block(w.samples.data(), size, w.found.data(), w, true)) {
+      unsure.resize(before);
+      return Verdict::colliding;
+    }
+    for (int k = 0; k < size; ++k)
+      if (w.found[k] == Verdict::unsure) unsure.push_back({number, w.numbers[k], motion.n});
+  }
+  return unsure.size() > before ? Verdict::unsure : Verdict::free;
+}
+
 void Checker::judge_motions(const double* origins, const double* displacements, double resolution, std::int64_t count,
                             Verdict* verdicts, std::vector<Unsure>& unsure) const {
-  Workspace w(*this);
+  const Lease lease(*this);
   const int nq = num_positions();
-  std::vector<double> qs(static_cast<std::size_t>(w.width) * nq);
-  std::vector<std::int64_t> numbers(w.width);
-  std::vector<Verdict> found(w.width);
   for (std::int64_t j = 0; j < count; ++j) {
-    const std::size_t before = unsure.size();
-    const double *origin = origins + j * nq, *displacement = displacements + j * nq;
-    const std::int64_t n = num_samples(displacement, nq, resolution);
-    SampleOrder order(n);
-    verdicts[j] = Verdict::free;
-    for (;;) {
-      int size = 0;
-      while (size < w.width && order.next(numbers[size])) ++size;
-      if (!size) break;
-      for (int k = 0; k < size; ++k) {
-        const double fraction = static_cast<double>(numbers[k]) / static_cast<double>(n);
-        for (int i = 0; i < nq; ++i) qs[k * nq + i] = origin[i] + fraction * displacement[i];
-      }
-      if (judge_block(qs.data(), size, found.data(), w, true)) {
-        verdicts[j] = Verdict::colliding;
-        break;
-      }
-      for (int k = 0; k < size; ++k)
-        if (found[k] == Verdict::unsure) unsure.push_back({j, numbers[k], n});
-    }
-    if (verdicts[j] == Verdict::colliding) unsure.resize(before);
-    else if (unsure.size() > before) verdicts[j] = Verdict::unsure;
+    const double* displacement = displacements + j * nq;
+    const Motion motion{origins + j * nq, displacement, num_samples(displacement, nq, resolution), false};
+    verdicts[j] = judge_motion(motion, j, unsure, *lease.workspace);
   }
+}
+
+Verdict Checker::judge_edge(const double* from, const double* to, double resolution, std::int64_t& n) const {
+  const Lease lease(*this);
+  const int nq = num_positions();
+  std::vector<double> displacement(nq);
+  for (int i = 0; i < nq; ++i) displacement[i] = to[i] - from[i];
+  n = num_samples(displacement.data(), nq, resolution);
+  std::vector<Unsure> unsure;
+  return judge_motion({from, displacement.data(), n, true}, 0, unsure, *lease.workspace);
 }
 
 }  // namespace wayproof

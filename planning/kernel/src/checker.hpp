@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <mutex>
 #include <vector>
 
 #include "lane_model.hpp"
@@ -29,6 +30,7 @@ class Checker {
  public:
   Checker(std::shared_ptr<const Scene> scene, Group group, std::vector<Demand> demands,
           LaneKernel kernel);
+  ~Checker();
 
   int num_positions() const { return static_cast<int>(group_.positions.size()); }
 
@@ -41,6 +43,9 @@ class Checker {
   void judge_motions(const double* origins, const double* displacements, double resolution,
                      std::int64_t count, Verdict* verdicts, std::vector<Unsure>& unsure) const;
 
+  // One motion between two configurations, both ends included; sets how many samples it has.
+  Verdict judge_edge(const double* from, const double* to, double resolution, std::int64_t& n) const;
+
   // Pairs that the group does not move and that are not surely free: no configuration is free.
   const std::vector<int>& doubtful_fixed_pairs() const { return doubtful_; }
 
@@ -48,6 +53,15 @@ class Checker {
 
  private:
   struct Workspace;
+  struct Lease;
+  struct Motion {
+    const double *origin, *displacement;
+    std::int64_t n;
+    bool from_origin;  // whether the origin is a sample too
+  };
+
+  // Appends samples that are unsure as motion `number`.
+  Verdict judge_motion(const Motion& motion, std::int64_t number, std::vector<Unsure>& unsure, Workspace& w) const;
 
   // Judges at most as many configurations as there are lanes. Returns early, with verdicts undone,
   // if any of them collides and that decides.
@@ -63,6 +77,8 @@ class Checker {
   LaneModelStorage lanes_;
   std::vector<Transform> X_WL_;  // at the group's state
   std::vector<int> doubtful_;
+  mutable std::mutex idle_mutex_;
+  mutable std::unique_ptr<Workspace> idle_;  // of the last call, for the next one
 };
 
 }  // namespace wayproof
