@@ -80,7 +80,7 @@ def _size_faults(request: CertifyRequest) -> list[str]:
     if not (curve.breaks[0] == 0 and (np.diff(curve.breaks) > 0).all()):
         return ["times do not increase from 0"]
     everything = [curve.bases, request.start, request.goals, *request.forms]
-    if not all(-_LARGEST <= array.min() and array.max() <= _LARGEST for array in everything):
+    if not all(array.min() >= -_LARGEST and array.max() <= _LARGEST for array in everything):
         faults.append(f"a position or rate is beyond {_LARGEST:g}")
     if any(_unit_fault(request, q) for q in (curve.bases, request.start, request.goals)):
         faults.append("a quaternion is not of unit length")

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from pydrake.geometry import Box, Cylinder
+from pydrake.geometry import Box, Cylinder, Sphere
 from pydrake.math import RigidTransform
 
 from planning.certify import clearance
@@ -17,12 +17,25 @@ from planning.certify.collision_shapes import CollisionShapes, collision_shapes
 from planning.certify.native_clearance import native_clearance, prover
 from planning.certify.proof_parts import Clearance
 from planning.certify.separation import separation
+from planning.domain.curve import TimedTrajectory
 from planning.domain.deadline import Deadline
+from planning.domain.joints import JointType
 from planning.domain.value import digest
 from planning.kernel.native import native
 from planning.world.kernel_scene import KernelScene, kernel_scene_of
 from planning.world.margins import PairMargins
-from tests.certify.chains import FLOATING, Builder, P, Robot, random_robot, random_trajectory
+from tests.certify.chains import (
+    FLOATING,
+    PLANAR,
+    Builder,
+    P,
+    R,
+    Robot,
+    random_pose,
+    random_robot,
+    random_shape,
+    random_trajectory,
+)
 from tests.certify.conftest import quintic, request_for
 from tests.conftest import bundled_world
 
@@ -77,20 +90,15 @@ def distance(
     return found.lower, found.upper
 
 
-@given(seed=st.integers(0, 100_000), halvings=st.lists(st.integers(0, 1), max_size=9))
-@settings(max_examples=60)
-def test_no_pair_is_nearer_than_its_bounds(seed: int, halvings: list[int]) -> None:
-    rng = np.random.default_rng(seed)
-    robot = random_robot(rng, num_links=4, num_obstacles=2)
-    trajectory = random_trajectory(rng, robot.group, 3, 0.3)
+def check_bounds(robot: Robot, trajectory: TimedTrajectory, halvings: list[int]) -> None:
+    """Hold what is proven on a segment against the distances at some instants in it."""
     request = robot.request(trajectory, PairMargins(0.0))
     scene, shapes = scene_of(robot), collision_shapes(robot.model)
     judge = prover(scene, robot.model, request, scene.demands(request.margins))
     begin, end, middle, rows = judge.bounds(halvings)
     assert begin < middle < end
-    (q,) = trajectory.positions(np.array([middle]))
-    at_middle = placed(robot, shapes, q)
-    for q in trajectory.positions(np.linspace(begin, end, 7)):
+    at_middle = placed(robot, shapes, trajectory.positions(np.array([middle]))[0])
+    for q in trajectory.positions(np.linspace(begin, end - 1e-9, 7)):
         at = placed(robot, shapes, q)
         for (id_a, id_b), (approach, lower, along) in zip(scene.pairs, rows, strict=True):
             a, b = shapes.rows[id_a], shapes.rows[id_b]
@@ -101,6 +109,58 @@ def test_no_pair_is_nearer_than_its_bounds(seed: int, halvings: list[int]) -> No
             assert max(lower, along) <= max(nearest, 0.0) + 1e-3
             if before > 0 and farthest > 0:
                 assert before - farthest <= approach + 1e-7
+
+
+@given(seed=st.integers(0, 100_000), halvings=st.lists(st.integers(0, 1), max_size=9))
+@settings(max_examples=60)
+def test_no_pair_is_nearer_than_its_bounds(seed: int, halvings: list[int]) -> None:
+    rng = np.random.default_rng(seed)
+    robot = random_robot(rng, num_links=4, num_obstacles=2)
+    check_bounds(robot, random_trajectory(rng, robot.group, 3, 0.3), halvings)
+
+
+@given(seed=st.integers(0, 100_000), kind=st.sampled_from([P, R, PLANAR, FLOATING]))
+@settings(max_examples=40)
+def test_nor_over_many_pieces_that_are_torn_apart(seed: int, kind: JointType) -> None:
+    rng = np.random.default_rng(seed)
+    builder = Builder()
+    builder.link(kind, Box(0.8, 0.05, 0.05))
+    for i in range(3):
+        builder.obstacle(f"thing{i}", random_shape(rng, 0.2), random_pose(rng, 0.5))
+    robot = builder.build()
+    whole = random_trajectory(rng, robot.group, 3, 0.1)
+    # A body that is free to move shall turn only: how it shifts would hide how it turns.
+    turns = np.array([1.0, 1.0, 1.0, 0.0, 0.0, 0.0]) if kind is FLOATING else 1.0
+    tears = rng.normal(0.0, 0.2, whole.coefficients[:, 0].shape) * turns
+    origin = np.repeat(whole.bases[:1], 3, axis=0)
+    if kind is FLOATING:
+        origin[:, 4:] = 0.0
+    check_bounds(
+        robot,
+        replace(
+            whole,
+            bases=whole.manifold.normalized(whole.manifold.plus(origin, tears)),
+            coefficients=whole.coefficients * turns,
+        ),
+        [],
+    )
+
+
+@pytest.mark.parametrize("turned", [0.01, 0.1, 0.3])
+def test_a_lever_that_swings_over_a_face_is_bounded_to_second_order(turned: float) -> None:
+    builder = Builder()
+    # A ball 1 m from the axis, z; the face is on the side of the axis, across the lever.
+    builder.link(R, Sphere(0.05), x_bg=RigidTransform(np.array([1.0, 0.0, 0.0])))
+    builder.obstacle("thing", Box(0.4, 4.0, 4.0), RigidTransform(np.array([0.4, 0.0, 0.0])))
+    robot = builder.build()
+    swing = quintic(robot.group, np.array([-turned]), np.array([turned]), 1.0)
+    request = robot.request(swing, PairMargins(0.0))
+    scene = scene_of(robot)
+    judge = prover(scene, robot.model, request, scene.demands(request.margins))
+    ((_, lower, along),) = judge.bounds([])[3]
+    nearest = np.cos(turned) - 0.05 - 0.6
+    assert nearest - turned**4 <= along <= nearest
+    assert lower == pytest.approx(1.0 - 0.05 - 0.6 - 2 * np.sin(turned / 2))
 
 
 @given(seed=st.integers(0, 100_000))
