@@ -1,18 +1,34 @@
 """Sound motions in small worlds, for the certifier to judge."""
 
 import time
+from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
+import pytest
 
 import planning
+from planning.certify import bernstein, clearance
 from planning.certify.certifier import CertifyRequest, certify
 from planning.domain.certificate import Certificate
 from planning.domain.curve import TimedTrajectory
 from planning.domain.deadline import Deadline
 from planning.domain.joints import JointGroup
 from planning.domain.manifold import Manifold
+from planning.kernel.native import native
 from planning.world.world import World
+
+
+@pytest.fixture(scope="module", params=["native", "python"])
+def implementation(request: pytest.FixtureRequest) -> Iterator[str]:
+    """Judge with the native code, and again without it."""
+    with pytest.MonkeyPatch.context() as patch:
+        if request.param == "python":
+            patch.setattr(clearance, "kernel_scene_of", lambda _: None)
+            patch.setattr(bernstein, "native", lambda: None)
+        elif native() is None:
+            pytest.skip("the native code is not built")
+        yield request.param
 
 
 def world_from(text: str) -> World:

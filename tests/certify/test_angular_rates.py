@@ -9,6 +9,8 @@ from planning.certify import bernstein
 from planning.certify.angular_rates import angular_peak
 from planning.domain import rotation
 
+pytestmark = pytest.mark.usefixtures("implementation")
+
 
 def sampled_rates(coefficients: np.ndarray, width: float) -> list[np.ndarray]:
     """Return |omega|, |alpha| and |jerk| on a grid, the first from quaternions alone."""

@@ -7,6 +7,8 @@ from hypothesis import strategies as st
 
 from planning.certify import bernstein
 
+pytestmark = pytest.mark.usefixtures("implementation")
+
 
 def polynomials(seed: int, count: int, degree: int, width: int) -> np.ndarray:
     return np.random.default_rng(seed).normal(size=(count, degree + 1, width))

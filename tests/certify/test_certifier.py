@@ -14,6 +14,8 @@ from planning.world.world import World
 from tests.certify.conftest import judged, quintic, request_for, smallest_distance, world_from
 from tests.conftest import bundled_world
 
+pytestmark = pytest.mark.usefixtures("implementation")
+
 FLAT = """
 robots: [{{name: body, model: planar_l, positions: [-0.3, 0.0, 0.0]}}]
 objects:

@@ -30,6 +30,8 @@ from tests.certify.chains import (
 )
 from tests.certify.conftest import quintic
 
+pytestmark = pytest.mark.usefixtures("implementation")
+
 NO_MARGIN = PairMargins(0.0)
 
 
@@ -244,9 +246,9 @@ def test_no_time_is_no_verdict() -> None:
 
 def test_a_deadline_ends_a_long_proof() -> None:
     ticks = iter(np.arange(0.0, 1e6, 0.05))
-    # A ball that spins beside a wall: nothing comes nearer, but a bound on turning does not know.
+    # A wheel that spins beside a wall: nothing comes nearer, but a bound on turning does not know.
     builder = Builder()
-    builder.link(FLOATING, Sphere(0.1))
+    builder.link(FLOATING, Cylinder(0.1, 0.1))
     builder.obstacle("wall", Box(0.1, 1.0, 1.0), RigidTransform(np.array([0.15001, 0.0, 0.0])))
     robot = builder.build()
     turned = np.concatenate([RollPitchYaw(0.0, 0.0, 2.0).ToQuaternion().wxyz(), np.zeros(3)])

@@ -14,6 +14,8 @@ from planning.domain.joints import JointLimits
 from planning.world.margins import PairMargins
 from tests.certify.chains import FLOATING, Builder, P, Robot
 
+pytestmark = pytest.mark.usefixtures("implementation")
+
 
 def slider(limit: float = 10.0) -> tuple[Robot, JointLimits]:
     builder = Builder()

@@ -15,6 +15,8 @@ from planning.world.margins import PairMargins
 from tests.certify.chains import FLOATING, Builder, P, Robot
 from tests.certify.conftest import quintic
 
+pytestmark = pytest.mark.usefixtures("implementation")
+
 NAN, INF = float("nan"), float("inf")
 
 

@@ -18,6 +18,8 @@ from planning.world.margins import PairMargins
 from tests.certify.chains import FLOATING, PLANAR, Builder, Robot, random_pose, random_shape
 from tests.certify.conftest import quintic
 
+pytestmark = pytest.mark.usefixtures("implementation")
+
 
 def hull(points: np.ndarray) -> Any:
     return lambda n: points[np.argmax(points @ n)]

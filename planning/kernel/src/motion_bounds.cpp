@@ -12,6 +12,9 @@ constexpr double inf = std::numeric_limits<double>::infinity();
 constexpr int for_ever = -1;
 constexpr double pi = 3.141592653589793;
 
+// Of a sphere around the core: to turn a ball moves nothing, so nor does it move the ball about a core.
+double core_radius(const Shape& shape) { return shape.radius - shape.ball; }
+
 // What a coordinate of the full q has to do with the group.
 struct Source {
   int column = -1;
@@ -152,7 +155,7 @@ double MotionBounds::reach(int geometry, int from) {
     const auto& axes = chain(geometry);
     double* arms = &arms_[static_cast<std::size_t>(geometry) * width_];
     const Vec3 c = center(geometry);
-    const double radius = scene_.geometries[geometry].shape.radius;
+    const double radius = core_radius(scene_.geometries[geometry].shape);
     int i = static_cast<int>(axes.size());
     sums[i] = 0;
     while (--i >= 0) {
@@ -187,13 +190,12 @@ double MotionBounds::remainder(int geometry, int from) {
   return total / 2;
 }
 
-// min n . x over the points x of a shape; n need not be of unit length. Of half spaces n is the normal.
+// min n . x over the points x of a core; n need not be of unit length. Of half spaces n is the normal.
 double MotionBounds::lowest(int geometry, Vec3 n) {
   const Shape& shape = scene_.geometries[geometry].shape;
   const Transform& X_WG = pose(geometry);
   if (shape.kind == ShapeKind::half_space) return dot(n, X_WG.p);
-  const double core = dot(n, X_WG * shape.core_support(transposed_times(X_WG.R, -n)));
-  return shape.ball > 0 ? core - shape.ball * norm(n) : core;
+  return dot(n, X_WG * shape.core_support(transposed_times(X_WG.R, -n)));
 }
 
 void MotionBounds::linearise(const std::vector<int>& chain, int from, Vec3 n, std::vector<Linear>& out) const {
@@ -217,10 +219,13 @@ double MotionBounds::along(const Pair& pair, const Relative& relative, Vec3 n, d
   linearise(chain_b, relative.b, n, linear_b_);
   const double blur = residual(pair.a, relative.a, linear_a_) + residual(pair.b, relative.b, linear_b_);
   if (!(width - blur - rest >= enough)) return -inf;
+  const double balls = scene_.geometries[pair.a].shape.ball + scene_.geometries[pair.b].shape.ball;
   double least = width;
   for (int row = 0; row < strays_->num_rows; ++row) {
     const double* d = &strays_->rows[static_cast<std::size_t>(row) * motion_.num_velocities()];
-    least = std::min(least, lowest_at(pair.a, relative.a, linear_a_, n, d, 1) + lowest_at(pair.b, relative.b, linear_b_, n, d, -1));
+    const double above = lowest_at(pair.a, relative.a, linear_a_, n, d, 1);
+    const double below = lowest_at(pair.b, relative.b, linear_b_, n, d, -1);
+    least = std::min(least, above + below - balls);
     if (!(least - blur - rest >= enough)) return -inf;
   }
   return least - blur - rest;
@@ -229,7 +234,7 @@ double MotionBounds::along(const Pair& pair, const Relative& relative, Vec3 n, d
 // How much the residuals of the strays move any point of a shape along the direction.
 double MotionBounds::residual(int geometry, int from, const std::vector<Linear>& linear) const {
   const auto& axes = chain(geometry);
-  const double radius = scene_.geometries[geometry].shape.radius;
+  const double radius = core_radius(scene_.geometries[geometry].shape);
   double total = 0;
   for (std::size_t i = 0; i < linear.size(); ++i) {
     const double stray = strays_->residual[axes_[axes[from + i]].column], turn = norm(linear[i].turn);
@@ -240,7 +245,7 @@ double MotionBounds::residual(int geometry, int from, const std::vector<Linear>&
   return total;
 }
 
-// min over the points x of a shape of sign (n . x + sum_k d_k n . J_k(x)).
+// min over the points x of a core of sign (n . x + sum_k d_k n . J_k(x)).
 double MotionBounds::lowest_at(int geometry, int from, const std::vector<Linear>& linear, Vec3 n, const double* d,
                                double sign) {
   const auto& axes = chain(geometry);

@@ -5,13 +5,15 @@
 // let joint k turn by at most s_k and y be a point of a shape, in the joint's child frame within m_{k+1} of where
 // it was. Then R(t) y(t) - R y = R(t) (y(t) - y) + (R(t) - R) y, so in the parent frame it is within
 // m_k = m_{k+1} + 2 sin(s_k / 2) rho_k, rho_k being the largest distance of the shape's points from the axis.
-// A joint that slides adds its stray. Summing from the tip to the common ancestor bounds the approach.
+// A joint that slides adds its stray. Summing from the tip to the common ancestor bounds the approach. Of a shape
+// that is a core with a ball about every point of it, the core's points are meant, here and below: to turn a ball
+// moves nothing.
 //
 // Second order, along one direction n (unit, from B to A, fixed in the common ancestor): a point x of A has
 // n . x(theta + d) = n . x + sum_k d_k n . J_k(x) + r with J_k = w_k x (x - o_k) or the sliding axis, and
 // |r| <= 1/2 sum_jk |d_j| |d_k| |H_jk|, where H_jk, the derivative of J_k by an earlier joint j (or by itself), is
 // J_k turned: of norm |J_k| if j turns, else zero. On the way J_k is at most rho_k + m_{k+1} long. The linear part
-// is smallest at one of the rows of which d is a convex combination, and there it is a support function of A
+// is smallest at one of the rows of which d is a convex combination, and there it is a support function of A's core
 // along n + sum_k d_k (n x w_k); what the residuals of d add is bounded by the bounding sphere.
 #pragma once
 
