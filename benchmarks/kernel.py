@@ -75,7 +75,7 @@ def _measure(options: argparse.Namespace) -> Iterator[Row]:
 
 
 def scattered(count: int, rng: np.random.Generator) -> planning.Scene:
-    """Return a Panda among obstacles between 0.35 and 1.1 m from its base, smaller as they are more.
+    """Return a Panda among obstacles 0.35 to 1.1 m from its base, smaller as they are more.
 
     Args:
         count: How many.

@@ -81,11 +81,11 @@ def _read(file: Path) -> Covering | None:
     """Return what a file holds; None if there is none or it holds something else."""
     try:
         found = json.loads(file.read_text("utf-8"))
-        spheres = [
+        outer, inner = (
             np.array(found[name], dtype=np.float64).reshape(-1, 4) for name in ("outer", "inner")
-        ]
+        )
         bound, protrusion = np.array(found["bound"], dtype=np.float64), float(found["protrusion"])
-        content = Covering(*spheres, bound.reshape(4), protrusion)
+        content = Covering(outer, inner, bound.reshape(4), protrusion)
     except (OSError, ValueError, KeyError, TypeError):
         return None
     return content if found.get("digest") == digest(content) else None

@@ -18,6 +18,7 @@ from planning.search.motions import space_information
 from planning.search.oracle import WatchedOracle
 from planning.search.parameters import Scalar
 from planning.search.planners import make_planner
+from planning.search.polyline import unrolled
 from planning.search.roadmap import is_roadmap_planner, solve_by_roadmap
 from planning.search.spaces import SearchSpace
 from planning.search.stopping import Stopping
@@ -154,7 +155,9 @@ def _report(query: Query, found: Array | None, status: str, planner: Any) -> Att
         row = int(np.argmin(distances))
         if distances[row] < _SAME:
             goal_row = row
-            waypoints = _unrolled(query, found, query.goals[row])
+            ends = query.start[None], query.goals[row][None]
+            path = np.concatenate([ends[0], found[1:-1], ends[1]])
+            waypoints = unrolled(path, query.space.manifold)
     return Attempt(status, waypoints, goal_row, _growth(planner))
 
 
@@ -173,18 +176,3 @@ def _growth(planner: Any) -> dict[str, int | float | None]:
         planner.getPlannerData(graph)
         growth |= {"num_vertices": graph.numVertices(), "num_edges": graph.numEdges()}
     return growth
-
-
-def _unrolled(query: Query, waypoints: Array, goal: Array) -> Array:
-    """Return the waypoints with the given start and goal, and without jumps of whole turns.
-
-    The goal is left as it was given: it may lie whole turns from the last waypoint before it.
-    """
-    manifold = query.space.manifold
-    path = np.array(waypoints)
-    path[0] = query.start
-    if not manifold.is_flat or any(manifold.wraps):
-        for i in range(1, len(path)):
-            path[i] = manifold.plus(path[i - 1], manifold.minus(path[i], path[i - 1]))
-    path[-1] = goal
-    return path if len(path) > 1 else np.stack([query.start, goal])

@@ -1,6 +1,5 @@
 """EdgeChecker: whether a geodesic between two configurations is free, at a resolution."""
 
-import math
 from typing import Any
 
 import numpy as np
@@ -28,8 +27,6 @@ class EdgeChecker:
         self.resolution = resolution
         self.num_motions = 0
         self._oracle = oracle
-        self._is_vector = manifold.is_flat and not any(manifold.wraps)
-        self._free: set[bytes] = set()
 
     def is_free(self, q0: Float64[np.ndarray, " nq"], q1: Float64[np.ndarray, " nq"]) -> bool:
         """Return whether all samples of the geodesic are free, q1's included, q0's not.
@@ -39,7 +36,7 @@ class EdgeChecker:
             DeadlineExceeded: The time has run out.
         """
         self.num_motions += 1
-        return self._oracle.is_motion_free(q0, self._minus(q1, q0), self.resolution)
+        return self._oracle.is_motion_free(q0, self.manifold.minus(q1, q0), self.resolution)
 
     def is_whole_edge_free(self, q0: list[float], q1: list[float]) -> bool:
         """Return whether all samples of the geodesic are free, both ends included.
@@ -49,54 +46,31 @@ class EdgeChecker:
             DeadlineExceeded: The time has run out.
         """
         self.num_motions += 1
-        if self._is_vector:
+        if self.manifold.is_vector:
             return self._oracle.is_edge_free(q0, q1, self.resolution)
         begin, end = np.array(q0), np.array(q1)
         return self._oracle.is_free(begin) and self._oracle.is_motion_free(
-            begin, self._minus(end, begin), self.resolution
+            begin, self.manifold.minus(end, begin), self.resolution
         )
 
-    def is_known_free(self, q0: Float64[np.ndarray, " nq"], q1: Float64[np.ndarray, " nq"]) -> bool:
-        """Return the same as `is_free`, but do not check again what was found free before.
-
-        Raises:
-            Canceled: Somebody asked for the end.
-            DeadlineExceeded: The time has run out.
-        """
-        key = q0.tobytes() + q1.tobytes()
-        if key in self._free:
-            return True
-        free = self.is_free(q0, q1)
-        if free:
-            self._free.add(key)
-        return free
-
     def are_free(
-        self,
-        q0s: Float64[np.ndarray, "m nq"],
-        q1s: Float64[np.ndarray, "m nq"],
-        coarseness: float = 1.0,
+        self, q0s: Float64[np.ndarray, "m nq"], q1s: Float64[np.ndarray, "m nq"]
     ) -> Bool[np.ndarray, " m"]:
         """Return the same as `is_free` for each pair of rows.
-
-        Args:
-            q0s: Where edges begin, shape (m, nq).
-            q1s: Where they end, shape (m, nq).
-            coarseness: How many times the resolution samples are apart.
 
         Raises:
             Canceled: Somebody asked for the end.
             DeadlineExceeded: The time has run out.
         """
         self.num_motions += len(q0s)
-        resolution = coarseness * self.resolution
-        return self._oracle.are_motions_free(q0s, self._minus(q1s, q0s), resolution)
+        delta = self.manifold.minus(q1s, q0s)
+        return self._oracle.are_motions_free(q0s, delta, self.resolution)
 
     def lengths(
         self, q0s: Float64[np.ndarray, "m nq"], q1s: Float64[np.ndarray, "m nq"]
     ) -> Float64[np.ndarray, " m"]:
         """Return the lengths of the geodesics between rows."""
-        delta = self._minus(q1s, q0s)
+        delta = self.manifold.minus(q1s, q0s)
         return np.sqrt(np.einsum("mv,mv->m", delta, delta))
 
     def between(
@@ -106,13 +80,7 @@ class EdgeChecker:
         fractions: Float64[np.ndarray, " m"],
     ) -> Array:
         """Return the configuration at a fraction of the way between each pair of rows."""
-        steps = fractions[:, None] * self._minus(q1s, q0s)
-        return q0s + steps if self._is_vector else self.manifold.plus(q0s, steps)
-
-    def distance(self, q0: Float64[np.ndarray, " nq"], q1: Float64[np.ndarray, " nq"]) -> float:
-        """Return the length of the geodesic."""
-        delta = self._minus(q1, q0)
-        return math.sqrt(delta @ delta)
+        return self.manifold.plus(q0s, fractions[:, None] * self.manifold.minus(q1s, q0s))
 
     def geodesic(
         self,
@@ -121,13 +89,4 @@ class EdgeChecker:
         fractions: Float64[np.ndarray, " m"],
     ) -> Array:
         """Return the configurations at fractions of the way, shape (m, nq)."""
-        return self._along(q0, self._minus(q1, q0), fractions)
-
-    def _minus(self, q1: Array, q0: Array) -> Array:
-        return q1 - q0 if self._is_vector else self.manifold.minus(q1, q0)
-
-    def _along(self, q0: Array, delta: Array, fractions: Array) -> Array:
-        steps = fractions[:, None] * delta
-        if self._is_vector:
-            return q0 + steps
-        return self.manifold.plus(np.broadcast_to(q0, (len(steps), len(q0))), steps)
+        return self.manifold.plus(q0, fractions[:, None] * self.manifold.minus(q1, q0))

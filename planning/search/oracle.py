@@ -53,7 +53,7 @@ class EdgeOracle(Protocol):
     """An oracle that judges edges without any array being made."""
 
     def is_edge_free(self, q0: list[float], q1: list[float], resolution: float) -> tuple[bool, int]:
-        """Return whether the straight way from q0 to q1 is free, both ends included, and its steps."""
+        """Return whether the straight way is free, both ends included, and how many steps it is."""
         ...
 
 

@@ -97,7 +97,7 @@ def set_parameters(planner: Any, parameters: Mapping[str, Scalar]) -> None:
         UnknownName: The planner has no such parameter.
         ProblemInvalid: A value has the wrong type or lies outside its range.
     """
-    setters = declared(planner) if parameters else {}
+    setters = declared(planner)
     for name, given in sorted(parameters.items()):
         if name not in setters:
             raise UnknownName.among("parameter", name, setters)

@@ -6,7 +6,6 @@ shortened and checked again, edge by edge, four times as finely as it was search
 collision the attempt starts anew with half the resolution. The shortest of all attempts is kept.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -20,13 +19,12 @@ from planning.errors import DeadlineExceeded, NoPathFound, ProblemInvalid
 from planning.search.attempt import Attempt, Query
 from planning.search.oracle import CollisionOracle, WatchedOracle
 from planning.search.planners import check_planner
-from planning.search.sound import Closeness, SoundPath, checked, fine_checker, sound_attempt
+from planning.search.sound import Closeness, SoundPath, delivered, fine_checker, sound_attempt
 from planning.search.spaces import SearchSpace
 from planning.search.task import SearchResult, SearchTask
 from planning.stopwatch import Stopwatch
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
-type OnProgress = Callable[[float, str], None]
 
 # A straight line to a goal is not taken at once if the nearest goal is so much nearer than that: a
 # factor, beyond a length that nobody minds.
@@ -45,17 +43,12 @@ _FIELDS = {
 }
 
 
-def ignore_progress(_: float, __: str) -> None:
-    """Do nothing with it."""
-
-
 def search(
     group: JointGroup,
     limits: JointLimits,
     oracle: CollisionOracle,
     task: SearchTask,
     deadline: Deadline,
-    on_progress: OnProgress = ignore_progress,
     watch: Stopwatch | None = None,
 ) -> SearchResult:
     """Return a path from the start to one of the goals, free at a quarter of the resolution.
@@ -72,7 +65,6 @@ def search(
         oracle: What is free.
         task: Start, goals and how to search.
         deadline: When to give up; also asked whether anybody still wants the answer.
-        on_progress: Told the share of the stage that is done, and what comes next.
         watch: Told how long the stage "shortcut" takes.
 
     Raises:
@@ -103,7 +95,7 @@ def search(
     tally = _Tally(direct=_straight_line(query, closeness))
     tally.best = tally.direct
     if tally.best is None or _is_detour(tally.best, query):
-        _attempt_all(query, closeness, task, tally, on_progress)
+        _attempt_all(query, closeness, task, tally)
     best = tally.best
     if best is None:
         raise _no_path(query, tally)
@@ -141,13 +133,10 @@ class _Tally:
     num_motions: int = 0
 
 
-def _attempt_all(
-    query: Query, closeness: Closeness, task: SearchTask, tally: _Tally, on_progress: OnProgress
-) -> None:
+def _attempt_all(query: Query, closeness: Closeness, task: SearchTask, tally: _Tally) -> None:
     """Make every attempt, or as many as there is time for, and keep the shortest path."""
     attempts = task.options.attempts
-    for k, seeds in enumerate(np.random.SeedSequence(task.seed).spawn(attempts)):
-        on_progress(k / attempts, f"{query.planner}, attempt {k + 1} of {attempts}")
+    for seeds in np.random.SeedSequence(task.seed).spawn(attempts):
         tally.num_attempts += 1
         try:
             trial = sound_attempt(query, closeness, seeds)
@@ -210,9 +199,9 @@ def _admissible_goals(
 def _straight_line(query: Query, closeness: Closeness) -> SoundPath | None:
     """Return the first free geodesic to one of the nearest goals."""
     for row, goal in enumerate(query.goals[:_MOST_LINES]):
-        if closeness.fine.is_known_free(query.start, goal):
+        if closeness.fine.is_free(query.start, goal):
             waypoints = np.stack([query.start, goal])
-            path = checked(waypoints, waypoints, row, closeness)
+            path = delivered(waypoints, waypoints, row, closeness)
             if path is not None:
                 return path
     return None

@@ -1,13 +1,11 @@
 """A path that stays free when it is looked at more closely than the planner looked.
 
-A planner's edge may pass a thin obstacle between two samples, and what shortcutting leaves of an
-edge is sampled elsewhere. So the whole path is checked at the fine resolution; where that finds a
-collision, the planner starts anew and checks its edges with half the resolution, until it looks
-as closely as the final check does.
+A planner's edge may pass a thin obstacle between two samples. So what is delivered is checked at the
+fine resolution; where that finds no way through, the planner starts anew and checks its edges with
+half the resolution, until it looks as closely as that.
 """
 
 from dataclasses import dataclass
-from itertools import pairwise
 
 import numpy as np
 from jaxtyping import Float64
@@ -16,7 +14,8 @@ from planning.domain.value import Value
 from planning.search.attempt import Array, Attempt, Query, attempt
 from planning.search.densify import densified
 from planning.search.edges import EdgeChecker
-from planning.search.shortcut import path_length, shortcut
+from planning.search.polyline import path_length, unrolled
+from planning.search.shortcut import shortcut
 
 # How much finer than the search the result is checked, and the halvings that lead there.
 _FINER = 4
@@ -32,7 +31,7 @@ class Closeness:
     Attributes:
         resolution: At which the planner begins to check edges.
         num_states: Least number of waypoints, or None.
-        fine: Checks edges at a quarter of the resolution, and remembers those that are free.
+        fine: Checks edges at a quarter of the resolution.
     """
 
     resolution: float
@@ -89,48 +88,44 @@ def sound_attempt(query: Query, closeness: Closeness, seeds: np.random.SeedSeque
         child = seeds.spawn(1)[0]
         edges = EdgeChecker(query.space.manifold, query.oracle, closeness.resolution / 2**halvings)
         found = attempt(query, edges, max(1, int(child.generate_state(1)[0])))
-        path = _shortened(query, found, edges, closeness, np.random.default_rng(child.spawn(1)[0]))
+        path = _shortened(query, found, edges, closeness)
         num_motions += edges.num_motions
-        if path is None and halvings == _HALVINGS and len(found.waypoints):
-            path = checked(found.waypoints, found.waypoints, found.goal_row, closeness)
         if path is not None or not len(found.waypoints) or halvings == _HALVINGS:
             return Trial(found, path, num_motions)
         halvings += 1
 
 
 def _shortened(
-    query: Query,
-    found: Attempt,
-    edges: EdgeChecker,
-    closeness: Closeness,
-    rng: np.random.Generator,
+    query: Query, found: Attempt, coarse: EdgeChecker, closeness: Closeness
 ) -> SoundPath | None:
-    """Return a shorter path; shortcuts are as coarse as the search unless that proves too bold."""
+    """Return a shorter path that is free at the fine resolution, if there is one."""
     if not len(found.waypoints):
         return None
-    for checker in (edges, closeness.fine):
-        time = query.deadline.share(_SHORTCUT_SHARE)
-        with query.watch.stage("shortcut"):
-            shorter = shortcut(found.waypoints, checker, rng, lambda at=time: at.is_over)
-            path = checked(shorter, found.waypoints, found.goal_row, closeness)
-        if path is not None:
-            return path
-    return None
+    time = query.deadline.share(_SHORTCUT_SHARE)
+    with query.watch.stage("shortcut"):
+        shorter = shortcut(found.waypoints, coarse, closeness.fine, lambda: time.is_over)
+        if shorter is None:
+            return None
+        path = unrolled(shorter, query.space.manifold)
+        return delivered(path, found.waypoints, found.goal_row, closeness)
 
 
-def checked(waypoints: Array, raw: Array, goal_row: int, closeness: Closeness) -> SoundPath | None:
-    """Return the path with enough waypoints if it is free at the fine resolution.
+def delivered(
+    waypoints: Array, raw: Array, goal_row: int, closeness: Closeness
+) -> SoundPath | None:
+    """Return the path with enough waypoints; None if those in between prove it blocked.
 
     Args:
-        waypoints: What is to be delivered, shape (n, nq).
+        waypoints: A path of edges that are free at the fine resolution, shape (n, nq).
         raw: What it was made of, shape (m, nq).
         goal_row: Where it ends.
         closeness: How closely to look.
     """
     fine = closeness.fine
-    length = path_length(waypoints, fine)
+    lengths = path_length(raw, fine), path_length(waypoints, fine)
     if closeness.num_states is not None:
         waypoints = densified(fine, waypoints, closeness.num_states)
-    if not all(fine.is_known_free(q0, q1) for q0, q1 in pairwise(waypoints)):
-        return None
-    return SoundPath(waypoints, goal_row, path_length(raw, fine), length)
+        # Cut elsewhere than it was checked, an edge has other samples.
+        if not fine.are_free(waypoints[:-1], waypoints[1:]).all():
+            return None
+    return SoundPath(waypoints, goal_row, *lengths)

@@ -33,7 +33,7 @@ class DrakeCollisionOracle:
         """Demand `margins` of every pair of bodies; `bare` is the model's `bare_checker`."""
         self._model = model
         self._manifold = Manifold(group.joints)
-        self._checker = bare.Clone() if bare else bare_checker(model)
+        self._checker: Any = bare.Clone() if bare else bare_checker(model)
         if margins.largest > 0:
             _apply_margins(self._checker, model, margins)
         self._full = model.follow(np.array(state))
@@ -143,9 +143,7 @@ def bare_checker(model: DrakeModel) -> SceneGraphCollisionChecker:
     )
 
 
-def _apply_margins(
-    checker: SceneGraphCollisionChecker, model: DrakeModel, margins: PairMargins
-) -> None:
+def _apply_margins(checker: Any, model: DrakeModel, margins: PairMargins) -> None:
     """Tell Drake's checker the margin of every pair of bodies as its padding."""
     named = [
         (int(index), name, checker.IsPartOfRobot(index)) for index, name in model.body_names.items()

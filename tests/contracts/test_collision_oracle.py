@@ -1,4 +1,4 @@
-"""What every collision oracle promises: Drake's verdicts, one by one, in batches and along motions."""
+"""What every collision oracle promises: Drake's verdicts, whichever way it is asked."""
 
 import tempfile
 from collections.abc import Callable, Iterator
@@ -119,9 +119,8 @@ def _compare(world: World, group: JointGroup, margin: float, count: int, name: s
     verdicts = kernel.verdicts(qs)
     drake = drake_oracle(world, group, margins).are_free(qs)
     left = float((verdicts == 2).mean())
-    print(
-        f"{name}: margin {margin}, left to Drake {100 * left:.2f} %, free {100 * drake.mean():.0f} %"
-    )
+    shares = f"left to Drake {100 * left:.2f} %, free {100 * drake.mean():.0f} %"
+    print(f"{name}: margin {margin}, {shares}")  # noqa: T201  (pytest -s shows the share)
     assert not (drake & (verdicts == 1)).sum()
     assert not (~drake & (verdicts == 0)).sum()
     assert left <= MOST_LEFT

@@ -53,18 +53,6 @@ def test_a_blocked_middle_costs_two_checks(plane, make_oracle, soon):
     assert watched.num_states == 1000
 
 
-def test_a_free_edge_is_not_checked_twice(plane, wall, soon):
-    edges, watched = checker(*plane, wall, 0.05, soon)
-    q0, q1 = np.array([-0.8, 0.0]), np.array([-0.2, 0.0])
-    assert edges.is_known_free(q0, q1)
-    before = watched.num_states
-    assert edges.is_known_free(q0, q1)
-    assert watched.num_states == before
-    blocked = np.array([0.2, 0.0])
-    assert not edges.is_known_free(q0, blocked)
-    assert not edges.is_known_free(q0, blocked)
-
-
 def test_a_forbidden_arc_of_a_circle_blocks(make_group, make_limits, make_oracle, soon):
     group = make_group(JointType.CONTINUOUS)
     limits = make_limits(group)

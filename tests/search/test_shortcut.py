@@ -1,4 +1,4 @@
-"""Shortcuts shorten, stay free, and keep the ends."""
+"""Shortcuts shorten, keep the ends, and deliver only edges that are free at the fine resolution."""
 
 from itertools import pairwise
 
@@ -9,10 +9,17 @@ from hypothesis import strategies as st
 
 from planning.domain.joints import JointType
 from planning.domain.manifold import Manifold
+from planning.domain.motion_samples import sample_batches, steps_of
+from planning.errors import DeadlineExceeded
+from planning.search.corners import cut_corners
 from planning.search.densify import densified
 from planning.search.edges import EdgeChecker
 from planning.search.oracle import WatchedOracle
-from planning.search.shortcut import path_length, shortcut
+from planning.search.polyline import path_length, points_on
+from planning.search.reach import pulled_taut, skipped
+from planning.search.relax import relaxed
+from planning.search.retreat import retreated
+from planning.search.shortcut import shortcut
 
 DETOUR = np.array([
     [-0.8, -0.8],
@@ -23,6 +30,16 @@ DETOUR = np.array([
     [0.6, 0.2],
     [0.8, -0.8],
 ])
+# Around the wall's top there is no shorter way than this.
+TAUT = np.array([[-0.8, -0.8], [-0.1, 0.6], [0.1, 0.6], [0.8, -0.8]])
+
+KINDS = {
+    "arm": (JointType.REVOLUTE,) * 4,
+    "mixed": (JointType.FLOATING, JointType.PLANAR, JointType.CONTINUOUS, JointType.REVOLUTE),
+}
+WITH_FIXTURES = settings(
+    max_examples=12, suppress_health_check=[HealthCheck.function_scoped_fixture]
+)
 
 
 def never():
@@ -30,64 +47,187 @@ def never():
 
 
 @pytest.fixture
-def edges(plane, wall, soon):
-    group, limits = plane
-    watched = WatchedOracle(wall, group, limits, soon)
-    return EdgeChecker(Manifold(group.joints), watched, 0.01)
+def watched(plane, wall, soon):
+    return WatchedOracle(wall, *plane, soon)
 
 
-@pytest.mark.parametrize("seed", range(10))
-def test_the_path_gets_shorter_and_keeps_its_ends(edges, seed):
-    shorter = shortcut(DETOUR, edges, np.random.default_rng(seed), never)
-    assert np.array_equal(shorter[[0, -1]], DETOUR[[0, -1]])
-    assert path_length(shorter, edges) < 0.9 * path_length(DETOUR, edges)
-    # Around the wall's top there is no shorter way than this.
-    corners = np.array([[-0.8, -0.8], [-0.1, 0.6], [0.1, 0.6], [0.8, -0.8]])
-    assert path_length(shorter, edges) > path_length(corners, edges) - 0.05
-    # What is left of an edge was checked elsewhere: it may graze the wall, but by less than a step.
-    for q0, q1 in pairwise(shorter):
-        along = edges.geodesic(q0, q1, np.linspace(0.0, 1.0, 1000))
-        assert not ((np.abs(along[:, 0]) < 0.09) & (along[:, 1] < 0.59)).any()
+@pytest.fixture
+def checkers(plane, watched):
+    """At the resolution of a search, and four times as fine."""
+    manifold = Manifold(plane[0].joints)
+    return EdgeChecker(manifold, watched, 0.04), EdgeChecker(manifold, watched, 0.01)
 
 
-def test_the_same_generator_gives_the_same_path(edges):
-    a, b = (shortcut(DETOUR, edges, np.random.default_rng(3), never) for _ in range(2))
+@pytest.fixture
+def sieve(make_group, make_limits, make_oracle, soon):
+    """Thin shells are blocked, so that some edges are free and some are not."""
+
+    def make(kinds, seed):
+        group = make_group(*kinds)
+        oracle = make_oracle(lambda qs: np.sin(7 * qs.sum(axis=1) + seed) < 0.9, group)
+        watched = WatchedOracle(oracle, group, make_limits(group, 100.0), soon)
+        manifold = Manifold(group.joints)
+        return EdgeChecker(manifold, watched, 0.2), EdgeChecker(manifold, watched, 0.05)
+
+    return make
+
+
+def is_sound(path, fine):
+    """Whether every edge is free, looked at anew and one by one."""
+    return all(fine.is_free(q0, q1) for q0, q1 in pairwise(path))
+
+
+def free_walk(fine, rng, count):
+    """A path of free edges, by going where it is free."""
+    manifold = fine.manifold
+    q = manifold.normalized(rng.uniform(-1, 1, (1, manifold.num_positions)))[0]
+    rows = [q]
+    while len(rows) < count:
+        near = manifold.plus(rows[-1], rng.normal(0, 0.2, manifold.num_velocities))
+        if fine.is_free(rows[-1], near):
+            rows.append(near)
+    return np.array(rows)
+
+
+def test_the_path_gets_shorter_and_keeps_its_ends(checkers):
+    shorter = shortcut(DETOUR, *checkers, never)
+    fine = checkers[1]
+    assert shorter[[0, -1]].tobytes() == DETOUR[[0, -1]].tobytes()
+    assert is_sound(shorter, fine)
+    assert path_length(TAUT, fine) - 0.01 < path_length(shorter, fine)
+    assert path_length(shorter, fine) < 1.06 * path_length(TAUT, fine)
+    assert len(shorter) <= 6
+
+
+def test_the_same_path_gives_the_same_path(checkers):
+    a, b = (shortcut(DETOUR, *checkers, never) for _ in range(2))
     assert a.tobytes() == b.tobytes()
 
 
-def test_an_early_end_leaves_the_path_whole(edges):
-    kept = shortcut(DETOUR, edges, np.random.default_rng(0), lambda: True)
-    assert np.array_equal(kept, DETOUR)
+def test_an_early_end_leaves_the_path_whole(checkers):
+    assert np.array_equal(shortcut(DETOUR, *checkers, lambda: True), DETOUR)
 
 
+@pytest.mark.parametrize("kinds", KINDS)
 @given(seed=st.integers(0, 10_000))
-@settings(max_examples=6, suppress_health_check=[HealthCheck.function_scoped_fixture])
-def test_never_longer_on_any_manifold(make_oracle, seed):
-    import time
+@WITH_FIXTURES
+def test_never_longer_and_always_sound_on_any_manifold(sieve, kinds, seed):
+    coarse, fine = sieve(KINDS[kinds], seed)
+    path = free_walk(fine, np.random.default_rng(seed), 12)
+    shorter = shortcut(path, coarse, fine, never)
+    assert path_length(shorter, fine) <= path_length(path, fine) + 1e-9
+    assert shorter[[0, -1]].tobytes() == path[[0, -1]].tobytes()
+    assert is_sound(shorter, fine)
 
-    from planning.domain.deadline import Deadline
-    from planning.domain.joints import Joint, JointGroup, JointLimits
 
-    kinds = (JointType.FLOATING, JointType.PLANAR, JointType.CONTINUOUS, JointType.REVOLUTE)
-    group = JointGroup("r", tuple(Joint(f"r::{i}", k) for i, k in enumerate(kinds)), ())
-    free, one = np.full(group.num_positions, np.inf), np.ones(len(group.blocks))
-    blocks = tuple(indices for _, indices in group.blocks)
-    limits = JointLimits(-free, free, one, one, one, one, blocks)
-    rng = np.random.default_rng(seed)
-    manifold = Manifold(group.joints)
+@pytest.mark.parametrize("kinds", KINDS)
+@given(seed=st.integers(0, 10_000))
+@WITH_FIXTURES
+def test_every_stage_keeps_a_sound_path_sound_and_short(sieve, kinds, seed):
+    coarse, fine = sieve(KINDS[kinds], seed)
+    path = free_walk(fine, np.random.default_rng(seed), 8)
+    bold = relaxed(path, coarse, never)
+    assert bold.shape == path.shape
+    assert is_sound(bold, coarse) or np.array_equal(bold, path)
+    stages = {
+        "skipped": skipped(path, fine, never),
+        "taut": pulled_taut(path, fine),
+        "relaxed": relaxed(path, fine, never),
+        "cut": cut_corners(path, fine),
+    }
+    for new in stages.values():
+        if new is not None:
+            assert path_length(new, fine) <= path_length(path, fine) + 1e-9
+            assert new[[0, -1]].tobytes() == path[[0, -1]].tobytes()
+            assert is_sound(new, fine)
+    assert is_sound(retreated(bold, path, fine), fine)
 
-    # Thin shells are blocked, so that some edges are free and some are not.
-    sieve = make_oracle(lambda qs: np.sin(7 * qs.sum(axis=1) + seed) < 0.9, group)
-    watched = WatchedOracle(sieve, group, limits, Deadline.after(10.0, time.perf_counter))
-    edges = EdgeChecker(manifold, watched, 0.1)
-    path = manifold.normalized(rng.uniform(-2, 2, (8, group.num_positions)))
-    shorter = shortcut(path, edges, rng, never)
-    assert path_length(shorter, edges) <= path_length(path, edges) + 1e-9
-    assert np.array_equal(shorter[[0, -1]], path[[0, -1]])
+
+def test_an_edge_that_only_a_closer_look_finds_blocked_is_gone_around(plane, make_oracle, soon):
+    """The way from 1 to 2 hits a thin rod; 0, 1 and 3 see each other."""
+    oracle = make_oracle(lambda qs: ~((np.abs(qs[:, 0] - 0.31) < 0.006) & (qs[:, 1] > 0.1)))
+    watched = WatchedOracle(oracle, *plane, soon)
+    fine = EdgeChecker(Manifold(plane[0].joints), watched, 0.01)
+    path = np.array([[-0.5, 0.5], [0.0, -0.5], [0.4, 0.5], [0.8, -0.5]])
+    assert not fine.is_free(path[1], path[2])
+    assert skipped(path, fine, never).tolist() == path[[0, 1, 3]].tolist()
+    assert skipped(path[:3], fine, never) is None
+    assert shortcut(path[:3], fine, fine, never) is None
+
+
+def test_a_dead_end_is_left_again(plane, make_oracle, soon):
+    """From the start 2 is the furthest in sight, but only 1 sees the end."""
+    path = np.array([[-0.9, 0.0], [-0.5, -0.5], [0.0, 0.3], [0.5, -0.5]])
+    blocks = np.array([[-0.2, -0.25], [0.25, -0.1]])
+
+    def are_free(qs):
+        return (np.linalg.norm(qs[:, None] - blocks, axis=2) > 0.12).all(axis=1)
+
+    fine = EdgeChecker(
+        Manifold(plane[0].joints), WatchedOracle(make_oracle(are_free), *plane, soon), 0.01
+    )
+    assert fine.is_free(path[0], path[2])
+    assert not fine.is_free(path[2], path[3])
+    assert skipped(path, fine, never).tolist() == path[[0, 1, 3]].tolist()
+
+
+def test_what_is_too_bold_steps_back_only_as_far_as_it_must(checkers):
+    fine = checkers[1]
+    sound = np.array([[-0.8, -0.8], [-0.2, 0.9], [0.2, 0.9], [0.8, -0.8]])
+    bold = np.array([[-0.8, -0.8], [-0.2, 0.58], [0.2, 0.58], [0.8, -0.8]])
+    path = retreated(bold, sound, fine)
+    assert is_sound(path, fine)
+    assert path_length(path, fine) < 0.5 * (path_length(sound, fine) + path_length(bold, fine))
+    assert np.array_equal(retreated(TAUT + [0, 0.05], TAUT + [0, 0.05], fine), TAUT + [0, 0.05])
+
+
+def test_time_that_runs_out_leaves_what_is_free_by_then(checkers, watched, monkeypatch):
+    fine = checkers[1]
+
+    def too_late(*_):
+        raise DeadlineExceeded("", {})
+
+    monkeypatch.setattr("planning.search.shortcut.cut_corners", too_late)
+    path = shortcut(DETOUR, *checkers, never)
+    assert is_sound(path, fine)
+    assert path_length(path, fine) < path_length(DETOUR, fine)
+
+
+@pytest.mark.parametrize("kinds", KINDS)
+@given(seed=st.integers(0, 10_000), pieces=st.integers(1, 6))
+@WITH_FIXTURES
+def test_what_is_left_of_an_edge_has_the_same_samples(sieve, kinds, seed, pieces):
+    _, fine = sieve(KINDS[kinds], seed)
+    manifold = fine.manifold
+    q0, q1 = manifold.normalized(
+        np.random.default_rng(seed).uniform(-1, 1, (2, manifold.num_positions))
+    )
+    points = points_on(np.stack([q0, q1]), fine, pieces)
+    assert np.array_equal(points.qs[[0, -1]], [q0, q1])
+    delta = manifold.minus(points.qs[1:], points.qs[:-1])
+    whole = manifold.minus(q1, q0)
+    assert steps_of(delta, fine.resolution).sum() == steps_of(whole[None], fine.resolution).sum()
+    samples = np.concatenate(list(sample_batches(manifold, (q0, whole), fine.resolution)))
+    for start, step in zip(points.qs[:-1], delta, strict=True):
+        for qs in sample_batches(manifold, (start, step), fine.resolution):
+            gaps = manifold.distance(qs[:, None], samples[None]).min(axis=1)
+            assert gaps.max() < 1e-7
+
+
+def test_points_know_their_edges(checkers):
+    points = points_on(DETOUR, checkers[1], 3)
+    assert len(points.qs) == 19
+    for way in (points, points.backwards):
+        on_edge = [way.share_edge(0, j) for j in range(1, 19)]
+        assert on_edge == [True] * 3 + [False] * 15
+        assert not way.share_edge(1, 4)
+        assert way.share_edge(15, 18)
+    assert np.array_equal(points.backwards.qs[-1], DETOUR[0])
 
 
 @pytest.mark.parametrize("count", [2, 7, 8, 50, 333])
-def test_more_waypoints_on_the_same_path(edges, count):
+def test_more_waypoints_on_the_same_path(checkers, count):
+    edges = checkers[1]
     dense = densified(edges, DETOUR, count)
     assert len(dense) >= count
     assert len(dense) <= max(count + len(DETOUR), len(DETOUR))
@@ -96,5 +236,5 @@ def test_more_waypoints_on_the_same_path(edges, count):
     assert all(corner.tobytes() in rows for corner in DETOUR)
 
 
-def test_no_more_waypoints_than_needed_on_one_edge(edges):
-    assert len(densified(edges, DETOUR[:2], 17)) == 17
+def test_no_more_waypoints_than_needed_on_one_edge(checkers):
+    assert len(densified(checkers[1], DETOUR[:2], 17)) == 17
