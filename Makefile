@@ -5,12 +5,13 @@ PYTHON := $(VENV)/bin/python
 STAMP := $(VENV)/.ready
 UV_VERSION := 0.13.8
 
-.PHONY: demo test check format lint imports types fast slow setup lock bench serve clean
+.PHONY: demo test check format lint imports types fast slow drake-only sanitize setup lock bench \
+        bench-kernel bench-mbm serve clean
 
 setup: $(STAMP)
 
 # uv from the path, else from a private folder; then exactly what requirements.lock says.
-$(STAMP): requirements.lock pyproject.toml .python-version
+$(STAMP): requirements.lock pyproject.toml .python-version CMakeLists.txt $(wildcard planning/kernel/src/*)
 	@set -e; \
 	UV=$$(command -v uv || true); \
 	if [ -z "$$UV" ]; then \
@@ -42,6 +43,22 @@ fast: setup
 slow: setup
 	@$(PYTHON) -m pytest -m slow
 
+# What has to hold on a machine without a compiler as well.
+drake-only: setup
+	@$(PYTHON) -m pytest --no-kernel -m "not slow" tests/contracts tests/search tests/goals \
+	  tests/certify tests/pipeline tests/world
+
+# The kernel's own tests with addresses and undefined behaviour checked; needs gcc or clang.
+sanitize: setup
+	@SANITIZED=$$(mktemp -d) && trap 'rm -rf "$$SANITIZED"' EXIT && \
+	$(VENV)/bin/cmake -S . -B "$$SANITIZED" -G Ninja -DWAYPROOF_SANITIZE=ON -DSKBUILD_DATA_DIR=data \
+	  -DCMAKE_MAKE_PROGRAM=$(CURDIR)/$(VENV)/bin/ninja -DPython_EXECUTABLE=$(CURDIR)/$(PYTHON) \
+	  -Dnanobind_DIR="$$($(PYTHON) -m nanobind --cmake_dir)" > "$$SANITIZED/log" && \
+	$(VENV)/bin/cmake --build "$$SANITIZED" >> "$$SANITIZED/log" || { cat "$$SANITIZED/log"; exit 1; } && \
+	LD_PRELOAD="$$(g++ -print-file-name=libasan.so) $$(g++ -print-file-name=libubsan.so)" \
+	ASAN_OPTIONS=detect_leaks=0 WAYPROOF_NATIVE="$$SANITIZED" \
+	$(PYTHON) -m pytest -p no:cacheprovider -m "not slow" tests/kernel tests/certify/test_native_clearance.py
+
 check: format lint imports types
 
 format: setup
@@ -59,6 +76,12 @@ types: setup
 
 bench: setup
 	@$(PYTHON) benchmarks/pipeline.py
+
+bench-kernel: setup
+	@$(PYTHON) benchmarks/kernel.py
+
+bench-mbm: setup
+	@$(PYTHON) benchmarks/mbm.py
 
 # Pins every dependency with its hashes, without the address of an index.
 lock:

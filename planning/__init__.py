@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from planning.domain.problem import PlanningProblem
     from planning.domain.scene import Scene
     from planning.ik import solve_ik
+    from planning.kernel.native import kernel_name
     from planning.pipeline import plan
     from planning.search.planners import PlannerCard, list_planners
     from planning.world.catalogue import describe_model, list_models
@@ -52,6 +53,7 @@ _DOORS = {
     "check_configurations": "planning.world.check",
     "describe_model": "planning.world.catalogue",
     "forward_kinematics": "planning.world.kinematics",
+    "kernel_name": "planning.kernel.native",
     "list_models": "planning.world.catalogue",
     "list_planners": "planning.search.planners",
     "load_world": "planning.world.world",
@@ -87,6 +89,7 @@ __all__ = [
     "check_configurations",
     "describe_model",
     "forward_kinematics",
+    "kernel_name",
     "list_models",
     "list_planners",
     "load_world",

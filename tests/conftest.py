@@ -1,8 +1,12 @@
 """What every test may use: the bundled scenes, loaded once, and a deadline."""
 
+import os
+import sys
 import time
 from collections.abc import Callable
 from functools import cache
+from importlib.util import module_from_spec, spec_from_file_location
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -17,6 +21,23 @@ from planning.world.world import World
 PHASES = (Phase.explicit, Phase.generate, Phase.shrink)
 settings.register_profile("ci", derandomize=True, deadline=None, max_examples=25, phases=PHASES)
 settings.load_profile("ci")
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    parser.addoption(
+        "--no-kernel", action="store_true", help="as on a machine without a compiler: Drake alone"
+    )
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    if config.getoption("--no-kernel"):
+        sys.modules["planning.kernel._native"] = None  # type: ignore[assignment]  (no such module)
+    if "WAYPROOF_NATIVE" in os.environ:  # a build with sanitizers
+        (file,) = Path(os.environ["WAYPROOF_NATIVE"]).glob("_native*.so")
+        spec = spec_from_file_location("planning.kernel._native", file)
+        module = module_from_spec(spec)
+        sys.modules["planning.kernel._native"] = module
+        spec.loader.exec_module(module)
 
 
 @cache

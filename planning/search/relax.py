@@ -133,7 +133,9 @@ def _given_way(path: Array, tries: _Tries, gains: Array, edges: EdgeChecker) -> 
     return _one_by_one(path, rows, together, tries.qs[rows, best], edges)
 
 
-def _one_by_one(path: Array, rows: Any, together: Array, single: Array, edges: EdgeChecker) -> Array:
+def _one_by_one(
+    path: Array, rows: Any, together: Array, single: Array, edges: EdgeChecker
+) -> Array:
     """Return the path with waypoints moved whose neighbours stay, the most gainful first."""
     a, b = path[rows], path[rows + 2]
     is_free = _fit(path, rows, together, edges)

@@ -5,6 +5,7 @@ from pathlib import Path
 from fastapi import APIRouter
 from fastapi.responses import HTMLResponse, PlainTextResponse
 
+import planning
 from service.dependencies import DeskDep, ScenesDep
 from service.metrics import exposition
 from service.plans.versions import versions
@@ -20,7 +21,7 @@ _METRICS = {"content": {"text/plain": {"schema": {"type": "string"}}}}
 @router.get("/healthz", operation_id="getHealth", responses=problems())
 async def get_health() -> Health:
     """Say that the server is there."""
-    return Health(status="ok", version=versions()["wayproof"])
+    return Health(status="ok", version=versions()["wayproof"], kernel=planning.kernel_name())
 
 
 @router.get("/readyz", operation_id="getReadiness", responses=problems(503))

@@ -12,6 +12,10 @@ class Health(Answer):
 
     status: Literal["ok"] = Field(description="Always `ok`: no answer is the other answer")
     version: str = Field(description="Of Wayproof")
+    kernel: str = Field(
+        description="Instruction set of the native collision kernel; `none` where it was not "
+        "built, and Drake answers everything, more slowly"
+    )
 
 
 class Readiness(Answer):

@@ -8,6 +8,7 @@ import pytest
 
 LIGHT = """
 import sys
+import planning
 from service.app import create_app
 create_app()
 heavy = sorted(name for name in ("pydrake", "ompl", "toppra", "ruckig") if name in sys.modules)
@@ -30,6 +31,7 @@ def test_health(client):
     answer = client.get("/healthz")
     assert answer.status_code == 200
     assert answer.json()["status"] == "ok"
+    assert answer.json()["kernel"] == planning.kernel_name()
 
 
 def test_readiness(client):
