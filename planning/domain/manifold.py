@@ -79,6 +79,10 @@ class Manifold(Value):
                     flags.append(False)
         return tuple(flags)
 
+    @cached_property
+    def _is_a_vector_space(self) -> bool:
+        return self.is_flat and not any(self.wraps)
+
     def plus(self, q: Float64[np.ndarray, "*#n nq"], delta: Float64[np.ndarray, "*#n nv"]) -> Array:
         """Return q [+] delta; angles are not wrapped, so curves stay continuous."""
         if self.is_flat:
@@ -95,6 +99,8 @@ class Manifold(Value):
 
     def minus(self, q1: Float64[np.ndarray, "*#n nq"], q0: Float64[np.ndarray, "*#n nq"]) -> Array:
         """Return the shortest delta with q0 [+] delta = q1 (up to whole turns)."""
+        if self._is_a_vector_space:
+            return q1 - q0
         shape = np.broadcast_shapes(q1.shape[:-1], q0.shape[:-1])
         delta = np.empty((*shape, self.num_velocities))
         in_q, in_v = self._plain
