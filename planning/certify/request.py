@@ -42,7 +42,7 @@ class CertifyRequest(Value):
 
     @cached_property
     def forms(self) -> tuple[Array, ...]:
-        """The tangent and its derivatives up to jerk in Bernstein form.
+        """The tangent and its derivatives, up to jerk if that is limited, in Bernstein form.
 
         Each has the shape (nv, n, k): of n pieces, with k the degree, at least 0, and one.
         """
@@ -51,5 +51,5 @@ class CertifyRequest(Value):
         with np.errstate(over="ignore", invalid="ignore"):
             return tuple(
                 bernstein.rows_from_power(bernstein.derivative(curve.coefficients, order), widths)
-                for order in range(4)
+                for order in range(4 if self.jerk else 3)
             )

@@ -50,8 +50,10 @@ Peak peak(const double* coefficients, std::size_t rows, std::size_t terms, doubl
   Node dropped{-inf, 0, 0, 1, 0, {0, 0}};
   for (std::size_t i = 0; i < rows; ++i) {
     const double* c = coefficients + i * terms;
-    if (uppers[i] > taken + tolerance) heap.push_back({uppers[i], i, 0, 1, 0, {c, c + terms}});
-    else if (uppers[i] > dropped.upper) dropped = {uppers[i], i, 0, 1, 0, {c, c + terms}};
+    if (uppers[i] > taken + tolerance)
+      heap.push_back({uppers[i], i, 0, 1, 0, {c, c + terms}});
+    else if (uppers[i] > dropped.upper)
+      dropped = {uppers[i], i, 0, 1, 0, {c, c + terms}};
   }
   std::make_heap(heap.begin(), heap.end());
   for (std::size_t nodes = heap.size(); !heap.empty() && nodes < most_nodes; nodes += 2) {

@@ -18,14 +18,17 @@ std::vector<int> integers(const Integers& from) { return {from.data(), from.data
 std::vector<double> doubles(const Doubles& from) { return {from.data(), from.data() + from.size()}; }
 
 Group group(const Scene& scene, const Integers& positions, const Integers& velocities, const Doubles& state) {
-  require(state.size() == static_cast<std::size_t>(scene.tree.num_positions), "the state has the wrong length");
+  require(state.size() == static_cast<std::size_t>(scene.tree.num_positions),
+          "the state has the wrong length");
   for (std::size_t i = 0; i < positions.size(); ++i)
     require(positions.data()[i] >= 0 && positions.data()[i] < scene.tree.num_positions, "no such position");
   return Group(scene.tree, integers(positions), integers(velocities), doubles(state));
 }
 
-Motion motion(const Tree& tree, const Group& group, const Doubles& breaks, const Doubles& bases, const Doubles& coefficients) {
-  require(coefficients.ndim() == 3 && coefficients.shape(0) >= 1 && coefficients.shape(1) >= 1, "coefficients are [n][terms][nv]");
+Motion motion(const Tree& tree, const Group& group, const Doubles& breaks, const Doubles& bases,
+              const Doubles& coefficients) {
+  require(coefficients.ndim() == 3 && coefficients.shape(0) >= 1 && coefficients.shape(1) >= 1,
+          "coefficients are [n][terms][nv]");
   const std::size_t pieces = coefficients.shape(0), terms = coefficients.shape(1);
   require(breaks.size() == pieces + 1, "there is one break more than there are pieces");
   require(coefficients.shape(2) == group.velocities.size(), "coefficients are [n][terms][nv]");
@@ -34,7 +37,8 @@ Motion motion(const Tree& tree, const Group& group, const Doubles& breaks, const
 }
 
 void make(Prover* self, std::shared_ptr<Scene> scene, const Integers& positions, const Integers& velocities,
-          const Doubles& state, const std::tuple<Doubles, Doubles, Doubles>& curve, const Doubles& margins, double slack) {
+          const Doubles& state, const std::tuple<Doubles, Doubles, Doubles>& curve, const Doubles& margins,
+          double slack) {
   require(margins.size() == scene->pairs.size(), "there is one margin per pair");
   Group moving = group(*scene, positions, velocities, state);
   const auto& [breaks, bases, coefficients] = curve;
@@ -50,8 +54,8 @@ Proof prove(Prover& prover, const nb::callable& interrupt) {
   });
 }
 
-// The segment that halvings (0 first, 1 second half) of the whole motion lead to: begin, end, centre, and a row
-// (approach, lower bound, lower bound along one direction) per pair.
+// The segment that halvings (0 first, 1 second half) of the whole motion lead to: begin, end, centre, and a
+// row (approach, lower bound, lower bound along one direction) per pair.
 auto bounds(Prover& prover, const std::vector<int>& halvings) {
   Segment segment = prover.motion().whole();
   for (int which : halvings) segment = prover.motion().half(segment, which);
@@ -61,7 +65,8 @@ auto bounds(Prover& prover, const std::vector<int>& halvings) {
 }
 
 std::tuple<double, std::size_t, double> peak_of(const Doubles& coefficients, double tolerance) {
-  require(coefficients.ndim() == 2 && coefficients.shape(0) >= 1 && coefficients.shape(1) >= 1, "coefficients are [n][terms]");
+  require(coefficients.ndim() == 2 && coefficients.shape(0) >= 1 && coefficients.shape(1) >= 1,
+          "coefficients are [n][terms]");
   const Peak found = peak(coefficients.data(), coefficients.shape(0), coefficients.shape(1), tolerance);
   return {found.bound, found.row, found.fraction};
 }
@@ -90,7 +95,8 @@ void bind_prover(nb::module_& m) {
       .def("prove", &prove, nb::arg("interrupt"))
       .def("bounds", &bounds, nb::arg("halvings"));
   m.def("peak", &peak_of, nb::arg("coefficients"), nb::arg("tolerance"),
-        "An upper bound on polynomials in Bernstein form, the row where it is, and the fraction of its interval.");
+        "An upper bound on polynomials in Bernstein form, the row where it is, and the fraction of its "
+        "interval.");
 }
 
 }  // namespace wayproof

@@ -36,7 +36,8 @@ double norm_of(const double* x, int size) {
 // The square of a point's distance from the chord of two others, whose difference to it goes to `away`.
 double distance_from_chord(const double* x, const double* a, const double* b, int size, double* away) {
   double along = 0, square = 0, total = 0;
-  for (int v = 0; v < size; ++v) along += (x[v] - a[v]) * (b[v] - a[v]), square += (b[v] - a[v]) * (b[v] - a[v]);
+  for (int v = 0; v < size; ++v)
+    along += (x[v] - a[v]) * (b[v] - a[v]), square += (b[v] - a[v]) * (b[v] - a[v]);
   const double s = square > 0 ? std::clamp(along / square, 0.0, 1.0) : 0;
   for (int v = 0; v < size; ++v) away[v] = x[v] - (a[v] + s * (b[v] - a[v])), total += away[v] * away[v];
   return total;
@@ -45,8 +46,8 @@ double distance_from_chord(const double* x, const double* a, const double* b, in
 }  // namespace
 
 // Ramer, Douglas and Peucker's way: the worst point becomes a row.
-void simplify(const std::vector<double>& points, int count, int size, std::vector<double>& rows, double* residual,
-              int most_rows) {
+void simplify(const std::vector<double>& points, int count, int size, std::vector<double>& rows,
+              double* residual, int most_rows) {
   const auto point = [&](int i) { return &points[static_cast<std::size_t>(i) * size]; };
   struct Chord {
     int first, last, worst;
@@ -56,14 +57,16 @@ void simplify(const std::vector<double>& points, int count, int size, std::vecto
   const auto chord = [&](int first, int last) {
     Chord c{first, last, -1, 0};
     for (int i = first + 1; i < last; ++i)
-      if (const double square = distance_from_chord(point(i), point(first), point(last), size, away.data()); square > c.square)
+      if (const double square = distance_from_chord(point(i), point(first), point(last), size, away.data());
+          square > c.square)
         c.square = square, c.worst = i;
     return c;
   };
   std::vector<Chord> chords{chord(0, count - 1)};
   double length = distance_from_chord(point(count - 1), point(0), point(0), size, away.data());
   while (static_cast<int>(chords.size()) + 1 < most_rows) {
-    const auto worst = std::max_element(chords.begin(), chords.end(), [](const Chord& a, const Chord& b) { return a.square < b.square; });
+    const auto worst = std::max_element(chords.begin(), chords.end(),
+                                        [](const Chord& a, const Chord& b) { return a.square < b.square; });
     length = std::max(length, worst->square);
     if (worst->square <= fine * fine * length) break;
     const Chord c = *worst;
@@ -84,8 +87,12 @@ void simplify(const std::vector<double>& points, int count, int size, std::vecto
 
 Motion::Motion(const Tree& tree, const Group& group, std::vector<double> breaks, std::vector<double> bases,
                std::vector<double> coefficients, int terms)
-    : nq_(static_cast<int>(group.positions.size())), nv_(static_cast<int>(group.velocities.size())),
-      terms_(terms), breaks_(std::move(breaks)), bases_(std::move(bases)), coefficients_(std::move(coefficients)) {
+    : nq_(static_cast<int>(group.positions.size())),
+      nv_(static_cast<int>(group.velocities.size())),
+      terms_(terms),
+      breaks_(std::move(breaks)),
+      bases_(std::move(bases)),
+      coefficients_(std::move(coefficients)) {
   int v = 0;
   for (int q = 0; q < nq_;) {
     const Link* link = nullptr;
@@ -93,7 +100,8 @@ Motion::Motion(const Tree& tree, const Group& group, std::vector<double> breaks,
       if (l.kind != JointKind::fixed && l.position == group.positions[q]) link = &l;
     if (!link) throw std::invalid_argument("a group has whole joints");
     const int size = link->kind == JointKind::planar ? 3 : link->kind == JointKind::floating ? 6 : 1;
-    if (v + size > nv_ || q + size > nq_) throw std::invalid_argument("a group's positions and velocities differ");
+    if (v + size > nv_ || q + size > nq_)
+      throw std::invalid_argument("a group's positions and velocities differ");
     if (link->kind == JointKind::floating) {
       balls_.push_back({q, v});
       for (int i = 0; i < 3; ++i) plain_.push_back({q + 4 + i, v + 3 + i});
@@ -116,15 +124,18 @@ Motion::Motion(const Tree& tree, const Group& group, std::vector<double> breaks,
   bernstein_.assign(static_cast<std::size_t>(n) * size, 0);
   middles_.resize(static_cast<std::size_t>(n) * nv_);
   centers_.resize(static_cast<std::size_t>(n) * nq_);
-  std::vector<double> left(size), right(size);
+  std::vector<double> left(size), right(size), weights(terms_ * terms_);
+  for (int i = 0; i < terms_; ++i)
+    for (int k = 0; k <= i; ++k) weights[i * terms_ + k] = binomial(i, k) / binomial(terms_ - 1, k);
   for (int p = 0; p < n; ++p) {
     const double width = breaks_[p + 1] - breaks_[p];
     double* b = &bernstein_[static_cast<std::size_t>(p) * size];
     double power = 1;
     for (int k = 0; k < terms_; ++k, power *= width)
       for (int i = k; i < terms_; ++i) {
-        const double weight = binomial(i, k) / binomial(terms_ - 1, k) * power;
-        for (int c = 0; c < nv_; ++c) b[i * nv_ + c] += weight * coefficients_[static_cast<std::size_t>(p) * size + k * nv_ + c];
+        const double weight = weights[i * terms_ + k] * power;
+        for (int c = 0; c < nv_; ++c)
+          b[i * nv_ + c] += weight * coefficients_[static_cast<std::size_t>(p) * size + k * nv_ + c];
       }
     split(b, terms_, nv_, left.data(), right.data());
     double* middle = &middles_[static_cast<std::size_t>(p) * nv_];
@@ -134,7 +145,8 @@ Motion::Motion(const Tree& tree, const Group& group, std::vector<double> breaks,
       double stray = 0;
       for (int i = 0; i < terms_; ++i) {
         const double* c = b + i * nv_ + ball.column;
-        const double away[3] = {c[0] - middle[ball.column], c[1] - middle[ball.column + 1], c[2] - middle[ball.column + 2]};
+        const double away[3] = {c[0] - middle[ball.column], c[1] - middle[ball.column + 1],
+                                c[2] - middle[ball.column + 2]};
         stray = std::max(stray, norm_of(away, 3));
       }
       ball_strays_.push_back(stray);
@@ -148,21 +160,23 @@ void Motion::bound_chords() {
   const int n = num_pieces();
   points_.assign(static_cast<std::size_t>(n + 1) * nv_, 0);
   residuals_.assign(static_cast<std::size_t>(n) * nv_, 0);
+  std::vector<double> control(terms_ * nv_, 0.0), away(nv_);
+  const double* last = &control[(terms_ - 1) * nv_];
   for (int p = 0; p < n; ++p) {
-    const double *b = &bernstein_[static_cast<std::size_t>(p) * terms_ * nv_], *base = &bases_[static_cast<std::size_t>(p) * nq_];
-    double* residual = &residuals_[static_cast<std::size_t>(p) * nv_];
-    std::vector<double> control(terms_ * nv_, 0.0), ends;
-    for (auto [q, v] : plain_) {
-      for (int i = 0; i < terms_; ++i) control[i * nv_ + v] = base[q] + b[i * nv_ + v];
-      points_[static_cast<std::size_t>(p) * nv_ + v] = control[v];
+    const double *b = &bernstein_[static_cast<std::size_t>(p) * terms_ * nv_],
+                 *base = &bases_[static_cast<std::size_t>(p) * nq_];
+    double *point = &points_[static_cast<std::size_t>(p) * nv_],
+           *residual = &residuals_[static_cast<std::size_t>(p) * nv_];
+    for (int i = 0; i < terms_; ++i)
+      for (auto [q, v] : plain_) control[i * nv_ + v] = base[q] + b[i * nv_ + v];
+    // Where the piece before this one ends elsewhere, the gap is part of its residual.
+    for (int v = 0; v < nv_; ++v) {
+      if (p > 0) residual[v - nv_] += std::abs(control[v] - point[v]);
+      point[v] = control[v], point[v + nv_] = last[v];
     }
-    simplify(control, terms_, nv_, ends, residual, 2);
-    double* next = &points_[static_cast<std::size_t>(p + 1) * nv_];
-    for (auto [q, v] : plain_) {
-      const double end = control[(terms_ - 1) * nv_ + v];
-      const double begin = p + 1 < n ? bases_[static_cast<std::size_t>(p + 1) * nq_ + q] + bernstein_[static_cast<std::size_t>(p + 1) * terms_ * nv_ + v] : end;
-      residual[v] += std::abs(begin - end);
-      next[v] = begin;
+    for (int i = 1; i + 1 < terms_; ++i) {
+      distance_from_chord(&control[i * nv_], control.data(), last, nv_, away.data());
+      for (int v = 0; v < nv_; ++v) residual[v] = std::max(residual[v], std::abs(away[v]));
     }
   }
 }

@@ -2,9 +2,9 @@
 //
 // A polynomial stays in the convex hull of its Bernstein coefficients, all coordinates at once (Farouki,
 // "The Bernstein polynomial basis: a centennial retrospective", 2012, section 3). Points near a line need no
-// more than its ends: the coefficients of a piece become a chord and a residual per coordinate, and the chords of
-// a segment a polyline of few rows. So on a segment the displacement of the group's coordinates from its centre
-// is always a convex combination of the rows, and some residual.
+// more than its ends: the coefficients of a piece become a chord and a residual per coordinate, and the
+// chords of a segment a polyline of few rows. So on a segment the displacement of the group's coordinates
+// from its centre is always a convex combination of the rows, and some residual.
 #pragma once
 
 #include <utility>
@@ -39,10 +39,10 @@ struct Strays {
   int num_rows = 0;
 };
 
-// Keeps of a polyline, [count][size], the few rows that bring every point of it within a residual per coordinate
-// of the polyline of those; the residual is added to what is there.
-void simplify(const std::vector<double>& points, int count, int size, std::vector<double>& rows, double* residual,
-              int most_rows = 6);
+// Keeps of a polyline, [count][size], the few rows that bring every point of it within a residual per
+// coordinate of the polyline of those; the residual is added to what is there.
+void simplify(const std::vector<double>& points, int count, int size, std::vector<double>& rows,
+              double* residual, int most_rows = 6);
 
 class Motion {
  public:
@@ -79,9 +79,9 @@ class Motion {
   int nq_, nv_, terms_;
   std::vector<double> breaks_, bases_, coefficients_, bernstein_;
   std::vector<double> middles_, centers_;  // of each piece: delta and q at its middle
-  std::vector<double> points_;             // where each piece begins, in v's coordinates; and where the last ends
-  std::vector<double> residuals_;          // of each piece's chord, from its first point to the next piece's
-  std::vector<double> ball_strays_;        // of each piece and ball
+  std::vector<double> points_;       // where each piece begins, in v's coordinates; and where the last ends
+  std::vector<double> residuals_;    // of each piece's chord, from its first point to the next piece's
+  std::vector<double> ball_strays_;  // of each piece and ball
   std::vector<std::pair<int, int>> plain_;
   std::vector<Ball> balls_;
   std::vector<Block> blocks_;

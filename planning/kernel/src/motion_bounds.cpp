@@ -32,8 +32,10 @@ std::vector<Source> sources(const Tree& tree, const Group& group, const Motion& 
     for (std::size_t k = 0; k < tree.followers.size(); ++k) {
       const Follower& f = tree.followers[k];
       if (!group.follows[k]) continue;
-      if (quaternion[f.leader] || quaternion[f.follower]) throw std::invalid_argument("a quaternion leads or follows");
-      if (const Source& s = found[f.leader]; s.column >= 0) found[f.follower] = {s.column, s.scale * f.multiplier};
+      if (quaternion[f.leader] || quaternion[f.follower])
+        throw std::invalid_argument("a quaternion leads or follows");
+      if (const Source& s = found[f.leader]; s.column >= 0)
+        found[f.follower] = {s.column, s.scale * f.multiplier};
     }
   return found;
 }
@@ -67,9 +69,14 @@ MotionBounds::MotionBounds(const Scene& scene, const Group& group, const Motion&
       for (int k = 0; k < count; ++k) plain(false, k, position + k, together && k > 0);
     };
     switch (link.kind) {
-      case JointKind::fixed: break;
-      case JointKind::revolute: plain(true, -1, link.position); break;
-      case JointKind::prismatic: plain(false, -1, link.position); break;
+      case JointKind::fixed:
+        break;
+      case JointKind::revolute:
+        plain(true, -1, link.position);
+        break;
+      case JointKind::prismatic:
+        plain(false, -1, link.position);
+        break;
       case JointKind::planar:
         shifts(link.position, 2);
         plain(true, 2, link.position + 2);
@@ -123,7 +130,8 @@ void MotionBounds::enter(const Strays& strays) {
     } else if (axis.turns) {
       directions_[k] = {X_WL.R.m[axis.direction], X_WL.R.m[axis.direction + 3], X_WL.R.m[axis.direction + 6]};
     } else {
-      const Vec3 unit{axis.direction == 0 ? 1.0 : 0.0, axis.direction == 1 ? 1.0 : 0.0, axis.direction == 2 ? 1.0 : 0.0};
+      const Vec3 unit{axis.direction == 0 ? 1.0 : 0.0, axis.direction == 1 ? 1.0 : 0.0,
+                      axis.direction == 2 ? 1.0 : 0.0};
       const Vec3 in_parent = link.X_PF.R * unit;
       directions_[k] = link.parent < 0 ? in_parent : X_WL_[link.parent].R * in_parent;
     }
@@ -198,7 +206,8 @@ double MotionBounds::lowest(int geometry, Vec3 n) {
   return dot(n, X_WG * shape.core_support(transposed_times(X_WG.R, -n)));
 }
 
-void MotionBounds::linearise(const std::vector<int>& chain, int from, Vec3 n, std::vector<Linear>& out) const {
+void MotionBounds::linearise(const std::vector<int>& chain, int from, Vec3 n,
+                             std::vector<Linear>& out) const {
   out.clear();
   for (std::size_t i = from; i < chain.size(); ++i) {
     const int k = chain[i];
@@ -246,8 +255,8 @@ double MotionBounds::residual(int geometry, int from, const std::vector<Linear>&
 }
 
 // min over the points x of a core of sign (n . x + sum_k d_k n . J_k(x)).
-double MotionBounds::lowest_at(int geometry, int from, const std::vector<Linear>& linear, Vec3 n, const double* d,
-                               double sign) {
+double MotionBounds::lowest_at(int geometry, int from, const std::vector<Linear>& linear, Vec3 n,
+                               const double* d, double sign) {
   const auto& axes = chain(geometry);
   double rate = 0;
   for (std::size_t i = 0; i < linear.size(); ++i) {

@@ -31,9 +31,14 @@ constexpr int interrupt_every = 256;
 
 }  // namespace
 
-Prover::Prover(std::shared_ptr<const Scene> scene, Group group, Motion motion, std::vector<double> margins, double slack)
-    : scene_(std::move(scene)), group_(std::move(group)), motion_(std::move(motion)), margins_(std::move(margins)),
-      slack_(slack), bounds_(*scene_, group_, motion_) {
+Prover::Prover(std::shared_ptr<const Scene> scene, Group group, Motion motion, std::vector<double> margins,
+               double slack)
+    : scene_(std::move(scene)),
+      group_(std::move(group)),
+      motion_(std::move(motion)),
+      margins_(std::move(margins)),
+      slack_(slack),
+      bounds_(*scene_, group_, motion_) {
   for (std::size_t i = 0; i < scene_->pairs.size(); ++i) {
     relatives_.push_back(bounds_.relative(scene_->pairs[i]));
     if (relatives_.back().moves) moved_.push_back(static_cast<int>(i));
@@ -53,7 +58,8 @@ Proof Prover::prove(const std::function<void()>& interrupt) {
     look(motion_.duration());
     std::vector<Node> heap;
     Node root{-inf, 0, motion_.whole(), {}};
-    for (int pair : moved_) root.open.push_back({pair, dot(hints_[pair], hints_[pair]) > 0, hints_[pair], -inf});
+    for (int pair : moved_)
+      root.open.push_back({pair, dot(hints_[pair], hints_[pair]) > 0, hints_[pair], -inf});
     heap.push_back(std::move(root));
     bool proven = true;
     while (proven && !heap.empty()) proven = prove_node(pop(heap), heap);
@@ -66,7 +72,8 @@ Proof Prover::prove(const std::function<void()>& interrupt) {
   return proof_;
 }
 
-// Pairs between which nothing moves are looked at once; to touch is no fault in them if no margin is demanded.
+// Pairs between which nothing moves are looked at once; to touch is no fault in them if no margin is
+// demanded.
 bool Prover::find_fixed_violation() {
   std::vector<double> q(group_.positions.size());
   motion_.positions(0, q.data());
@@ -78,8 +85,9 @@ bool Prover::find_fixed_violation() {
     const Shape &a = scene_->geometries[pair.a].shape, &b = scene_->geometries[pair.b].shape;
     const double required = margins_[i] - slack_;
     const bool flat = a.kind == ShapeKind::half_space && b.kind == ShapeKind::half_space;
-    const Separation found = flat ? Separation{-inf, -inf, {}}
-                                  : separation(a, bounds_.pose(pair.a), b, bounds_.pose(pair.b), required, -inf, {});
+    const Separation found =
+        flat ? Separation{-inf, -inf, {}}
+             : separation(a, bounds_.pose(pair.a), b, bounds_.pose(pair.b), required, -inf, {});
     if (found.lower - required < worst) {
       worst = found.lower - required;
       refuse(Outcome::fixed, static_cast<int>(i), found.upper, std::max(found.upper - found.lower, 0.0), 0);
@@ -135,8 +143,8 @@ void Prover::see(int pair, double distance, double time) {
   note(proof_.tightest, distance - margins_[pair]);
 }
 
-// Bounds a pair's distance on the segment that was entered until the bound is above `required`, or as good as can
-// be. A distance of `few` or less is not looked into further.
+// Bounds a pair's distance on the segment that was entered until the bound is above `required`, or as good as
+// can be. A distance of `few` or less is not looked into further.
 Prover::Judged Prover::judge(Open& open, double required, double few, bool last_resort, double time) {
   if (++work_ % interrupt_every == 0) (*interrupt_)();
   const Pair& pair = scene_->pairs[open.pair];
@@ -196,7 +204,8 @@ bool Prover::prove_node(Node node, std::vector<Node>& heap) {
     if (!found.decided) {
       rest.push_back(open);
       floor = std::min(floor, found.bound - required);
-      if (worst < 0 || found.bound - required < least || found.unbounded) least = found.bound - required, worst = open.pair, worst_found = found;
+      if (worst < 0 || found.bound - required < least || found.unbounded)
+        least = found.bound - required, worst = open.pair, worst_found = found;
     } else if (open.bound < well) {
       kept.push_back(open);
       kept_floor = std::min(kept_floor, open.bound);
@@ -207,7 +216,8 @@ bool Prover::prove_node(Node node, std::vector<Node>& heap) {
   if (!kept.empty()) leaves_.push_back({kept_floor, node.number, node.segment, std::move(kept)});
   if (rest.empty()) return true;
   if (exhausted || worst_found.unbounded) {
-    refuse(Outcome::unproven, worst, worst_found.distance, worst_found.distance - worst_found.bound, node.segment.time);
+    refuse(Outcome::unproven, worst, worst_found.distance, worst_found.distance - worst_found.bound,
+           node.segment.time);
     return false;
   }
   split(node, std::max(floor, node.floor), rest, heap);
@@ -215,7 +225,8 @@ bool Prover::prove_node(Node node, std::vector<Node>& heap) {
 }
 
 void Prover::split(const Node& node, double floor, const std::vector<Open>& rest, std::vector<Node>& heap) {
-  for (int which = 0; which < 2; ++which) push(heap, {floor, ++number_, motion_.half(node.segment, which), rest});
+  for (int which = 0; which < 2; ++which)
+    push(heap, {floor, ++number_, motion_.half(node.segment, which), rest});
 }
 
 // What the smallest distance may be at least, if the smallest one seen is to be good enough.
@@ -226,7 +237,8 @@ double Prover::target() const {
 
 // Halves the segments that may hide a smaller distance than was seen.
 void Prover::tighten() {
-  std::make_heap(leaves_.begin(), leaves_.end(), [this](const Node& a, const Node& b) { return later(a, b); });
+  std::make_heap(leaves_.begin(), leaves_.end(),
+                 [this](const Node& a, const Node& b) { return later(a, b); });
   const int last = proof_.looks + tightening_looks;
   while (!leaves_.empty()) {
     const double well = target();
@@ -272,8 +284,9 @@ void Prover::look(double time) {
     if (gap >= known) continue;
     if (++work_ % interrupt_every == 0) (*interrupt_)();
     const Pair& pair = scene_->pairs[i];
-    const Separation found = separation(scene_->geometries[pair.a].shape, bounds_.pose(pair.a),
-                                        scene_->geometries[pair.b].shape, bounds_.pose(pair.b), known, -inf, hints_[i]);
+    const Separation found =
+        separation(scene_->geometries[pair.a].shape, bounds_.pose(pair.a), scene_->geometries[pair.b].shape,
+                   bounds_.pose(pair.b), known, -inf, hints_[i]);
     hints_[i] = found.direction;
     if (found.lower < known) see(i, found.upper, time);
   }
@@ -285,11 +298,13 @@ std::vector<PairBound> Prover::bounds(const Segment& segment) {
   for (std::size_t i = 0; i < scene_->pairs.size(); ++i) {
     const Pair& pair = scene_->pairs[i];
     const double approach = bounds_.reach(pair.a, relatives_[i].a) + bounds_.reach(pair.b, relatives_[i].b);
-    const Separation exact = separation(scene_->geometries[pair.a].shape, bounds_.pose(pair.a),
-                                        scene_->geometries[pair.b].shape, bounds_.pose(pair.b), inf, -inf, {});
+    const Separation exact =
+        separation(scene_->geometries[pair.a].shape, bounds_.pose(pair.a), scene_->geometries[pair.b].shape,
+                   bounds_.pose(pair.b), inf, -inf, {});
     double along = -inf;
     for (int k = 0; k <= 16 && along == -inf; ++k)
-      along = bounds_.along(pair, relatives_[i], exact.direction, exact.lower, exact.lower - approach * k / 8);
+      along =
+          bounds_.along(pair, relatives_[i], exact.direction, exact.lower, exact.lower - approach * k / 8);
     found.push_back({approach, exact.lower - approach, along});
   }
   return found;

@@ -1,10 +1,11 @@
 // Prover: that every pair of shapes keeps its distance throughout a motion, by conservative bisection.
 //
-// A pair's distance at a segment's centre, less how much nearer the shapes can come within the segment, bounds
-// it from below there. Where the bound is above what is required the pair is proven; pairs that are left are
-// looked at again on both halves, the most suspicious segment first. Afterwards segments that may hide a smaller
-// distance than was seen are halved until the smallest one is known well. Distances are bounded from below by
-// slabs and from above by points of both shapes, so nothing here is believed that was not computed both ways.
+// A pair's distance at a segment's centre, less how much nearer the shapes can come within the segment,
+// bounds it from below there. Where the bound is above what is required the pair is proven; pairs that are
+// left are looked at again on both halves, the most suspicious segment first. Afterwards segments that may
+// hide a smaller distance than was seen are halved until the smallest one is known well. Distances are
+// bounded from below by slabs and from above by points of both shapes, so nothing here is believed that was
+// not computed both ways.
 #pragma once
 
 #include <functional>
@@ -46,7 +47,8 @@ struct PairBound {
 class Prover {
  public:
   // margins: what is demanded of each pair; `slack` less is enough.
-  Prover(std::shared_ptr<const Scene> scene, Group group, Motion motion, std::vector<double> margins, double slack);
+  Prover(std::shared_ptr<const Scene> scene, Group group, Motion motion, std::vector<double> margins,
+         double slack);
   Prover(const Prover&) = delete;
 
   // `interrupt` is called now and then and may throw.
