@@ -12,7 +12,7 @@ from benchmarks.motion_bench_maker.problems import data_folder, read_problems, r
 from benchmarks.motion_bench_maker.robots import ROBOTS, robot_files, robot_library, scene_of
 from planning.domain.joints import JointGroup
 from planning.domain.manifold import Manifold
-from planning.domain.motion_samples import sample_batches
+from planning.domain.motion_samples import num_steps, sample_batches
 from planning.search.oracle import CollisionOracle
 from planning.world.collision import DrakeCollisionOracle
 from planning.world.kernel_oracle import KernelCollisionOracle
@@ -70,6 +70,20 @@ def test_one_by_one_in_batches_and_along_motions_the_same(make: Make, scene: str
     for q, step, verdict in zip(qs, steps, along, strict=True):
         samples = np.concatenate(list(sample_batches(manifold, (q, step), 0.05)))
         assert oracle.are_free(samples).all() == verdict == oracle.is_motion_free(q, step, 0.05)
+
+
+@pytest.mark.parametrize("scene", ["ur5e_pickup", "panda_shelf", "maze_2d"])
+def test_an_edge_is_its_motion_and_its_beginning(scene: str) -> None:
+    world = bundled_world(scene)
+    group = world.groups[0]
+    oracle = kernel_oracle(world, group, world.margins())
+    assert isinstance(oracle, KernelCollisionOracle)
+    begins = configurations(world, group, 200, 5)
+    ends = begins + np.random.default_rng(6).normal(0.0, 0.3, begins.shape)
+    for begin, end in zip(begins, ends, strict=True):
+        free, steps = oracle.is_edge_free(begin.tolist(), end.tolist(), 0.05)
+        assert free == (oracle.is_free(begin) and oracle.is_motion_free(begin, end - begin, 0.05))
+        assert steps == num_steps(end - begin, 0.05)
 
 
 @ORACLES
