@@ -1,8 +1,8 @@
 """A path that stays free when it is looked at more closely than the planner looked.
 
-A planner's edge may pass a thin obstacle between two samples. So what is delivered is checked at the
-fine resolution; where that finds no way through, the planner starts anew and checks its edges with
-half the resolution, until it looks as closely as that.
+A planner's edge may pass a thin obstacle between two samples. So what is delivered is checked at
+the fine resolution; where that finds no way through, the planner starts anew and checks its edges
+with half the resolution, until it looks as closely as that.
 """
 
 from dataclasses import dataclass
