@@ -80,8 +80,8 @@ def is_sound(path, fine):
 def free_walk(fine, rng, count):
     """A path of free edges, by going where it is free."""
     manifold = fine.manifold
-    q = manifold.normalized(rng.uniform(-1, 1, (1, manifold.num_positions)))[0]
-    rows = [q]
+    starts = manifold.normalized(rng.uniform(-1, 1, (20, manifold.num_positions)))
+    rows = [next(q for q in starts if fine.is_free(q, q))]
     while len(rows) < count:
         near = manifold.plus(rows[-1], rng.normal(0, 0.2, manifold.num_velocities))
         if fine.is_free(rows[-1], near):

@@ -3,6 +3,7 @@
 import subprocess
 import sys
 import time
+import weakref
 from dataclasses import replace
 from itertools import pairwise
 
@@ -283,13 +284,6 @@ def test_an_unknown_planner_is_refused_even_if_the_way_is_free(plane, make_oracl
         search(*plane, empty, crossing(planner="RRTconnect"), soon)
 
 
-def test_progress_is_told_before_each_attempt(plane, wall, soon, crossing):
-    told = []
-    search(*plane, wall, crossing(attempts=4), soon, lambda share, text: told.append((share, text)))
-    assert [share for share, _ in told] == [0.0, 0.25, 0.5, 0.75]
-    assert "attempt 3 of 4" in told[2][1]
-
-
 PROGRAM = """
 import hashlib, time
 import numpy as np
@@ -345,18 +339,17 @@ def test_searches_leave_nothing_of_ompl_behind(plane, wall, soon, crossing, name
 
     alive = []
 
-    class Counted(motions.EdgeMotionValidator):
-        def __init__(self, *args):
-            super().__init__(*args)
-            alive.append(self._marker())
+    def counted(validator):
+        class Counted(validator):
+            def __init__(self, *args):
+                super().__init__(*args)
+                self.marker = type("Marker", (), {})()
+                alive.append(weakref.ref(self.marker))
 
-        def _marker(self):
-            import weakref
+        return Counted
 
-            self.marker = type("Marker", (), {})()
-            return weakref.ref(self.marker)
-
-    monkeypatch.setattr(motions, "EdgeMotionValidator", Counted)
+    for validator in ("EdgeMotionValidator", "WholeEdgeValidator"):
+        monkeypatch.setattr(motions, validator, counted(getattr(motions, validator)))
     search(*plane, wall, crossing(planner=name), soon)
     assert alive
     assert sum(reference() is not None for reference in alive) == 0
