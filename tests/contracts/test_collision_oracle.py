@@ -27,8 +27,9 @@ PER_SCENE = 20_000
 PER_PROBLEM = 6_000
 PROBLEMS = 10
 SPREAD = 2.5  # of coordinates without limits
-# Configurations that the kernel may leave to Drake.
-MOST_LEFT = 0.03
+# Configurations that the kernel may leave to Drake; where a margin is asked of two boxes, Drake
+# overstates distances (docs/decisions/0006), and its verdicts in between are its own.
+MOST_LEFT, MOST_LEFT_WITH_MARGIN = 0.03, 0.10
 
 
 def drake_oracle(world: World, group: JointGroup, margins: PairMargins) -> CollisionOracle:
@@ -137,7 +138,7 @@ def _compare(world: World, group: JointGroup, margin: float, count: int, name: s
     print(f"{name}: margin {margin}, {shares}")  # noqa: T201  (pytest -s shows the share)
     assert not (drake & (verdicts == 1)).sum()
     assert not (~drake & (verdicts == 0)).sum()
-    assert left <= MOST_LEFT
+    assert left <= (MOST_LEFT_WITH_MARGIN if margin else MOST_LEFT)
 
 
 def _public_worlds(robot: str) -> Iterator[tuple[str, World]]:

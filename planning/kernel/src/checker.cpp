@@ -118,10 +118,19 @@ Checker::Checker(std::shared_ptr<const Scene> scene, Group group, std::vector<De
   std::vector<char> judged(scene_->pairs.size(), 0);
   for (int pair : lanes_.pair_of) judged[pair] = 1;
   for (std::size_t i = 0; i < judged.size(); ++i) {
+    if (judged[i]) continue;
     Vec3 direction;
-    if (!judged[i] && judge_pair(static_cast<int>(i), X_WL_.data(), direction) != Verdict::free)
+    if (moves_half_space(scene_->pairs[i]) || judge_pair(static_cast<int>(i), X_WL_.data(), direction) != Verdict::free)
       doubtful_.push_back(static_cast<int>(i));
   }
+}
+
+// The lanes know half spaces only as obstacles.
+bool Checker::moves_half_space(Pair pair) const {
+  const auto moves = [this](int g) {
+    return scene_->geometries[g].shape.kind == ShapeKind::half_space && scene_->is_moved(group_, g);
+  };
+  return moves(pair.a) || moves(pair.b);
 }
 
 Verdict Checker::judge_pair(int index, const Transform* X_WL, Vec3& direction) const {

@@ -46,7 +46,8 @@ class Checker {
   // One motion between two configurations, both ends included; sets how many samples it has.
   Verdict judge_edge(const double* from, const double* to, double resolution, std::int64_t& n) const;
 
-  // Pairs that the group does not move and that are not surely free: no configuration is free.
+  // Pairs that are judged once, as the group does not move them (or moves a half space), and that are not
+  // surely free: no configuration is called free then.
   const std::vector<int>& doubtful_fixed_pairs() const { return doubtful_; }
 
   const LaneKernel& kernel() const { return kernel_; }
@@ -67,6 +68,7 @@ class Checker {
   // if any of them collides and that decides.
   bool judge_block(const double* qs, int count, Verdict* verdicts, Workspace& w, bool any_hit_decides) const;
   Verdict judge_exactly(const double* q, unsigned lane, const LaneVerdict& v, Workspace& w) const;
+  bool moves_half_space(Pair pair) const;
   // `direction` is a guess of what parts the pair, and then what did.
   Verdict judge_pair(int pair, const Transform* X_WL, Vec3& direction) const;
 
