@@ -64,7 +64,8 @@ class Attempt(Value):
         waypoints: From the start to a goal, shape (n, nq); n = 0 if it found no exact solution.
         goal_row: Which goal, or -1.
         growth: Of its trees or roadmap `num_vertices` and `num_edges`, and `goal_distance`, the
-            least distance to a goal in OMPL's metric; None where it does not tell.
+            least distance to a goal in OMPL's metric; None where it does not tell. Nothing if it
+            found a solution.
     """
 
     status: str
@@ -158,7 +159,7 @@ def _report(query: Query, found: Array | None, status: str, planner: Any) -> Att
             ends = query.start[None], query.goals[row][None]
             path = np.concatenate([ends[0], found[1:-1], ends[1]])
             waypoints = unrolled(path, query.space.manifold)
-    return Attempt(status, waypoints, goal_row, _growth(planner))
+    return Attempt(status, waypoints, goal_row, {} if goal_row >= 0 else _growth(planner))
 
 
 def _growth(planner: Any) -> dict[str, int | float | None]:
