@@ -6,6 +6,8 @@ import sys
 
 import pytest
 
+import planning
+
 LIGHT = """
 import sys
 import planning

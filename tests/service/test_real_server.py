@@ -13,6 +13,7 @@ from pathlib import Path
 import httpx
 import pytest
 
+import planning
 from service.client.client import Client
 from service.client.refused import Refused
 
@@ -66,11 +67,13 @@ def request_of(scene, **fields):
     return {"scene": scene.id, "group": "arm", "goal": goal, "search": search, **fields}
 
 
-def endless(scene):
-    """A plan that takes as long as it may: nothing reaches there, and IK tries for long."""
-    goal = {"type": "pose", "poses": [{"position": [9, 9, 9]}]}
-    time_allowed = {"allowed_planning_time": 600.0}
-    return request_of(scene, goal=goal, search=time_allowed, ik={"max_trials": 100_000})
+def endless(client):
+    """A plan that takes minutes: many times a planner that goes on after its first solution."""
+    file = planning.bundled_folder("scenes") / "ur5e_pickup.scene.yaml"
+    scene = client.add_scene(file.read_bytes())
+    goal = {"type": "pose", "poses": [{"position": [0, 0, 0], "frame": "pick"}]}
+    search = {"allowed_planning_time": 600.0, "planner": "RRTstar", "attempts": 100}
+    return request_of(scene, goal=goal, search=search)
 
 
 def test_plans_stream_live_and_survive_a_restart(tmp_path):
@@ -93,7 +96,7 @@ def test_plans_stream_live_and_survive_a_restart(tmp_path):
 def test_a_server_that_is_killed_leaves_no_plan_running(tmp_path):
     with server(tmp_path) as (process, client):
         scene = client.add_scene(SCENE)
-        running = client.submit_plan(endless(scene))
+        running = client.submit_plan(endless(client))
         until(lambda: client.plan(running.id).state == "running")
         waiting = [client.submit_plan(request_of(scene, seed=i)) for i in range(3)]
         process.send_signal(signal.SIGKILL)
@@ -111,7 +114,7 @@ def test_a_server_that_is_killed_leaves_no_plan_running(tmp_path):
 def test_a_worker_that_is_killed_takes_no_other_plan_with_it(tmp_path):
     with server(tmp_path) as (process, client):
         scene = client.add_scene(SCENE)
-        running = client.submit_plan(endless(scene))
+        running = client.submit_plan(endless(client))
         until(lambda: client.plan(running.id).state == "running")
         os.kill(busiest_worker(process.pid), signal.SIGKILL)
         client.cancel_plan(running.id)
@@ -123,9 +126,8 @@ def test_a_worker_that_is_killed_takes_no_other_plan_with_it(tmp_path):
 
 def test_the_server_answers_while_it_plans_and_stops_plans_at_once(tmp_path):
     with server(tmp_path) as (_, client):
-        scene = client.add_scene(SCENE)
-        running = client.submit_plan(endless(scene))
-        until(lambda: client.plan(running.id).stage == "goals")
+        running = client.submit_plan(endless(client))
+        until(lambda: client.plan(running.id).stage == "search")
         begun = time.monotonic()
         for _ in range(20):
             client.plan(running.id)
