@@ -143,6 +143,26 @@ def test_every_stage_keeps_a_sound_path_sound_and_short(sieve, kinds, seed):
     assert is_sound(retreated(bold, path, fine), fine)
 
 
+def test_waypoints_give_way_only_to_where_both_neighbours_are_in_sight(plane, make_oracle, soon):
+    """Among balls, of 200 random paths a few are such that to see one neighbour is not enough."""
+    manifold, tried = Manifold(plane[0].joints), 0
+    for seed in range(200):
+        rng = np.random.default_rng(seed)
+        balls, radii = rng.uniform(-0.7, 0.7, (6, 2)), rng.uniform(0.05, 0.25, 6)
+
+        def are_free(qs, balls=balls, radii=radii):
+            return (np.linalg.norm(qs[:, None] - balls, axis=2) > radii).all(axis=1)
+
+        fine = EdgeChecker(manifold, WatchedOracle(make_oracle(are_free), *plane, soon), 0.02)
+        path = rng.uniform(-1, 1, (4, 2))
+        if is_sound(path, fine):
+            tried += 1
+            bent = relaxed(path, fine, never)
+            assert is_sound(bent, fine)
+            assert path_length(bent, fine) <= path_length(path, fine)
+    assert tried > 20
+
+
 def test_an_edge_that_only_a_closer_look_finds_blocked_is_gone_around(plane, make_oracle, soon):
     """The way from 1 to 2 hits a thin rod, that from 0 to 3 a ball; 1 sees 3."""
 
