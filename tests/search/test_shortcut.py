@@ -144,7 +144,7 @@ def test_every_stage_keeps_a_sound_path_sound_and_short(sieve, kinds, seed):
 
 
 def test_waypoints_give_way_only_to_where_both_neighbours_are_in_sight(plane, make_oracle, soon):
-    """Among balls, of 20 random paths that are free some are such that to see one neighbour is not enough."""
+    """Random free paths among balls: for some of them to see one neighbour is not enough."""
     manifold, tried = Manifold(plane[0].joints), 0
     for seed in range(200):
         rng = np.random.default_rng(seed)
