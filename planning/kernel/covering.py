@@ -11,7 +11,10 @@ import numpy as np
 from jaxtyping import Float64
 
 from planning.domain.value import Value, digest
+from planning.kernel.ball_choices import BallChoices
+from planning.kernel.enclosing_ball import enclosing_ball
 from planning.kernel.inner_spheres import inner_spheres
+from planning.kernel.outer_polytope import OuterPolytope
 from planning.kernel.outer_spheres import outer_spheres
 from planning.kernel.shape import ConvexShape, ShapeKind
 from planning.kernel.solid import Solid
@@ -19,7 +22,7 @@ from planning.kernel.solid import Solid
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # Of what is computed here: a covering of another version is not read.
-_VERSION = 1
+_VERSION = 2
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,8 +30,9 @@ class Covering(Value):
     """Spheres as rows (x, y, z, r) in the shape's frame [m].
 
     Attributes:
-        outer: Their union contains the shape, shape (n, 4).
-        inner: Each lies inside the shape, shape (m, 4); none in one that is very thin.
+        outer: Their union contains the shape, the largest first, shape (n, 4).
+        inner: Each lies inside the shape, the most telling first, shape (m, 4); none in a shape
+            without thickness.
         bound: One that contains the shape, shape (4,).
         protrusion: How far the outer ones reach beyond the shape at most [m].
     """
@@ -49,17 +53,18 @@ def cover(shape: ConvexShape) -> Covering:
         ball = np.array([0.0, 0.0, 0.0, shape.size[0]])
         return Covering(ball[None], ball[None], ball, 0.0)
     solid = Solid.of(shape)
-    outer, protrusion = outer_spheres(solid)
-    whole = solid.polytope
-    center = (whole.low + whole.high) / 2
-    radius = float(np.linalg.norm(whole.corners - center, axis=1).max()) * (1 + 1e-9)
-    return Covering(outer, inner_spheres(solid), np.append(center, radius), protrusion)
+    polytope = OuterPolytope.of(solid)
+    choices = BallChoices.of(solid, polytope)
+    outer, protrusion = outer_spheres(solid, polytope, choices)
+    bound = enclosing_ball(polytope.piece.corners)
+    return Covering(outer, inner_spheres(solid, choices), bound, protrusion)
 
 
-def cached_covering(shape: ConvexShape, folder: Path) -> Covering:
+def cached_covering(shape: ConvexShape, folder: Path | None) -> Covering:
     """Return the covering of a shape from a folder, made and kept there when it is first asked for.
 
-    A file that is damaged is made anew; a folder that cannot be written to is no fault.
+    A file that is damaged or of another shape is made anew; a folder that cannot be written to is
+    no fault, and without one it is kept in memory alone.
 
     Raises:
         ModelInvalid: A half space has none.
@@ -68,7 +73,9 @@ def cached_covering(shape: ConvexShape, folder: Path) -> Covering:
 
 
 @lru_cache(maxsize=1024)
-def _remembered(shape: ConvexShape, folder: Path) -> Covering:
+def _remembered(shape: ConvexShape, folder: Path | None) -> Covering:
+    if folder is None:
+        return cover(shape)
     file = folder / f"{digest((shape, _VERSION))}.json"
     known = _read(file)
     if known is None:
@@ -77,33 +84,40 @@ def _remembered(shape: ConvexShape, folder: Path) -> Covering:
     return known
 
 
+def _seal(file: Path, covering: Covering) -> str:
+    """Return what tells that a file holds what was written there; its name is that of a shape."""
+    return digest((file.stem, covering))
+
+
 def _read(file: Path) -> Covering | None:
     """Return what a file holds; None if there is none or it holds something else."""
     try:
         found = json.loads(file.read_text("utf-8"))
-        outer, inner = (
-            np.array(found[name], dtype=np.float64).reshape(-1, 4) for name in ("outer", "inner")
+        outer, inner, bound = (
+            np.array(found[name], dtype=np.float64).reshape(-1, 4)
+            for name in ("outer", "inner", "bound")
         )
-        bound, protrusion = np.array(found["bound"], dtype=np.float64), float(found["protrusion"])
-        content = Covering(outer, inner, bound.reshape(4), protrusion)
-    except (OSError, ValueError, KeyError, TypeError):
+        covering = Covering(outer, inner, bound.reshape(4), float(found["protrusion"]))
+        is_whole = found["seal"] == _seal(file, covering)
+    except (OSError, ValueError, KeyError, TypeError, OverflowError, RecursionError):
         return None
-    return content if found.get("digest") == digest(content) else None
+    return covering if is_whole else None
 
 
-def _write(file: Path, content: Covering) -> None:
+def _write(file: Path, covering: Covering) -> None:
     """Write a file that other processes see either whole or not at all."""
     document = {
-        "outer": content.outer.tolist(),
-        "inner": content.inner.tolist(),
-        "bound": content.bound.tolist(),
-        "protrusion": content.protrusion,
-        "digest": digest(content),
+        "outer": covering.outer.tolist(),
+        "inner": covering.inner.tolist(),
+        "bound": covering.bound.tolist(),
+        "protrusion": covering.protrusion,
+        "seal": _seal(file, covering),
     }
     try:
         file.parent.mkdir(parents=True, exist_ok=True)
-        with tempfile.NamedTemporaryFile("w", dir=file.parent, delete=False) as part:
-            json.dump(document, part)
-        Path(part.name).replace(file)
+        with tempfile.TemporaryDirectory(dir=file.parent, prefix=".part") as part:
+            written = Path(part) / file.name
+            written.write_text(json.dumps(document), "utf-8")
+            written.replace(file)
     except OSError:
         return

@@ -1,90 +1,112 @@
 """Outer spheres: few balls that contain a convex shape and reach little beyond it.
 
-The shape, or a polytope around it, is cut into convex pieces; a ball that contains a piece's
-corners contains the piece, so the balls of all pieces contain the shape. A ball of radius r about a
-point of depth d (its distance from the surface) reaches at most r - d beyond the shape: shrunk
-about that point by d / r it lies inside. So a piece at the surface gets a ball from deep within: of
-several points on the way inwards the one whose ball reaches least. The piece whose ball reaches
-farthest is cut next, across its longest side, until none reaches too far or there are enough; balls
-that others make needless are left out (Chvatal, "A greedy heuristic for the set-covering problem",
-1979).
+A ball of radius r about a point of depth d (its distance from the surface) reaches r - d beyond a
+convex shape: shrunk about that point by d / r it lies inside. A polytope around the shape is shared
+out among balls, and each moves to where its ball about its own share reaches least, again and
+again: Lloyd's rounds, for the farthest reach instead of the mean square. The shares leave nothing
+out, so the balls contain the shape, wherever they began.
 """
 
-from heapq import heappop, heappush
 from typing import Any
 
 import numpy as np
 from jaxtyping import Float64
 
-from planning.kernel.pieces import Piece
+from planning.kernel.ball_choices import BallChoices, directions
+from planning.kernel.capsule_spheres import capsule_spheres
+from planning.kernel.first_balls import first_balls
+from planning.kernel.outer_polytope import OuterPolytope
+from planning.kernel.power_cells import power_cells
+from planning.kernel.shape import ShapeKind
 from planning.kernel.solid import Solid
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # How far balls may reach: a share of the shape's width between two bounds [m].
-_SHARE, _LEAST, _MOST = 0.06, 0.005, 0.010
-_MOST_PIECES = 16
-_STEPS = 12
-# Shares of the way from a piece's middle to the shape's deepest point.
-_INWARDS = np.array([0.0, 0.05, 0.1, 0.17, 0.25, 0.35, 0.5, 0.7, 0.9])
-# For rounding in corners that were computed, and in what is computed with the balls [m].
-_DUST = 2e-7
+_SHARE, _LEAST, _MOST = 0.04, 0.005, 0.010
+# With more balls that reach less far, checks take longer: what few balls leave open is settled
+# exactly, and quickly.
+_MOST_BALLS = 8
+_LEAST_ROUNDS, _ROUNDS = 2, 4
+# What a round beyond the least must gain, or it is the last one.
+_GAIN = 0.005
+_STEPS = 8
+_STENCIL = directions(18)
+# Of two centres that are nearer than this share of the shape's size, one goes.
+_CLOSEST = 1e-4
 
 
-def outer_spheres(solid: Solid) -> tuple[Float64[np.ndarray, "n 4"], float]:
+def outer_spheres(
+    solid: Solid, polytope: OuterPolytope, choices: BallChoices
+) -> tuple[Float64[np.ndarray, "n 4"], float]:
     """Return balls as rows (x, y, z, r), largest first, and how far they reach beyond the shape."""
     aim = float(np.clip(_SHARE * solid.width, _LEAST, _MOST))
-    heap: list[tuple[float, int, Array, Piece]] = []
-    _push(heap, solid, solid.polytope, 0)
-    number = 0
-    while -heap[0][0] > aim and len(heap) < _MOST_PIECES:
-        _, _, _, piece = heappop(heap)
-        low, high = piece.low, piece.high
-        axis = int(np.argmax(high - low))
-        for half in piece.cut(axis, float(low[axis] + high[axis]) / 2):
-            number += 1
-            _push(heap, solid, half, number)
-    pieces = sorted(heap, key=lambda item: item[1])
-    balls = _needed([ball for _, _, ball, _ in pieces], [piece.corners for *_, piece in pieces])
+    if solid.shape.kind is ShapeKind.CAPSULE:
+        radius, half_length, _ = solid.shape.size
+        balls, reach = capsule_spheres(radius, half_length, aim, _MOST_BALLS)
+        balls[:, 3] += solid.dust
+        return balls, reach + solid.dust
+    closest = _CLOSEST * float((solid.high - solid.low).max())
+    centers, reach = first_balls(choices, aim, _MOST_BALLS)
+    best, least = np.zeros((0, 4)), np.inf
+    for round_ in range(_ROUNDS):
+        centers = _apart(centers, closest)
+        balls = np.column_stack([centers, solid.depth(centers) + reach])
+        cells = power_cells(polytope.piece, balls, solid.dust)
+        kept = [i for i, cell in enumerate(cells) if len(cell)]
+        shares = _stacked([cells[i] for i in kept])
+        centers = _moved(solid, shares, centers[kept], choices.spacing / 2)
+        radii = _radii(shares, centers[:, None])[:, 0] * (1 + 1e-12) + solid.dust
+        reaches = radii - solid.depth(centers)
+        reach = float(reaches.max())
+        if reach <= least:
+            best = _needed(np.column_stack([centers, radii]), shares)
+        if round_ >= _LEAST_ROUNDS and reach > least * (1 - _GAIN):
+            break
+        least = min(reach, least)
+    return best, max(0.0, float((best[:, 3] - solid.depth(best[:, :3])).max()))
+
+
+def _apart(centers: Array, closest: float) -> Float64[np.ndarray, "n 3"]:
+    away = np.linalg.norm(centers[:, None] - centers[None], axis=2)
+    return centers[~np.tril(away < closest, -1).any(axis=1)]
+
+
+def _needed(balls: Array, shares: Array) -> Float64[np.ndarray, "n 4"]:
+    """Return the balls, largest first, without those whose shares larger ones hold as well."""
     balls = balls[np.argsort(-balls[:, 3], kind="stable")]
-    return balls, max(0.0, -heap[0][0])
+    everywhere = np.repeat(balls[None, :, :3], len(shares), axis=0)
+    held = _radii(shares, everywhere) <= balls[:, 3]
+    return balls[np.unique(np.argmax(held, axis=1))]
 
 
-def _push(
-    heap: list[tuple[float, int, Array, Piece]], solid: Solid, piece: Piece, number: int
-) -> None:
-    middle = _middle(piece.corners)
-    centers = middle + _INWARDS[:, None] * (solid.deepest - middle)
-    away = piece.corners[None] - centers[:, None]
-    radii = np.sqrt(np.einsum("cpi,cpi->cp", away, away).max(axis=1)) * (1 + 1e-9) + _DUST
-    reaches = radii - solid.depth(centers)
-    best = int(np.argmin(reaches))
-    heappush(heap, (-float(reaches[best]), number, np.append(centers[best], radii[best]), piece))
+def _stacked(cells: list[Array]) -> Float64[np.ndarray, "n k 3"]:
+    """Return cells with equally many corners each, some repeated where there are fewer."""
+    most = max(len(cell) for cell in cells)
+    return np.array([cell[np.arange(most) % len(cell)] for cell in cells])
 
 
-def _middle(points: Array) -> Array:
-    """Return the middle of a nearly smallest ball about points.
+def _radii(shares: Array, centers: Array) -> Array:
+    """Return the radii of balls about centers (n, m, 3) that hold their shares (n, k, 3)."""
+    square = (centers**2).sum(axis=2)[:, :, None] + (shares**2).sum(axis=2)[:, None]
+    square -= 2 * np.einsum("nmi,nki->nmk", centers, shares)
+    return np.sqrt(np.maximum(square, 0.0).max(axis=2))
 
-    Badoiu and Clarkson, "Smaller core-sets for balls", 2003: steps towards the farthest point.
+
+def _moved(solid: Solid, shares: Array, centers: Array, step: float) -> Array:
+    """Return centers from which the balls that hold their shares reach least.
+
+    The reach is convex, a farthest distance less a concave depth: a search by ever smaller steps in
+    all directions does not get caught far off.
     """
-    center = (points.min(axis=0) + points.max(axis=0)) / 2
-    for step in range(3, _STEPS):
-        far = points[np.argmax(((points - center) ** 2).sum(axis=1))]
-        center = center + (far - center) / step
-    return center
-
-
-def _needed(balls: list[Array], pieces: list[Array]) -> Array:
-    """Return as few of the balls as greed finds to contain every piece."""
-    corners = np.concatenate(pieces)
-    starts = np.cumsum([0, *(len(piece) for piece in pieces[:-1])])
-    spheres = np.array(balls)
-    away = corners[None] - spheres[:, None, :3]
-    farthest = np.maximum.reduceat(np.einsum("bpi,bpi->bp", away, away), starts, axis=1)
-    held = farthest <= (spheres[:, 3:] - _DUST / 2) ** 2
-    left = np.ones(len(pieces), dtype=bool)
-    taken: list[int] = []
-    while left.any():
-        taken.append(int(np.argmax(held[:, left].sum(axis=1))))
-        left &= ~held[taken[-1]]
-    return spheres[taken]
+    steps = np.full(len(centers), step)
+    rows = np.arange(len(centers))
+    for _ in range(_STEPS):
+        tried = centers[:, None] + steps[:, None, None] * np.vstack([np.zeros(3), _STENCIL])
+        depths = solid.depth(tried.reshape(-1, 3)).reshape(tried.shape[:2])
+        reaches = _radii(shares, tried) - depths
+        reaches[:, 1:][depths[:, 1:] < 0] = np.inf
+        best = np.argmin(reaches, axis=1)
+        centers = tried[rows, best]
+        steps = np.where(best == 0, steps / 2, steps)
+    return centers

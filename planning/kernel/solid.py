@@ -1,138 +1,145 @@
-"""Solid: a convex shape as coverings see it."""
+"""Solid: what coverings ask of a convex shape."""
 
 from dataclasses import dataclass
-from itertools import product
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 from jaxtyping import Float64
 
 from planning.errors import ModelInvalid
-from planning.kernel.pieces import Piece
 from planning.kernel.shape import ConvexShape, ShapeKind
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
-_SIDES = 20
-_GRID = 12
-_BANDS = 10
+_HALVINGS = 20
 
 
 @dataclass(frozen=True)
 class Solid:
-    """A convex shape with a polytope around it.
-
-    Attributes:
-        shape: The shape itself.
-        polytope: One that contains it.
-        inside: Points of a grid that lie inside the shape, shape (n, 3).
-        deepest: The one of them that is farthest from the surface, or the middle, shape (3,).
-        width: The least extent along its axes [m].
-    """
+    """A convex shape that ends on every side."""
 
     shape: ConvexShape
-    polytope: Piece
-    inside: Float64[np.ndarray, "n 3"]
-    deepest: Float64[np.ndarray, "3"]
-    width: float
 
     @classmethod
     def of(cls, shape: ConvexShape) -> "Solid":
-        """Return the solid of a shape that has an end on every side."""
-        polytope = _polytope(shape)
-        low, high = polytope.low, polytope.high
-        middle = (low + high) / 2
-        solid = cls(shape, polytope, np.zeros((0, 3)), middle, float((high - low).min()))
-        steps = [np.linspace(a, b, _GRID + 2)[1:-1] for a, b in zip(low, high, strict=True)]
-        grid = np.stack(np.meshgrid(*steps, indexing="ij"), axis=-1).reshape(-1, 3)
-        deep = solid.depth(grid)
-        deepest = grid[int(np.argmax(deep))] if (deep > 0).any() else middle
-        return cls(shape, polytope, grid[deep > 0], deepest, solid.width)
+        """Return the solid of a shape.
+
+        Raises:
+            ModelInvalid: A half space is none.
+        """
+        if shape.kind is ShapeKind.HALF_SPACE:
+            reason = f"a {shape.kind} has no end on one side, so no spheres cover it"
+            raise ModelInvalid(reason, {"reason": reason})
+        return cls(shape)
+
+    @cached_property
+    def low(self) -> Float64[np.ndarray, " 3"]:
+        """The least coordinates."""
+        return self.shape.vertices.min(axis=0) if self._is_hull else -self._half
+
+    @cached_property
+    def high(self) -> Float64[np.ndarray, " 3"]:
+        """The greatest coordinates."""
+        return self.shape.vertices.max(axis=0) if self._is_hull else self._half
+
+    @property
+    def width(self) -> float:
+        """The least extent along its axes [m]."""
+        return float((self.high - self.low).min())
+
+    @property
+    def dust(self) -> float:
+        """More than rounding can do to lengths that are computed from the shape's own [m]."""
+        return 1e-9 * float(np.abs([self.low, self.high]).max())
 
     def depth(self, points: Float64[np.ndarray, "n 3"]) -> Float64[np.ndarray, " n"]:
-        """Return a lower bound on the distance from points to the surface, negative outside [m]."""
+        """Return how far points are from the surface [m], or less; negative outside."""
         size = self.shape.size
         match self.shape.kind:
             case ShapeKind.BOX:
                 return (size - np.abs(points)).min(axis=1)
-            case ShapeKind.SPHERE:
-                return size[0] - np.linalg.norm(points, axis=1)
             case ShapeKind.CYLINDER:
                 sideways = size[0] - np.hypot(points[:, 0], points[:, 1])
                 return np.minimum(sideways, size[1] - np.abs(points[:, 2]))
-            case ShapeKind.CAPSULE:
-                along = np.clip(points[:, 2], -size[1], size[1])
-                away = points - np.stack([0 * along, 0 * along, along], axis=1)
-                return size[0] - np.linalg.norm(away, axis=1)
             case ShapeKind.ELLIPSOID:
-                # The unit ball's depth, stretched at least by the shortest axis.
-                return (1 - np.linalg.norm(points / size, axis=1)) * size.min()
-            case _:
+                return _depth_in_ellipsoid(points, size)
+            case ShapeKind.HULL:
                 planes = self.shape.planes
-                return (planes[:, 3] - points @ planes[:, :3].T).min(axis=1)
+                return (planes[:, 3] - _heights(points, planes)).min(axis=1)
+            case _:
+                return size[0] - np.linalg.norm(points - self._on_axis(points), axis=1)
+
+    def tangents(self, points: Float64[np.ndarray, "n 3"]) -> Float64[np.ndarray, "n 4"]:
+        """Return a plane per point that has the whole shape below it, and a point outside above.
+
+        As rows (n, d): unit normal n, and n . x <= d for every x of the shape.
+        """
+        size = self.shape.size
+        match self.shape.kind:
+            case ShapeKind.HULL:
+                planes = self.shape.planes
+                return planes[np.argmax(_heights(points, planes) - planes[:, 3], axis=1)]
+            case ShapeKind.BOX:
+                normals = np.eye(3)[np.argmax(np.abs(points) - size, axis=1)] * np.sign(points)
+                return np.column_stack([normals, np.abs(normals) @ size])
+            case ShapeKind.ELLIPSOID:
+                normals = _unit(points / size**2)
+                return np.column_stack([normals, np.linalg.norm(normals * size, axis=1)])
+            case ShapeKind.CYLINDER:
+                normals = _unit(points * [1.0, 1.0, 0.0])
+                return np.column_stack([normals, np.full(len(points), size[0])])
+            case _:
+                foot = self._on_axis(points)
+                normals = _unit(points - foot)
+                return np.column_stack([normals, (normals * foot).sum(axis=1) + size[0]])
+
+    @property
+    def _is_hull(self) -> bool:
+        return self.shape.kind is ShapeKind.HULL
+
+    @property
+    def _half(self) -> Array:
+        a, b, c = self.shape.size
+        match self.shape.kind:
+            case ShapeKind.BOX | ShapeKind.ELLIPSOID:
+                return np.array([a, b, c])
+            case ShapeKind.CYLINDER:
+                return np.array([a, a, b])
+            case _:
+                return np.array([a, a, a + b])
+
+    def _on_axis(self, points: Array) -> Array:
+        """Return the nearest points of a capsule's axis; a sphere's is its middle."""
+        feet = np.zeros_like(points)
+        feet[:, 2] = np.clip(points[:, 2], -self.shape.size[1], self.shape.size[1])
+        return feet
 
 
-def _polytope(shape: ConvexShape) -> Piece:
-    size = shape.size
-    match shape.kind:
-        case ShapeKind.BOX:
-            return _box(size)
-        case ShapeKind.CYLINDER:
-            return _prism(size[0], size[1])
-        case ShapeKind.CAPSULE:
-            return _prism(size[0], size[1] + size[0])
-        case ShapeKind.ELLIPSOID:
-            return _around_ellipsoid(size)
-        case ShapeKind.HULL:
-            return Piece.of(shape.vertices, shape.planes)
-        case _:
-            message = f"a {shape.kind} has no covering of many spheres"
-            raise ModelInvalid(message, {"reason": message})
+def _heights(points: Array, planes: Array) -> Array:
+    # Not by a matrix product: threads of BLAS cost more here than they save.
+    return np.einsum("ni,fi->nf", points, planes[:, :3])
 
 
-def _box(half: Array) -> Piece:
-    corners = np.array(list(product((-1.0, 1.0), repeat=3))) * half
-    planes = [(*sign * axis, half[i]) for i, axis in enumerate(np.eye(3)) for sign in (1.0, -1.0)]
-    return Piece.of(corners, np.array(planes))
+def _unit(vectors: Array) -> Array:
+    lengths = np.linalg.norm(vectors, axis=1)[:, None]
+    return np.where(lengths > 0, vectors / np.where(lengths > 0, lengths, 1.0), [1.0, 0.0, 0.0])
 
 
-def _prism(radius: float, half_length: float) -> Piece:
-    """Return a prism around a cylinder."""
-    angles = 2 * np.pi * np.arange(_SIDES) / _SIDES
-    turned = angles + np.pi / _SIDES
-    ring = np.stack([np.cos(turned), np.sin(turned)], axis=1) * radius / np.cos(np.pi / _SIDES)
-    ends = (-half_length, half_length)
-    corners = np.concatenate([np.column_stack([ring, np.full(_SIDES, z)]) for z in ends])
-    planes = [(np.cos(a), np.sin(a), 0.0, radius) for a in angles]
-    planes += [(0.0, 0.0, 1.0, half_length), (0.0, 0.0, -1.0, half_length)]
-    return Piece.of(corners, np.array(planes))
+def _depth_in_ellipsoid(points: Array, axes: Array) -> Array:
+    """Return the distance from the surface by its dual, which bounds it from below.
 
-
-def _around_ellipsoid(axes: Array) -> Piece:
-    """Return the image of a polytope around the unit ball: bands of quadrilaterals.
-
-    Its corners lie on latitudes and longitudes, pushed out until every face is outside the ball.
+    The least |y - p|^2 over sum y_i^2 / a_i^2 = 1 is the largest, over 0 <= m < min a_i^2, of
+    m (1 - sum p_i^2 / (a_i^2 - m)); any m gives a lower bound (Boyd and Vandenberghe, "Convex
+    Optimization", appendix B). Its slope falls in m, so halving finds the best one.
     """
-    up = np.linspace(-np.pi / 2, np.pi / 2, _BANDS + 1)
-    round_ = 2 * np.pi * np.arange(_SIDES) / _SIDES
-    grid = np.array([
-        (np.cos(a) * np.cos(b), np.cos(a) * np.sin(b), np.sin(a)) for a in up for b in round_
-    ])
-    corners = np.unique(np.round(grid, 12), axis=0)
-    middles = [
-        (np.cos(a) * np.cos(b), np.cos(a) * np.sin(b), np.sin(a))
-        for a in (up[1:] + up[:-1]) / 2
-        for b in round_ + np.pi / _SIDES
-    ]
-    found: list[Array] = []
-    for middle in np.array(middles):
-        nearest = corners[np.argsort(-(corners @ middle), kind="stable")[:4]]
-        normal = np.linalg.svd(nearest[:4] - nearest[:4].mean(axis=0))[2][2]
-        normal = normal if normal @ middle > 0 else -normal
-        found.append(np.append(normal, (corners @ normal).max()))
-    planes = np.array(found)
-    corners, planes[:, 3] = corners / planes[:, 3].min(), planes[:, 3] / planes[:, 3].min()
-    normals = planes[:, :3] / axes
-    lengths = np.linalg.norm(normals, axis=1)
-    stretched = np.column_stack([normals / lengths[:, None], planes[:, 3] / lengths])
-    return Piece.of(corners * axes, stretched)
+    squares, p = axes**2, points**2
+    low, high = np.zeros(len(points)), np.full(len(points), squares.min() * (1 - 1e-12))
+    for _ in range(_HALVINGS):
+        m = (low + high) / 2
+        rises = (p * squares / (squares - m[:, None]) ** 2).sum(axis=1) < 1
+        low, high = np.where(rises, m, low), np.where(rises, high, m)
+    bound = low * (1 - (p / (squares - low[:, None])).sum(axis=1))
+    stretched = np.linalg.norm(points / axes, axis=1)
+    outside = (1 - stretched) * axes.min()
+    return np.where(stretched < 1, np.sqrt(np.maximum(bound, 0.0)), outside)

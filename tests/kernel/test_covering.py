@@ -113,21 +113,6 @@ def test_one_sphere_less_is_too_few():
     assert max(holes) > 0
 
 
-def test_pieces_hold_the_volume_of_the_whole():
-    """Corners of pieces, weighted, fill a box: cutting loses nothing and adds nothing."""
-    whole = Solid.of(shape_of("box", 0.2, 0.4, 0.6, 0)).polytope
-    parts = [whole]
-    for axis in (0, 1, 2, 2):
-        parts = [
-            half
-            for part in parts
-            for half in part.cut(axis, float(part.low[axis] + part.high[axis]) / 2)
-        ]
-    volumes = [float(np.prod(part.high - part.low)) for part in parts]
-    assert sum(volumes) == pytest.approx(0.2 * 0.4 * 0.6)
-    assert len(parts) == 16
-
-
 def test_the_same_shape_has_the_same_spheres():
     shape = shape_of("hull", 0.1, 0.2, 0.1, 3)
     assert cover(shape) == cover(shape)

@@ -1,0 +1,25 @@
+"""The smallest ball about points, nearly."""
+
+import numpy as np
+from jaxtyping import Float64
+
+_STEPS = 100
+_ROUNDING = 1e-12
+
+
+def enclosing_ball(points: Float64[np.ndarray, "n 3"]) -> Float64[np.ndarray, "4"]:
+    """Return a ball (x, y, z, r) that contains points, about a percent too large at most.
+
+    Its middle takes ever smaller steps towards the farthest point (Badoiu and Clarkson, "Smaller
+    core-sets for balls", 2003), beginning at the middle of the bounding box.
+    """
+    begin = (points.min(axis=0) + points.max(axis=0)) / 2
+    best, center = np.append(begin, np.inf), begin
+    for step in range(3, _STEPS):
+        square = ((points - center) ** 2).sum(axis=1)
+        far = int(np.argmax(square))
+        radius = float(np.sqrt(square[far])) * (1 + _ROUNDING)
+        if radius < best[3]:
+            best = np.append(center, radius)
+        center = center + (points[far] - center) / step
+    return best
