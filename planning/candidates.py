@@ -69,14 +69,14 @@ def candidates(
             report.method, improved=False, reason="the unrefined path is quicker or safer"
         )
     # With jerk limits a wide corner may well be slower than a rest: all of them are compared.
+    clear = _clear_deviations(world, path, problem, margins)
     with watch.stage("retime"):
-        clear = _clear_deviations(world, path, problem, margins)
-    num_compared = len(clear) if problem.retime.method == "ruckig" else 1
-    for deviation in clear[:num_compared]:
+        compared = list(clear) if problem.retime.method == "ruckig" else [next(clear)]
+    for deviation in compared:
         made = _rounded(path, deviation, limits, problem, unrefined, watch)
         first += [made] if made else []
     yield from sorted(first, key=lambda candidate: candidate.trajectory.duration)
-    for deviation in clear[num_compared:]:
+    for deviation in clear:
         deadline.check("retime")
         made = _rounded(path, deviation, limits, problem, unrefined, watch)
         if made is not None:
@@ -85,17 +85,16 @@ def candidates(
 
 def _clear_deviations(
     world: World, path: JointPath, problem: PlanningProblem, margins: PairMargins
-) -> list[float]:
-    """Return the deviations that do not collide at a glance; what does is not worth timing."""
+) -> Iterator[float]:
+    """Yield the deviations that do not collide at a glance; what does is not worth timing."""
     oracle = world.collision_oracle(world.group(problem.group), margins)
     smoothness = 2 if problem.retime.method == "ruckig" else 1
     count = int(path.length / _GLANCE) + 2
-    clear: list[float] = []
     for deviation in _DEVIATIONS[:-1]:
         curve = blend_corners(path, deviation, smoothness)
         if oracle.are_free(curve.positions(np.linspace(0.0, 1.0, count))).all():
-            clear.append(deviation)
-    return [*clear, _DEVIATIONS[-1]]
+            yield deviation
+    yield _DEVIATIONS[-1]
 
 
 def _rounded(

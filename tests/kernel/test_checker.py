@@ -19,7 +19,7 @@ def lane_kernels() -> list[str]:
     return module.lane_kernels() if module else ["none"]
 
 
-@settings(max_examples=60)
+@settings(max_examples=25)
 @given(
     seed=st.integers(0, 2**32 - 1),
     margin=st.sampled_from([0.0, 0.001, 0.02, 0.1]),
