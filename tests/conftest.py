@@ -93,7 +93,7 @@ def random_waypoints(group: JointGroup, seed: int, count: int, spread: float = 0
     for joint in group.joints:
         if joint.type is JointType.FLOATING:
             q[offset] = 1.0
-        offset += len(joint.position_names)
+        offset += joint.num_positions
     from planning.domain.manifold import Manifold
 
     manifold = Manifold(group.joints)

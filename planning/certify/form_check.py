@@ -103,9 +103,9 @@ def _unit_fault(request: CertifyRequest, q: Array) -> bool:
     q = np.atleast_2d(q)
     begin = 0
     for joint in request.group.joints:
-        if len(joint.position_names) == 7:
+        if joint.num_positions == 7:
             lengths = np.linalg.norm(q[:, begin : begin + 4], axis=1)
             if not (np.abs(lengths - 1) <= _UNIT_TOLERANCE).all():
                 return True
-        begin += len(joint.position_names)
+        begin += joint.num_positions
     return False

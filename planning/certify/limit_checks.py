@@ -136,7 +136,7 @@ def _plain_coordinates(request: CertifyRequest) -> list[tuple[int, int]]:
         if joint.type is JointType.FLOATING:
             pairs += [(iq + 4 + i, iv + 3 + i) for i in range(3)]
         else:
-            pairs += [(iq + i, iv + i) for i in range(len(joint.position_names))]
-        iq += len(joint.position_names)
-        iv += len(joint.velocity_names)
+            pairs += [(iq + i, iv + i) for i in range(joint.num_positions)]
+        iq += joint.num_positions
+        iv += joint.num_velocities
     return pairs

@@ -123,7 +123,7 @@ class Segments:
         parts: list[Array] = []
         begin = 0
         for joint in self._curve.joints:
-            end = begin + len(joint.position_names)
+            end = begin + joint.num_positions
             if joint.type is JointType.FLOATING:
                 angle = _angle(q1[:, begin : begin + 4], q0[begin : begin + 4])
                 parts += [angle[:, None], np.zeros((len(q1), 2))]
@@ -144,7 +144,7 @@ def _angle(a: Array, b: Array) -> Array:
 
 def _selections(joints: tuple[Joint, ...]) -> tuple[Array, Array]:
     """Return which velocity coordinates turn and which shift each joint, shape (nv, num_joints)."""
-    count = sum(len(joint.velocity_names) for joint in joints)
+    count = sum(joint.num_velocities for joint in joints)
     turns, shifts = np.zeros((count, len(joints))), np.zeros((count, len(joints)))
     begin = 0
     for k, joint in enumerate(joints):
@@ -157,5 +157,5 @@ def _selections(joints: tuple[Joint, ...]) -> tuple[Array, Array]:
                 shifts[begin : begin + 2, k] = turns[begin + 2, k] = 1
             case JointType.FLOATING:
                 turns[begin : begin + 3, k] = shifts[begin + 3 : begin + 6, k] = 1
-        begin += len(joint.velocity_names)
+        begin += joint.num_velocities
     return turns, shifts

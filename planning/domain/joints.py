@@ -28,6 +28,12 @@ _VELOCITIES = {
     JointType.PLANAR: ("x", "y", "yaw"),
     JointType.FLOATING: ("wx", "wy", "wz", "x", "y", "z"),
 }
+_ONE = ("",)
+_WRAPS = {
+    JointType.CONTINUOUS: (True,),
+    JointType.PLANAR: (False, False, True),
+    JointType.FLOATING: (False,) * 6,
+}
 _LIMITED_TOGETHER = {
     JointType.PLANAR: (("linear", (0, 1)), ("angular", (2,))),
     JointType.FLOATING: (("angular", (0, 1, 2)), ("linear", (3, 4, 5))),
@@ -47,6 +53,16 @@ class Joint(Value):
     type: JointType
 
     @property
+    def num_positions(self) -> int:
+        """The length of its part of q."""
+        return len(_POSITIONS.get(self.type, _ONE))
+
+    @property
+    def num_velocities(self) -> int:
+        """The length of its part of v."""
+        return len(_VELOCITIES.get(self.type, _ONE))
+
+    @property
     def position_names(self) -> tuple[str, ...]:
         """A name for every position coordinate; a scalar joint's is its own."""
         coordinates = _POSITIONS.get(self.type)
@@ -57,6 +73,11 @@ class Joint(Value):
         """A name for every velocity coordinate; a scalar joint's is its own."""
         coordinates = _VELOCITIES.get(self.type)
         return tuple(f"{self.name}.{c}" for c in coordinates) if coordinates else (self.name,)
+
+    @property
+    def wraps(self) -> tuple[bool, ...]:
+        """Whether each velocity coordinate is an angle on a circle (whole turns are nothing)."""
+        return _WRAPS.get(self.type, (False,))
 
     @property
     def blocks(self) -> tuple[tuple[str, tuple[int, ...]], ...]:
@@ -112,7 +133,7 @@ class JointGroup(Value):
         offset = 0
         for joint in self.joints:
             stacked += [(name, tuple(i + offset for i in ix)) for name, ix in joint.blocks]
-            offset += len(joint.velocity_names)
+            offset += joint.num_velocities
         return tuple(stacked)
 
 

@@ -29,12 +29,12 @@ class Manifold(Value):
     @cached_property
     def num_positions(self) -> int:
         """The length of q."""
-        return sum(len(joint.position_names) for joint in self.joints)
+        return sum(joint.num_positions for joint in self.joints)
 
     @cached_property
     def num_velocities(self) -> int:
         """The length of v and of delta."""
-        return sum(len(joint.velocity_names) for joint in self.joints)
+        return sum(joint.num_velocities for joint in self.joints)
 
     @cached_property
     def is_flat(self) -> bool:
@@ -49,8 +49,8 @@ class Manifold(Value):
         for joint in self.joints:
             if joint.type is JointType.FLOATING:
                 found.append((iq, iv))
-            iq += len(joint.position_names)
-            iv += len(joint.velocity_names)
+            iq += joint.num_positions
+            iv += joint.num_velocities
         return tuple(found)
 
     @cached_property
@@ -66,18 +66,7 @@ class Manifold(Value):
     @cached_property
     def wraps(self) -> tuple[bool, ...]:
         """Whether each velocity coordinate is an angle on a circle (whole turns are nothing)."""
-        flags: list[bool] = []
-        for joint in self.joints:
-            match joint.type:
-                case JointType.CONTINUOUS:
-                    flags.append(True)
-                case JointType.PLANAR:
-                    flags += [False, False, True]
-                case JointType.FLOATING:
-                    flags += [False] * 6
-                case _:
-                    flags.append(False)
-        return tuple(flags)
+        return tuple(flag for joint in self.joints for flag in joint.wraps)
 
     @cached_property
     def is_vector(self) -> bool:

@@ -28,7 +28,7 @@ class Distinct:
             [
                 not (joint.type is JointType.FLOATING and i < 4)
                 for joint in group.joints
-                for i in range(len(joint.position_names))
+                for i in range(joint.num_positions)
             ],
             dtype=bool,
         )
@@ -142,5 +142,5 @@ def _turning(group: JointGroup) -> list[bool]:
             case JointType.PLANAR:
                 flags += [False, False, True]
             case _:
-                flags += [False] * len(joint.velocity_names)
+                flags += [False] * joint.num_velocities
     return flags

@@ -1,7 +1,7 @@
 """Coverings: a convex shape between spheres around it and spheres inside it."""
 
 import json
-import tempfile
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
@@ -18,6 +18,7 @@ from planning.kernel.outer_polytope import OuterPolytope
 from planning.kernel.outer_spheres import outer_spheres
 from planning.kernel.shape import ConvexShape, ShapeKind
 from planning.kernel.solid import Solid
+from planning.whole_files import write_whole
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
@@ -105,7 +106,7 @@ def _read(file: Path) -> Covering | None:
 
 
 def _write(file: Path, covering: Covering) -> None:
-    """Write a file that other processes see either whole or not at all."""
+    """Keep a covering, if the folder can be written to."""
     document = {
         "outer": covering.outer.tolist(),
         "inner": covering.inner.tolist(),
@@ -113,11 +114,5 @@ def _write(file: Path, covering: Covering) -> None:
         "protrusion": covering.protrusion,
         "seal": _seal(file, covering),
     }
-    try:
-        file.parent.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryDirectory(dir=file.parent, prefix=".part") as part:
-            written = Path(part) / file.name
-            written.write_text(json.dumps(document), "utf-8")
-            written.replace(file)
-    except OSError:
-        return
+    with suppress(OSError):
+        write_whole(file, json.dumps(document))

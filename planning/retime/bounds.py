@@ -56,7 +56,7 @@ def turning_blocks(curve: Curve, limits: JointLimits) -> list[int]:
     for joint in curve.joints:
         if joint.type is JointType.FLOATING:
             starts.append(offset)
-        offset += len(joint.velocity_names)
+        offset += joint.num_velocities
     return [i for i, block in enumerate(limits.blocks) if block[0] in starts and len(block) == 3]
 
 

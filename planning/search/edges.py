@@ -27,6 +27,7 @@ class EdgeChecker:
         self.resolution = resolution
         self.num_motions = 0
         self._oracle = oracle
+        self._is_vector = manifold.is_vector
 
     def is_free(self, q0: Float64[np.ndarray, " nq"], q1: Float64[np.ndarray, " nq"]) -> bool:
         """Return whether all samples of the geodesic are free, q1's included, q0's not.
@@ -46,7 +47,7 @@ class EdgeChecker:
             DeadlineExceeded: The time has run out.
         """
         self.num_motions += 1
-        if self.manifold.is_vector:
+        if self._is_vector:
             return self._oracle.is_edge_free(q0, q1, self.resolution)
         begin, end = np.array(q0), np.array(q1)
         return self._oracle.is_free(begin) and self._oracle.is_motion_free(
@@ -67,11 +68,11 @@ class EdgeChecker:
         return self._oracle.are_motions_free(q0s, delta, self.resolution)
 
     def lengths(
-        self, q0s: Float64[np.ndarray, "m nq"], q1s: Float64[np.ndarray, "m nq"]
-    ) -> Float64[np.ndarray, " m"]:
+        self, q0s: Float64[np.ndarray, "*#m nq"], q1s: Float64[np.ndarray, "*#m nq"]
+    ) -> Float64[np.ndarray, "*m"]:
         """Return the lengths of the geodesics between rows."""
         delta = self.manifold.minus(q1s, q0s)
-        return np.sqrt(np.einsum("mv,mv->m", delta, delta))
+        return np.sqrt(np.einsum("...v,...v->...", delta, delta))
 
     def between(
         self,

@@ -216,8 +216,8 @@ def _bounded_circles(group: JointGroup, limits: JointLimits) -> tuple[list[int],
     found: list[int] = []
     iq = 0
     for joint in group.joints:
-        wraps = Manifold((joint,)).wraps
-        count = len(joint.position_names)
+        wraps = joint.wraps
+        count = joint.num_positions
         if any(wraps):
             found += [iq + k for k in range(count) if wraps[k] and width[iq + k] < 2 * np.pi]
         iq += count

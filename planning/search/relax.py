@@ -88,7 +88,7 @@ def _parts(manifold: Manifold) -> Array:
             row = np.zeros(manifold.num_velocities)
             row[[offset + i for i in block]] = 1.0
             rows.append(row)
-        offset += len(joint.velocity_names)
+        offset += joint.num_velocities
     return np.array(rows if len(rows) > 2 else rows[:1])
 
 
@@ -100,10 +100,7 @@ def _tries(path: Array, reach: Array, parts: Array, edges: EdgeChecker) -> _Trie
     pull = manifold.minus(edges.between(a, b, fractions), v)
     steps = (reach[:, :, None] * parts) * pull[:, None]
     qs = manifold.plus(v[:, None], steps)
-    shape, nq = reach.shape, path.shape[1]
-    wide = [np.broadcast_to(x[:, None], qs.shape).reshape(-1, nq) for x in (a, b)]
-    flat = qs.reshape(-1, nq)
-    ways = (edges.lengths(wide[0], flat) + edges.lengths(flat, wide[1])).reshape(shape)
+    ways = edges.lengths(a[:, None], qs) + edges.lengths(qs, b[:, None])
     return _Tries(steps, qs, (before + after)[:, None] - ways)
 
 
@@ -125,7 +122,9 @@ def _given_way(path: Array, tries: _Tries, gains: Array, edges: EdgeChecker) -> 
     )
     new = path.copy()
     new[rows + 1] = together
-    changed = np.unique(np.concatenate([rows, rows + 1]))
+    is_changed = np.zeros(len(path) - 1, dtype=bool)
+    is_changed[rows] = is_changed[rows + 1] = True
+    changed = np.flatnonzero(is_changed)
     is_shorter = path_length(new, edges) < path_length(path, edges)
     if is_shorter and edges.are_free(new[changed], new[changed + 1]).all():
         return new

@@ -6,6 +6,7 @@ of its parts' distances, `Manifold.distance` by the root of their squares: the t
 square root of the number of parts, and exactly for a group of bounded joints.
 """
 
+from operator import itemgetter
 from typing import Any
 
 import numpy as np
@@ -36,6 +37,7 @@ class SearchSpace:
         lower: Search bounds, finite but for circles and quaternions, shape (nq,).
         upper: And above, shape (nq,).
         is_mixed: Whether it is a compound that OMPL has no name for.
+        numbers: Returns the q of an OMPL state as a list, which is what OMPL gives.
     """
 
     def __init__(
@@ -62,16 +64,13 @@ class SearchSpace:
         self._to_q = [int(i) for i in np.argsort(self._from_q)]
         self._angles = [i for i, wraps in zip(self._from_q, _circles(parts), strict=True) if wraps]
         is_vector = isinstance(self.ompl, ob.RealVectorStateSpace)
-        self._slice = slice(0, len(self._from_q)) if is_vector else None
+        self.numbers = itemgetter(slice(0, len(self._from_q))) if is_vector else self._values
 
     def read(self, state: Any) -> Array:
         """Return the q of an OMPL state, shape (nq,)."""
         return np.array(self.numbers(state))
 
-    def numbers(self, state: Any) -> list[float]:
-        """Return the same as a list, which is what OMPL gives."""
-        if self._slice is not None:
-            return state[self._slice]
+    def _values(self, state: Any) -> list[float]:
         value = self.ompl.getValueAddressAtIndex
         return [value(state, i) for i in self._to_q]
 
@@ -148,7 +147,7 @@ def _unbounded(group: JointGroup) -> list[int]:
                 found += range(iq, iq + 4)
             case _:
                 pass
-        iq += len(joint.position_names)
+        iq += joint.num_positions
     return found
 
 
@@ -163,14 +162,14 @@ def _parts(group: JointGroup) -> list[tuple[JointType, list[int]]]:
             vector += indices
         else:
             others.append((joint.type, indices))
-        iq += len(joint.position_names)
+        iq += joint.num_positions
     return ([(JointType.REVOLUTE, vector)] if vector else []) + others
 
 
 def _value_order(joint: Joint, iq: int) -> list[int]:
     if joint.type is JointType.FLOATING:
         return [iq + k for k in _SE3_FROM_Q]
-    return list(range(iq, iq + len(joint.position_names)))
+    return list(range(iq, iq + joint.num_positions))
 
 
 def _circles(parts: list[tuple[JointType, list[int]]]) -> list[bool]:

@@ -11,7 +11,6 @@ from planning.domain import motion_samples
 from planning.domain.joints import JointGroup
 from planning.domain.manifold import Manifold
 from planning.kernel.native import native
-from planning.kernel.shape import ShapeKind
 from planning.world.collision import DrakeCollisionOracle
 from planning.world.drake_model import DrakeModel
 from planning.world.kernel_scene import KernelScene
@@ -136,5 +135,4 @@ def demands_of(scene: KernelScene, margins: PairMargins) -> Array:
     it may lack it in truth, so only boxes that overlap are surely in collision for Drake.
     """
     margin = scene.demands(margins)
-    boxes = np.array([kinds == (ShapeKind.BOX, ShapeKind.BOX) for kinds in scene.kinds], dtype=bool)
-    return np.column_stack([margin, np.where(boxes, 0.0, margin)]).reshape(-1, 2)
+    return np.column_stack([margin, np.where(scene.is_of_boxes, 0.0, margin)])

@@ -18,12 +18,13 @@ from planning.kernel.shape import ConvexShape, ShapeKind
 from planning.world.convex_shapes import convex_shape
 from planning.world.drake_model import DrakeModel
 from planning.world.kernel_tree import add_tree, flat_transform
-from planning.world.link_tree import link_tree
+from planning.world.link_tree import WORLD, link_tree
 from planning.world.margins import PairMargins
 from planning.world.mesh_files import cache_folder
 
 # The kernel's numbers for kinds of shapes (shape.hpp).
 _KINDS = tuple(ShapeKind)
+_NONE = Covering(np.zeros((0, 4)), np.zeros((0, 4)), np.zeros(4), 0.0)
 
 
 @dataclass(frozen=True)
@@ -34,27 +35,24 @@ class KernelScene:
         native: The kernel's Scene.
         pairs: Both geometries of every pair that may collide, in the kernel's order.
         bodies: Full names of their bodies.
-        kinds: Their shapes' kinds.
+        is_of_one_robot: Whether both belong to one robot, shape (num_pairs,).
+        is_of_boxes: Whether both are boxes, shape (num_pairs,).
         links: For every body's index, its link and X_LB.
     """
 
     native: Any
     pairs: tuple[tuple[GeometryId, GeometryId], ...]
     bodies: tuple[tuple[str, str], ...]
-    kinds: tuple[tuple[ShapeKind, ShapeKind], ...]
+    is_of_one_robot: Bool[np.ndarray, " num_pairs"]
+    is_of_boxes: Bool[np.ndarray, " num_pairs"]
     links: dict[int, tuple[int, RigidTransform]]
 
     def demands(self, margins: PairMargins) -> Float64[np.ndarray, " num_pairs"]:
         """Return the margin of every pair [m]; as `PairMargins.of`, but of all pairs at once."""
-        demanded = np.where(self._of_one_robot, 0.0, margins.default)
+        demanded = np.where(self.is_of_one_robot, 0.0, margins.default)
         for names, margin in margins.by_pair.items():
             demanded[self._rows.get(names, [])] = margin
         return demanded
-
-    @cached_property
-    def _of_one_robot(self) -> Bool[np.ndarray, " num_pairs"]:
-        bare = PairMargins(1.0)
-        return np.array([bare.of(*pair) == 0.0 for pair in self.bodies], dtype=bool)
 
     @cached_property
     def _rows(self) -> dict[tuple[str, str], list[int]]:
@@ -106,24 +104,27 @@ def kernel_scene(model: DrakeModel) -> KernelScene | None:
     pairs: list[tuple[GeometryId, GeometryId]] = sorted(inspector.GetCollisionCandidates())
     for a, b in pairs:
         scene.add_pair(row[a], row[b])
-    kind = {i: shape.kind for i, shape in zip(ids, shapes, strict=True) if shape}
+    boxes = {
+        i for i, shape in zip(ids, shapes, strict=True) if shape and shape.kind is ShapeKind.BOX
+    }
+    bodies = tuple((_name(model, owners[a]), _name(model, owners[b])) for a, b in pairs)
+    bare = PairMargins(1.0)
     return KernelScene(
         native=scene,
         pairs=tuple(pairs),
-        bodies=tuple((_name(model, owners[a]), _name(model, owners[b])) for a, b in pairs),
-        kinds=tuple((kind[a], kind[b]) for a, b in pairs),
+        bodies=bodies,
+        is_of_one_robot=np.array([bare.of(*pair) == 0.0 for pair in bodies], dtype=bool),
+        is_of_boxes=np.array([a in boxes and b in boxes for a, b in pairs], dtype=bool),
         links=tree.bodies,
     )
 
 
 def _add_geometry(scene: Any, link: int, x_lg: RigidTransform, shape: ConvexShape) -> None:
-    endless = shape.kind is ShapeKind.HALF_SPACE
-    none = np.zeros((0, 4))
-    covering = (
-        Covering(none, none, np.zeros(4), 0.0)
-        if endless
-        else cached_covering(shape, cache_folder() / "coverings")
-    )
+    # Of what never moves the kernel takes the exact shape.
+    if link == WORLD or shape.kind is ShapeKind.HALF_SPACE:
+        covering = _NONE
+    else:
+        covering = cached_covering(shape, cache_folder() / "coverings")
     scene.add_geometry(
         link,
         flat_transform(x_lg),

@@ -2,7 +2,6 @@
 
 import hashlib
 import os
-import tempfile
 from pathlib import Path
 from xml.etree import ElementTree as ET
 
@@ -10,6 +9,7 @@ import trimesh
 from trimesh.exchange.obj import export_obj
 
 from planning.errors import ModelInvalid
+from planning.whole_files import write_whole
 
 _READ_BY_DRAKE = (".obj", ".vtk", ".gltf")
 _CONVERTED = (".stl", ".dae", ".ply", ".off", ".glb")
@@ -84,7 +84,7 @@ def _readable(file: Path, mesh: Path) -> Path:
         except Exception as fault:  # trimesh's readers raise whatever their formats do
             message = f"{file.name}: mesh {mesh.name} cannot be read: {fault}"
             raise ModelInvalid(message, {"file": str(file), "reason": str(fault)}) from fault
-        _write_whole(target, text)
+        write_whole(target, text)
     return target
 
 
@@ -94,10 +94,3 @@ def cache_folder() -> Path:
     folder = Path(home) / "wayproof"
     folder.mkdir(parents=True, exist_ok=True)
     return folder
-
-
-def _write_whole(target: Path, text: str) -> None:
-    """Write a file that other processes see either whole or not at all."""
-    with tempfile.NamedTemporaryFile("w", dir=target.parent, delete=False) as part:
-        part.write(text)
-    Path(part.name).replace(target)

@@ -46,4 +46,4 @@ def _require_quaternions(group: JointGroup, positions: Array, field: str) -> Non
         if joint.type is JointType.FLOATING and length < _SHORTEST_QUATERNION:
             message = f"{field}: the quaternion [w, x, y, z] of {joint.name} must not be zero"
             raise ProblemInvalid(message, {"field": field, "joints": [joint.name]})
-        begin += len(joint.position_names)
+        begin += joint.num_positions

@@ -239,7 +239,10 @@ def load_world(scene: Scene, library: ModelLibrary | None = None, *, kernel: boo
     chosen = library or ModelLibrary.bundled()
     drake, robots = build_diagram(scene, chosen, kernel=kernel)
     world = World(scene, chosen, drake, robots)
-    kernel_scene_of(drake)  # now, rather than in the first plan
+    for group in world.groups:
+        # Now, rather than in the first plan.
+        world.limits(group)
+        world.collision_oracle(group, world.margins())
     for i, entry in enumerate(scene.margins):
         for body in entry.bodies:
             if body not in drake.bodies:

@@ -217,7 +217,7 @@ def random_trajectory(
     for joint in group.joints:
         if joint.type is FLOATING:
             q[begin] = 1.0
-        begin += len(joint.position_names)
+        begin += joint.num_positions
     q = manifold.plus(q, rng.normal(0.0, spread, manifold.num_velocities))
     widths = rng.uniform(0.2, 1.0, num_pieces)
     bases, coefficients = [], []

@@ -40,7 +40,7 @@ def test_rows_are_new_unless_they_repeat_one_before(
             turning[begin] = 1.0
         if joint.type is JointType.PLANAR:
             turning[begin + 2] = 1.0
-        begin += len(joint.position_names)
+        begin += joint.num_positions
     places = manifold.plus(zero[None], rng.normal(size=(num_places, manifold.num_velocities)))
     choice, targets = rng.integers(num_places, size=40), rng.integers(2, size=40)
     dust = rng.uniform(-1e-4, 1e-4, (40, manifold.num_velocities))

@@ -73,7 +73,7 @@ class Judged:
         for joint in group.joints:
             if joint.type is FLOATING:
                 q[begin] = 1.0
-            begin += len(joint.position_names)
+            begin += joint.num_positions
         manifold = Manifold(group.joints)
         steps = rng.normal(0.0, spread, (count, manifold.num_velocities))
         return manifold.plus(np.repeat(q[None], count, axis=0), steps)

@@ -1,5 +1,6 @@
 """A verdict of the kernel is never wrong, whatever it runs on."""
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -9,14 +10,20 @@ from hypothesis import strategies as st
 from pydrake.geometry import Box, Sphere
 from pydrake.math import RigidTransform
 
+from planning.domain.joints import JointGroup
 from planning.kernel.native import native
-from tests.certify.chains import FLOATING, PLANAR, Builder, P, R, random_robot
+from tests.certify.chains import FLOATING, PLANAR, Builder, P, R, Robot, random_robot
 from tests.kernel.conftest import COLLIDING, FREE, UNSURE, Judged
 
 
 def lane_kernels() -> list[str]:
     module: Any = native()
     return module.lane_kernels() if module else ["none"]
+
+
+def _robot_that_does_not_float() -> Robot:
+    robots = (random_robot(np.random.default_rng(seed), 5, 12) for seed in range(100))
+    return next(r for r in robots if r.group.num_positions == r.group.num_velocities)
 
 
 @settings(max_examples=25)
@@ -83,16 +90,9 @@ def test_whole_turns_change_nothing() -> None:
 @pytest.mark.parametrize("kernel", lane_kernels())
 def test_batches_motions_and_single_questions_agree(kernel: str) -> None:
     rng = np.random.default_rng(8)
-    judged = Judged.of(random_robot(np.random.default_rng(31), 5, 12))
-    if judged.robot.group.num_positions != judged.robot.group.num_velocities:
-        judged = Judged.of(random_robot(np.random.default_rng(33), 1, 12))
+    judged = Judged.of(_robot_that_does_not_float())
     checker = judged.checker(0.01, kernel)
     origins = judged.configurations(rng, 40, 0.3)
-    if (
-        checker.judge(origins).shape != (40,)
-        or origins.shape[1] != judged.robot.group.num_velocities
-    ):
-        pytest.skip("floating")
     steps = rng.normal(0.0, 0.3, origins.shape)
     verdicts, unsure = checker.judge_motions(origins, steps, 0.05)
     for j, (origin, step) in enumerate(zip(origins, steps, strict=True)):
@@ -110,21 +110,46 @@ def test_batches_motions_and_single_questions_agree(kernel: str) -> None:
             assert verdicts[j] == FREE
 
 
-def test_what_nothing_moves_is_judged_once() -> None:
-    """Two links that no joint of the group parts: if they touch, nothing is called free."""
+@pytest.mark.parametrize(("reach", "expected"), [(0.0, FREE), (0.6, UNSURE)])
+def test_what_the_group_does_not_move_is_judged_once(reach: float, expected: int) -> None:
+    """A slider outside of the group touches a wall or does not: if so, nothing is called free."""
     builder = Builder()
-    first = builder.link(R, Box(0.2, 0.2, 0.2))
-    builder.plant.RegisterCollisionGeometry(
-        builder.links[first],
-        RigidTransform(np.array([0.0, 0.0, 0.5])),
-        Sphere(0.05),
-        "tip",
-        _friction(),
-    )
-    builder.obstacle("floor", Box(1.0, 1.0, 0.1), RigidTransform(np.array([0.0, 0.0, -1.0])))
+    builder.link(R, Box(0.2, 0.2, 0.2))
+    slider = RigidTransform(np.array([2.0, 0.0, 0.0]))
+    builder.link(P, Sphere(0.1), x_pf=slider, axis=np.array([1.0, 0.0, 0.0]))
+    builder.obstacle("wall", Box(0.2, 1.0, 1.0), RigidTransform(np.array([2.7, 0.0, 0.0])))
+    robot = builder.build()
+    still = JointGroup("robot", robot.group.joints[:1], ())
+    judged = Judged.of(replace(robot, group=still, state=np.array([0.0, reach])))
+    checker = judged.checker(0.0)
+    assert len(checker.doubtful_fixed_pairs) == (expected == UNSURE)
+    qs = np.linspace(-1.0, 1.0, 40)[:, None]
+    assert (checker.judge(qs) == expected).all()
+    np.testing.assert_array_equal(judged.drake(qs, 0.0), expected == FREE)
+
+
+@pytest.mark.parametrize("kernel", lane_kernels())
+@pytest.mark.parametrize("wild", [np.nan, np.inf, -np.inf, 1e9, 1e300])
+def test_of_wild_numbers_nothing_is_sure(kernel: str, wild: float) -> None:
+    """And their neighbours in a batch are judged as ever."""
+    builder = Builder()
+    arm = builder.link(R, Box(0.1, 0.1, 0.6), x_bg=RigidTransform(np.array([0.0, 0.0, 0.3])))
+    builder.link(P, Sphere(0.1), arm, axis=np.array([1.0, 0.0, 0.0]))
+    builder.obstacle("post", Box(0.1, 0.1, 1.0), RigidTransform(np.array([0.4, 0.0, 0.4])))
     judged = Judged.of(builder.build())
-    assert judged.checker(0.0).doubtful_fixed_pairs == []
-    assert judged.checker(0.0).judge_one(np.zeros(1)) == FREE
+    checker = judged.checker(0.0, kernel)
+    qs = judged.configurations(np.random.default_rng(2), 33, 1.0)
+    before = checker.judge(qs)
+    for coordinate in range(2):
+        strange = qs.copy()
+        strange[::3, coordinate] = wild
+        verdicts = checker.judge(strange)
+        assert (verdicts[::3] == UNSURE).all()
+        others = np.arange(33) % 3 > 0
+        np.testing.assert_array_equal(verdicts[others], before[others])
+    step = np.array([[0.0, wild]])
+    with pytest.raises(ValueError, match="a motion is finite"):
+        checker.judge_motions(np.zeros((1, 2)), step, 0.05)
 
 
 def test_bad_arguments_are_refused() -> None:
@@ -137,9 +162,3 @@ def test_bad_arguments_are_refused() -> None:
         checker.judge_motions(np.zeros((1, nq)), np.zeros((1, nq)), 0.0)
     with pytest.raises(ValueError, match="no lane kernel"):
         judged.checker(0.0, "mmx")
-
-
-def _friction() -> Any:
-    from pydrake.multibody.plant import CoulombFriction
-
-    return CoulombFriction(1.0, 1.0)

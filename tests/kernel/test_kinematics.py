@@ -59,7 +59,7 @@ def made_up(seed: int) -> tuple[Robot, str, np.ndarray]:
     begin = 0
     for joint in robot.group.joints:
         q[begin] = 1.0 if joint.type is FLOATING else 0.0
-        begin += len(joint.position_names)
+        begin += joint.num_positions
     qs = manifold.plus(np.repeat(q[None], 8, axis=0), rng.normal(size=(8, manifold.num_velocities)))
     frame = f"robot::link{int(rng.integers(len(robot.model.bodies)))}"
     return robot, frame, qs

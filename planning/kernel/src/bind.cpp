@@ -4,6 +4,7 @@
 #include "bind.hpp"
 
 NB_MODULE(_native, m) {
+  nanobind::set_leak_warnings(false);  // at the end of a process nobody wants to hear of its globals
   m.doc() = "Native collision bounds and kinematics; see planning/kernel.";
   wayproof::bind_scene(m);
   wayproof::bind_checker(m);

@@ -2,8 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
+#include <limits>
 #include <new>
+#include <stdexcept>
 #include <utility>
 
 #include "sample_order.hpp"
@@ -12,15 +13,15 @@
 namespace wayproof {
 namespace {
 
-// How far the exact distance must be from what is demanded for a verdict [m]: the exact checker's
-// own tolerance.
-constexpr double exact_slack = 1e-5;
 constexpr double turn = 6.283185307179586;
+// Beyond so many radians or metres, and for what is no number, single precision says nothing.
+constexpr double far_off = 1e6;
 
 // The same number as planning/domain/motion_samples.py has, operation by operation.
 std::int64_t num_samples(const double* displacement, int nq, double resolution) {
   double square = 0;
   for (int i = 0; i < nq; ++i) square += displacement[i] * displacement[i];
+  if (!(square < far_off * far_off)) throw std::invalid_argument("a motion is finite and not too long");
   return static_cast<std::int64_t>(std::max(std::ceil(std::sqrt(square) / resolution - 1e-9), 1.0));
 }
 
@@ -63,21 +64,24 @@ struct Checker::Workspace {
         numbers(width),
         found(width) {}
 
-  // Writes one configuration into a lane and returns how far its lengths reach [m].
+  // Writes one configuration into a lane and returns how far its lengths reach [m]: infinitely if the
+  // lanes can say nothing of it.
   double pack(const Checker& c, const double* q, int lane) {
     c.group_.embed(c.scene_->tree, q, full.data());
     double reach = 0;
+    bool is_near = true;
     using Kind = LaneCoordinate::Kind;
     for (std::size_t i = 0; i < c.lanes_.coordinates.size(); ++i) {
       const auto [position, kind] = c.lanes_.coordinates[i];
       double x = full[position];
+      is_near &= std::abs(x) < far_off;
       if (kind == Kind::angle) x -= turn * std::nearbyint(x / turn);
       if (kind == Kind::length) reach = std::max(reach, std::abs(x));
       if (kind == Kind::quaternion_w) scale = quaternion_scale(&full[position]);
       if (kind == Kind::quaternion_w || kind == Kind::quaternion_xyz) x *= scale;
-      coordinates.data[i * width + lane] = static_cast<float>(x);
+      coordinates.data[i * width + lane] = is_near ? static_cast<float>(x) : 0.0f;
     }
-    return reach;
+    return is_near ? reach : std::numeric_limits<double>::infinity();
   }
 
  private:
@@ -120,17 +124,10 @@ Checker::Checker(std::shared_ptr<const Scene> scene, Group group, std::vector<De
   for (std::size_t i = 0; i < judged.size(); ++i) {
     if (judged[i]) continue;
     Vec3 direction;
-    if (moves_half_space(scene_->pairs[i]) || judge_pair(static_cast<int>(i), X_WL_.data(), direction) != Verdict::free)
+    // The lanes know half spaces only as obstacles.
+    if (scene_->moves_half_space(group_, scene_->pairs[i]) || judge_pair(static_cast<int>(i), X_WL_.data(), direction) != Verdict::free)
       doubtful_.push_back(static_cast<int>(i));
   }
-}
-
-// The lanes know half spaces only as obstacles.
-bool Checker::moves_half_space(Pair pair) const {
-  const auto moves = [this](int g) {
-    return scene_->geometries[g].shape.kind == ShapeKind::half_space && scene_->is_moved(group_, g);
-  };
-  return moves(pair.a) || moves(pair.b);
 }
 
 Verdict Checker::judge_pair(int index, const Transform* X_WL, Vec3& direction) const {
@@ -165,8 +162,13 @@ Verdict Checker::judge_exactly(const double* q, unsigned lane, const LaneVerdict
 bool Checker::judge_block(const double* qs, int count, Verdict* verdicts, Workspace& w, bool any_hit_decides) const {
   const int nq = num_positions();
   double reach = 0;
-  for (int lane = 0; lane < w.width; ++lane) reach = std::max(reach, w.pack(*this, qs + nq * std::min(lane, count - 1), lane));
-  const unsigned active = count == 32 ? ~0u : (1u << count) - 1;
+  unsigned active = 0;
+  for (int lane = 0; lane < w.width; ++lane) {
+    const double far = w.pack(*this, qs + nq * std::min(lane, count - 1), lane);
+    if (!std::isfinite(far)) continue;
+    reach = std::max(reach, far);
+    if (lane < count) active |= 1u << lane;
+  }
   LaneVerdict v{0, 0, w.pairs.data(), w.lanes.data()};
   kernel_.judge(w.model, w.coordinates.data, active, static_cast<float>(lanes_.slack_per_metre * reach), w.scratch.data, v);
   if (any_hit_decides && v.hit) return true;
@@ -174,7 +176,8 @@ bool Checker::judge_block(const double* qs, int count, Verdict* verdicts, Worksp
   for (int k = 0; k < v.num_unsure; ++k) unsure |= v.lanes[k];
   for (int lane = 0; lane < count; ++lane) {
     const unsigned bit = 1u << lane;
-    verdicts[lane] = v.hit & bit      ? Verdict::colliding
+    verdicts[lane] = !(active & bit)  ? Verdict::unsure
+                     : v.hit & bit    ? Verdict::colliding
                      : unsure & bit   ? judge_exactly(qs + nq * lane, bit, v, w)
                                       : Verdict::free;
     if (any_hit_decides && verdicts[lane] == Verdict::colliding) return true;

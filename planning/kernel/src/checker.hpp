@@ -21,6 +21,10 @@ struct Demand {
   double margin, touching;
 };
 
+// How far an exact distance must be from what is demanded for a verdict [m]: the exact checker's own
+// tolerance.
+constexpr double exact_slack = 1e-5;
+
 // Samples of a motion, by number i of n, that the kernel is not sure of.
 struct Unsure {
   std::int64_t motion, i, n;
@@ -68,7 +72,6 @@ class Checker {
   // if any of them collides and that decides.
   bool judge_block(const double* qs, int count, Verdict* verdicts, Workspace& w, bool any_hit_decides) const;
   Verdict judge_exactly(const double* q, unsigned lane, const LaneVerdict& v, Workspace& w) const;
-  bool moves_half_space(Pair pair) const;
   // `direction` is a guess of what parts the pair, and then what did.
   Verdict judge_pair(int pair, const Transform* X_WL, Vec3& direction) const;
 

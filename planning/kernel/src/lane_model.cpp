@@ -13,8 +13,6 @@ namespace {
 // ten operations on each rotation matrix and its sines, and as many on the position.
 constexpr double unit = 6e-8;
 constexpr double losses_per_link = 32;
-// The exact checker's own tolerance [m].
-constexpr double exact_slack = 1e-5;
 constexpr double endless = 1e15;
 // Faces of a hull that are looked at; those left out only make it seem larger.
 constexpr std::size_t max_planes = 32;
@@ -24,7 +22,7 @@ void write(const Transform& x, float* R, float* p) {
   for (int i = 0; i < 3; ++i) p[i] = static_cast<float>(x.p[i]);
 }
 
-// Rounded away from zero error: `radius` may only grow if `grow`, only shrink otherwise.
+// Rounding makes the sphere larger if `grow`, else smaller.
 LaneSphere lane_sphere(const Transform& x, const Sphere& s, bool grow) {
   const Vec3 c = x * s.center;
   const double dust = unit * (norm(c) + s.radius) * 4;
@@ -93,10 +91,7 @@ struct Builder {
 
   void add_coordinates(const Link& link) {
     using Kind = LaneCoordinate::Kind;
-    const auto add = [&](int offset, Kind kind) {
-      out.coordinates.push_back({link.position + offset, kind});
-      out.has_lengths |= kind == Kind::length;
-    };
+    const auto add = [&](int offset, Kind kind) { out.coordinates.push_back({link.position + offset, kind}); };
     switch (link.kind) {
       case JointKind::revolute: add(0, Kind::angle); break;
       case JointKind::prismatic: add(0, Kind::length); break;
@@ -230,9 +225,7 @@ LaneModelStorage::LaneModelStorage(const Scene& scene, const Group& group, const
   for (std::size_t i = 0; i < scene.pairs.size(); ++i) {
     const auto [a, b] = scene.pairs[i];
     const bool moved = scene.is_moved(group, a) || scene.is_moved(group, b);
-    const bool half_space_moves = (scene.geometries[a].shape.kind == ShapeKind::half_space && scene.is_moved(group, a)) ||
-                                  (scene.geometries[b].shape.kind == ShapeKind::half_space && scene.is_moved(group, b));
-    if (moved && !half_space_moves && scene.geometries[a].link != scene.geometries[b].link)
+    if (moved && !scene.moves_half_space(group, {a, b}) && scene.geometries[a].link != scene.geometries[b].link)
       builder.add_pair(static_cast<int>(i), demands[i]);
   }
   builder.group_pairs(builder.with_obstacles, obstacle_pairs, obstacle_groups);

@@ -30,7 +30,6 @@ struct LaneModelStorage {
   std::vector<LaneCoordinate> coordinates;
   std::vector<int> pair_of;  // the scene's number of each pair, obstacle pairs first
   double slack_per_metre = 0;  // rounding grows with how far a length coordinate reaches
-  bool has_lengths = false;
 
   LaneModelStorage() = default;
   // X_WL: all links at the group's state.

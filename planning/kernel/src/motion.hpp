@@ -39,11 +39,6 @@ struct Strays {
   int num_rows = 0;
 };
 
-// Keeps of a polyline, [count][size], the few rows that bring every point of it within a residual per
-// coordinate of the polyline of those; the residual is added to what is there.
-void simplify(const std::vector<double>& points, int count, int size, std::vector<double>& rows,
-              double* residual, int most_rows = 6);
-
 class Motion {
  public:
   // breaks [n + 1], bases [n][nq], coefficients [n][terms][nv]: power basis, lowest first.

@@ -18,10 +18,6 @@ constexpr double shortest = 1e-7;
 constexpr int most_segments = 20000;
 // Pairs that may come nearer than this within a segment are not measured in it [m].
 constexpr double wide = 0.25;
-// How well the smallest distance is to be known [m], the larger of these, and what that may cost.
-constexpr double resolution = 1e-3;
-constexpr double relative_resolution = 0.01;
-constexpr int tightening_looks = 2000;
 // How well a distance is measured in a segment, as a share of how much it changes there.
 constexpr double coarse = 0.02;
 // Instants at which a refused motion is looked at for its worst collision.
@@ -129,6 +125,10 @@ void Prover::enter(const Segment& segment) {
   ++proof_.looks;
 }
 
+void Prover::count_work() {
+  if (++work_ % interrupt_every == 0) (*interrupt_)();
+}
+
 void Prover::see(int pair, double distance, double time) {
   const auto note = [&](Sighting& sighting, double what) {
     if (what < sighting.least) sighting = {what, pair, distance, time};
@@ -146,7 +146,7 @@ void Prover::see(int pair, double distance, double time) {
 // Bounds a pair's distance on the segment that was entered until the bound is above `required`, or as good as
 // can be. A distance of `few` or less is not looked into further.
 Prover::Judged Prover::judge(Open& open, double required, double few, bool last_resort, double time) {
-  if (++work_ % interrupt_every == 0) (*interrupt_)();
+  count_work();
   const Pair& pair = scene_->pairs[open.pair];
   const auto& relative = relatives_[open.pair];
   const Shape &a = scene_->geometries[pair.a].shape, &b = scene_->geometries[pair.b].shape;
@@ -227,69 +227,6 @@ bool Prover::prove_node(Node node, std::vector<Node>& heap) {
 void Prover::split(const Node& node, double floor, const std::vector<Open>& rest, std::vector<Node>& heap) {
   for (int which = 0; which < 2; ++which)
     push(heap, {floor, ++number_, motion_.half(node.segment, which), rest});
-}
-
-// What the smallest distance may be at least, if the smallest one seen is to be good enough.
-double Prover::target() const {
-  const double distance = proof_.nearest.distance;
-  return distance - std::max(resolution, relative_resolution * distance);
-}
-
-// Halves the segments that may hide a smaller distance than was seen.
-void Prover::tighten() {
-  std::make_heap(leaves_.begin(), leaves_.end(),
-                 [this](const Node& a, const Node& b) { return later(a, b); });
-  const int last = proof_.looks + tightening_looks;
-  while (!leaves_.empty()) {
-    const double well = target();
-    if (leaves_.front().floor >= well || is_short(leaves_.front().segment) || proof_.looks > last) break;
-    Node node = pop(leaves_);
-    enter(node.segment);
-    std::vector<Open> rest;
-    double floor = inf;
-    for (Open& open : node.open) {
-      if (open.bound < well) {
-        const Judged found = judge(open, well, -inf, false, node.segment.time);
-        open.bound = std::max(open.bound, found.bound);
-        if (!found.decided) {
-          rest.push_back(open);
-          floor = std::min(floor, open.bound);
-          continue;
-        }
-      }
-      proof_.floor = std::min(proof_.floor, open.bound);
-    }
-    if (!rest.empty()) split(node, floor, rest, leaves_);
-  }
-  for (const Node& node : leaves_)
-    for (const Open& open : node.open) proof_.floor = std::min(proof_.floor, open.bound);
-}
-
-// Looks at all pairs at an instant for smaller distances than were seen.
-void Prover::look(double time) {
-  std::vector<double> q(group_.positions.size());
-  motion_.positions(time, q.data());
-  bounds_.place(q.data());
-  ++proof_.looks;
-  std::vector<std::pair<double, int>> order;
-  for (int i : moved_) {
-    const Pair& pair = scene_->pairs[i];
-    const Shape &a = scene_->geometries[pair.a].shape, &b = scene_->geometries[pair.b].shape;
-    if (a.kind == ShapeKind::half_space && b.kind == ShapeKind::half_space) continue;
-    order.emplace_back(norm(bounds_.center(pair.a) - bounds_.center(pair.b)) - a.radius - b.radius, i);
-  }
-  std::sort(order.begin(), order.end());
-  for (const auto& [gap, i] : order) {
-    const double known = std::max(proof_.nearest.least, proof_.tightest.least + margins_[i]);
-    if (gap >= known) continue;
-    if (++work_ % interrupt_every == 0) (*interrupt_)();
-    const Pair& pair = scene_->pairs[i];
-    const Separation found =
-        separation(scene_->geometries[pair.a].shape, bounds_.pose(pair.a), scene_->geometries[pair.b].shape,
-                   bounds_.pose(pair.b), known, -inf, hints_[i]);
-    hints_[i] = found.direction;
-    if (found.lower < known) see(i, found.upper, time);
-  }
 }
 
 std::vector<PairBound> Prover::bounds(const Segment& segment) {

@@ -85,8 +85,8 @@ class Prover {
   bool is_short(const Segment& segment) const;
   void enter(const Segment& segment);
   Judged judge(Open& open, double required, double few, bool last_resort, double time);
+  void count_work();
   void see(int pair, double distance, double time);
-  double measure(int pair, Vec3& n, double least);
   void look(double time);
   bool find_fixed_violation();
   bool prove_node(Node node, std::vector<Node>& heap);

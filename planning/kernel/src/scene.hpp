@@ -38,6 +38,12 @@ struct Scene {
     return link >= 0 && group.moves[link];
   }
 
+  // Whether a group moves a half space of a pair.
+  bool moves_half_space(const Group& group, Pair pair) const {
+    const auto moves = [&](int g) { return geometries[g].shape.kind == ShapeKind::half_space && is_moved(group, g); };
+    return moves(pair.a) || moves(pair.b);
+  }
+
   Transform pose(int geometry, const Transform* X_WL) const {
     const Geometry& g = geometries[geometry];
     return g.link < 0 ? g.X_LG : X_WL[g.link] * g.X_LG;

@@ -28,6 +28,8 @@ struct Shape {
   Shape(ShapeKind kind, Vec3 size, const std::vector<Vec3>& vertices,
         std::vector<std::array<double, 4>> planes);
 
+  // Of a sphere around the core: to turn a ball moves nothing, so nor does it move the ball about a core.
+  double core_radius() const { return radius - ball; }
   // The point of the core that lies farthest along n, in G.
   Vec3 core_support(Vec3 n) const;
 

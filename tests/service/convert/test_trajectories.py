@@ -14,8 +14,8 @@ from service.convert.trajectories import polynomial_wire, sampled_wire, trajecto
 def random_trajectory(seed, kind):
     rng = np.random.default_rng(seed)
     joints = (Joint("r::a", kind), Joint("r::b", JointType.REVOLUTE))
-    nq = sum(len(joint.position_names) for joint in joints)
-    nv = sum(len(joint.velocity_names) for joint in joints)
+    nq = sum(joint.num_positions for joint in joints)
+    nv = sum(joint.num_velocities for joint in joints)
     bases = rng.normal(size=(3, nq))
     bases[:, :4] /= np.linalg.norm(bases[:, :4], axis=1, keepdims=True) if nq > 4 else 1.0
     breaks = np.concatenate([[0.0], np.cumsum(rng.uniform(0.1, 1.0, 3))])
