@@ -1,0 +1,20 @@
+"""The kernel's benchmark measures both judges on the same questions."""
+
+import math
+
+from benchmarks.kernel import BATCHES, measured
+
+
+def test_every_scene_has_its_rows() -> None:
+    rows = list(measured((5,), seed=1))
+    assert {row.scene for row in rows} == {"bookshelf", "5 obstacles"}
+    for scene in ("bookshelf", "5 obstacles"):
+        whats = [row.what for row in rows if row.scene == scene]
+        assert whats[: len(BATCHES)] == [f"batches of {size}" for size in BATCHES]
+        assert any("edges" in what for what in whats)
+    for row in rows:
+        assert math.isfinite(row.kernel_us)
+        assert row.kernel_us > 0
+        assert row.drake_us > 0
+        assert 0 <= row.unsure <= 1
+        assert 0 < row.free < 1
