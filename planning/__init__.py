@@ -8,8 +8,10 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from planning.domain.curve import TimedTrajectory
     from planning.domain.deadline import Deadline
     from planning.domain.goal import ConfigurationGoal, JointGoal, PoseGoal, PoseTarget
+    from planning.domain.interpolation import trajectory_through
     from planning.domain.options import IkOptions, RefineOptions, RetimeOptions, SearchOptions
     from planning.domain.plan import MotionPlan, Progress
     from planning.domain.pose import Pose
@@ -17,6 +19,8 @@ if TYPE_CHECKING:
     from planning.domain.scene import Scene
     from planning.ik import solve_ik
     from planning.kernel.native import kernel_name
+    from planning.own_path import RetimedPath, retime_path
+    from planning.own_trajectory import certify_trajectory
     from planning.pipeline import plan
     from planning.search.planners import PlannerCard, list_planners
     from planning.world.catalogue import describe_model, list_models
@@ -44,12 +48,15 @@ _DOORS = {
     "Progress": "planning.domain.plan",
     "RefineOptions": "planning.domain.options",
     "RetimeOptions": "planning.domain.options",
+    "RetimedPath": "planning.own_path",
     "Scene": "planning.domain.scene",
     "SceneDocument": "planning.world.scene_document",
     "SearchOptions": "planning.domain.options",
     "Simulation": "planning.world.simulation",
+    "TimedTrajectory": "planning.domain.curve",
     "World": "planning.world.world",
     "bundled_folder": "planning.world.model_library",
+    "certify_trajectory": "planning.own_trajectory",
     "check_configurations": "planning.world.check",
     "describe_model": "planning.world.catalogue",
     "forward_kinematics": "planning.world.kinematics",
@@ -61,7 +68,9 @@ _DOORS = {
     "plan": "planning.pipeline",
     "read_scene": "planning.world.scene_file",
     "replay_html": "planning.world.replay",
+    "retime_path": "planning.own_path",
     "solve_ik": "planning.ik",
+    "trajectory_through": "planning.domain.interpolation",
     "with_line": "planning.world.scene_file",
 }
 
@@ -80,12 +89,15 @@ __all__ = [
     "Progress",
     "RefineOptions",
     "RetimeOptions",
+    "RetimedPath",
     "Scene",
     "SceneDocument",
     "SearchOptions",
     "Simulation",
+    "TimedTrajectory",
     "World",
     "bundled_folder",
+    "certify_trajectory",
     "check_configurations",
     "describe_model",
     "forward_kinematics",
@@ -97,7 +109,9 @@ __all__ = [
     "plan",
     "read_scene",
     "replay_html",
+    "retime_path",
     "solve_ik",
+    "trajectory_through",
     "with_line",
 ]
 

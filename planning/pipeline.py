@@ -15,13 +15,14 @@ import numpy as np
 
 from planning.candidates import Candidate, candidates
 from planning.certify.certifier import CertifyRequest, certify
+from planning.certify.refusal import not_certified
 from planning.domain.certificate import Certificate
 from planning.domain.deadline import Deadline
 from planning.domain.joints import JointGroup, JointLimits
 from planning.domain.plan import MotionPlan, Progress, StageReports
 from planning.domain.problem import PlanningProblem
 from planning.domain.report import CertifyReport, GoalConfigurations
-from planning.errors import DeadlineExceeded, NoPathFound, NotCertified, ProblemInvalid
+from planning.errors import DeadlineExceeded, NoPathFound, ProblemInvalid
 from planning.goals.sampler import GoalQuery, find_goals
 from planning.goals.start import admit_start
 from planning.paddings import endpoint_padding
@@ -134,7 +135,7 @@ def _prove_one(task: _Task) -> tuple[SearchResult, Candidate, Certificate, Certi
             worst = ", ".join(f"{check.name} {check.where}" for check in certificate.failed)
             refused.append(f"round {round_ + 1}, {candidate.name}: {worst}")
     task.deadline.check("certify")
-    raise _not_certified(failed, refused)
+    raise not_certified(failed, refused)
 
 
 def _search(task: _Task, round_: int) -> SearchResult:
@@ -180,29 +181,3 @@ def _certify(task: _Task, candidate: Candidate) -> tuple[Certificate, CertifyRep
         jerk=task.problem.retime.method == "ruckig",
     )
     return certify(task.world.drake, request, task.deadline)
-
-
-def _not_certified(failed: Certificate | None, refused: list[str]) -> NotCertified:
-    checks = [] if failed is None else failed.failed
-    message = f"none of {len(refused)} candidate motions passed the certifier; the last failed " + (
-        ", ".join(
-            f"{check.name} ({check.value:.4g} {check.unit}, bound {check.bound:.4g}, "
-            f"{check.where} at {check.time:.3f} s)"
-            for check in checks
-        )
-    )
-    evidence = {
-        "refused": refused,
-        "checks": [
-            {
-                "name": check.name,
-                "value": check.value,
-                "bound": check.bound,
-                "unit": check.unit,
-                "where": check.where,
-                "time": check.time,
-            }
-            for check in checks
-        ],
-    }
-    return NotCertified(message, evidence)

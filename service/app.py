@@ -13,6 +13,7 @@ from service.routes import (
     executions,
     models,
     operations,
+    own_motion,
     planners,
     plans,
     queries,
@@ -25,7 +26,17 @@ _DESCRIPTION = (
     "Plans robot motion and proves it. SI units, radians, quaternions as `[w, x, y, z]`. Unknown "
     "fields and non-finite numbers are refused. Errors are `application/problem+json` (RFC 9457)."
 )
-_ROUTES = (scenes, queries, models, planners, plans, trajectories, executions, operations)
+_ROUTES = (
+    scenes,
+    queries,
+    models,
+    planners,
+    plans,
+    trajectories,
+    own_motion,
+    executions,
+    operations,
+)
 
 
 def create_app(settings: Settings | None = None) -> FastAPI:

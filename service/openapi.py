@@ -17,6 +17,7 @@ _TAGS = [
     {"name": "queries", "description": "Questions to a scene, answered at once"},
     {"name": "planners", "description": "OMPL's planners"},
     {"name": "plans", "description": "Certified motions, made by durable jobs"},
+    {"name": "trajectories", "description": "Paths and motions of your own, timed and proven"},
     {"name": "executions", "description": "Motions that are being carried out"},
     {"name": "operations", "description": "The server itself"},
 ]

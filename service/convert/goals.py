@@ -7,7 +7,7 @@ from planning.domain.options import IkOptions, RefineOptions, RetimeOptions, Sea
 from planning.domain.pose import Pose
 from planning.domain.problem import PlanningProblem
 from service.schemas.goal import ConfigurationGoalWire, GoalWire, JointGoalWire, PoseGoalWire
-from service.schemas.plan import IkWire, PlanRequest
+from service.schemas.plan import IkWire, PlanRequest, RetimeWire
 from service.schemas.pose import PoseWire
 
 
@@ -51,9 +51,19 @@ def ik_value(ik: IkWire) -> IkOptions:
     return IkOptions(ik.max_configurations, ik.max_trials)
 
 
+def retime_value(retime: RetimeWire) -> RetimeOptions:
+    """Return the domain's options of the timing."""
+    return RetimeOptions(
+        method=retime.method,
+        velocity_scale=retime.velocity_scale,
+        acceleration_scale=retime.acceleration_scale,
+        sample_period=retime.sample_period,
+    )
+
+
 def problem_value(request: PlanRequest) -> PlanningProblem:
     """Return the domain's problem; every field of the request is in it but for the scene."""
-    search, retime = request.search, request.retime
+    search = request.search
     return PlanningProblem(
         group=request.group,
         goal=goal_value(request.goal),
@@ -68,12 +78,7 @@ def problem_value(request: PlanRequest) -> PlanningProblem:
             num_states=search.num_states,
         ),
         refine=RefineOptions(request.refine.method),
-        retime=RetimeOptions(
-            method=retime.method,
-            velocity_scale=retime.velocity_scale,
-            acceleration_scale=retime.acceleration_scale,
-            sample_period=retime.sample_period,
-        ),
+        retime=retime_value(request.retime),
         margin=request.margin,
         seed=request.seed,
     )

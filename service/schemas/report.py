@@ -23,7 +23,9 @@ class FunnelWire(Answer):
     within_limits: int = Field(description="Kept the joint limits")
     collision_free: int = Field(description="Touch nothing")
     distinct: int = Field(description="Differ from all others")
-    rejected_by: list[PairTallyWire] = Field(description="Which pairs the colliding ones hit, of the first that were looked at more closely")
+    rejected_by: list[PairTallyWire] = Field(
+        description="Which pairs the colliding ones hit, of the first few that were measured"
+    )
 
 
 class NearestPoseWire(Answer):

@@ -1,0 +1,33 @@
+"""A refusal in words: why no motion was certified."""
+
+from collections.abc import Sequence
+from typing import Any
+
+from planning.domain.certificate import Certificate, Check
+from planning.errors import NotCertified
+
+
+def not_certified(failed: Certificate | None, refused: Sequence[str]) -> NotCertified:
+    """Return the failure that says what the last of some refused motions lacks.
+
+    Args:
+        failed: Its certificate; None if there was none.
+        refused: What was wrong with each, a line for a motion.
+    """
+    checks = [] if failed is None else failed.failed
+    message = f"none of {len(refused)} candidate motions passed the certifier; the last failed "
+    message += ", ".join(describe_check(check) for check in checks)
+    return NotCertified(message, {"refused": list(refused), "checks": _evidence(checks)})
+
+
+def describe_check(check: Check) -> str:
+    """Return a failed check as words."""
+    return (
+        f"{check.name} ({check.value:.4g} {check.unit}, bound {check.bound:.4g}, "
+        f"{check.where} at {check.time:.3f} s)"
+    )
+
+
+def _evidence(checks: Sequence[Check]) -> list[dict[str, Any]]:
+    names = ("name", "value", "bound", "unit", "where", "time")
+    return [{name: getattr(check, name) for name in names} for check in checks]

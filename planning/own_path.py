@@ -1,0 +1,111 @@
+"""retime_path(): time and prove a path that somebody else found."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from planning.candidates import candidates
+from planning.certify.refusal import not_certified
+from planning.domain.certificate import Certificate
+from planning.domain.curve import TimedTrajectory
+from planning.domain.deadline import Deadline
+from planning.domain.goal import JointGoal
+from planning.domain.options import RefineOptions, RetimeOptions
+from planning.domain.path import JointPath
+from planning.domain.problem import PlanningProblem
+from planning.domain.report import CertifyReport, RetimeReport
+from planning.domain.value import Value
+from planning.errors import ProblemInvalid
+from planning.own_trajectory import certify_trajectory
+from planning.stopwatch import Stopwatch
+from planning.world.positions import require_positions
+from planning.world.world import World
+
+
+@dataclass(frozen=True, eq=False)
+class RetimedPath(Value):
+    """A certified motion along a given path.
+
+    Attributes:
+        path: The path, with angles that never jump by whole turns.
+        trajectory: The motion, exactly.
+        certificate: The proof.
+        retime: How it was timed.
+        certify: How it was proven.
+    """
+
+    path: JointPath
+    trajectory: TimedTrajectory
+    certificate: Certificate
+    retime: RetimeReport
+    certify: CertifyReport
+
+
+def retime_path(
+    world: World,
+    group: str,
+    waypoints: Any,
+    *,
+    deadline: Deadline,
+    options: RetimeOptions | None = None,
+    margin: float | None = None,
+) -> RetimedPath:
+    """Return the quickest proven motion along waypoints.
+
+    Corners are rounded as far as that can be proven, at most 0.1 in joint-space length; where they
+    cannot be, the motion follows the very path and rests at them.
+
+    Args:
+        world: The scene, loaded.
+        group: `robot` or `robot::group`.
+        waypoints: The group's q, one per row, shape (n, nq), n >= 2; joined by geodesics.
+        deadline: When to give up.
+        options: How to time it.
+        margin: Distance to keep [m]; None for the scene's.
+
+    Raises:
+        UnknownName: There is no such group.
+        ProblemInvalid: There are fewer than two waypoints, or one does not fit the group.
+        RetimingFailed: The path cannot be timed.
+        NotCertified: No motion along the path can be proven; evidence has the failed checks.
+        DeadlineExceeded: Time ran out.
+        Canceled: Somebody asked for the end.
+    """
+    joints = world.group(group)
+    rows = [require_positions(joints, q, f"waypoints.{i}") for i, q in enumerate(waypoints)]
+    if len(rows) < 2:
+        message = f"waypoints: at least 2 are needed, got {len(rows)}"
+        raise ProblemInvalid(message, {"field": "waypoints", "got": len(rows)})
+    path = JointPath(joints, np.array(rows)).continuous
+    timing = options or RetimeOptions()
+    problem = PlanningProblem(
+        group,
+        JointGoal(path.waypoints[-1:]),
+        start=path.waypoints[0],
+        refine=RefineOptions("none"),
+        retime=timing,
+        margin=margin,
+    )
+    refused: list[str] = []
+    failed: Certificate | None = None
+    made = candidates(
+        world, path, problem, world.margins(margin), deadline, Stopwatch(deadline.clock)
+    )
+    for candidate in made:
+        certificate, report = certify_trajectory(
+            world,
+            group,
+            candidate.trajectory,
+            deadline=deadline,
+            options=timing,
+            start=path.waypoints[0],
+            goal=path.waypoints[-1],
+            margin=margin,
+        )
+        if certificate.proven:
+            return RetimedPath(path, candidate.trajectory, certificate, candidate.retime, report)
+        failed = certificate
+        worst = ", ".join(f"{check.name} {check.where}" for check in certificate.failed)
+        refused.append(f"{candidate.name}: {worst}")
+    raise not_certified(failed, refused)

@@ -1,0 +1,73 @@
+"""certify_trajectory(): the certifier by itself, for a motion that somebody else made."""
+
+from typing import Any
+
+from planning.certify.certifier import CertifyRequest, certify
+from planning.domain.certificate import Certificate
+from planning.domain.curve import TimedTrajectory
+from planning.domain.deadline import Deadline
+from planning.domain.options import RetimeOptions
+from planning.domain.report import CertifyReport
+from planning.errors import ProblemInvalid
+from planning.world.positions import require_positions
+from planning.world.world import World
+
+
+def certify_trajectory(  # noqa: PLR0913  (a question in full)
+    world: World,
+    group: str,
+    trajectory: TimedTrajectory,
+    *,
+    deadline: Deadline,
+    options: RetimeOptions | None = None,
+    start: Any = None,
+    goal: Any = None,
+    margin: float | None = None,
+) -> tuple[Certificate, CertifyReport]:
+    """Hold a trajectory against limits, ends and margins, on its whole interval.
+
+    Args:
+        world: The scene, loaded.
+        group: What moves.
+        trajectory: The motion, exactly.
+        deadline: When to stop.
+        options: `method` says whether jerk is limited ("ruckig") or not; the scales multiply the
+            limits.
+        start: Where it shall begin, shape (nq,); None for where it does.
+        goal: Where it shall end, shape (nq,); None for where it does.
+        margin: Distance to keep [m]; None for the scene's.
+
+    Returns:
+        The certificate, `proven` or with failed checks, and what it took.
+
+    Raises:
+        UnknownName: There is no such group.
+        ProblemInvalid: The trajectory is of other joints, or start or goal do not fit the group.
+        DeadlineExceeded: Time ran out before the verdict.
+        Canceled: Somebody asked for the end.
+    """
+    joints = world.group(group)
+    if trajectory.joints != joints.joints:
+        names = [joint.name for joint in joints.joints]
+        message = f"the trajectory is not one of the joints {names}, in this order"
+        raise ProblemInvalid(message, {"field": "trajectory", "expected": names})
+    begin, end = (
+        reached if asked is None else require_positions(joints, asked, field)
+        for asked, reached, field in (
+            (start, trajectory.start, "start"),
+            (goal, trajectory.end, "goal"),
+        )
+    )
+    options = options or RetimeOptions()
+    limits = world.limits(joints).scaled(options.velocity_scale, options.acceleration_scale)
+    request = CertifyRequest(
+        group=joints,
+        trajectory=trajectory,
+        state=world.state,
+        start=begin,
+        goals=end[None],
+        limits=limits,
+        margins=world.margins(margin),
+        jerk=options.method == "ruckig",
+    )
+    return certify(world.drake, request, deadline)

@@ -1,0 +1,40 @@
+"""/v1/trajectories: bring your own path or trajectory."""
+
+from fastapi import APIRouter
+
+from service.dependencies import DeskDep, ScenesDep
+from service.routes.answers import problems
+from service.scenes.preflight import require_count, require_group
+from service.schemas.own_motion import (
+    CertifyMotionRequest,
+    CertifyMotionResponse,
+    RetimeRequest,
+    RetimeResponse,
+)
+
+router = APIRouter(
+    prefix="/v1/trajectories",
+    tags=["trajectories"],
+    responses=problems(400, 404, 409, 413, 422, 429, 503),
+)
+
+
+@router.post("/retime", operation_id="retimePath", response_model=RetimeResponse)
+async def retime(request: RetimeRequest, scenes: ScenesDep, desk: DeskDep) -> object:
+    """Time a path of your own as quickly as the limits allow, and prove the motion."""
+    record = await scenes.get(request.scene, request.revision)
+    group = require_group(record, request.group)
+    for i, q in enumerate(request.waypoints):
+        require_count(group, q, f"waypoints.{i}")
+    return await desk.ask_scene("service.tasks.own_motion:retime", record, request)
+
+
+@router.post("/certify", operation_id="certifyTrajectory", response_model=CertifyMotionResponse)
+async def certify(request: CertifyMotionRequest, scenes: ScenesDep, desk: DeskDep) -> object:
+    """Hold a trajectory of your own against limits and obstacles, between its samples too."""
+    record = await scenes.get(request.scene, request.revision)
+    group = require_group(record, request.group)
+    for field, q in (("start", request.start), ("goal", request.goal)):
+        if q is not None:
+            require_count(group, q, field)
+    return await desk.ask_scene("service.tasks.own_motion:certify", record, request)

@@ -1,0 +1,85 @@
+"""A client's own path, timed; a client's own trajectory, held against the scene."""
+
+import dataclasses
+import time
+from typing import Any
+
+import numpy as np
+
+from planning import Deadline, RetimeOptions, certify_trajectory, retime_path
+from planning.errors import PlanningFailure
+from service.convert.failures import failure_wire
+from service.convert.goals import retime_value
+from service.convert.own_motion import own_trajectory
+from service.convert.plans import certificate_wire
+from service.convert.trajectories import polynomial_wire, sampled_wire
+from service.schemas.own_motion import CertifyMotionRequest, RetimeRequest
+from service.tasks.channel import Channel
+from service.tasks.worlds import borrow_world
+
+
+def retime(payload: dict[str, Any], channel: Channel) -> dict[str, Any]:
+    """Return a certified motion along the path, or why there is none.
+
+    Raises:
+        InputError: The group or the waypoints do not fit the scene.
+    """
+    request = RetimeRequest.model_validate(payload["request"])
+    with borrow_world(payload) as world:
+        deadline = Deadline.after(request.allowed_time, time.monotonic, channel.is_canceled)
+        try:
+            found = retime_path(
+                world,
+                request.group,
+                np.array(request.waypoints, dtype=np.float64),
+                deadline=deadline,
+                options=retime_value(request.retime),
+                margin=request.margin,
+            )
+        except PlanningFailure as failure:
+            nothing = dict.fromkeys(("trajectory", "certificate", "stages"))
+            return {**nothing, "failure": failure_wire(failure)}
+    sampled = sampled_wire(found.trajectory, request.retime.sample_period)
+    exact = polynomial_wire(found.trajectory) if request.polynomial else None
+    return {
+        "trajectory": {**sampled, "polynomial": exact},
+        "certificate": certificate_wire(found.certificate),
+        "stages": {
+            "retime": dataclasses.asdict(found.retime),
+            "certify": dataclasses.asdict(found.certify),
+        },
+        "failure": None,
+    }
+
+
+def certify(payload: dict[str, Any], channel: Channel) -> dict[str, Any]:
+    """Return the certificate of a trajectory.
+
+    Raises:
+        InputError: The group or the trajectory do not fit the scene.
+        DeadlineExceeded: Time ran out before the verdict.
+    """
+    request = CertifyMotionRequest.model_validate(payload["request"])
+    with borrow_world(payload) as world:
+        deadline = Deadline.after(request.allowed_time, time.monotonic, channel.is_canceled)
+        trajectory, kind = own_trajectory(world.group(request.group), request.trajectory)
+        certificate, report = certify_trajectory(
+            world,
+            request.group,
+            trajectory,
+            deadline=deadline,
+            options=RetimeOptions(
+                method="ruckig" if request.limit_jerk else "toppra",
+                velocity_scale=request.velocity_scale,
+                acceleration_scale=request.acceleration_scale,
+            ),
+            start=request.start,
+            goal=request.goal,
+            margin=request.margin,
+        )
+    return {
+        "certificate": certificate_wire(certificate),
+        "interpolation": kind,
+        "duration": trajectory.duration,
+        "stage": dataclasses.asdict(report),
+    }

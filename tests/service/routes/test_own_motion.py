@@ -1,0 +1,151 @@
+"""Paths and trajectories that a client brings along."""
+
+import copy
+
+import numpy as np
+import pytest
+
+
+def post(client, scene, what, **body):
+    return client.post(f"/v1/trajectories/{what}", json={"scene": scene, "group": "arm", **body})
+
+
+@pytest.fixture(scope="module")
+def exact(client, solved):
+    return client.get(f"/v1/plans/{solved['id']}/trajectory?polynomial=true").json()
+
+
+def without(motion, *fields):
+    return {name: value for name, value in motion.items() if name not in fields}
+
+
+def test_what_a_plan_delivered_is_proven_again(client, scene, solved, exact):
+    answer = post(client, scene, "certify", trajectory=exact).json()
+    assert answer["interpolation"] == "polynomial"
+    assert answer["certificate"]["proven"]
+    expected = solved["result"]["certificate"]["min_clearance"]
+    assert answer["certificate"]["min_clearance"] == pytest.approx(expected, abs=1e-3)
+    assert answer["duration"] == exact["duration"]
+
+
+@pytest.mark.parametrize(
+    ("left_out", "kind"),
+    [
+        (("polynomial",), "quintic"),
+        (("polynomial", "accelerations"), "cubic"),
+        (("polynomial", "accelerations", "velocities"), "cubic_spline"),
+    ],
+)
+def test_samples_of_it_are_proven_at_lower_speed(client, scene, solved, left_out, kind):
+    """Between samples the polynomial is another one: where acceleration jumps it overshoots."""
+    slow = client.get(f"/v1/plans/{solved['id']}/trajectory?scale=0.5").json()
+    answer = post(client, scene, "certify", trajectory=without(slow, *left_out)).json()
+    assert answer["interpolation"] == kind
+    assert answer["certificate"]["proven"], answer["certificate"]["checks"]
+
+
+def test_columns_may_come_in_any_order(client, scene, exact):
+    turned = without(exact, "polynomial")
+    order = [3, 1, 0, 2, 5, 4]
+    for field in ("positions", "velocities", "accelerations"):
+        turned[field] = np.array(turned[field])[:, order].tolist()
+    for field in ("joint_names", "velocity_names"):
+        turned[field] = [turned[field][i] for i in order]
+    same, other = (
+        post(client, scene, "certify", trajectory=motion).json()
+        for motion in (without(exact, "polynomial"), turned)
+    )
+    assert same == other
+
+
+def test_a_motion_that_is_too_quick_or_ends_elsewhere_is_refused(client, scene, exact):
+    quick = copy.deepcopy(exact["polynomial"])
+    quick["breaks"] = (np.array(quick["breaks"]) * 0.9).tolist()
+    powers = 0.9 ** -np.arange(len(quick["coefficients"][0]), dtype=float)
+    quick["coefficients"] = (np.array(quick["coefficients"]) * powers[None, :, None]).tolist()
+    goal = [q + 0.1 for q in exact["positions"][-1]]
+    verdict = post(
+        client, scene, "certify", trajectory={**exact, "polynomial": quick}, goal=goal
+    ).json()["certificate"]
+    assert not verdict["proven"]
+    failed = {check["name"] for check in verdict["checks"] if not check["passed"]}
+    assert {"acceleration", "goal"} <= failed
+    assert "clearance" not in failed
+
+
+def test_a_motion_through_an_obstacle_is_refused_with_the_pair(client, scene, exact):
+    ends = {"times": [0, 30], "positions": [exact["positions"][0], [0.0] * 6]}
+    verdict = post(client, scene, "certify", trajectory=ends).json()["certificate"]
+    clearance = next(check for check in verdict["checks"] if check["name"] == "clearance")
+    assert not verdict["proven"]
+    assert not clearance["passed"]
+    assert clearance["where"]
+
+
+@pytest.mark.parametrize("method", ["toppra", "ruckig"])
+def test_a_path_of_ones_own_is_timed_and_proven(client, scene, solved, method):
+    path = solved["result"]["path"]
+    answer = post(client, scene, "retime", waypoints=path, retime={"method": method}).json()
+    assert answer["failure"] is None
+    assert answer["certificate"]["proven"]
+    positions = np.array(answer["trajectory"]["positions"])
+    np.testing.assert_allclose(positions[[0, -1]], np.array(path)[[0, -1]], atol=1e-9)
+    assert answer["stages"]["retime"]["method"] == method
+    names = {check["name"] for check in answer["certificate"]["checks"]}
+    assert ("jerk" in names) == (method == "ruckig")
+    again = post(client, scene, "retime", waypoints=path, retime={"method": method})
+    assert again.json() == answer
+
+
+def test_a_path_through_an_obstacle_is_refused_with_reasons(client, scene, exact):
+    answer = post(client, scene, "retime", waypoints=[exact["positions"][0], [0.0] * 6]).json()
+    assert answer["trajectory"] is None
+    assert answer["failure"]["code"] == "not_certified"
+    checks = answer["failure"]["evidence"]["checks"]
+    assert "clearance" in {check["name"] for check in checks}
+
+
+BAD = {
+    "times that do not increase": {"times": [0, 0], "positions": [[0] * 6] * 2},
+    "times that begin late": {"times": [1, 2], "positions": [[0] * 6] * 2},
+    "a missing row": {"times": [0, 1, 2], "positions": [[0] * 6] * 2},
+    "a missing column": {"times": [0, 1], "positions": [[0] * 5] * 2},
+    "accelerations alone": {
+        "times": [0, 1],
+        "positions": [[0] * 6] * 2,
+        "accelerations": [[0] * 6] * 2,
+    },
+    "an unknown joint": {
+        "times": [0, 1],
+        "positions": [[0] * 6] * 2,
+        "joint_names": ["arm::elbow"] * 6,
+    },
+    "one joint twice": {
+        "times": [0, 1],
+        "positions": [[0] * 6] * 2,
+        "joint_names": ["arm::elbow_joint"] * 6,
+    },
+    "a polynomial of another robot": {
+        "times": [0, 1],
+        "positions": [[0] * 6] * 2,
+        "polynomial": {"breaks": [0, 1], "bases": [[0] * 7], "coefficients": [[[0] * 7]]},
+    },
+}
+
+
+@pytest.mark.parametrize("name", BAD)
+def test_what_is_no_trajectory_is_refused_with_a_message(client, scene, name):
+    answer = post(client, scene, "certify", trajectory=BAD[name])
+    expected = (409, "unknown_name") if "unknown" in name else (422, "problem_invalid")
+    assert (answer.status_code, answer.json()["code"]) == expected
+    assert answer.json()["detail"]
+
+
+def test_samples_of_a_floating_body_need_the_polynomial(client):
+    document = {"name": "air", "robots": [{"name": "body", "model": "free_l"}]}
+    made = client.post("/v1/scenes", json=document).json()["id"]
+    q = [1, 0, 0, 0, 0, 0, 0.5]
+    body = {"scene": made, "group": "body", "trajectory": {"times": [0, 1], "positions": [q, q]}}
+    answer = client.post("/v1/trajectories/certify", json=body)
+    assert answer.status_code == 422
+    assert "polynomial" in answer.json()["detail"]
