@@ -1,6 +1,7 @@
 """Candidates: the motions that one path can become, quickest first."""
 
 from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -14,6 +15,7 @@ from planning.domain.report import RefineReport, RetimeReport
 from planning.errors import RetimingFailed
 from planning.refine.refiner import RefineRequest, refine
 from planning.retime.blend import blend_corners
+from planning.retime.explain import explain_duration
 from planning.retime.retimer import retime
 from planning.stopwatch import Stopwatch
 from planning.world.margins import PairMargins
@@ -61,8 +63,8 @@ def candidates(
         refined, report = refine(world, request, deadline)
     first: list[Candidate] = []
     if refined is not None:
-        made = _timed("refined curve", refined, limits, problem, report, watch)
-        first += [made] if made else []
+        with suppress(RetimingFailed):
+            first.append(_timed("refined curve", refined, limits, problem, report, watch))
     unrefined = replace(report, improved=False)
     if report.improved:
         unrefined = RefineReport(
@@ -109,12 +111,13 @@ def _rounded(
     with watch.stage("retime"):
         spline = blend_corners(path, deviation, smoothness)
     name = f"path with corners rounded by {deviation:g}" if deviation else "path itself"
-    made = _timed(name, spline, limits, problem, report, watch)
-    if made is None and deviation == 0:
-        message = f"{problem.retime.method} cannot time the path, even with a rest at every corner"
-        raise RetimingFailed(message, {"method": problem.retime.method})
-    if made is None:
-        return None
+    try:
+        made = _timed(name, spline, limits, problem, report, watch)
+    except RetimingFailed as fault:
+        if deviation > 0:
+            return None
+        message = "the path cannot be timed, even with a rest at every corner: "
+        raise RetimingFailed(message + fault.detail, fault.evidence) from fault
     return replace(made, retime=replace(made.retime, blend_deviation=deviation))
 
 
@@ -125,11 +128,15 @@ def _timed(
     problem: PlanningProblem,
     report: RefineReport,
     watch: Stopwatch,
-) -> Candidate | None:
-    """Time a curve; a curve that cannot be timed is no candidate."""
-    try:
-        with watch.stage("retime"):
-            trajectory, timing = retime(spline, limits, problem.retime)
-    except RetimingFailed:
-        return None
+) -> Candidate:
+    """Time a curve.
+
+    Raises:
+        RetimingFailed: It cannot be timed.
+    """
+    with watch.stage("retime"):
+        trajectory, timing = retime(spline, limits, problem.retime)
+        if problem.retime.explain:
+            explanation = explain_duration(spline, trajectory, limits, problem.retime)
+            timing = replace(timing, explanation=explanation)
     return Candidate(name, trajectory, report, timing)

@@ -62,9 +62,14 @@ class RetimeOptions(Value):
         velocity_scale: Factor on every velocity limit, in (0, 1].
         acceleration_scale: Factor on every acceleration and jerk limit, in (0, 1].
         sample_period: Of the delivered samples [s].
+        duration: How long the motion shall take [s], no less than the least that the limits allow;
+            None for that.
+        explain: Whether to say which limit binds when, and what relaxing it would save.
     """
 
     method: Literal["toppra", "ruckig"] = "toppra"
     velocity_scale: float = 1.0
     acceleration_scale: float = 1.0
     sample_period: float = 0.01
+    duration: float | None = None
+    explain: bool = False

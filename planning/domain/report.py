@@ -154,6 +154,53 @@ class RefineReport(Value):
 
 
 @dataclass(frozen=True, eq=False)
+class BindingInterval(Value):
+    """What keeps a motion from being quicker for a while.
+
+    Attributes:
+        begin: [s].
+        end: [s].
+        limit: velocity, acceleration or jerk; "" where none is used to the full.
+        where: The joint or block whose limit it is, or "".
+    """
+
+    begin: float
+    end: float
+    limit: str
+    where: str
+
+
+@dataclass(frozen=True, eq=False)
+class Saving(Value):
+    """How much shorter a motion would be with one limit relaxed.
+
+    Attributes:
+        limit: velocity, acceleration or jerk.
+        where: The joint or block whose limit it is.
+        seconds: How much shorter [s].
+    """
+
+    limit: str
+    where: str
+    seconds: float
+
+
+@dataclass(frozen=True, eq=False)
+class DurationExplanation(Value):
+    """Why a motion takes as long as it does.
+
+    Attributes:
+        intervals: What binds when; together they cover the motion.
+        relaxed: The factor by which limits were relaxed, one at a time.
+        savings: What that saved, the most first.
+    """
+
+    intervals: tuple[BindingInterval, ...]
+    relaxed: float
+    savings: tuple[Saving, ...]
+
+
+@dataclass(frozen=True, eq=False)
 class RetimeReport(Value):
     """What the retime stage did.
 
@@ -165,6 +212,7 @@ class RetimeReport(Value):
         utilisation: Peak over limit, per limit kind.
         stops: Instants of rest between start and goal.
         blend_deviation: How far corners were rounded (joint-space length); 0 for none.
+        explanation: Why it takes that long, if that was asked for.
     """
 
     method: str
@@ -174,6 +222,7 @@ class RetimeReport(Value):
     utilisation: dict[str, float] = field(default_factory=dict)
     stops: int = 0
     blend_deviation: float = 0.0
+    explanation: DurationExplanation | None = None
 
 
 @dataclass(frozen=True, eq=False)

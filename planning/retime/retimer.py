@@ -65,7 +65,8 @@ def retime(
         options: Method and factors.
 
     Raises:
-        RetimingFailed: The method finds no timing, or a joint that must move may not.
+        RetimingFailed: The method finds no timing, a joint that must move may not, or the duration
+            that is asked for is less than the limits allow.
         ProblemInvalid: A factor is not in (0, 1].
     """
     for name in ("velocity_scale", "acceleration_scale"):
@@ -74,24 +75,30 @@ def retime(
             raise ProblemInvalid(message, {"field": f"retime.{name}"})
     retimer = RETIMERS[options.method]
     if float(np.abs(spline.coefficients[:, 1:]).max(initial=0.0)) < _STANDSTILL:
-        return _hold(spline), RetimeReport(options.method, _HOLD, 1.0)
+        rest = _hold(spline, options.duration or _HOLD)
+        return rest, RetimeReport(options.method, rest.duration, 1.0)
     scaled = limits.scaled(options.velocity_scale, options.acceleration_scale)
     usable = _usable(spline, scaled, options.method)
     timed = [
         _timed(stretch, usable, retimer) for stretch in smooth_stretches(spline, retimer.smoothness)
     ]
     trajectory = _joined([part for part, _, _ in timed])
+    slower = _slower(trajectory.duration, options)
     names = _block_names(spline)
     worst = [
         max((uses[i] for _, uses, _ in timed), key=lambda use: use.fraction)
         for i in range(len(retimer.rates))
     ]
-    return trajectory, RetimeReport(
+    delivered = trajectory if slower == 1.0 else trajectory.slowed(slower)
+    return delivered, RetimeReport(
         method=options.method,
-        duration=trajectory.duration,
+        duration=delivered.duration,
         slowed=trajectory.duration / sum(raw for _, _, raw in timed),
         binding={rate: names[use.block] for rate, use in zip(retimer.rates, worst, strict=True)},
-        utilisation={rate: use.fraction for rate, use in zip(retimer.rates, worst, strict=True)},
+        utilisation={
+            rate: use.fraction / slower**order
+            for order, (rate, use) in enumerate(zip(retimer.rates, worst, strict=True), start=1)
+        },
         stops=len(timed) - 1,
     )
 
@@ -110,6 +117,21 @@ def _timed(
         for order, use in enumerate(uses, start=1)
     ]
     return raw.slowed(factor), scaled, raw.duration
+
+
+def _slower(least: float, options: RetimeOptions) -> float:
+    """Return the factor from the least duration to the one that is asked for.
+
+    Raises:
+        RetimingFailed: That would be quicker than the limits allow.
+    """
+    if options.duration is None:
+        return 1.0
+    if options.duration < least * (1 - _SPARE):
+        message = f"the limits allow {least:.4g} s at least, not {options.duration:.4g} s"
+        evidence = {"method": options.method, "duration": options.duration, "least": least}
+        raise RetimingFailed(message, evidence)
+    return max(1.0, options.duration / least)
 
 
 def _usable(spline: JointSpline, limits: JointLimits, method: str) -> JointLimits:
@@ -151,10 +173,10 @@ def _joined(parts: list[TimedTrajectory]) -> TimedTrajectory:
     )
 
 
-def _hold(spline: JointSpline) -> TimedTrajectory:
-    """Return a moment of rest at the spline's beginning."""
+def _hold(spline: JointSpline, duration: float) -> TimedTrajectory:
+    """Return a rest at the spline's beginning."""
     rest = np.zeros((1, 1, spline.coefficients.shape[2]))
-    return TimedTrajectory(spline.joints, np.array([0.0, _HOLD]), spline.start[None], rest)
+    return TimedTrajectory(spline.joints, np.array([0.0, duration]), spline.start[None], rest)
 
 
 def _block_names(spline: JointSpline) -> list[str]:

@@ -58,6 +58,8 @@ def retime_value(retime: RetimeWire) -> RetimeOptions:
         velocity_scale=retime.velocity_scale,
         acceleration_scale=retime.acceleration_scale,
         sample_period=retime.sample_period,
+        duration=retime.duration,
+        explain=retime.explain,
     )
 
 

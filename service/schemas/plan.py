@@ -86,6 +86,16 @@ class RetimeWire(Wire):
     sample_period: Annotated[Real, Field(ge=1e-3, le=10)] = Field(
         default=0.01, description="Of the delivered samples [s]"
     )
+    duration: Annotated[Real, Field(gt=0, le=86_400)] | None = Field(
+        default=None,
+        description="How long the motion shall take [s]; null for the least that the limits allow, "
+        "and less than that is `retiming_failed`",
+    )
+    explain: Annotated[bool, Strict()] = Field(
+        default=False,
+        description="Say which limit binds when, and what relaxing it would save "
+        "(`stages.retime.explanation`); takes some 20 ms",
+    )
 
 
 class PlanRequest(Wire):

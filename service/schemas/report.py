@@ -76,6 +76,33 @@ class RefineReportWire(Answer):
     duration_after: float = Field(description="Estimate for the solution [s]")
 
 
+class BindingIntervalWire(Answer):
+    """What keeps the motion from being quicker for a while."""
+
+    begin: float = Field(description="[s]")
+    end: float = Field(description="[s]")
+    limit: str = Field(description="velocity, acceleration or jerk; empty where none is used up")
+    where: str = Field(description="The joint or block whose limit it is, or empty")
+
+
+class SavingWire(Answer):
+    """How much shorter the motion would be with one limit relaxed."""
+
+    limit: str = Field(description="velocity, acceleration or jerk")
+    where: str = Field(description="The joint or block whose limit it is")
+    seconds: float = Field(description="How much shorter [s]")
+
+
+class DurationExplanationWire(Answer):
+    """Why the motion takes as long as it does."""
+
+    intervals: list[BindingIntervalWire] = Field(
+        description="What binds when; together they cover the motion"
+    )
+    relaxed: float = Field(description="The factor by which limits were relaxed, one at a time")
+    savings: list[SavingWire] = Field(description="What that saved, the most first")
+
+
 class RetimeReportWire(Answer):
     """What the retime stage did."""
 
@@ -86,6 +113,9 @@ class RetimeReportWire(Answer):
     utilisation: dict[str, float] = Field(description="Peak over limit, per limit [1]")
     stops: int = Field(description="Instants of rest between start and goal")
     blend_deviation: float = Field(description="How far corners were rounded [rad or m]")
+    explanation: DurationExplanationWire | None = Field(
+        default=None, description="Why it takes that long, if that was asked for"
+    )
 
 
 class CertifyReportWire(Answer):

@@ -149,3 +149,20 @@ def test_samples_of_a_floating_body_need_the_polynomial(client):
     answer = client.post("/v1/trajectories/certify", json=body)
     assert answer.status_code == 422
     assert "polynomial" in answer.json()["detail"]
+
+
+def test_a_duration_is_met_or_refused_and_explained(client, scene, solved):
+    path = solved["result"]["path"]
+    quick = post(client, scene, "retime", waypoints=path, retime={"explain": True}).json()
+    least = quick["trajectory"]["duration"]
+    explained = quick["stages"]["retime"]["explanation"]
+    assert explained["intervals"][-1]["end"] == pytest.approx(least)
+    assert explained["savings"][0]["seconds"] > 0
+    slow = post(client, scene, "retime", waypoints=path, retime={"duration": 2 * least}).json()
+    assert slow["trajectory"]["duration"] == pytest.approx(2 * least)
+    assert slow["certificate"]["proven"]
+    assert slow["stages"]["retime"]["explanation"] is None
+    refused = post(client, scene, "retime", waypoints=path, retime={"duration": 0.1 * least})
+    failure = refused.json()["failure"]
+    assert failure["code"] == "retiming_failed"
+    assert failure["evidence"]["least"] > 0.1 * least

@@ -1,0 +1,89 @@
+"""Why a motion takes its time: checked where the answer is known, and by timing again."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from planning.domain.joints import JointType
+from planning.domain.options import RetimeOptions
+from planning.domain.path import JointPath
+from planning.errors import RetimingFailed
+from planning.retime.blend import blend_corners
+from planning.retime.explain import explain_duration
+from planning.retime.retimer import RETIMERS, retime
+from tests.conftest import group_of, limits_of, random_waypoints
+
+SEVEN = group_of(*[JointType.REVOLUTE] * 7)
+SMOOTHNESS = {"toppra": 1, "ruckig": 2}
+
+
+def test_a_single_joint_speeds_up_cruises_and_brakes() -> None:
+    """From rest to rest over d with v and a: d / v + v / a, cruising for d / v - v / a."""
+    group = group_of(JointType.REVOLUTE)
+    limits = limits_of(group, 1.0, 4.0, 100.0)
+    spline = JointPath(group, np.array([[0.0], [2.0]])).spline
+    options = RetimeOptions()
+    trajectory, _ = retime(spline, limits, options)
+    found = explain_duration(spline, trajectory, limits, options)
+    assert [entry.limit for entry in found.intervals] == [
+        "acceleration",
+        "velocity",
+        "acceleration",
+    ]
+    edges = [entry.begin for entry in found.intervals] + [found.intervals[-1].end]
+    np.testing.assert_allclose(edges, [0.0, 0.25, 2.0, 2.25], atol=0.01)
+    assert {entry.where for entry in found.intervals} == {"g::j0"}
+    savings = {entry.limit: entry.seconds for entry in found.savings}
+    assert savings["velocity"] == pytest.approx(2.25 - (2 / 1.2 + 1.2 / 4), abs=1e-3)
+    assert savings["acceleration"] == pytest.approx(0.25 - 1 / 4.8, abs=1e-3)
+
+
+@pytest.mark.parametrize("method", sorted(RETIMERS))
+@settings(max_examples=8)
+@given(seed=st.integers(0, 10_000))
+def test_intervals_cover_the_motion_and_savings_are_what_timing_again_gives(
+    method: str, seed: int
+) -> None:
+    limits = limits_of(SEVEN)
+    path = JointPath(SEVEN, random_waypoints(SEVEN, seed, 4))
+    spline = blend_corners(path, 0.05, SMOOTHNESS[method])
+    options = RetimeOptions(method=method, velocity_scale=0.9, acceleration_scale=0.5)
+    trajectory, report = retime(spline, limits, options)
+    found = explain_duration(spline, trajectory, limits, options)
+    begins = [entry.begin for entry in found.intervals]
+    ends = [entry.end for entry in found.intervals]
+    assert begins == [0.0, *ends[:-1]]
+    assert ends[-1] == pytest.approx(report.duration)
+    assert any(entry.limit for entry in found.intervals)
+    gains = [entry.seconds for entry in found.savings]
+    assert gains == sorted(gains, reverse=True)
+    assert all(0 < gain < report.duration for gain in gains)
+    assert {(s.limit, s.where) for s in found.savings} <= {
+        (entry.limit, entry.where) for entry in found.intervals
+    }
+
+
+@pytest.mark.parametrize("method", sorted(RETIMERS))
+@given(seed=st.integers(0, 10_000), factor=st.floats(1.0, 20.0))
+def test_a_duration_that_is_asked_for_is_met_exactly(method: str, seed: int, factor: float) -> None:
+    limits = limits_of(SEVEN)
+    path = JointPath(SEVEN, random_waypoints(SEVEN, seed, 3))
+    spline = blend_corners(path, 0.05, SMOOTHNESS[method])
+    least, free = retime(spline, limits, RetimeOptions(method=method))
+    wanted = factor * least.duration
+    made, report = retime(spline, limits, RetimeOptions(method=method, duration=wanted))
+    assert made.duration == pytest.approx(wanted, rel=1e-12)
+    assert report.duration == made.duration
+    np.testing.assert_allclose(made.end, least.end, atol=1e-12)
+    for order, rate in enumerate(free.utilisation, start=1):
+        assert report.utilisation[rate] == pytest.approx(free.utilisation[rate] / factor**order)
+
+
+def test_a_duration_below_the_least_is_refused_with_the_least() -> None:
+    limits = limits_of(SEVEN)
+    spline = JointPath(SEVEN, random_waypoints(SEVEN, 3, 2)).spline
+    least = retime(spline, limits, RetimeOptions())[0].duration
+    with pytest.raises(RetimingFailed) as caught:
+        retime(spline, limits, RetimeOptions(duration=0.9 * least))
+    assert caught.value.evidence["least"] == pytest.approx(least)
