@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from planning.own_trajectory import certify_trajectory
     from planning.pipeline import plan
     from planning.search.planners import PlannerCard, list_planners
+    from planning.series import MotionSeries, motion_series
     from planning.world.catalogue import describe_model, list_models
     from planning.world.check import check_configurations
     from planning.world.kinematics import forward_kinematics
@@ -40,6 +41,7 @@ _DOORS = {
     "JointGoal": "planning.domain.goal",
     "ModelLibrary": "planning.world.model_library",
     "MotionPlan": "planning.domain.plan",
+    "MotionSeries": "planning.series",
     "PlannerCard": "planning.search.planners",
     "PlanningProblem": "planning.domain.problem",
     "Pose": "planning.domain.pose",
@@ -64,6 +66,7 @@ _DOORS = {
     "list_models": "planning.world.catalogue",
     "list_planners": "planning.search.planners",
     "load_world": "planning.world.world",
+    "motion_series": "planning.series",
     "parse_scene": "planning.world.scene_file",
     "plan": "planning.pipeline",
     "read_scene": "planning.world.scene_file",
@@ -81,6 +84,7 @@ __all__ = [
     "JointGoal",
     "ModelLibrary",
     "MotionPlan",
+    "MotionSeries",
     "PlannerCard",
     "PlanningProblem",
     "Pose",
@@ -105,6 +109,7 @@ __all__ = [
     "list_models",
     "list_planners",
     "load_world",
+    "motion_series",
     "parse_scene",
     "plan",
     "read_scene",

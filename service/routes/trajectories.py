@@ -1,8 +1,8 @@
-"""/v1/plans/{id}/trajectory and replay.html: what a plan delivered, to use and to look at."""
+"""/v1/plans/{id}/trajectory, replay.html, plots: what a plan delivered, to use and to look at."""
 
 from typing import Annotated, Any, Literal
 
-from fastapi import APIRouter, Query, Response
+from fastapi import APIRouter, Path, Query, Response
 from fastapi.responses import HTMLResponse
 
 from service.dependencies import DeskDep, PlanJob
@@ -33,6 +33,12 @@ type Slowness = Annotated[
 ]
 type Exact = Annotated[bool, Query(description="Add the exact piecewise polynomial (JSON only)")]
 
+type Chart = Annotated[
+    Literal["acceleration", "clearance", "jerk", "position", "torque", "utilisation", "velocity"],
+    Path(description="What to draw over time, against its limits"),
+]
+
+_SVG = {"schema": {"type": "string", "description": "A drawing"}}
 _CSV = {"schema": {"type": "string", "description": "A header, then a row per instant"}}
 _HTML = {"schema": {"type": "string", "description": "A page that needs nothing else"}}
 
@@ -80,3 +86,21 @@ async def get_replay(job: PlanJob, desk: DeskDep) -> HTMLResponse:
     }
     page = await desk.ask("service.tasks.trajectories:replay", payload)
     return HTMLResponse(page["html"])
+
+
+@router.get(
+    "/plots/{name}.svg",
+    operation_id="getPlot",
+    response_class=Response,
+    responses={200: {"content": {"image/svg+xml": _SVG}}, **problems(404, 409, 422, 429, 503)},
+)
+async def get_plot(job: PlanJob, desk: DeskDep, name: Chart) -> Response:
+    """Draw the motion of a plan against its limits, or its clearance, over time."""
+    payload = {
+        **{part: job.payload[part] for part in ("scene", "library")},
+        "group": job.payload["request"]["group"],
+        "trajectory": polynomial_of(job),
+        "name": name,
+    }
+    drawing = await desk.ask("service.tasks.plots:plot", payload)
+    return Response(drawing["svg"], media_type="image/svg+xml")

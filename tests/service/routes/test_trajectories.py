@@ -2,6 +2,7 @@
 
 import csv
 import io
+from xml.etree import ElementTree as ET
 
 import numpy as np
 import pytest
@@ -68,3 +69,26 @@ def test_the_replay_is_a_page_by_itself(client, solved):
     assert answer.headers["content-type"].startswith("text/html")
     assert "meshcat" in answer.text.lower()
     assert len(answer.content) > 100_000
+
+
+CHARTS = ["acceleration", "clearance", "jerk", "position", "torque", "utilisation", "velocity"]
+
+
+@pytest.mark.parametrize("name", CHARTS)
+def test_plots_are_drawings_of_every_joint(client, solved, name):
+    answer = client.get(f"/v1/plans/{solved['id']}/plots/{name}.svg")
+    assert answer.status_code == 200, answer.text
+    assert answer.headers["content-type"] == "image/svg+xml"
+    drawing = ET.fromstring(answer.text)
+    words = {text for element in drawing.iter() for text in [element.text] if text}
+    if name in {"clearance", "utilisation"}:
+        assert "time [s]" in words
+    else:
+        joints = solved["result"]["trajectory"]["joint_names"]
+        assert {joint.partition("::")[2] for joint in joints} <= words
+    if name == "velocity":
+        assert client.get(f"/v1/plans/{solved['id']}/plots/{name}.svg").text == answer.text
+
+
+def test_there_is_no_other_plot(client, solved):
+    assert client.get(f"/v1/plans/{solved['id']}/plots/smell.svg").status_code == 422

@@ -1,0 +1,143 @@
+"""Charts of a motion against its limits, drawn with matplotlib."""
+
+import io
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from matplotlib import rc_context
+from matplotlib.backends.backend_svg import FigureCanvasSVG
+from matplotlib.figure import Figure
+
+from planning import MotionSeries
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
+
+# Text stays text, and the same motion gives the same bytes.
+_STYLE: dict[Any, Any] = {
+    "svg.fonttype": "none",
+    "svg.hashsalt": "wayproof",
+    "font.size": 8.0,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.grid": True,
+    "grid.alpha": 0.25,
+}
+_LINE, _LIMIT, _FAINT = "#1f4e79", "#b03a2e", "#7f8c8d"
+_WIDTH, _ROW, _MARGIN = 7.0, 0.95, 0.9
+_UNITS = {1: "/s", 2: "/s²", 3: "/s³"}
+
+
+def draw(name: str, series: MotionSeries) -> str:
+    """Return a chart as SVG.
+
+    Args:
+        name: One of `CHARTS`.
+        series: What to draw.
+    """
+    with rc_context(_STYLE):
+        figure = Figure(layout="constrained")
+        FigureCanvasSVG(figure)
+        CHARTS[name](figure, series)
+        text = io.StringIO()
+        figure.savefig(text, format="svg", metadata={"Date": None, "Creator": "Wayproof"})
+    return text.getvalue()
+
+
+def _positions(figure: Figure, series: MotionSeries) -> None:
+    limits = series.limits
+    bounds = list(zip(limits.lower, limits.upper, strict=True))
+    _rows(figure, series, series.group.position_names, series.positions, bounds)
+    figure.suptitle("position and its limits [rad or m]")
+
+
+def _rates(order: int, attribute: str) -> Callable[[Figure, MotionSeries], None]:
+    def chart(figure: Figure, series: MotionSeries) -> None:
+        bounds = _symmetric(series, getattr(series.limits, attribute))
+        _rows(figure, series, series.group.velocity_names, series.rates[order - 1], bounds)
+        figure.suptitle(f"{attribute} and its limits [rad{_UNITS[order]} or m{_UNITS[order]}]")
+
+    return chart
+
+
+def _torque(figure: Figure, series: MotionSeries) -> None:
+    bounds = _symmetric(series, series.limits.effort)
+    _rows(figure, series, series.group.velocity_names, series.efforts, bounds)
+    figure.suptitle("torque that the motion takes, and its limits [N m or N]")
+
+
+def _clearance(figure: Figure, series: MotionSeries) -> None:
+    figure.set_size_inches(_WIDTH, 3.0)
+    axes = figure.subplots()
+    axes.plot(series.times, 1000 * series.clearance, color=_LINE)
+    axes.axhline(0.0, color=_LIMIT, linestyle="--", linewidth=0.8)
+    least = int(np.argmin(series.clearance))
+    axes.plot(series.times[least], 1000 * series.clearance[least], "o", color=_LIMIT, markersize=4)
+    between = " and ".join(series.pairs[least])
+    axes.set_title(
+        f"smallest distance of any pair [mm]; least, {1000 * series.clearance[least]:.1f} mm at "
+        f"{series.times[least]:.2f} s: {between}",
+        fontsize=8,
+    )
+    axes.set_xlabel("time [s]")
+
+
+def _utilisation(figure: Figure, series: MotionSeries) -> None:
+    used = {name: values.max(axis=1) for name, values in series.utilisation.items()}
+    shown = {name: values for name, values in used.items() if np.isfinite(values).all()}
+    figure.set_size_inches(_WIDTH, 3.0)
+    axes = figure.subplots()
+    for name, values in shown.items():
+        axes.plot(series.times, values, label=name, linewidth=1.1)
+    axes.axhline(1.0, color=_LIMIT, linestyle="--", linewidth=0.8)
+    axes.set_title("largest use of any joint's limit (1: all of it)", fontsize=8)
+    # A jerk that nobody limits would hide all others.
+    axes.set_ylim(0.0, 1.5)
+    axes.set_xlabel("time [s]")
+    figure.legend(loc="outside right upper")
+
+
+CHARTS: dict[str, Callable[[Figure, MotionSeries], None]] = {
+    "acceleration": _rates(2, "acceleration"),
+    "clearance": _clearance,
+    "jerk": _rates(3, "jerk"),
+    "position": _positions,
+    "torque": _torque,
+    "utilisation": _utilisation,
+    "velocity": _rates(1, "velocity"),
+}
+
+
+def _symmetric(series: MotionSeries, bounds: Array) -> list[tuple[float, float]]:
+    """Return a limit on the norm of a block as bounds of each of its coordinates."""
+    by_column: dict[int, float] = {
+        column: float(bound)
+        for block, bound in zip(series.limits.blocks, bounds, strict=True)
+        for column in block
+    }
+    return [(-by_column[i], by_column[i]) for i in sorted(by_column)]
+
+
+def _rows(
+    figure: Figure,
+    series: MotionSeries,
+    names: tuple[str, ...],
+    values: Array,
+    bounds: list[tuple[float, float]],
+) -> None:
+    """Draw a row for every coordinate, with its limits where they are finite."""
+    figure.set_size_inches(_WIDTH, _MARGIN + _ROW * len(names))
+    rows = figure.subplots(len(names), 1, sharex=True, squeeze=False)[:, 0]
+    for axes, name, column, limits in zip(rows, names, values.T, bounds, strict=True):
+        axes.plot(series.times, column, color=_LINE, linewidth=1.1)
+        for limit in limits:
+            if np.isfinite(limit):
+                axes.axhline(limit, color=_LIMIT, linestyle="--", linewidth=0.8)
+        axes.set_ylabel(
+            name.partition("::")[2] or name,
+            rotation=0,
+            horizontalalignment="right",
+            color=_FAINT,
+            fontsize=7,
+        )
+    rows[-1].set_xlabel("time [s]")

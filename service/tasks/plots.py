@@ -1,0 +1,21 @@
+"""Plots of delivered motions."""
+
+from typing import Any
+
+from planning import motion_series
+from service.convert.trajectories import trajectory_value
+from service.plots.charts import draw
+from service.tasks.channel import Channel
+from service.tasks.worlds import borrow_world
+
+
+def plot(payload: dict[str, Any], _: Channel) -> dict[str, Any]:
+    """Return `svg`: a chart of the motion.
+
+    Raises:
+        InputError: The scene does not load any more.
+    """
+    trajectory = trajectory_value(payload["trajectory"])
+    with borrow_world(payload) as world:
+        series = motion_series(world, payload["group"], trajectory)
+    return {"svg": draw(payload["name"], series)}
