@@ -55,7 +55,7 @@ def edit_scene(
     return scene
 
 
-def _editor(operation: SceneOperation) -> Editor:  # noqa: PLR0911  (one return per operation)
+def _editor(operation: SceneOperation) -> Editor:  # noqa: C901, PLR0911  (one case each)
     match operation:
         case AddObject():
             return partial(_add, operation)
@@ -108,9 +108,7 @@ def _remove(operation: RemoveObject, scene: Scene, _: RobotsAlone) -> Scene:
         raise SceneEditImpossible(message, {"name": name, "attached": held})
     return replace(
         scene,
-        objects=tuple(
-            _without_touch(thing, name) for thing in scene.objects if thing.name != name
-        ),
+        objects=tuple(_without_touch(thing, name) for thing in scene.objects if thing.name != name),
         frames=tuple(frame for frame in scene.frames if frame.name not in hanging),
         allowed_collisions=tuple(pair for pair in scene.allowed_collisions if name not in pair),
         margins=tuple(entry for entry in scene.margins if name not in entry.bodies),
@@ -152,7 +150,7 @@ def _detach(operation: DetachObject, scene: Scene, robots: RobotsAlone) -> Scene
 def _set_positions(operation: SetPositions, scene: Scene, robots: RobotsAlone) -> Scene:
     names = [robot.name for robot in scene.robots]
     if operation.robot not in names:
-        raise UnknownName.among("robot", operation.robot, names)
+        raise UnknownName.among("scene robot", operation.robot, names)
     i = names.index(operation.robot)
     placed = robots.placed(scene, i, operation.positions)
     return replace(scene, robots=(*scene.robots[:i], placed, *scene.robots[i + 1 :]))

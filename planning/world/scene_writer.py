@@ -94,7 +94,7 @@ def _pose(pose: Pose) -> dict[str, Any]:
     return {"position": pose.position.tolist(), "quaternion": pose.quaternion.tolist()}
 
 
-def _shape(shape: Shape) -> dict[str, Any]:  # noqa: PLR0911  (one return per shape)
+def _shape(shape: Shape) -> dict[str, Any]:  # noqa: C901, PLR0911  (one case per shape)
     match shape:
         case Box():
             return {"box": shape.size.tolist()}

@@ -15,7 +15,9 @@ from planning.domain.scene import Attachment, Scene
 from planning.errors import SceneInvalid
 
 PICKUP = planning.read_scene(planning.bundled_folder("scenes") / "ur5e_pickup.scene.yaml")
-GRASP = AttachObject("can", "arm::tcp", pose=Pose.from_parts((0.0, 0.0, 0.01), rpy=(np.pi, 0.0, 0.0)))
+GRASP = AttachObject(
+    "can", "arm::tcp", pose=Pose.from_parts((0.0, 0.0, 0.01), rpy=(np.pi, 0.0, 0.0))
+)
 HELD = edit_scene(PICKUP, [GRASP])
 WORLD = planning.load_world(HELD)
 ARM = WORLD.group("arm")
