@@ -17,6 +17,16 @@ if TYPE_CHECKING:
     from planning.domain.pose import Pose
     from planning.domain.problem import PlanningProblem
     from planning.domain.scene import Scene
+    from planning.domain.scene_operation import (
+        AddObject,
+        AllowPair,
+        AttachObject,
+        DetachObject,
+        ForbidPair,
+        MoveObject,
+        RemoveObject,
+        SetPositions,
+    )
     from planning.ik import solve_ik
     from planning.kernel.native import kernel_name
     from planning.own_path import RetimedPath, retime_path
@@ -30,18 +40,26 @@ if TYPE_CHECKING:
     from planning.world.model_library import ModelLibrary, bundled_folder
     from planning.world.replay import replay_html
     from planning.world.scene_document import SceneDocument
+    from planning.world.scene_edit import edit_scene
     from planning.world.scene_file import parse_scene, read_scene, with_line
+    from planning.world.scene_writer import scene_document
     from planning.world.simulation import Simulation
     from planning.world.world import World, load_world
 
 _DOORS = {
+    "AddObject": "planning.domain.scene_operation",
+    "AllowPair": "planning.domain.scene_operation",
+    "AttachObject": "planning.domain.scene_operation",
     "ConfigurationGoal": "planning.domain.goal",
     "Deadline": "planning.domain.deadline",
+    "DetachObject": "planning.domain.scene_operation",
+    "ForbidPair": "planning.domain.scene_operation",
     "IkOptions": "planning.domain.options",
     "JointGoal": "planning.domain.goal",
     "ModelLibrary": "planning.world.model_library",
     "MotionPlan": "planning.domain.plan",
     "MotionSeries": "planning.series",
+    "MoveObject": "planning.domain.scene_operation",
     "PlannerCard": "planning.search.planners",
     "PlanningProblem": "planning.domain.problem",
     "Pose": "planning.domain.pose",
@@ -49,11 +67,13 @@ _DOORS = {
     "PoseTarget": "planning.domain.goal",
     "Progress": "planning.domain.plan",
     "RefineOptions": "planning.domain.options",
+    "RemoveObject": "planning.domain.scene_operation",
     "RetimeOptions": "planning.domain.options",
     "RetimedPath": "planning.own_path",
     "Scene": "planning.domain.scene",
     "SceneDocument": "planning.world.scene_document",
     "SearchOptions": "planning.domain.options",
+    "SetPositions": "planning.domain.scene_operation",
     "Simulation": "planning.world.simulation",
     "TimedTrajectory": "planning.domain.curve",
     "World": "planning.world.world",
@@ -61,6 +81,7 @@ _DOORS = {
     "certify_trajectory": "planning.own_trajectory",
     "check_configurations": "planning.world.check",
     "describe_model": "planning.world.catalogue",
+    "edit_scene": "planning.world.scene_edit",
     "forward_kinematics": "planning.world.kinematics",
     "kernel_name": "planning.kernel.native",
     "list_models": "planning.world.catalogue",
@@ -72,19 +93,26 @@ _DOORS = {
     "read_scene": "planning.world.scene_file",
     "replay_html": "planning.world.replay",
     "retime_path": "planning.own_path",
+    "scene_document": "planning.world.scene_writer",
     "solve_ik": "planning.ik",
     "trajectory_through": "planning.domain.interpolation",
     "with_line": "planning.world.scene_file",
 }
 
 __all__ = [
+    "AddObject",
+    "AllowPair",
+    "AttachObject",
     "ConfigurationGoal",
     "Deadline",
+    "DetachObject",
+    "ForbidPair",
     "IkOptions",
     "JointGoal",
     "ModelLibrary",
     "MotionPlan",
     "MotionSeries",
+    "MoveObject",
     "PlannerCard",
     "PlanningProblem",
     "Pose",
@@ -92,11 +120,13 @@ __all__ = [
     "PoseTarget",
     "Progress",
     "RefineOptions",
+    "RemoveObject",
     "RetimeOptions",
     "RetimedPath",
     "Scene",
     "SceneDocument",
     "SearchOptions",
+    "SetPositions",
     "Simulation",
     "TimedTrajectory",
     "World",
@@ -104,6 +134,7 @@ __all__ = [
     "certify_trajectory",
     "check_configurations",
     "describe_model",
+    "edit_scene",
     "forward_kinematics",
     "kernel_name",
     "list_models",
@@ -115,6 +146,7 @@ __all__ = [
     "read_scene",
     "replay_html",
     "retime_path",
+    "scene_document",
     "solve_ik",
     "trajectory_through",
     "with_line",

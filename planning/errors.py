@@ -3,6 +3,7 @@
 WayproofError                 code, detail, evidence; pickles, so it crosses processes
 ├── InputError                the request cannot be meant; nothing was computed
 │   ├── SceneInvalid          scene_invalid          a scene document with a fault, and where
+│   ├── SceneEditImpossible   scene_edit_impossible  an operation that this scene does not admit
 │   ├── AssetNotFound         asset_not_found        a robot or mesh file that is not there
 │   ├── ModelInvalid          model_invalid          a robot file that is unsafe or does not load
 │   ├── ProblemInvalid        problem_invalid        wrong counts, NaN, contradictory options
@@ -60,6 +61,12 @@ class SceneInvalid(InputError):
     """A scene document has a fault; evidence: `path`, and `line` if it came as text."""
 
     code = "scene_invalid"
+
+
+class SceneEditImpossible(InputError):
+    """An operation that cannot be done to this scene; evidence: `operation`, and what is so."""
+
+    code = "scene_edit_impossible"
 
 
 class AssetNotFound(InputError):

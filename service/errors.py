@@ -77,6 +77,19 @@ class RobotBusy(Refusal):
     status = 409
 
 
+class RevisionConflict(Refusal):
+    """The scene has moved on since; evidence: `revision`, `latest`."""
+
+    code = "revision_conflict"
+    status = 409
+
+    @classmethod
+    def of(cls, identifier: str, revision: int, latest: int) -> "RevisionConflict":
+        """Build the error for a revision that is not the latest."""
+        message = f"scene {identifier} is at revision {latest} by now, not {revision}"
+        return cls(message, {"revision": revision, "latest": latest})
+
+
 class BodyTooLarge(Refusal):
     """The body has more bytes than are read; evidence: `bound`."""
 
@@ -113,10 +126,11 @@ class UnknownInScene(Refusal):
 
 
 # What the scene does not have is impossible there (409); what nobody has is a fault of the payload.
-_IN_SCENE = frozenset({"body", "configuration", "frame", "group", "joint", "object"})
+_IN_SCENE = frozenset({"body", "configuration", "frame", "group", "joint", "object", "scene robot"})
 
 _STATUS: dict[type[WayproofError], int] = {
     planning_errors.SceneInvalid: 422,
+    planning_errors.SceneEditImpossible: 409,
     planning_errors.AssetNotFound: 422,
     planning_errors.ModelInvalid: 422,
     planning_errors.ProblemInvalid: 422,

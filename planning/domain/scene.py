@@ -29,15 +29,30 @@ class SceneRobot(Value):
 
 
 @dataclass(frozen=True, eq=False)
+class Attachment(Value):
+    """How a robot holds an object.
+
+    Attributes:
+        frame: The frame F that the object follows: a robot's, or one that hangs on a robot's.
+        touch: Bodies that it may touch; None for those that move rigidly with F and those that
+            they carry on joints outside the robot's default group, such as fingers.
+    """
+
+    frame: str
+    touch: tuple[str, ...] | None = None
+
+
+@dataclass(frozen=True, eq=False)
 class SceneObject(Value):
     """An obstacle or a thing to handle.
 
     Attributes:
         name: Of its body and of its frame.
         shape: Its geometry.
-        pose: X_WO.
-        movable: Whether it may be attached and moved.
+        pose: X_WO; of an attached object X_FO.
+        movable: Whether it may be attached.
         color: RGBA in 0..1, or None for a default, shape (4,).
+        attached: The robot's hold on it, or None if it stands in the world.
     """
 
     name: str
@@ -45,6 +60,7 @@ class SceneObject(Value):
     pose: Pose
     movable: bool = False
     color: Float64[np.ndarray, "4"] | None = None
+    attached: Attachment | None = None
 
 
 @dataclass(frozen=True, eq=False)

@@ -51,7 +51,7 @@ class Buffers(Value):
         low, high = sorted((body_a, body_b))
         margin = self.margins.of(low, high)
         spare = self.spare.get((low, high), np.inf)
-        if _are_of_one_robot(low, high):
+        if self.margins.are_of_one_robot(low, high):
             # Links that all but touch may do so wherever the robot is. The optimiser would give
             # up over them; the audit looks at them all the same.
             wish = _WISH_WITHIN_ROBOT
@@ -64,16 +64,11 @@ class Buffers(Value):
         near = {
             pair: self.margins.of(*pair) + _AUDITED * min(_WISH, spare / 2)
             for pair, spare in self.spare.items()
-            if not _are_of_one_robot(*pair)
+            if not self.margins.are_of_one_robot(*pair)
         }
         stated = {
-            pair: margin + (0.0 if _are_of_one_robot(*pair) else _AUDITED * _WISH)
+            pair: margin + (0.0 if self.margins.are_of_one_robot(*pair) else _AUDITED * _WISH)
             for pair, margin in self.margins.by_pair.items()
         }
-        return PairMargins(self.margins.default + _AUDITED * _WISH, {**stated, **near})
-
-
-def _are_of_one_robot(body_a: str, body_b: str) -> bool:
-    robot_a, has_robot_a, _ = body_a.partition("::")
-    robot_b, has_robot_b, _ = body_b.partition("::")
-    return bool(has_robot_a and has_robot_b and robot_a == robot_b)
+        default = self.margins.default + _AUDITED * _WISH
+        return PairMargins(default, {**stated, **near}, self.margins.owners)

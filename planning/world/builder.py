@@ -28,6 +28,7 @@ from planning.domain.scene import Scene, SceneFrame, SceneObject, SceneRobot
 from planning.errors import ModelInvalid, SceneInvalid, UnknownName
 from planning.world.couplings import couplings, joint_indices
 from planning.world.drake_model import DrakeModel
+from planning.world.holding import may_touch, require_owners
 from planning.world.model_file import ModelFile, inspect_model
 from planning.world.model_library import ModelLibrary, RobotSource
 from planning.world.shapes import drake_shape
@@ -87,8 +88,10 @@ def build_diagram(
         _refuse_second(build, thing.name, f"objects.{i}.name")
         _add_object(build, thing, f"objects.{i}.shape")
     _add_frames(build, scene.frames)
+    owners = _attach(build, scene)
     build.plant.Finalize()
     _allow_collisions(build, scene)
+    _allow_touch(build, scene)
     scene_graph = builder.scene_graph()
     indices = joint_indices(build.plant, build.bodies)
     model = DrakeModel(
@@ -104,6 +107,7 @@ def build_diagram(
             indices,
             [(robot.scene_robot.name, m) for robot in build.robots for m in robot.file.mimics],
         ),
+        owners=owners,
         uses_kernel=kernel,
     )
     return model, tuple(build.robots)
@@ -174,7 +178,9 @@ def _add_object(build: _Build, thing: SceneObject, path: str) -> None:
     try:
         shape, x_og = drake_shape(thing.shape)
         instance = build.plant.AddModelInstance(thing.name)
-        body = build.plant.AddRigidBody(thing.name, instance, SpatialInertia.NaN())
+        # Nobody says what it weighs: whoever holds it feels nothing of it.
+        inertia = SpatialInertia.Zero() if thing.attached else SpatialInertia.NaN()
+        body = build.plant.AddRigidBody(thing.name, instance, inertia)
         color = DEFAULT_COLOR if thing.color is None else thing.color
         build.plant.RegisterCollisionGeometry(
             body, x_og, shape, thing.name, CoulombFriction(0.9, 0.8)
@@ -183,8 +189,9 @@ def _add_object(build: _Build, thing: SceneObject, path: str) -> None:
     except (RuntimeError, ValueError) as fault:
         message = f"{path}: object {thing.name!r} does not load: {fault}"
         raise SceneInvalid(message, {"path": path}) from fault
-    x_wo = RigidTransform(thing.pose.matrix)
-    build.plant.WeldFrames(build.plant.world_frame(), body.body_frame(), x_wo)
+    if thing.attached is None:
+        x_wo = RigidTransform(thing.pose.matrix)
+        build.plant.WeldFrames(build.plant.world_frame(), body.body_frame(), x_wo)
     build.bodies[thing.name] = body.index()
     build.frames[thing.name] = body.body_frame()
 
@@ -208,6 +215,16 @@ def _add_frames(build: _Build, frames: tuple[SceneFrame, ...]) -> None:
             )
             build.frames[frame.name] = build.plant.AddFrame(offset)
             pending.remove(frame)
+
+
+def _attach(build: _Build, scene: Scene) -> dict[str, str]:
+    """Weld every attached object to its frame and return the robots that hold them."""
+    owners = require_owners(scene, build.frames)
+    for thing in scene.objects:
+        if thing.attached is not None:
+            frame, body = build.frames[thing.attached.frame], build.frames[thing.name]
+            build.plant.WeldFrames(frame, body, RigidTransform(thing.pose.matrix))
+    return owners
 
 
 def _refuse_orphan(
@@ -237,6 +254,31 @@ def _allow_collisions(build: _Build, scene: Scene) -> None:
             raise SceneInvalid(f"{path}: {fault.detail}", {"path": path, **fault.evidence})
         if not unknown:
             _exclude(build, pair)
+
+
+def _allow_touch(build: _Build, scene: Scene) -> None:
+    """Let attached objects touch what they may, by their own list or by default."""
+    arm = [
+        joint
+        for robot in build.robots
+        if (card := robot.source.card) is not None
+        for joint in card.groups[card.default_group].joints
+    ]
+    names = {index: name for name, index in build.bodies.items()}
+    for i, thing in enumerate(scene.objects):
+        if thing.attached is None:
+            continue
+        touch = thing.attached.touch
+        if touch is None:
+            found = may_touch(build.plant, build.frames[thing.attached.frame], arm)
+            touch = tuple(names[index] for index in found if index in names)
+        for k, name in enumerate(touch):
+            if name not in build.bodies:
+                fault = UnknownName.among("body", name, build.bodies)
+                path = f"objects.{i}.attached.touch.{k}"
+                raise SceneInvalid(f"{path}: {fault.detail}", {"path": path, **fault.evidence})
+            if name != thing.name:
+                _exclude(build, (name, thing.name))
 
 
 def _exclude(build: _Build, pair: tuple[str, str]) -> None:

@@ -126,13 +126,9 @@ def bare_checker(model: DrakeModel) -> SceneGraphCollisionChecker:
     Making one takes longer than many a plan; copying it does not.
     """
     plant = model.plant
-    robots = sorted(
-        {
-            plant.get_joint(index).child_body().model_instance()
-            for index in model.joint_indices.values()
-        },
-        key=int,
-    )
+    movers = [plant.get_joint(index).child_body() for index in model.joint_indices.values()]
+    held = [plant.get_body(model.bodies[name]) for name in model.owners]
+    robots = sorted({body.model_instance() for body in [*movers, *held]}, key=int)
     return SceneGraphCollisionChecker(
         CollisionCheckerParams(
             model=model.diagram,

@@ -1,7 +1,7 @@
 """DrakeModel: a scene's engine objects, borrowed read-only by the stages."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -42,6 +42,7 @@ class DrakeModel:
         frames: Drake frames by full name; "world" is one of them.
         joint_indices: Drake's joint by full name.
         couplings: Mimic joints; the plant itself does not know of them.
+        owners: The robot that holds an object, by the object's name.
         uses_kernel: Whether the native kernel may answer where it is sure, or Drake always does.
     """
 
@@ -53,6 +54,7 @@ class DrakeModel:
     frames: Mapping[str, Frame]
     joint_indices: Mapping[str, JointIndex]
     couplings: tuple[Coupling, ...]
+    owners: Mapping[str, str] = field(default_factory=dict)
     uses_kernel: bool = True
 
     @property

@@ -149,6 +149,7 @@ def _tips(model: DrakeModel, joints: tuple[Joint, ...]) -> tuple[str, ...]:
     last = model.plant.get_joint(model.joint_indices[joints[-1].name]).child_body()
     carried = model.plant.GetBodiesWeldedTo(last)
     names = [model.body_names[body.index()] for body in carried if body.index() in model.body_names]
+    names = [name for name in names if name not in model.owners]  # a thing in the hand is no tool
     return (max(names, key=lambda name: int(model.bodies[name])),)
 
 

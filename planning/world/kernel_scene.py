@@ -108,12 +108,12 @@ def kernel_scene(model: DrakeModel) -> KernelScene | None:
         i for i, shape in zip(ids, shapes, strict=True) if shape and shape.kind is ShapeKind.BOX
     }
     bodies = tuple((_name(model, owners[a]), _name(model, owners[b])) for a, b in pairs)
-    bare = PairMargins(1.0)
+    bare = PairMargins(1.0, owners=model.owners)
     return KernelScene(
         native=scene,
         pairs=tuple(pairs),
         bodies=bodies,
-        is_of_one_robot=np.array([bare.of(*pair) == 0.0 for pair in bodies], dtype=bool),
+        is_of_one_robot=np.array([bare.are_of_one_robot(*pair) for pair in bodies], dtype=bool),
         is_of_boxes=np.array([a in boxes and b in boxes for a, b in pairs], dtype=bool),
         links=tree.bodies,
     )

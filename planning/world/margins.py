@@ -1,5 +1,6 @@
 """PairMargins: the distance that is demanded of two bodies."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from planning.domain.value import Value
@@ -10,15 +11,18 @@ class PairMargins(Value):
     """The scene's margin with its exceptions.
 
     The bodies of one robot owe each other no margin, only that they do not touch: neighbouring
-    links are often nearer than any useful margin, whatever the configuration.
+    links are often nearer than any useful margin, whatever the configuration. What a robot holds
+    counts as a body of it.
 
     Attributes:
         default: Distance between bodies of different robots and objects [m].
         by_pair: Exceptions, keyed by the two full names in sorted order.
+        owners: The robot that holds an object, by the object's name.
     """
 
     default: float
     by_pair: dict[tuple[str, str], float] = field(default_factory=dict)
+    owners: Mapping[str, str] = field(default_factory=dict)
 
     def of(self, body_a: str, body_b: str) -> float:
         """Return the margin of two bodies by their full names [m]."""
@@ -26,9 +30,16 @@ class PairMargins(Value):
         exception = self.by_pair.get((low, high))
         if exception is not None:
             return exception
-        robot_a, has_robot_a, _ = body_a.partition("::")
-        robot_b, has_robot_b, _ = body_b.partition("::")
-        return 0.0 if has_robot_a and has_robot_b and robot_a == robot_b else self.default
+        return 0.0 if self.are_of_one_robot(body_a, body_b) else self.default
+
+    def are_of_one_robot(self, body_a: str, body_b: str) -> bool:
+        """Return whether two bodies are parts of one robot, or held by it."""
+        robot_a, robot_b = self._robot(body_a), self._robot(body_b)
+        return robot_a is not None and robot_a == robot_b
+
+    def _robot(self, body: str) -> str | None:
+        robot, has_robot, _ = body.partition("::")
+        return robot if has_robot else self.owners.get(body)
 
     @property
     def largest(self) -> float:

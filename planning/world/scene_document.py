@@ -12,6 +12,7 @@ from pydantic import (
 
 from planning.domain.pose import Pose
 from planning.domain.scene import (
+    Attachment,
     NamedConfiguration,
     PairMargin,
     Scene,
@@ -84,21 +85,51 @@ class RobotDocument(Strictest):
         return SceneRobot(self.name, self.model, self.base.value(), positions)
 
 
+class AttachmentDocument(Strictest):
+    """How a robot holds an object."""
+
+    frame: Path_ = Field(
+        description="What the object follows: `robot::link`, or a frame that hangs on one"
+    )
+    touch: Annotated[list[Path_], Field(max_length=1000)] | None = Field(
+        default=None,
+        description=(
+            "Bodies that it may touch; by default those that move rigidly with the frame and those "
+            "that they carry outside the robot's default group, such as fingers"
+        ),
+    )
+
+    def value(self) -> Attachment:
+        """Return the domain's attachment."""
+        return Attachment(self.frame, None if self.touch is None else tuple(self.touch))
+
+
 class ObjectDocument(Strictest):
     """An obstacle, or a thing to handle."""
 
     name: Name = Field(description="Of its body and of its frame")
     shape: ShapeDocument = Field(description="Its geometry [m]")
-    pose: PoseDocument = Field(default_factory=PoseDocument, description="X_WO")
-    movable: bool = Field(default=False, description="Whether it may be attached and moved")
+    pose: PoseDocument = Field(
+        default_factory=PoseDocument, description="X_WO; of an attached object X_FO, in its frame"
+    )
+    movable: bool = Field(default=False, description="Whether it may be attached")
     color: list[Unit] | None = Field(
         default=None, min_length=3, max_length=4, description="RGB or RGBA, each 0 to 1"
+    )
+    attached: AttachmentDocument | None = Field(
+        default=None, description="The robot's hold on it; none if it stands in the world"
     )
 
     def value(self) -> SceneObject:
         """Return the domain's object."""
-        color = None if self.color is None else np.array([*self.color, 1.0][:4])
-        return SceneObject(self.name, self.shape.value(), self.pose.value(), self.movable, color)
+        return SceneObject(
+            name=self.name,
+            shape=self.shape.value(),
+            pose=self.pose.value(),
+            movable=self.movable,
+            color=None if self.color is None else np.array([*self.color, 1.0][:4]),
+            attached=None if self.attached is None else self.attached.value(),
+        )
 
 
 class FrameDocument(Strictest):

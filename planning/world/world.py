@@ -163,7 +163,7 @@ class World:
         exceptions = {
             (min(m.bodies), max(m.bodies)): m.margin + padding for m in self.scene.margins
         }
-        return PairMargins(default + padding, exceptions)
+        return PairMargins(default + padding, exceptions, self.drake.owners)
 
     def collision_oracle(self, group: JointGroup, margins: PairMargins) -> CollisionJudge:
         """Return a fast judge of the group's configurations; the same one for the same question."""

@@ -36,6 +36,9 @@ type Cursor = Annotated[
     Query(pattern=r"^[0-9]{1,18}$", description="`next` of the page before; none for the first"),
 ]
 type SceneId = Annotated[str, Path(max_length=128, description="Id of a scene")]
+type Revision = Annotated[
+    int | None, Query(ge=1, le=2**31 - 1, description="Of the scene; by default the latest")
+]
 type PlanId = Annotated[str, Path(max_length=128, description="Id of a plan")]
 type ExecutionId = Annotated[str, Path(max_length=128, description="Id of an execution")]
 type LastEventId = Annotated[

@@ -1,4 +1,4 @@
-"""/v1/scenes: post, list, show, forget."""
+"""/v1/scenes: post, list, show, edit, forget."""
 
 from typing import Any
 
@@ -7,10 +7,12 @@ from fastapi import APIRouter, Request, Response
 from planning.errors import UnknownName
 from service.dependencies import DeskDep, ScenesDep
 from service.errors import UnknownInScene
-from service.routes.answers import Cursor, Limit, SceneId, problems
+from service.routes.answers import Cursor, Limit, Revision, SceneId, problems
 from service.scenes.body import read_scene_body
+from service.scenes.revision import revised
 from service.scenes.wire import scene_brief, scene_resource
 from service.schemas.scene import Scene, ScenePage
+from service.schemas.scene_edit import SceneEdit
 from service.schemas.scene_examples import REQUEST_BODY
 
 router = APIRouter(prefix="/v1/scenes", tags=["scenes"])
@@ -55,9 +57,21 @@ async def list_scenes(scenes: ScenesDep, limit: Limit = 50, cursor: Cursor = Non
     response_model_exclude_none=True,
     responses=problems(404, 422),
 )
-async def get_scene(scene: SceneId, scenes: ScenesDep) -> Any:
-    """Show a scene: its document, groups, frames and bodies."""
-    return scene_resource(await scenes.get(scene))
+async def get_scene(scene: SceneId, scenes: ScenesDep, revision: Revision = None) -> Any:
+    """Show a scene, by default its latest revision: document, groups, frames and bodies."""
+    return scene_resource(await scenes.get(scene, revision))
+
+
+@router.patch(
+    "/{scene}",
+    operation_id="editScene",
+    response_model=Scene,
+    response_model_exclude_none=True,
+    responses=problems(400, 404, 409, 413, 422, 429, 503),
+)
+async def edit_scene(scene: SceneId, request: SceneEdit, scenes: ScenesDep, desk: DeskDep) -> Any:
+    """Edit a scene: its next revision, which plans use from now on; older ones stay."""
+    return scene_resource(await revised(scene, request, scenes, desk))
 
 
 @router.delete(

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from datetime import datetime
 from typing import Any
 
-from sqlalchemy import JSON, BigInteger, Column, Integer, MetaData, String, Table
+from sqlalchemy import JSON, BigInteger, Column, Integer, MetaData, String, Table, UniqueConstraint
 
 metadata = MetaData()
 
@@ -20,6 +20,7 @@ scenes = Table(
     Column("created_at", String(40), nullable=False),
     Column("document", JSON, nullable=False),
     Column("summary", JSON, nullable=False),
+    UniqueConstraint("id", "revision"),
 )
 
 
@@ -34,7 +35,7 @@ class SceneRecord:
         digest: sha256 of the content.
         name: For people.
         created_at: When (UTC).
-        document: What was posted, defaults filled in.
+        document: What was posted, or what came of editing it, defaults filled in.
         summary: What it holds once loaded, for the wire.
     """
 

@@ -21,6 +21,16 @@ class SceneShelf:
         fields = (loaded["name"], loaded["digest"], loaded["document"], loaded["summary"])
         return await to_thread.run_sync(self._store.add, *fields)
 
+    async def revise(self, base: SceneRecord, loaded: dict[str, Any]) -> SceneRecord:
+        """Record the revision that follows `base`.
+
+        Raises:
+            UnknownResource: The scene is gone.
+            RevisionConflict: `base` has a successor already.
+        """
+        fields = (loaded["name"], loaded["digest"], loaded["document"], loaded["summary"])
+        return await to_thread.run_sync(self._store.revise, base, *fields)
+
     async def get(self, identifier: str, revision: int | None = None) -> SceneRecord:
         """Return a revision of a scene, by default the latest.
 

@@ -6,11 +6,12 @@ import secrets
 import tempfile
 from datetime import UTC, datetime
 from pathlib import Path
+from threading import Lock
 from typing import Any
 
-from sqlalchemy import Engine, Row, delete, insert, select
+from sqlalchemy import Engine, Row, delete, func, insert, select
 
-from service.errors import UnknownResource
+from service.errors import RevisionConflict, UnknownResource
 from service.scenes.records import SceneRecord, metadata, scenes
 
 
@@ -25,6 +26,7 @@ class SceneStore:
         """Keep records in `engine` and files in `folder`; call `open` before use."""
         self._engine = engine
         self._folder = folder
+        self._revising = Lock()
 
     def open(self) -> None:
         """Create what is missing."""
@@ -35,19 +37,39 @@ class SceneStore:
         self, name: str, digest: str, document: dict[str, Any], summary: dict[str, Any]
     ) -> SceneRecord:
         """Record a new scene."""
-        row: dict[str, Any] = {
-            "id": f"scn_{secrets.token_hex(8)}",
-            "revision": 1,
-            "digest": digest,
-            "name": name,
-            "created_at": datetime.now(UTC).isoformat(),
-            "document": document,
-            "summary": summary,
-        }
+        identifier = f"scn_{secrets.token_hex(8)}"
+        row = _row(identifier, 1, {"name": name, "digest": digest}, document, summary)
         self._write(digest, document)
         with self._engine.begin() as connection:
             connection.execute(insert(scenes).values(row))
-        return self.get(row["id"])
+        return self.get(identifier)
+
+    def revise(
+        self,
+        base: SceneRecord,
+        name: str,
+        digest: str,
+        document: dict[str, Any],
+        summary: dict[str, Any],
+    ) -> SceneRecord:
+        """Record the revision that follows `base`.
+
+        Raises:
+            UnknownResource: The scene is gone.
+            RevisionConflict: `base` has a successor already.
+        """
+        row = _row(base.id, base.revision + 1, {"name": name, "digest": digest}, document, summary)
+        self._write(digest, document)
+        newest = select(func.max(scenes.c.revision)).where(scenes.c.id == base.id)
+        # One server works on a database, so a lock in this process keeps writers apart.
+        with self._revising, self._engine.begin() as connection:
+            latest = connection.execute(newest).scalar()
+            if latest is None:
+                raise UnknownResource.of("scene", base.id)
+            if latest != base.revision:
+                raise RevisionConflict.of(base.id, base.revision, latest)
+            connection.execute(insert(scenes).values(row))
+        return self.get(base.id, base.revision + 1)
 
     def get(self, identifier: str, revision: int | None = None) -> SceneRecord:
         """Return a revision of a scene, by default the latest.
@@ -68,10 +90,20 @@ class SceneStore:
         return _record(found)
 
     def page(self, limit: int, before: int | None) -> list[SceneRecord]:
-        """Return scenes older than the serial `before`, newest first."""
-        query = select(scenes).order_by(scenes.c.serial.desc()).limit(limit)
+        """Return the latest revision of scenes older than `before`, newest scene first.
+
+        A scene is as old as its first revision, whose serial stands for it: pages join up
+        whatever is revised meanwhile.
+        """
+        first = func.min(scenes.c.serial).label("first")
+        latest = func.max(scenes.c.revision).label("latest")
+        spans = select(scenes.c.id, first, latest).group_by(scenes.c.id).subquery()
+        is_latest = (scenes.c.id == spans.c.id) & (scenes.c.revision == spans.c.latest)
+        columns = [column for column in scenes.c if column is not scenes.c.serial]
+        query = select(spans.c.first.label("serial"), *columns).join(spans, is_latest)
+        query = query.order_by(spans.c.first.desc()).limit(limit)
         if before is not None:
-            query = query.where(scenes.c.serial < before)
+            query = query.where(spans.c.first < before)
         with self._engine.connect() as connection:
             return [_record(row) for row in connection.execute(query)]
 
@@ -104,6 +136,24 @@ class SceneStore:
             file.flush()
             os.fsync(file.fileno())
         Path(temporary).replace(self._path(digest))
+
+
+def _row(
+    identifier: str,
+    revision: int,
+    named: dict[str, str],
+    document: dict[str, Any],
+    summary: dict[str, Any],
+) -> dict[str, Any]:
+    created_at = datetime.now(UTC).isoformat()
+    return {
+        **named,
+        "id": identifier,
+        "revision": revision,
+        "created_at": created_at,
+        "document": document,
+        "summary": summary,
+    }
 
 
 def _record(row: Row[Any]) -> SceneRecord:

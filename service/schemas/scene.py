@@ -16,7 +16,7 @@ class SceneBrief(Answer):
     revision: int = Field(description="Of its content, from 1")
     digest: str = Field(description="sha256 of the content")
     name: str = Field(description="For people")
-    created_at: datetime = Field(description="When it was posted (UTC)")
+    created_at: datetime = Field(description="When this revision was made (UTC)")
 
 
 class Scene(SceneBrief):
@@ -32,7 +32,7 @@ class Scene(SceneBrief):
         description="Joints whose rate limits nobody states, so that ours are assumed"
     )
     warnings: list[str] = Field(description="What was found odd, for example concave meshes")
-    document: SceneDocument = Field(description="As it was posted, defaults filled in")
+    document: SceneDocument = Field(description="As it was posted or edited, defaults filled in")
 
 
 class ScenePage(Answer):

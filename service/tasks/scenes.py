@@ -1,10 +1,23 @@
-"""Loading a posted scene: whether it stands, and what it holds."""
+"""Loading a posted or edited scene: whether it stands, and what it holds."""
 
+import json
+from pathlib import Path
 from typing import Any
 
-from planning import World, load_world, with_line
+from planning import (
+    ModelLibrary,
+    SceneDocument,
+    World,
+    edit_scene,
+    load_world,
+    parse_scene,
+    scene_document,
+    with_line,
+)
 from planning.errors import SceneInvalid
+from service.convert.scene_edits import operation_value
 from service.convert.summaries import scene_wire
+from service.schemas.scene_edit import SceneEdit
 from service.tasks.channel import Channel
 from service.tasks.decode import decode_scene
 from service.tasks.worlds import keep, library_of
@@ -23,9 +36,32 @@ def load_scene(payload: dict[str, Any], _: Channel) -> dict[str, Any]:
         world = load_world(scene, library)
     except SceneInvalid as fault:
         raise with_line(fault, payload["text"]) from fault
+    return _loaded(world, library, document)
+
+
+def revise_scene(payload: dict[str, Any], _: Channel) -> dict[str, Any]:
+    """Return the same of a scene after the operations in `request`.
+
+    Raises:
+        UnknownName: An operation names what the scene does not have.
+        SceneEditImpossible: An operation cannot be done to it.
+        InputError: What came of it does not load.
+    """
+    request = SceneEdit.model_validate(payload["request"])
+    library = library_of(payload["library"])
+    text = Path(payload["scene"]["document"]).read_text(encoding="utf-8")
+    posted = SceneDocument.model_validate(json.loads(text))
+    operations = [operation_value(wire) for wire in request.operations]
+    edited = scene_document(edit_scene(posted.value(), operations, library), like=posted)
+    document = edited.model_dump(mode="json", exclude_none=True)
+    return _loaded(load_world(parse_scene(document), library), library, document)
+
+
+def _loaded(world: World, library: ModelLibrary, document: dict[str, Any]) -> dict[str, Any]:
     summary = scene_wire(world.summary, aliases_of(world))
     keep(world, library)
-    return {"name": scene.name, "document": document, "digest": scene.digest, "summary": summary}
+    name, digest = world.scene.name, world.digest
+    return {"name": name, "document": document, "digest": digest, "summary": summary}
 
 
 def aliases_of(world: World) -> dict[str, list[str]]:

@@ -1,11 +1,12 @@
 """Scenes survive the server; their files can be lost."""
 
 import json
+from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 from sqlalchemy import create_engine
 
-from service.errors import UnknownResource
+from service.errors import RevisionConflict, UnknownResource
 from service.scenes.store import SceneStore
 
 DOCUMENT = {"robots": [{"name": "arm", "model": "ur5e"}], "margin": 0.1 + 0.2}
@@ -65,3 +66,40 @@ def test_a_lost_file_is_written_again_bit_for_bit(store):
     before = store.file(added).read_bytes()
     store.file(added).unlink()
     assert store.file(added).read_bytes() == before
+
+
+def test_revisions_follow_one_another_and_stay_readable(store):
+    first = store.add("a", "d1", DOCUMENT, {})
+    second = store.revise(first, "a", "d2", {**DOCUMENT, "margin": 1.0}, {"groups": []})
+    assert (second.id, second.revision) == (first.id, 2)
+    assert store.get(first.id) == second
+    assert store.get(first.id, 1) == first
+    assert json.loads(store.file(first).read_text()) == DOCUMENT
+    assert json.loads(store.file(second).read_text())["margin"] == 1.0
+    store.delete(first.id)
+    for revision in (None, 1, 2):
+        with pytest.raises(UnknownResource):
+            store.get(first.id, revision)
+    with pytest.raises(UnknownResource):
+        store.revise(second, "a", "d3", DOCUMENT, {})
+
+
+def test_of_two_successors_one_is_refused(store):
+    first = store.add("a", "d1", DOCUMENT, {})
+    with ThreadPoolExecutor(8) as pool:
+        asked = [pool.submit(store.revise, first, "a", f"d{i}", DOCUMENT, {}) for i in range(8)]
+    refusals = [future.exception() for future in asked]
+    assert refusals.count(None) == 1
+    assert all(isinstance(r, RevisionConflict) for r in refusals if r is not None)
+    assert store.get(first.id).revision == 2
+
+
+def test_pages_have_the_latest_revision_at_the_place_of_the_first(store):
+    made = [store.add(f"s{i}", "d", DOCUMENT, {}) for i in range(5)]
+    page = store.page(2, None)
+    revised = store.revise(made[1], "s1 edited", "e", DOCUMENT, {})
+    seen = [record.name for record in page]
+    while page := store.page(2, page[-1].serial):
+        seen += [record.name for record in page]
+    assert seen == ["s4", "s3", "s2", "s1 edited", "s0"]
+    assert revised.serial > made[4].serial

@@ -1,0 +1,1 @@
+"""The seeds of this project: scenes with a goal and a time to reach it in."""

@@ -1,0 +1,114 @@
+"""scene_document(): a scene as the document that describes it."""
+
+from collections.abc import Iterable
+from typing import Any
+
+from planning.domain.pose import Pose
+from planning.domain.scene import Scene, SceneFrame, SceneObject, SceneRobot
+from planning.domain.shapes import (
+    Box,
+    Capsule,
+    Convex,
+    Cylinder,
+    Ellipsoid,
+    HalfSpace,
+    Mesh,
+    Shape,
+    Sphere,
+)
+from planning.world.scene_document import SceneDocument
+from planning.world.scene_file import parse_scene
+
+
+def scene_document(scene: Scene, like: SceneDocument | None = None) -> SceneDocument:
+    """Return the document of a scene.
+
+    Read again it gives the same scene, but for the last bit of quaternions that are normalised
+    once more.
+
+    Args:
+        scene: What to describe.
+        like: A document of an earlier revision: robots, objects and frames that are as it says
+            stay as they are written there, bit for bit.
+
+    Raises:
+        SceneInvalid: The scene has what no document may have, such as too many objects.
+    """
+    written: dict[str, Any] = {
+        "name": scene.name,
+        "robots": [_robot(robot) for robot in scene.robots],
+        "objects": [_object(thing) for thing in scene.objects],
+        "frames": [_frame(frame) for frame in scene.frames],
+        "allowed_collisions": [list(pair) for pair in scene.allowed_collisions],
+        "configurations": {
+            entry.name: {"group": entry.group, "positions": entry.positions.tolist()}
+            for entry in scene.configurations
+        },
+        "margin": scene.margin,
+        "margins": [
+            {"bodies": list(entry.bodies), "margin": entry.margin} for entry in scene.margins
+        ],
+    }
+    if like is not None:
+        written["robots"] = _kept(written["robots"], scene.robots, like.robots)
+        written["objects"] = _kept(written["objects"], scene.objects, like.objects)
+        written["frames"] = _kept(written["frames"], scene.frames, like.frames)
+    parse_scene(written)
+    return SceneDocument.model_validate(written)
+
+
+def _kept(written: list[Any], values: Iterable[Any], documents: Iterable[Any]) -> list[Any]:
+    """Return what was written, with earlier documents instead where they say the same."""
+    earlier = {document.name: document for document in documents}
+    return [
+        earlier[value.name].model_dump()
+        if value.name in earlier and earlier[value.name].value() == value
+        else entry
+        for entry, value in zip(written, values, strict=True)
+    ]
+
+
+def _robot(robot: SceneRobot) -> dict[str, Any]:
+    positions = list(robot.positions) if isinstance(robot.positions, tuple) else robot.positions
+    base = _pose(robot.base)
+    return {"name": robot.name, "model": robot.model, "base": base, "positions": positions}
+
+
+def _object(thing: SceneObject) -> dict[str, Any]:
+    attached = thing.attached and {"frame": thing.attached.frame, "touch": thing.attached.touch}
+    return {
+        "name": thing.name,
+        "shape": _shape(thing.shape),
+        "pose": _pose(thing.pose),
+        "movable": thing.movable,
+        "color": None if thing.color is None else thing.color.tolist(),
+        "attached": attached,
+    }
+
+
+def _frame(frame: SceneFrame) -> dict[str, Any]:
+    return {"name": frame.name, "parent": frame.parent, "pose": _pose(frame.pose)}
+
+
+def _pose(pose: Pose) -> dict[str, Any]:
+    return {"position": pose.position.tolist(), "quaternion": pose.quaternion.tolist()}
+
+
+def _shape(shape: Shape) -> dict[str, Any]:  # noqa: C901, PLR0911  (one case per shape)
+    match shape:
+        case Box():
+            return {"box": shape.size.tolist()}
+        case Sphere():
+            return {"sphere": shape.radius}
+        case Cylinder():
+            return {"cylinder": {"radius": shape.radius, "length": shape.length}}
+        case Capsule():
+            return {"capsule": {"radius": shape.radius, "length": shape.length}}
+        case Ellipsoid():
+            return {"ellipsoid": shape.semi_axes.tolist()}
+        case HalfSpace():
+            return {"half_space": {}}
+        case Convex():
+            return {"convex": {"points": shape.points.tolist()}}
+        case Mesh():
+            return {"mesh": {"uri": shape.uri, "scale": shape.scale.tolist()}}
