@@ -9,6 +9,7 @@ import numpy as np
 from planning.domain.curve import JointSpline, TimedTrajectory
 from planning.domain.deadline import Deadline
 from planning.domain.joints import JointLimits
+from planning.domain.options import RefineOptions
 from planning.domain.path import JointPath
 from planning.domain.problem import PlanningProblem
 from planning.domain.report import RefineReport, RetimeReport
@@ -19,6 +20,7 @@ from planning.retime.explain import explain_duration
 from planning.retime.retimer import retime
 from planning.stopwatch import Stopwatch
 from planning.world.margins import PairMargins
+from planning.world.rules.path_rules import PathRules
 from planning.world.world import World
 
 # How far corners may be rounded, largest first (joint-space length). The last resort, 0, follows
@@ -57,10 +59,13 @@ def candidates(
     retime_options = problem.retime
     with watch.stage("refine"):
         scaled = limits.scaled(retime_options.velocity_scale, retime_options.acceleration_scale)
+        options = RefineOptions("none") if problem.constraints else problem.refine
         request = RefineRequest(
-            path, scaled, margins, problem.refine, jerk=retime_options.method == "ruckig"
+            path, scaled, margins, options, jerk=retime_options.method == "ruckig"
         )
         refined, report = refine(world, request, deadline)
+        if problem.constraints and problem.refine.method != "none":
+            report = replace(report, reason="it does not know path constraints")
     first: list[Candidate] = []
     if refined is not None:
         with suppress(RetimingFailed):
@@ -89,12 +94,15 @@ def _clear_deviations(
     world: World, path: JointPath, problem: PlanningProblem, margins: PairMargins
 ) -> Iterator[float]:
     """Yield the deviations that do not collide at a glance; what does is not worth timing."""
-    oracle = world.collision_oracle(world.group(problem.group), margins)
+    group = world.group(problem.group)
+    oracle = world.collision_oracle(group, margins)
+    rules = PathRules.compiled(world, group, problem.constraints, path.waypoints[0])
     smoothness = 2 if problem.retime.method == "ruckig" else 1
     count = int(path.length / _GLANCE) + 2
     for deviation in _DEVIATIONS[:-1]:
         curve = blend_corners(path, deviation, smoothness)
-        if oracle.are_free(curve.positions(np.linspace(0.0, 1.0, count))).all():
+        glances = curve.positions(np.linspace(0.0, 1.0, count))
+        if oracle.are_free(glances).all() and rules.are_kept(glances).all():
             yield deviation
     yield _DEVIATIONS[-1]
 

@@ -14,6 +14,8 @@ WayproofError                 code, detail, evidence; pickles, so it crosses pro
 │   ├── GoalOutOfLimits       goal_out_of_limits     the joints, values and bounds
 │   ├── GoalInCollision       goal_in_collision      every goal configuration collides
 │   ├── GoalUnreachable       goal_unreachable       the funnel, and the nearest pose
+│   ├── StartViolatesConstraint  start_violates_constraint  which constraint, and by how much
+│   ├── GoalViolatesConstraint   goal_violates_constraint   how many violate which, and the least
 │   ├── NoPathFound           no_path_found          the planner, its attempts and checks
 │   ├── DeadlineExceeded      deadline_exceeded      how long it had, and where it stood
 │   ├── Canceled              canceled               somebody asked for it
@@ -146,6 +148,20 @@ class GoalUnreachable(PlanningFailure):
     """No configuration reaches the goal pose; evidence: `funnel`, `nearest`."""
 
     code = "goal_unreachable"
+    stage = "goals"
+
+
+class StartViolatesConstraint(PlanningFailure):
+    """The start violates path constraints; evidence: `violations` with `value` and `bound`."""
+
+    code = "start_violates_constraint"
+    stage = "goals"
+
+
+class GoalViolatesConstraint(PlanningFailure):
+    """Every goal configuration violates path constraints; evidence: `violations`, a tally."""
+
+    code = "goal_violates_constraint"
     stage = "goals"
 
 

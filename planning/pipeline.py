@@ -26,10 +26,12 @@ from planning.errors import DeadlineExceeded, NoPathFound, ProblemInvalid
 from planning.goals.sampler import GoalQuery, find_goals
 from planning.goals.start import admit_start
 from planning.paddings import endpoint_padding
+from planning.ruled import admit_rules, kept_goals, search_ruled
 from planning.search.solver import SearchResult, SearchTask, search
 from planning.stopwatch import Stopwatch
 from planning.world.margins import PairMargins
 from planning.world.positions import require_positions
+from planning.world.rules.path_rules import PathRules
 from planning.world.world import Array, World
 
 # How often the search is asked again, each time with half the resolution, before we give up.
@@ -56,6 +58,7 @@ class _Task:
     deadline: Deadline
     report: Callable[[Progress], None]
     watch: Stopwatch
+    rules: PathRules | None
 
 
 def plan(
@@ -90,10 +93,16 @@ def plan(
     on_progress(Progress("goals", 0.02, "looking for goal configurations"))
     with watch.stage("goals"):
         start, clipped = admit_start(world, group, given, margins)
+        rules = admit_rules(world, group, problem.constraints, start)
         query = GoalQuery(group, problem.goal, start, margins, problem.ik)
         goals = find_goals(world, query, np.random.default_rng(problem.seed), deadline.share(0.5))
-    limits = world.limits(group)
-    task = _Task(world, problem, group, limits, margins, start, goals, deadline, on_progress, watch)
+        if rules is not None:
+            goals = kept_goals(rules, goals)
+            rules = rules.leaving_room(start, goals.positions)
+    limits = world.limits(group) if rules is None else rules.limits(world.limits(group))
+    task = _Task(
+        world, problem, group, limits, margins, start, goals, deadline, on_progress, watch, rules
+    )
     found, chosen, certificate, certified = _prove_one(task)
     return MotionPlan(
         group=group,
@@ -163,7 +172,10 @@ def _search_padded(task: _Task, round_: int, padding: float, deadline: Deadline)
         padding=padding,
         seed=task.problem.seed + round_,
     )
-    found = search(task.group, task.limits, oracle, request, deadline, watch=task.watch)
+    if task.rules is None:
+        found = search(task.group, task.limits, oracle, request, deadline, watch=task.watch)
+    else:
+        found = search_ruled(task.rules, task.limits, oracle, request, deadline, task.watch)
     return SearchResult(found.path.continuous, int(rows[found.goal_row]), found.report)
 
 
@@ -179,5 +191,6 @@ def _certify(task: _Task, candidate: Candidate) -> tuple[Certificate, CertifyRep
         ),
         margins=task.margins,
         jerk=task.problem.retime.method == "ruckig",
+        constraints=task.problem.constraints,
     )
     return certify(task.world.drake, request, task.deadline)

@@ -1,6 +1,7 @@
 """certify(): every check on one trajectory, and the verdict."""
 
 from planning.certify.clearance import Clearance, check_clearance
+from planning.certify.constraint_checks import constraint_checks
 from planning.certify.end_checks import continuity_checks, goal_check, rest_check, start_check
 from planning.certify.form_check import form_check
 from planning.certify.limit_checks import position_check, rate_check
@@ -42,8 +43,9 @@ def certify(
             proven=False, min_clearance=float("nan"), pair=("", ""), time=0.0, checks=(form,)
         )
         return refused, CertifyReport(0, 0)
+    kept = constraint_checks(model, request, deadline)
     clearance = check_clearance(model, request, deadline)
-    checks = (form, *_motion_checks(request), clearance.check)
+    checks = (form, *_motion_checks(request), *kept, clearance.check)
     return _verdict(checks, clearance), CertifyReport(clearance.intervals, clearance.queries)
 
 

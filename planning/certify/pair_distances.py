@@ -77,6 +77,12 @@ class PairDistances:
         self._placed = PlacedShapes(model, self._shapes, self._bounds)
         self.go_to(request.trajectory.start)
 
+    @property
+    def moved_bodies(self) -> set[str]:
+        """Full names of the bodies that the group moves."""
+        chains = self._bounds.chains
+        return {name for i, name in self._model.body_names.items() if chains.get(int(i))}
+
     def go_to(self, q: Float64[np.ndarray, " nq"]) -> None:
         """Put the group at q, and all else where it is."""
         full = self._model.embed(self._group, q, self._state)

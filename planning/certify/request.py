@@ -8,6 +8,7 @@ import numpy as np
 from jaxtyping import Float64
 
 from planning.certify import bernstein
+from planning.domain.constraint import PathConstraint
 from planning.domain.curve import TimedTrajectory
 from planning.domain.joints import JointGroup, JointLimits
 from planning.domain.value import Value
@@ -29,6 +30,7 @@ class CertifyRequest(Value):
         limits: The limits to keep.
         margins: The distances to keep.
         jerk: Whether jerk is limited (and acceleration hence continuous).
+        constraints: What else to keep; names and numbers in them are trusted.
     """
 
     group: JointGroup
@@ -39,6 +41,7 @@ class CertifyRequest(Value):
     limits: JointLimits
     margins: PairMargins
     jerk: bool
+    constraints: tuple[PathConstraint, ...] = ()
 
     @cached_property
     def forms(self) -> tuple[Array, ...]:

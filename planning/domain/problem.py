@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from jaxtyping import Float64
 
+from planning.domain.constraint import PathConstraint
 from planning.domain.goal import Goal
 from planning.domain.options import IkOptions, RefineOptions, RetimeOptions, SearchOptions
 from planning.domain.value import Value
@@ -24,6 +25,7 @@ class PlanningProblem(Value):
         retime: Options of the retime stage.
         margin: Distance that everything keeps [m]; None for the scene's.
         seed: Of all randomness.
+        constraints: What the motion shall keep on its whole way, all of them.
     """
 
     group: str
@@ -35,3 +37,4 @@ class PlanningProblem(Value):
     retime: RetimeOptions = field(default_factory=RetimeOptions)
     margin: float | None = None
     seed: int = 0
+    constraints: tuple[PathConstraint, ...] = ()

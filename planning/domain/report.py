@@ -53,6 +53,8 @@ class Funnel(Value):
         distinct: Differ from all others; whole turns of joints do not make them differ here.
         rejected_by: Which pairs the colliding ones hit; only the first few are measured, more of
             them if none is free.
+        violating: Configurations, whole turns included, that were dropped because they violate a
+            path constraint.
     """
 
     tried: int = 0
@@ -61,6 +63,7 @@ class Funnel(Value):
     collision_free: int = 0
     distinct: int = 0
     rejected_by: tuple[PairTally, ...] = ()
+    violating: int = 0
 
 
 @dataclass(frozen=True, eq=False)

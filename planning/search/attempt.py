@@ -19,6 +19,7 @@ from planning.search.oracle import WatchedOracle
 from planning.search.parameters import Scalar
 from planning.search.planners import make_planner
 from planning.search.polyline import unrolled
+from planning.search.projected import ProjectedSpace
 from planning.search.roadmap import is_roadmap_planner, solve_by_roadmap
 from planning.search.spaces import SearchSpace
 from planning.search.stopping import Stopping
@@ -99,6 +100,8 @@ def attempt(query: Query, edges: EdgeChecker, seed: int) -> Attempt:
         status, found = _solve(planner, information, query, stopping)
         if found is None:
             query.deadline.check("search")
+        elif isinstance(query.space, ProjectedSpace):
+            found = query.space.threaded(information, found)
     except DeadlineExceeded as error:
         raise DeadlineExceeded(error.detail, error.evidence | _growth(planner)) from error
     finally:

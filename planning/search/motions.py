@@ -7,6 +7,7 @@ from ompl import base as ob
 
 from planning.search.edges import EdgeChecker
 from planning.search.oracle import WatchedOracle
+from planning.search.projected import ProjectedSpace
 from planning.search.spaces import SearchSpace
 
 
@@ -61,6 +62,8 @@ def space_information(
 
     RRTConnect adds no state but by a motion: checked with both ends, that is one question for two.
     """
+    if isinstance(space, ProjectedSpace):
+        return space.information(oracle)
     ompl = ob.SpaceInformation(space.ompl)
     if planner == "RRTConnect":
         ompl.setStateValidityChecker(ob.AllValidStateValidityChecker(ompl))

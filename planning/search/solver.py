@@ -19,6 +19,7 @@ from planning.errors import DeadlineExceeded, NoPathFound, ProblemInvalid
 from planning.search.attempt import Attempt, Query
 from planning.search.oracle import CollisionOracle, WatchedOracle
 from planning.search.planners import check_planner
+from planning.search.projected import ProjectedSpace
 from planning.search.sound import Closeness, SoundPath, delivered, fine_checker, sound_attempt
 from planning.search.spaces import SearchSpace
 from planning.search.task import SearchResult, SearchTask
@@ -78,7 +79,7 @@ def search(
     options = task.options
     check_planner(options.planner, options.parameters)
     watched = WatchedOracle(oracle, group, limits, deadline)
-    space = SearchSpace(group, limits, np.concatenate([task.start[None], task.goals]))
+    space = _space(group, limits, task)
     rows = _admissible_goals(space, watched, task)
     query = Query(
         space,
@@ -113,6 +114,13 @@ def search(
         direct=best is tally.direct,
     )
     return SearchResult(JointPath(group, best.waypoints), int(rows[best.goal_row]), report)
+
+
+def _space(group: JointGroup, limits: JointLimits, task: SearchTask) -> SearchSpace:
+    anchors = np.concatenate([task.start[None], task.goals])
+    if task.residual is None:
+        return SearchSpace(group, limits, anchors)
+    return ProjectedSpace(group, limits, anchors, task.residual)
 
 
 def _is_detour(direct: SoundPath, query: Query) -> bool:

@@ -9,6 +9,7 @@ from planning.domain.options import SearchOptions
 from planning.domain.path import JointPath
 from planning.domain.report import SearchReport
 from planning.domain.value import Value
+from planning.search.projected import Residual
 
 
 @dataclass(frozen=True, eq=False)
@@ -23,6 +24,7 @@ class SearchTask(Value):
             that of the options, which the pipeline makes finer in later rounds.
         padding: Distance that the oracle demands beyond the margin [m]; for the report.
         seed: Of all randomness, not negative.
+        residual: What vanishes on a set that is too thin to be sampled, or None.
     """
 
     start: Float64[np.ndarray, " nq"]
@@ -31,6 +33,7 @@ class SearchTask(Value):
     resolution: float
     padding: float
     seed: int
+    residual: Residual | None = None
 
 
 @dataclass(frozen=True, eq=False)

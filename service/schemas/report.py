@@ -26,6 +26,10 @@ class FunnelWire(Answer):
     rejected_by: list[PairTallyWire] = Field(
         description="Which pairs the colliding ones hit, of the first few that were measured"
     )
+    violating: int = Field(
+        default=0,
+        description="Dropped because they violate a path constraint, whole turns included",
+    )
 
 
 class NearestPoseWire(Answer):

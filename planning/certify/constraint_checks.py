@@ -1,0 +1,60 @@
+"""One check for every path constraint, on the whole interval."""
+
+from planning.certify.band_check import band_check
+from planning.certify.frame_checks import box_check, cone_check
+from planning.certify.joint_checks import lock_check, tight_check
+from planning.certify.request import CertifyRequest
+from planning.certify.sampled_check import predicate_check
+from planning.domain.certificate import Check
+from planning.domain.constraint import (
+    DistanceBand,
+    KeepIn,
+    KeepOut,
+    LockedJoints,
+    OrientationCone,
+    PathConstraint,
+    PathPredicate,
+    PositionBand,
+    TightLimits,
+    constraint_label,
+)
+from planning.domain.deadline import Deadline
+from planning.world.drake_model import DrakeModel
+
+
+def constraint_checks(
+    model: DrakeModel, request: CertifyRequest, deadline: Deadline
+) -> list[Check]:
+    """Return the checks, in the order of the constraints.
+
+    Raises:
+        DeadlineExceeded: Time ran out.
+        Canceled: Somebody asked for the end.
+        ModelInvalid: A shape or joint of a kind that cannot be certified.
+    """
+    return [
+        _check(constraint_label(i, constraint), constraint, model, request, deadline)
+        for i, constraint in enumerate(request.constraints)
+    ]
+
+
+def _check(
+    name: str,
+    constraint: PathConstraint,
+    model: DrakeModel,
+    request: CertifyRequest,
+    deadline: Deadline,
+) -> Check:
+    match constraint:
+        case DistanceBand():
+            return band_check(name, constraint, model, request, deadline)
+        case KeepIn() | KeepOut() | PositionBand():
+            return box_check(name, constraint, model, request, deadline)
+        case OrientationCone():
+            return cone_check(name, constraint, model, request, deadline)
+        case LockedJoints():
+            return lock_check(name, constraint, request)
+        case TightLimits():
+            return tight_check(name, constraint, request)
+        case PathPredicate():
+            return predicate_check(name, constraint, request, deadline)

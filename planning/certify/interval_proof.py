@@ -1,0 +1,153 @@
+"""A bound on a quantity along a whole trajectory, by conservative bisection.
+
+A quantity is measured at a segment's centre; what the joints can move within the segment bounds how
+much larger it can be anywhere in it. Segments on which that does not exceed the bound are proven,
+the others are halved, the most suspicious first.
+"""
+
+from dataclasses import dataclass, field
+from heapq import heapify, heappop, heappush
+from typing import Protocol
+
+import numpy as np
+
+from planning.certify.request import CertifyRequest
+from planning.certify.segments import Segment, Segments
+from planning.domain.deadline import Deadline
+
+# More than a bound by this is forgiven: a start that lies on it would be refused for rounding.
+SLACK = 1e-6
+# Segments shorter than this, or more of them, are given up as unproven [s].
+_SHORTEST = 1e-6
+_MOST_SEGMENTS = 20_000
+# How well the largest value is to be known, as a share of the bound or at least, and what it may
+# cost in segments.
+_RESOLUTION, _LEAST = 0.02, 1e-4
+_TIGHTENING = 100
+
+
+@dataclass(frozen=True)
+class Sight:
+    """A quantity at the centre of a segment.
+
+    Attributes:
+        value: As measured.
+        top: At most so much anywhere in the segment.
+        where: What is worst there.
+    """
+
+    value: float
+    top: float
+    where: str = ""
+
+
+class Quantity(Protocol):
+    """Something that shall not exceed a bound."""
+
+    def look(self, segment: Segment) -> Sight:
+        """Measure at the centre of a segment, and bound on all of it."""
+        ...
+
+
+@dataclass(frozen=True)
+class Finding:
+    """What is known of a quantity.
+
+    Attributes:
+        value: The largest that was measured.
+        top: At most so much anywhere; infinite if that is not known.
+        passed: Whether it is proven to keep its bound.
+        where: What was worst.
+        time: When [s].
+    """
+
+    value: float
+    top: float
+    passed: bool
+    where: str
+    time: float
+
+
+@dataclass(order=True)
+class _Node:
+    rank: float
+    number: int
+    segment: Segment = field(compare=False)
+
+
+def bounded(
+    quantity: Quantity, bound: float, request: CertifyRequest, deadline: Deadline
+) -> Finding:
+    """Prove, or fail to prove, that a quantity keeps its bound throughout.
+
+    Args:
+        quantity: Measured in the unit of the bound.
+        bound: May be passed by `SLACK`.
+        request: Has the trajectory.
+        deadline: When to stop.
+
+    Raises:
+        DeadlineExceeded: Time ran out.
+        Canceled: Somebody asked for the end.
+    """
+    return _Bisection(quantity, bound, request, deadline).run()
+
+
+class _Bisection:
+    """One proof."""
+
+    def __init__(
+        self, quantity: Quantity, bound: float, request: CertifyRequest, deadline: Deadline
+    ) -> None:
+        self._quantity, self._bound = quantity, bound
+        self._segments, self._deadline = Segments(request.trajectory), deadline
+        self._worst = Sight(-np.inf, -np.inf)
+        self._time = 0.0
+        self._count = 0
+
+    def run(self) -> Finding:
+        heap = [self._node(self._segments.whole)]
+        leaves: list[_Node] = []
+        while heap:
+            node = heappop(heap)
+            if self._worst.value > self._bound + SLACK:
+                return self._finding(np.inf, passed=False)
+            if -node.rank <= self._bound + SLACK:
+                leaves.append(node)
+            elif self._is_hopeless(node.segment):
+                return self._finding(-node.rank, passed=False)
+            else:
+                for half in self._segments.halves(node.segment):
+                    heappush(heap, self._node(half))
+        return self._finding(self._tightened(leaves), passed=True)
+
+    def _tightened(self, leaves: list[_Node]) -> float:
+        """Halve the segments that may hide a larger value than was seen; return a bound on all."""
+        heapify(leaves)
+        fine = max(_RESOLUTION * abs(self._bound), _LEAST)
+        last = self._count + _TIGHTENING
+        while -leaves[0].rank > self._worst.value + fine and self._count < last:
+            node = heappop(leaves)
+            for half in self._segments.halves(node.segment):
+                child = self._node(half)
+                # What was proven of the whole is true of its halves.
+                child.rank = max(child.rank, node.rank)
+                heappush(leaves, child)
+        return -leaves[0].rank
+
+    def _node(self, segment: Segment) -> _Node:
+        if self._count % 16 == 0:
+            self._deadline.check("certify")
+        self._count += 1
+        sight = self._quantity.look(segment)
+        if sight.value > self._worst.value:
+            self._worst, self._time = sight, segment.time
+        return _Node(-sight.top, self._count, segment)
+
+    def _is_hopeless(self, segment: Segment) -> bool:
+        is_short = segment.is_part and segment.end - segment.begin < _SHORTEST
+        return is_short or self._count > _MOST_SEGMENTS
+
+    def _finding(self, top: float, *, passed: bool) -> Finding:
+        worst = self._worst
+        return Finding(worst.value, max(top, worst.value), passed, worst.where, self._time)

@@ -1,0 +1,44 @@
+"""A predicate, which nothing is known of: it is asked at samples, and the check says how near."""
+
+import numpy as np
+
+from planning.certify.request import CertifyRequest
+from planning.certify.segments import Segment, Segments
+from planning.domain.certificate import Check
+from planning.domain.constraint import PathPredicate
+from planning.domain.deadline import Deadline
+
+
+def predicate_check(
+    name: str, constraint: PathPredicate, request: CertifyRequest, deadline: Deadline
+) -> Check:
+    """Return whether a predicate says yes at samples of the whole trajectory, both ends included.
+
+    Between two samples every configuration is within the resolution of one of them, counted as the
+    root of the squares of what each joint turns and shifts.
+    """
+    resolution = constraint.resolution
+    where = f"sampled every {resolution:g} rad or m"
+    segments = Segments(request.trajectory)
+    ends = [(0.0, request.trajectory.start), (request.trajectory.duration, request.trajectory.end)]
+    for time, q in ends:
+        if not constraint.predicate(q):
+            return Check(name, 1.0, 0.0, "1", resolution, passed=False, where=where, time=time)
+    open_ = [segments.whole]
+    count = 0
+    while open_:
+        segment = open_.pop()
+        count += 1
+        if count % 64 == 0:
+            deadline.check("certify")
+        if segment.is_part and _reach(segment) <= resolution:
+            if not constraint.predicate(segment.center):
+                time = segment.time
+                return Check(name, 1.0, 0.0, "1", resolution, passed=False, where=where, time=time)
+        else:
+            open_ += reversed(segments.halves(segment))
+    return Check(name, 0.0, 0.0, "1", resolution, passed=True, where=where)
+
+
+def _reach(segment: Segment) -> float:
+    return float(np.sqrt((segment.turn**2).sum() + (segment.shift**2).sum()))

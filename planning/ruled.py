@@ -1,0 +1,106 @@
+"""A plan under path constraints: its start, its goals, its search."""
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float64
+
+from planning.domain.constraint import PathConstraint
+from planning.domain.deadline import Deadline
+from planning.domain.joints import JointGroup, JointLimits
+from planning.domain.report import GoalConfigurations
+from planning.errors import GoalViolatesConstraint, StartViolatesConstraint
+from planning.search.lock import search_locked
+from planning.search.task import SearchResult, SearchTask
+from planning.stopwatch import Stopwatch
+from planning.world.rules.path_rules import PathRules
+from planning.world.world import CollisionJudge, World
+
+
+def admit_rules(
+    world: World,
+    group: JointGroup,
+    constraints: tuple[PathConstraint, ...],
+    start: Float64[np.ndarray, " nq"],
+) -> PathRules | None:
+    """Return the rules that constraints make from a start, shape (nq,); None without any.
+
+    Raises:
+        UnknownName: A body, frame or joint does not exist.
+        ProblemInvalid: A number makes no sense.
+        StartViolatesConstraint: The start does.
+    """
+    if not constraints:
+        return None
+    rules = PathRules.compiled(world, group, constraints, start)
+    violations = rules.violations(start)
+    if violations:
+        message = f"the start violates {_words(violations[0])}"
+        raise StartViolatesConstraint(message, {"violations": violations})
+    return rules
+
+
+def kept_goals(rules: PathRules, goals: GoalConfigurations) -> GoalConfigurations:
+    """Return the goal configurations that keep the rules.
+
+    Raises:
+        GoalViolatesConstraint: There is none.
+    """
+    found = [rules.violations(q) for q in goals.positions]
+    rows = [row for row, violations in enumerate(found) if not violations]
+    if not rows:
+        tally = _tally(found)
+        message = (
+            f"every one of {len(found)} goal configurations violates a path constraint; "
+            f"the nearest to none: {_words(tally[0]['least'])}"
+        )
+        raise GoalViolatesConstraint(message, {"violations": tally})
+    return GoalConfigurations(
+        goals.positions[rows],
+        tuple(goals.target_indices[row] for row in rows),
+        replace(goals.funnel, violating=len(found) - len(rows)),
+    )
+
+
+def search_ruled(
+    rules: PathRules,
+    limits: JointLimits,
+    judge: CollisionJudge,
+    task: SearchTask,
+    deadline: Deadline,
+    watch: Stopwatch,
+) -> SearchResult:
+    """Search for a path that keeps the rules.
+
+    Raises:
+        NoPathFound: The planner ended without an exact solution.
+        DeadlineExceeded: The time ran out before there was any.
+        Canceled: Somebody asked for the end.
+    """
+    ruled = replace(task, residual=rules.residual)
+    oracle = rules.oracle(judge)
+    return search_locked(rules.group, rules.locked, limits, oracle, ruled, deadline, watch)
+
+
+def _words(violation: dict[str, Any]) -> str:
+    return (
+        f"{violation['constraint']} ({violation['value']:.4g} {violation['unit']}, "
+        f"bound {violation['bound']:.4g})"
+    )
+
+
+def _tally(found: list[list[dict[str, Any]]]) -> list[dict[str, Any]]:
+    """Return for every constraint how many violate it and the least violation, worst first."""
+    entries: dict[str, list[dict[str, Any]]] = {}
+    for violation in (entry for violations in found for entry in violations):
+        entries.setdefault(violation["constraint"], []).append(violation)
+    tally = [
+        {
+            "constraint": label,
+            "count": len(those),
+            "least": min(those, key=lambda entry: abs(entry["value"] - entry["bound"])),
+        }
+        for label, those in entries.items()
+    ]
+    return sorted(tally, key=lambda entry: -int(entry["count"]))

@@ -1,0 +1,1 @@
+"""Path constraints as the search asks about them; the certifier has code of its own."""

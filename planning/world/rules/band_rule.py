@@ -1,0 +1,95 @@
+"""BandRule: the smallest distance between two sets of bodies within two bounds.
+
+The collision judges answer both sides: all pairs are farther apart than `min` if nothing collides
+where `min` is their margin; some pair is nearer than `max` if something does where `max` is.
+"""
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from jaxtyping import Bool, Float64
+
+from planning.domain.joints import JointGroup
+from planning.world.margins import PairMargins
+from planning.world.rules.rule import FINEST, Reading, step_for
+from planning.world.world import CollisionJudge, World
+
+# The room to leave: this share of the band, and no more than this [m].
+_SHARE, _MOST = 0.1, 2e-3
+# How far away bodies are measured, beyond `max` [m].
+_HORIZON = 1.0
+
+
+@dataclass(frozen=True)
+class BandRule:
+    """Pairs of bodies and the bounds of the smallest of their distances.
+
+    Attributes:
+        label: For messages.
+        world: Where they are.
+        group: Whose configurations are judged.
+        pairs: Full names, sorted within each pair.
+        min: [m].
+        max: [m], maybe infinite.
+        room: Demanded beyond both [m].
+    """
+
+    label: str
+    world: World
+    group: JointGroup
+    pairs: frozenset[tuple[str, str]]
+    min: float
+    max: float
+    room: float = 0.0
+
+    @property
+    def wish(self) -> float:
+        """How much room a search should leave [m]."""
+        return min(_SHARE * (self.max - self.min), _MOST)
+
+    @property
+    def step(self) -> float:
+        """Edges are looked at in samples no farther apart [rad or m]."""
+        return step_for(self.room) if np.isfinite(self.max) else 4 * FINEST
+
+    def leaving(self, room: float) -> "BandRule":
+        """Return the rule that demands so much more [m]."""
+        return replace(self, room=room)
+
+    def reading(self, q: Float64[np.ndarray, " nq"]) -> Reading:
+        """Return the smallest distance [m], and the bound that it is nearer to."""
+        horizon = (self.max if np.isfinite(self.max) else self.min) + _HORIZON
+        probe = self.world.distance_probe(PairMargins(0.0))
+        near = probe.pairs_within(self.world.embed(self.group, q), horizon)
+        distance = min(
+            (pair.distance for pair in near if _sorted(*pair.bodies) in self.pairs), default=horizon
+        )
+        above, below = distance - self.min, self.max - distance
+        bound = self.min if above < below else self.max
+        return Reading(distance, bound, "m", min(above, below))
+
+    def are_kept(self, qs: Float64[np.ndarray, "m nq"]) -> Bool[np.ndarray, " m"]:
+        """Return whether each row is within the band and leaves the room."""
+        kept = self._far.are_free(qs)
+        if np.isfinite(self.max) and kept.any():
+            rows = np.flatnonzero(kept)
+            kept[rows] = ~self._near.are_free(qs[rows])
+        return kept
+
+    @cached_property
+    def _far(self) -> CollisionJudge:
+        return self._judge(self.min + self.room)
+
+    @cached_property
+    def _near(self) -> CollisionJudge:
+        return self._judge(self.max - self.room)
+
+    def _judge(self, distance: float) -> CollisionJudge:
+        """Return what finds these pairs, and no others that do not overlap, nearer than that."""
+        margins = PairMargins(0.0, dict.fromkeys(sorted(self.pairs), distance))
+        return self.world.collision_oracle(self.group, margins)
+
+
+def _sorted(a: str, b: str) -> tuple[str, str]:
+    return (a, b) if a < b else (b, a)

@@ -1,0 +1,86 @@
+"""ConeRule: an axis of a frame near a direction."""
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from jaxtyping import Bool, Float64
+
+from planning.world.rules.frame_motion import FrameMotion
+from planning.world.rules.rule import Reading, step_for
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
+
+# The room to leave: this share of the tolerance, and no more than this [rad].
+_SHARE, _MOST = 0.1, 0.02
+# A cone narrower than this is not found by sampling [rad].
+_NARROW = 1.0
+
+
+@dataclass(frozen=True)
+class ConeRule:
+    """The angle between R_WF a and d is at most a tolerance.
+
+    Attributes:
+        label: For messages.
+        motion: Of the frame F.
+        axis: a, a unit vector, shape (3,).
+        direction: d in world, a unit vector, shape (3,).
+        tolerance: [rad].
+        room: Demanded beyond the constraint [rad].
+    """
+
+    label: str
+    motion: FrameMotion
+    axis: Float64[np.ndarray, "3"]
+    direction: Float64[np.ndarray, "3"]
+    tolerance: float
+    room: float = 0.0
+
+    @property
+    def wish(self) -> float:
+        """How much room a search should leave [rad]."""
+        return min(_SHARE * self.tolerance, _MOST)
+
+    @property
+    def step(self) -> float:
+        """Edges are looked at in samples no farther apart [rad or m]."""
+        return step_for(self.room)
+
+    @property
+    def is_thin(self) -> bool:
+        """Whether samples must be projected onto it."""
+        return self.tolerance < _NARROW
+
+    def leaving(self, room: float) -> "ConeRule":
+        """Return the rule that demands so much more [rad]."""
+        return replace(self, room=room)
+
+    def reading(self, q: Float64[np.ndarray, " nq"]) -> Reading:
+        """Return the angle [rad]."""
+        angle = float(self._angles(self._axes(q[None]))[0])
+        return Reading(angle, self.tolerance, "rad", self.tolerance - angle)
+
+    def are_kept(self, qs: Float64[np.ndarray, "m nq"]) -> Bool[np.ndarray, " m"]:
+        """Return whether each row's angle is small enough and leaves the room."""
+        return self._angles(self._axes(qs)) <= self.tolerance - self.room
+
+    def residual(self, q: Float64[np.ndarray, " nq"]) -> Float64[np.ndarray, "1"]:
+        """Return by how much the angle is too large, the room counted twice [rad]."""
+        return np.maximum(self._angles(self._axes(q[None])) - self.tolerance + 2 * self.room, 0.0)
+
+    def jacobian(self, q: Float64[np.ndarray, " nq"]) -> Float64[np.ndarray, "1 nv"]:
+        """Return the derivative of `residual`: d angle = -(a x d) . omega / |a x d|."""
+        turns = self.motion.jacobian(q)[:3]
+        across = np.cross(self._axes(q[None])[0], self.direction)
+        sine = float(np.linalg.norm(across))
+        if sine < 1e-9 or not self.residual(q)[0] > 0:
+            return np.zeros((1, turns.shape[1]))
+        return -(across / sine)[None] @ turns
+
+    def _axes(self, qs: Array) -> Array:
+        return self.motion.poses(qs)[0] @ self.axis
+
+    def _angles(self, axes: Array) -> Array:
+        sines = np.linalg.norm(np.cross(axes, self.direction), axis=1)
+        return np.arctan2(sines, axes @ self.direction)

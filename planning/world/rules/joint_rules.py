@@ -1,0 +1,89 @@
+"""Rules on joints: locked where the start has them, or within tighter bounds."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from jaxtyping import Bool, Float64
+
+from planning.domain.manifold import Manifold
+from planning.world.rules.rule import DUST, Reading
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
+
+
+@dataclass(frozen=True)
+class LockRule:
+    """Some velocity coordinates do not leave the start.
+
+    Attributes:
+        label: For messages.
+        manifold: Of the group.
+        start: The group's q, shape (nq,).
+        locked: Which coordinates of v, shape (nv,).
+    """
+
+    label: str
+    manifold: Manifold
+    start: Float64[np.ndarray, " nq"]
+    locked: Bool[np.ndarray, " nv"]
+    wish: float = 0.0
+    step: float = np.inf
+
+    def leaving(self, room: float) -> "LockRule":
+        """Return itself: what does not move needs no room."""
+        del room
+        return self
+
+    def reading(self, q: Float64[np.ndarray, " nq"]) -> Reading:
+        """Return how far the farthest of them is from the start [rad or m]."""
+        away = float(self._away(q[None])[0])
+        return Reading(away, DUST, "rad or m", DUST - away)
+
+    def are_kept(self, qs: Float64[np.ndarray, "m nq"]) -> Bool[np.ndarray, " m"]:
+        """Return whether they are where the start has them."""
+        return self._away(qs) <= DUST
+
+    def _away(self, qs: Array) -> Array:
+        return np.abs(self.manifold.minus(qs, self.start)[:, self.locked]).max(axis=1)
+
+
+@dataclass(frozen=True)
+class LimitRule:
+    """Every coordinate of q keeps its bounds; an angle on a circle may be whole turns off.
+
+    Attributes:
+        label: For messages.
+        lower: Infinite where there is none [rad or m], shape (nq,).
+        upper: And above, shape (nq,).
+        is_circle: Which coordinates are angles on a circle, shape (nq,).
+    """
+
+    label: str
+    lower: Float64[np.ndarray, " nq"]
+    upper: Float64[np.ndarray, " nq"]
+    is_circle: Bool[np.ndarray, " nq"]
+    wish: float = 0.0
+    step: float = np.inf
+
+    def leaving(self, room: float) -> "LimitRule":
+        """Return itself: bounds of coordinates hold along edges whose ends keep them."""
+        del room
+        return self
+
+    def reading(self, q: Float64[np.ndarray, " nq"]) -> Reading:
+        """Return by how much a coordinate leaves its bounds at most [rad or m]."""
+        excess = float(self._excess(q[None])[0])
+        return Reading(excess, DUST, "rad or m", DUST - excess)
+
+    def are_kept(self, qs: Float64[np.ndarray, "m nq"]) -> Bool[np.ndarray, " m"]:
+        """Return whether all bounds are kept."""
+        return self._excess(qs) <= DUST
+
+    def _excess(self, qs: Array) -> Array:
+        middle = np.where(self.is_circle, (self.lower + self.upper) / 2, 0.0)
+        middle = np.where(np.isfinite(middle), middle, 0.0)
+        off = qs - middle
+        off = np.where(self.is_circle, np.remainder(off + np.pi, 2 * np.pi) - np.pi, off)
+        at = middle + off
+        return np.maximum(self.lower - at, at - self.upper).max(axis=1)

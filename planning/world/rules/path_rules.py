@@ -1,0 +1,209 @@
+"""PathRules: all path constraints of one problem, from one start."""
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from jaxtyping import Bool, Float64
+
+from planning.domain import rotation
+from planning.domain.constraint import (
+    DistanceBand,
+    KeepIn,
+    KeepOut,
+    LockedJoints,
+    OrientationCone,
+    PathConstraint,
+    PathPredicate,
+    PlacedBox,
+    PositionBand,
+    TightLimits,
+    constraint_label,
+)
+from planning.domain.joints import JointGroup, JointLimits
+from planning.domain.manifold import Manifold
+from planning.domain.pose import Pose
+from planning.errors import ProblemInvalid
+from planning.world.rules.admission import require_constraints
+from planning.world.rules.band_rule import BandRule
+from planning.world.rules.body_pairs import banded_pairs
+from planning.world.rules.box_rule import BoxRule
+from planning.world.rules.cone_rule import ConeRule
+from planning.world.rules.frame_motion import FrameMotion
+from planning.world.rules.joint_rules import LimitRule, LockRule
+from planning.world.rules.predicate_rule import PredicateRule
+from planning.world.rules.residual import RuleResidual
+from planning.world.rules.rule import PathRule
+from planning.world.rules.ruled_oracle import RuledOracle
+from planning.world.world import CollisionJudge, World
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
+
+# Of what a start or a goal has to spare, the search may demand so much.
+_END_SHARE = 0.5
+
+
+@dataclass(frozen=True)
+class PathRules:
+    """What a motion shall keep on its whole way.
+
+    Attributes:
+        group: Whose configurations are judged.
+        rules: One for each constraint, in their order.
+        locked: Names of joints that stay where they are.
+    """
+
+    group: JointGroup
+    rules: tuple[PathRule, ...]
+    locked: frozenset[str]
+
+    @classmethod
+    def compiled(
+        cls,
+        world: World,
+        group: JointGroup,
+        constraints: tuple[PathConstraint, ...],
+        start: Float64[np.ndarray, " nq"],
+    ) -> "PathRules":
+        """Make the rules; frames and joints count where the start, shape (nq,), has them.
+
+        Raises:
+            UnknownName: A body, frame or joint does not exist.
+            ProblemInvalid: A number makes no sense.
+        """
+        require_constraints(world, group, constraints)
+        compiler = _Compiler(world, group, start)
+        rules = tuple(compiler.rule(i, c) for i, c in enumerate(constraints))
+        locks = [c.joints for c in constraints if isinstance(c, LockedJoints)]
+        return cls(group, rules, frozenset(name for names in locks for name in names))
+
+    def violations(self, q: Float64[np.ndarray, " nq"]) -> list[dict[str, Any]]:
+        """Return the rules that q, shape (nq,), violates, as evidence."""
+        readings = [(rule.label, rule.reading(q)) for rule in self.rules]
+        return [
+            {
+                "constraint": label,
+                "value": float(reading.value),
+                "bound": float(reading.bound),
+                "unit": reading.unit,
+            }
+            for label, reading in readings
+            if reading.spare < 0
+        ]
+
+    def are_kept(self, qs: Float64[np.ndarray, "m nq"]) -> Bool[np.ndarray, " m"]:
+        """Return whether each row keeps every rule."""
+        kept = np.ones(len(qs), dtype=bool)
+        for rule in self.rules:
+            kept[kept] = rule.are_kept(qs[kept])
+        return kept
+
+    def leaving_room(
+        self, start: Float64[np.ndarray, " nq"], goals: Float64[np.ndarray, "n nq"]
+    ) -> "PathRules":
+        """Return rules that demand a little more, as far as the start and a goal have it."""
+        rules: list[PathRule] = []
+        for rule in self.rules:
+            room = 0.0
+            if rule.wish > 0:
+                spare = min(
+                    rule.reading(start).spare, max(rule.reading(goal).spare for goal in goals)
+                )
+                room = max(0.0, min(rule.wish, _END_SHARE * spare))
+            rules.append(rule.leaving(room))
+        return replace(self, rules=tuple(rules))
+
+    def oracle(self, inner: CollisionJudge) -> RuledOracle:
+        """Return the judge of collisions and rules."""
+        return RuledOracle(inner, Manifold(self.group.joints), self.rules)
+
+    def limits(self, limits: JointLimits) -> JointLimits:
+        """Return position limits with the tighter ones of the rules.
+
+        Raises:
+            ProblemInvalid: Nothing is left between them.
+        """
+        lower, upper = np.array(limits.lower), np.array(limits.upper)
+        for rule in self.rules:
+            if isinstance(rule, LimitRule):
+                lower, upper = np.maximum(lower, rule.lower), np.minimum(upper, rule.upper)
+        empty = [self.group.position_names[i] for i in np.flatnonzero(lower > upper)]
+        if empty:
+            message = f"path_constraints leave no position for {empty} within the robot's limits"
+            raise ProblemInvalid(message, {"field": "path_constraints", "joints": empty})
+        return replace(limits, lower=lower, upper=upper)
+
+    @property
+    def residual(self) -> RuleResidual | None:
+        """What brings a sample onto sets too thin to be sampled; None if there is none.
+
+        Only for joints that neither wrap nor float: OMPL projects in R^n.
+        """
+        thin = [r for r in self.rules if isinstance(r, BoxRule | ConeRule) and r.is_thin]
+        return RuleResidual(tuple(thin)) if thin and Manifold(self.group.joints).is_vector else None
+
+
+@dataclass(frozen=True)
+class _Compiler:
+    """What rules are made of."""
+
+    world: World
+    group: JointGroup
+    start: Array
+
+    def rule(self, index: int, constraint: PathConstraint) -> PathRule:
+        label = constraint_label(index, constraint)
+        match constraint:
+            case DistanceBand():
+                pairs = banded_pairs(
+                    self.world, self.group, constraint, f"path_constraints.{index}"
+                )
+                return BandRule(
+                    label, self.world, self.group, pairs, constraint.min, constraint.max
+                )
+            case KeepOut() | KeepIn() | PositionBand():
+                motion = FrameMotion(self.world, self.group, constraint.frame)
+                is_inside = not isinstance(constraint, KeepOut)
+                half = constraint.box.size / 2
+                return BoxRule(label, motion, self._box_pose(constraint.box), half, is_inside)
+            case OrientationCone():
+                return self._cone(label, constraint)
+            case LockedJoints() | TightLimits():
+                return self._joints(label, constraint)
+            case PathPredicate():
+                name = f"{label} {constraint.name}".removesuffix(" predicate")
+                return PredicateRule(name, constraint.predicate, constraint.resolution)
+
+    def _reference(self, name: str) -> Pose:
+        return self.world.frame_pose(name, self.world.embed(self.group, self.start))
+
+    def _box_pose(self, box: PlacedBox) -> Pose:
+        return self._reference(box.reference) @ box.pose
+
+    def _cone(self, label: str, cone: OrientationCone) -> ConeRule:
+        turn = rotation.matrix(self._reference(cone.reference).quaternion)
+        direction = turn @ cone.direction
+        return ConeRule(
+            label,
+            FrameMotion(self.world, self.group, cone.frame),
+            cone.axis / np.linalg.norm(cone.axis),
+            direction / np.linalg.norm(direction),
+            cone.tolerance,
+        )
+
+    def _joints(self, label: str, constraint: LockedJoints | TightLimits) -> PathRule:
+        joints = self.group.joints
+        if isinstance(constraint, LockedJoints):
+            flags = [j.name in constraint.joints for j in joints for _ in range(j.num_velocities)]
+            return LockRule(label, Manifold(joints), self.start, np.array(flags, dtype=bool))
+        lower = np.full(self.group.num_positions, -np.inf)
+        upper, circle = -lower, np.zeros(len(lower), dtype=bool)
+        names = self.group.position_names
+        for name, (low, high) in constraint.limits.items():
+            lower[names.index(name)], upper[names.index(name)] = low, high
+        iq = 0
+        for joint in joints:
+            if any(joint.wraps):
+                circle[iq : iq + joint.num_positions] = joint.wraps
+            iq += joint.num_positions
+        return LimitRule(label, lower, upper, circle)
