@@ -7,7 +7,7 @@ the others are halved, the most suspicious first.
 
 from dataclasses import dataclass, field
 from heapq import heapify, heappop, heappush
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 
@@ -41,6 +41,7 @@ class Sight:
     where: str = ""
 
 
+@runtime_checkable
 class Quantity(Protocol):
     """Something that shall not exceed a bound."""
 

@@ -1,6 +1,7 @@
 """ConeRule: an axis of a frame near a direction."""
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -15,6 +16,8 @@ type Array = np.ndarray[Any, np.dtype[np.float64]]
 _SHARE, _MOST = 0.1, 0.02
 # A cone narrower than this is not found by sampling [rad].
 _NARROW = 1.0
+# Here an axis is along the direction or against it, and every turn is as good as any other.
+_DEGENERATE = 1e-9
 
 
 @dataclass(frozen=True)
@@ -70,17 +73,23 @@ class ConeRule:
         return np.maximum(self._angles(self._axes(q[None])) - self.tolerance + 2 * self.room, 0.0)
 
     def jacobian(self, q: Float64[np.ndarray, " nq"]) -> Float64[np.ndarray, "1 nv"]:
-        """Return the derivative of `residual`: d angle = -(a x d) . omega / |a x d|."""
+        """Return the derivative of `residual`: d angle = (d x a) . omega / |d x a|."""
         turns = self.motion.jacobian(q)[:3]
-        across = np.cross(self._axes(q[None])[0], self.direction)
-        sine = float(np.linalg.norm(across))
-        if sine < 1e-9 or not self.residual(q)[0] > 0:
+        across = self._cross @ self._axes(q[None])[0]
+        sine = float(np.sqrt(across @ across))
+        if sine < _DEGENERATE or not self.residual(q)[0] > 0:
             return np.zeros((1, turns.shape[1]))
-        return -(across / sine)[None] @ turns
+        return (across / sine)[None] @ turns
+
+    @cached_property
+    def _cross(self) -> Array:
+        """What multiplies d with another vector by the cross product: `np.cross` is slow."""
+        x, y, z = self.direction
+        return np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
 
     def _axes(self, qs: Array) -> Array:
         return self.motion.poses(qs)[0] @ self.axis
 
     def _angles(self, axes: Array) -> Array:
-        sines = np.linalg.norm(np.cross(axes, self.direction), axis=1)
-        return np.arctan2(sines, axes @ self.direction)
+        across = axes @ self._cross.T
+        return np.arctan2(np.sqrt((across * across).sum(axis=1)), axes @ self.direction)
