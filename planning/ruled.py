@@ -17,6 +17,9 @@ from planning.stopwatch import Stopwatch
 from planning.world.rules.path_rules import PathRules
 from planning.world.world import CollisionJudge, World
 
+# RRTConnect's steps where nothing else is asked for [rad or m].
+_USUAL_STRIDE = 0.5
+
 
 def admit_rules(
     world: World,
@@ -78,7 +81,11 @@ def search_ruled(
         DeadlineExceeded: The time ran out before there was any.
         Canceled: Somebody asked for the end.
     """
-    ruled = replace(task, residual=rules.residual)
+    options = task.options
+    if options.planner == "RRTConnect" and rules.stride < _USUAL_STRIDE:
+        parameters = {"range": rules.stride, **options.parameters}
+        options = replace(options, parameters=parameters)
+    ruled = replace(task, options=options, residual=rules.residual)
     oracle = rules.oracle(judge)
     return search_locked(rules.group, rules.locked, limits, oracle, ruled, deadline, watch)
 

@@ -31,8 +31,8 @@ def box_check(
     """
     box = constraint.box
     reference = FrameWatch(model, request, box.reference)
-    turn = reference.R_WF @ rotation.matrix(box.pose.quaternion)
-    middle = reference.R_WF @ box.pose.position + reference.p_wf
+    turn = reference.rotation @ rotation.matrix(box.pose.quaternion)
+    middle = reference.rotation @ box.pose.position + reference.origin
     watch = FrameWatch(model, request, constraint.frame)
     sign = -1.0 if isinstance(constraint, KeepOut) else 1.0
     quantity = _Excess(watch, turn, middle, box.size / 2, sign)
@@ -50,7 +50,7 @@ def cone_check(
 
     It changes by no more than the frame turns.
     """
-    direction = FrameWatch(model, request, constraint.reference).R_WF @ constraint.direction
+    direction = FrameWatch(model, request, constraint.reference).rotation @ constraint.direction
     watch = FrameWatch(model, request, constraint.frame)
     quantity = _Angle(
         watch,
@@ -72,7 +72,7 @@ class _Excess:
 
     def look(self, segment: Segment) -> Sight:
         self.watch.go_to(segment.center)
-        beyond = np.abs((self.watch.p_wf - self.p_wb) @ self.R_WB) - self.half
+        beyond = np.abs((self.watch.origin - self.p_wb) @ self.R_WB) - self.half
         deepest = float(beyond.max())
         outside = float(np.linalg.norm(np.maximum(beyond, 0.0)))
         value = self.sign * (outside if deepest > 0 else deepest)
@@ -89,7 +89,7 @@ class _Angle:
 
     def look(self, segment: Segment) -> Sight:
         self.watch.go_to(segment.center)
-        axis = self.watch.R_WF @ self.axis
+        axis = self.watch.rotation @ self.axis
         # The half angle from both chords: exact to rounding for small and large angles alike.
         chords = np.linalg.norm(axis - self.direction), np.linalg.norm(axis + self.direction)
         value = 2 * float(np.arctan2(*chords))

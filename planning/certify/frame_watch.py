@@ -18,8 +18,8 @@ class FrameWatch:
     """One frame of a model, in a context of its own.
 
     Attributes:
-        R_WF: Where it is, shape (3, 3).
-        p_wf: And its origin [m], shape (3,).
+        rotation: R_WF, where it is now, shape (3, 3).
+        origin: p_WF [m], shape (3,).
     """
 
     def __init__(self, model: DrakeModel, request: CertifyRequest, name: str) -> None:
@@ -37,7 +37,7 @@ class FrameWatch:
         self._bounds = MotionBounds(model, request.group, shapes)
         self._placed = PlacedShapes(model, shapes, self._bounds)
         self._context = model.plant.CreateDefaultContext()
-        self.R_WF, self.p_wf = np.eye(3), np.zeros(3)
+        self.rotation, self.origin = np.eye(3), np.zeros(3)
         self.go_to(request.start)
 
     def go_to(self, q: Array) -> None:
@@ -46,8 +46,8 @@ class FrameWatch:
         self._model.plant.SetPositions(self._context, full)
         self._placed.place(self._context)
         pose = self._frame.CalcPoseInWorld(self._context)
-        self.R_WF = np.array(pose.rotation().matrix())
-        self.p_wf = np.array(pose.translation())
+        self.rotation = np.array(pose.rotation().matrix())
+        self.origin = np.array(pose.translation())
 
     def moved(self, segment: Segment) -> float:
         """Return how far the origin can be within a segment from where it is at its centre [m].

@@ -108,15 +108,15 @@ class _Residual(ob.Constraint):
         self.setMaxIterations(_MOST_ITERATIONS)
         self._residual = residual
 
-    def function(self, x: Any, out: Any) -> None:
-        """Write the residual at x."""
-        found = self._residual.residual(np.array(x))
+    def function(self, state: Any, out: Any) -> None:
+        """Write the residual at a state, of which OMPL gives the numbers."""
+        found = self._residual.residual(np.array(state))
         out[:] = found if self._is_stacked else np.linalg.norm(found)
 
     @override
-    def jacobian(self, x: Any, out: Any) -> None:
-        """Write its derivative at x."""
-        q = np.array(x)
+    def jacobian(self, state: Any, out: Any) -> None:
+        """Write its derivative there."""
+        q = np.array(state)
         slopes = self._residual.jacobian(q)
         if self._is_stacked:
             out[:, :] = slopes

@@ -6,6 +6,7 @@ from planning.domain.goal import ConfigurationGoal, Goal, JointGoal, PoseGoal, P
 from planning.domain.options import IkOptions, RefineOptions, RetimeOptions, SearchOptions
 from planning.domain.pose import Pose
 from planning.domain.problem import PlanningProblem
+from service.convert.constraints import constraint_value
 from service.schemas.goal import ConfigurationGoalWire, GoalWire, JointGoalWire, PoseGoalWire
 from service.schemas.plan import IkWire, PlanRequest, RetimeWire
 from service.schemas.pose import PoseWire
@@ -83,4 +84,5 @@ def problem_value(request: PlanRequest) -> PlanningProblem:
         retime=retime_value(request.retime),
         margin=request.margin,
         seed=request.seed,
+        constraints=tuple(constraint_value(entry) for entry in request.path_constraints),
     )

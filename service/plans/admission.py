@@ -5,7 +5,12 @@ from typing import Any
 from planning.errors import UnknownName
 from service.desk import Desk, spec_of
 from service.jobs.records import Job
-from service.scenes.preflight import require_count, require_goal, require_group
+from service.scenes.preflight import (
+    require_constraints,
+    require_count,
+    require_goal,
+    require_group,
+)
 from service.scenes.shelf import SceneShelf
 from service.schemas.plan import PlanRequest, SearchWire
 
@@ -36,6 +41,7 @@ async def submit_plan(request: PlanRequest, key: str | None, scenes: SceneShelf,
     if request.start is not None:
         require_count(group, request.start, "start")
     require_goal(record, group, request.goal)
+    require_constraints(record, group, request.path_constraints)
     require_planner(await desk.planners(), request.search)
     payload = {
         **await desk.scene_payload(record),

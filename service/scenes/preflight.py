@@ -6,6 +6,16 @@ from typing import Any
 from planning.errors import UnknownName
 from service.errors import WrongCount
 from service.scenes.records import SceneRecord
+from service.schemas.constraint import (
+    ConstraintWire,
+    DistanceBandWire,
+    JointLimitsWire,
+    KeepInWire,
+    KeepOutWire,
+    LockedJointsWire,
+    OrientationWire,
+    PositionWire,
+)
 from service.schemas.goal import ConfigurationGoalWire, GoalWire, JointGoalWire, PoseGoalWire
 
 type Group = dict[str, Any]
@@ -72,3 +82,35 @@ def rows(positions: Sequence[float] | Sequence[Sequence[float]]) -> list[list[fl
     """Return one list of positions, or several, as several."""
     several = [list(row) for row in positions if not isinstance(row, int | float)]
     return several or [[float(x) for x in positions if isinstance(x, int | float)]]
+
+
+def require_constraints(
+    scene: SceneRecord, group: Group, constraints: Sequence[ConstraintWire]
+) -> None:
+    """Go on only if the path constraints name what the scene has.
+
+    Raises:
+        UnknownName: A frame, body, joint or coordinate does not exist.
+    """
+    for constraint in constraints:
+        match constraint:
+            case DistanceBandWire():
+                names = [*(constraint.bodies or []), *(constraint.to or [])]
+                _require("body", names, scene.summary["bodies"])
+            case KeepOutWire() | KeepInWire():
+                require_frames(scene, [constraint.frame, constraint.box.pose.frame])
+            case PositionWire():
+                require_frames(scene, [constraint.frame, constraint.pose.frame])
+            case OrientationWire():
+                require_frames(scene, [constraint.frame, constraint.reference])
+            case LockedJointsWire():
+                joints = [joint["name"] for joint in group["joints"]]
+                _require("joint", constraint.joints, joints)
+            case JointLimitsWire():
+                _require("joint", list(constraint.limits), group["position_names"])
+
+
+def _require(kind: str, names: Sequence[str], known: Sequence[str]) -> None:
+    for name in names:
+        if name not in known:
+            raise UnknownName.among(kind, name, known)

@@ -2,9 +2,10 @@
 
 from typing import Annotated, Any, Literal
 
-from pydantic import BeforeValidator, ConfigDict, Field, Strict
+from pydantic import ConfigDict, Field, Strict
 
-from service.schemas.goal import GoalWire, not_supported
+from service.schemas.constraint import ConstraintWire
+from service.schemas.goal import GoalWire
 from service.schemas.numbers import WHOLE, Integer, NonNegative, Positions, Real, Scale
 from service.schemas.wire import Identifier, Name, Wire
 
@@ -23,12 +24,6 @@ EXAMPLE: dict[str, Any] = {
     "retime": {"method": "toppra", "velocity_scale": 0.5},
     "seed": 7,
 }
-
-
-def _no_constraints(constraints: Any) -> Any:
-    if isinstance(constraints, list) and constraints:
-        raise not_supported("`path_constraints`", "leave it empty: the way to the goal is free")
-    return constraints
 
 
 class IkWire(Wire):
@@ -113,11 +108,10 @@ class PlanRequest(Wire):
         description="The group's positions [rad or m]; null for the scene's current state",
     )
     goal: GoalWire = Field(description="What to reach")
-    path_constraints: Annotated[list[Any], BeforeValidator(_no_constraints)] = Field(
+    path_constraints: Annotated[list[ConstraintWire], Field(max_length=64)] = Field(
         default=[],
-        max_length=0,
-        description="Not supported by this version: anything but an empty list is refused with "
-        "the code `not_supported`",
+        description="What the motion shall keep on its whole way, all of it; each has a check of "
+        "its own in the certificate",
     )
     ik: IkWire = Field(default_factory=IkWire, description="Options of the goals stage")
     search: SearchWire = Field(default_factory=SearchWire, description="Options of the search")

@@ -11,7 +11,10 @@ import numpy as np
 from jaxtyping import Bool, Float64
 
 from planning.domain.joints import JointGroup
+from planning.domain.manifold import Manifold
+from planning.domain.motion_samples import is_motion_free
 from planning.world.margins import PairMargins
+from planning.world.rules.nearness import PairNearness
 from planning.world.rules.rule import FINEST, Reading, step_for
 from planning.world.world import CollisionJudge, World
 
@@ -73,22 +76,31 @@ class BandRule:
         """Return whether each row is within the band and leaves the room."""
         kept = self._far.are_free(qs)
         if np.isfinite(self.max) and kept.any():
-            rows = np.flatnonzero(kept)
-            kept[rows] = ~self._near.are_free(qs[rows])
+            kept[kept] = self._near.are_near(qs[kept])
         return kept
+
+    def is_motion_kept(
+        self,
+        origin: Float64[np.ndarray, " nq"],
+        displacement: Float64[np.ndarray, " nv"],
+        resolution: float,
+    ) -> bool:
+        """Return whether every sample of a motion is; as its samples, but in fewer calls."""
+        if not self._far.is_motion_free(origin, displacement, resolution):
+            return False
+        if not np.isfinite(self.max):
+            return True
+        motion = origin, displacement
+        return is_motion_free(Manifold(self.group.joints), self._near.are_near, motion, resolution)
 
     @cached_property
     def _far(self) -> CollisionJudge:
-        return self._judge(self.min + self.room)
+        margins = PairMargins(0.0, dict.fromkeys(sorted(self.pairs), self.min + self.room))
+        return self.world.collision_oracle(self.group, margins)
 
     @cached_property
-    def _near(self) -> CollisionJudge:
-        return self._judge(self.max - self.room)
-
-    def _judge(self, distance: float) -> CollisionJudge:
-        """Return what finds these pairs, and no others that do not overlap, nearer than that."""
-        margins = PairMargins(0.0, dict.fromkeys(sorted(self.pairs), distance))
-        return self.world.collision_oracle(self.group, margins)
+    def _near(self) -> PairNearness:
+        return PairNearness(self.world, self.group, self.pairs, self.max - self.room)
 
 
 def _sorted(a: str, b: str) -> tuple[str, str]:

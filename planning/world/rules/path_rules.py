@@ -41,6 +41,8 @@ type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # Of what a start or a goal has to spare, the search may demand so much.
 _END_SHARE = 0.5
+# A straight step much longer than a band is thick leaves it, in most directions.
+_STRIDES, _SHORTEST_STRIDE = 2.5, 0.02
 
 
 @dataclass(frozen=True)
@@ -132,6 +134,12 @@ class PathRules:
             message = f"path_constraints leave no position for {empty} within the robot's limits"
             raise ProblemInvalid(message, {"field": "path_constraints", "joints": empty})
         return replace(limits, lower=lower, upper=upper)
+
+    @property
+    def stride(self) -> float:
+        """How far a planner should step at once, the thinnest band considered [rad or m]."""
+        widths = [rule.max - rule.min for rule in self.rules if isinstance(rule, BandRule)]
+        return max(_STRIDES * min(widths, default=np.inf), _SHORTEST_STRIDE)
 
     @property
     def residual(self) -> RuleResidual | None:

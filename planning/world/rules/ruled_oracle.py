@@ -7,6 +7,7 @@ from jaxtyping import Bool, Float64
 
 from planning.domain import motion_samples
 from planning.domain.manifold import Manifold
+from planning.world.rules.band_rule import BandRule
 from planning.world.rules.rule import PathRule
 from planning.world.world import CollisionJudge
 
@@ -63,9 +64,13 @@ class RuledOracle:
         return free
 
     def _is_ruled(self, origin: Array, displacement: Array, resolution: float) -> bool:
-        return all(
-            motion_samples.is_motion_free(
-                self._manifold, rule.are_kept, (origin, displacement), min(resolution, rule.step)
-            )
-            for rule in self._rules
-        )
+        return all(self._is_kept(rule, origin, displacement, resolution) for rule in self._rules)
+
+    def _is_kept(
+        self, rule: PathRule, origin: Array, displacement: Array, resolution: float
+    ) -> bool:
+        finer = min(resolution, rule.step)
+        if isinstance(rule, BandRule):
+            return rule.is_motion_kept(origin, displacement, finer)
+        motion = origin, displacement
+        return motion_samples.is_motion_free(self._manifold, rule.are_kept, motion, finer)

@@ -58,6 +58,10 @@ def joint_goal(*positions):
 
 
 POSE = {"position": [0, 0, 0]}
+CUP = {
+    "type": "orientation", "frame": "arm::tcp", "axis": [0, 0, 1], "direction": [0, 0, -1],
+    "tolerance": 0.1,
+}  # fmt: skip
 BAD_PLANS = {
     "unknown scene": ({"scene": "nothing"}, 404, "not_found", "nothing"),
     "unknown revision": ({"revision": 2}, 404, "not_found", "2"),
@@ -104,8 +108,26 @@ BAD_PLANS = {
         {"goal": {"type": "pose", "poses": [POSE], "approach": [0, 0, -0.1]}}, 422,
         "not_supported", "approach",
     ),
-    "path constraints": (
-        {"path_constraints": [{"type": "upright"}]}, 422, "not_supported", "path_constraints",
+    "unknown constraint": (
+        {"path_constraints": [{"type": "upright"}]}, 422, "request_invalid", "path_constraints",
+    ),
+    "empty band": (
+        {"path_constraints": [{"type": "distance_band", "min": 0.1, "max": 0.05}]}, 422,
+        "request_invalid", "`min` must be less than `max`",
+    ),
+    "no axis": (
+        {"path_constraints": [{**CUP, "axis": [0, 0, 0]}]}, 422, "request_invalid", "must not be",
+    ),
+    "constraint on no frame": (
+        {"path_constraints": [{**CUP, "frame": "arm::tcq"}]}, 409, "unknown_name", "arm::tcp",
+    ),
+    "constraint on no body": (
+        {"path_constraints": [{"type": "distance_band", "min": 0.1, "to": ["blok"]}]}, 409,
+        "unknown_name", "did you mean 'block'",
+    ),
+    "lock of no joint": (
+        {"path_constraints": [{"type": "locked_joints", "joints": ["elbow_joint"]}]}, 409,
+        "unknown_name", "arm::elbow_joint",
     ),
 }  # fmt: skip
 

@@ -1,0 +1,62 @@
+"""Path constraints: from the wire to the domain."""
+
+import numpy as np
+
+from planning.domain.constraint import (
+    DistanceBand,
+    KeepIn,
+    KeepOut,
+    LockedJoints,
+    OrientationCone,
+    PathConstraint,
+    PlacedBox,
+    PositionBand,
+    TightLimits,
+)
+from planning.domain.pose import Pose
+from service.schemas.constraint import (
+    ConstraintWire,
+    DistanceBandWire,
+    JointLimitsWire,
+    KeepInWire,
+    KeepOutWire,
+    LockedJointsWire,
+    OrientationWire,
+    PositionWire,
+)
+from service.schemas.pose import PoseWire
+
+
+def constraint_value(constraint: ConstraintWire) -> PathConstraint:  # noqa: PLR0911  (one a kind)
+    """Return the domain's constraint."""
+    match constraint:
+        case DistanceBandWire():
+            return DistanceBand(
+                bodies=None if constraint.bodies is None else tuple(constraint.bodies),
+                to=None if constraint.to is None else tuple(constraint.to),
+                min=constraint.min,
+                max=np.inf if constraint.max is None else constraint.max,
+            )
+        case KeepOutWire(frame=frame, box=box):
+            return KeepOut(frame, _box(box.size, box.pose))
+        case KeepInWire(frame=frame, box=box):
+            return KeepIn(frame, _box(box.size, box.pose))
+        case PositionWire(frame=frame, size=size, pose=pose):
+            return PositionBand(frame, _box(size, pose))
+        case OrientationWire():
+            return OrientationCone(
+                frame=constraint.frame,
+                axis=np.array(constraint.axis, dtype=np.float64),
+                direction=np.array(constraint.direction, dtype=np.float64),
+                tolerance=constraint.tolerance,
+                reference=constraint.reference,
+            )
+        case LockedJointsWire():
+            return LockedJoints(tuple(constraint.joints))
+        case JointLimitsWire():
+            return TightLimits({name: (a, b) for name, (a, b) in constraint.limits.items()})
+
+
+def _box(size: list[float] | list[float | None], pose: PoseWire) -> PlacedBox:
+    sides = np.array([np.inf if side is None else side for side in size])
+    return PlacedBox(sides, Pose.from_parts(pose.position, pose.quaternion, pose.rpy), pose.frame)
