@@ -1,7 +1,7 @@
 """BandRule: the smallest distance between two sets of bodies within two bounds.
 
-The collision judges answer both sides: all pairs are farther apart than `min` if nothing collides
-where `min` is their margin; some pair is nearer than `max` if something does where `max` is.
+All pairs are farther apart than `min` if none is near at that distance; one is no farther apart
+than `max` if any is near at that. Of what collides nothing is said: a collision judge says it.
 """
 
 from dataclasses import dataclass, replace
@@ -16,7 +16,7 @@ from planning.domain.motion_samples import is_motion_free
 from planning.world.margins import PairMargins
 from planning.world.rules.nearness import PairNearness
 from planning.world.rules.rule import FINEST, Reading, step_for
-from planning.world.world import CollisionJudge, World
+from planning.world.world import World
 
 # The room to leave: this share of the band, and no more than this [m].
 _SHARE, _MOST = 0.1, 2e-3
@@ -73,8 +73,8 @@ class BandRule:
         return Reading(distance, bound, "m", min(above, below))
 
     def are_kept(self, qs: Float64[np.ndarray, "m nq"]) -> Bool[np.ndarray, " m"]:
-        """Return whether each row is within the band and leaves the room."""
-        kept = self._far.are_free(qs)
+        """Return whether each row that does not collide is within the band and leaves room."""
+        kept = ~self._too_near.are_near(qs)
         if np.isfinite(self.max) and kept.any():
             kept[kept] = self._near.are_near(qs[kept])
         return kept
@@ -86,7 +86,7 @@ class BandRule:
         resolution: float,
     ) -> bool:
         """Return whether every sample of a motion is; as its samples, but in fewer calls."""
-        if not self._far.is_motion_free(origin, displacement, resolution):
+        if not self._too_near.is_none_near_along(origin, displacement, resolution):
             return False
         if not np.isfinite(self.max):
             return True
@@ -94,9 +94,8 @@ class BandRule:
         return is_motion_free(Manifold(self.group.joints), self._near.are_near, motion, resolution)
 
     @cached_property
-    def _far(self) -> CollisionJudge:
-        margins = PairMargins(0.0, dict.fromkeys(sorted(self.pairs), self.min + self.room))
-        return self.world.collision_oracle(self.group, margins)
+    def _too_near(self) -> PairNearness:
+        return PairNearness(self.world, self.group, self.pairs, self.min + self.room)
 
     @cached_property
     def _near(self) -> PairNearness:

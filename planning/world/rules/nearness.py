@@ -7,12 +7,14 @@ import numpy as np
 from jaxtyping import Bool, Float64
 
 from planning.domain.joints import JointGroup
+from planning.domain.manifold import Manifold
+from planning.domain.motion_samples import sample_batches
 from planning.kernel.native import native
 from planning.world.kernel_scene import kernel_scene_of
 from planning.world.margins import PairMargins
 from planning.world.world import CollisionJudge, World
 
-_COLLIDING, _UNSURE = 1, 2
+_FREE, _COLLIDING, _UNSURE = 0, 1, 2
 
 
 class PairNearness:
@@ -28,6 +30,8 @@ class PairNearness:
     ) -> None:
         """Ask about pairs, by full names in sorted order, and a distance [m]."""
         self._world, self._group = world, group
+        self._manifold = Manifold(group.joints)
+        self._is_straight = group.num_positions == group.num_velocities
         self._margins = PairMargins(0.0, dict.fromkeys(sorted(pairs), distance))
         scene, module = kernel_scene_of(world.drake), native()
         self._checker: Any = None
@@ -51,6 +55,22 @@ class PairNearness:
         if unsure.any():
             near[unsure] = ~self._judge.are_free(qs[unsure])
         return near
+
+    def is_none_near_along(
+        self,
+        origin: Float64[np.ndarray, " nq"],
+        displacement: Float64[np.ndarray, " nv"],
+        resolution: float,
+    ) -> bool:
+        """Return whether no pair is near at any sample of a motion."""
+        if self._checker is None:
+            return self._judge.is_motion_free(origin, displacement, resolution)
+        if self._is_straight:
+            verdict = self._checker.judge_motion(origin, displacement, resolution)
+            if verdict != _UNSURE:
+                return verdict == _FREE
+        batches = sample_batches(self._manifold, (origin, displacement), resolution)
+        return not any(self.are_near(qs).any() for qs in batches)
 
     @cached_property
     def _judge(self) -> CollisionJudge:

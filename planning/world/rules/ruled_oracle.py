@@ -13,6 +13,8 @@ from planning.world.world import CollisionJudge
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
+_MOST_REMEMBERED = 100_000
+
 
 class RuledOracle:
     """A collision judge and rules; the judge, which is quick, is asked first.
@@ -25,10 +27,20 @@ class RuledOracle:
     ) -> None:
         """Compose them."""
         self._inner, self._manifold, self._rules = inner, manifold, rules
+        # A planner asks again about every state of its tree that it sets out from.
+        self._free: set[bytes] = set()
 
     def is_free(self, q: Float64[np.ndarray, " nq"]) -> bool:
         """Return whether the group at q, shape (nq,), is free and keeps the rules."""
-        return self._inner.is_free(q) and all(bool(r.are_kept(q[None])[0]) for r in self._rules)
+        key = q.tobytes()
+        if key in self._free:
+            return True
+        is_free = self._inner.is_free(q) and all(
+            bool(rule.are_kept(q[None])[0]) for rule in self._rules
+        )
+        if is_free and len(self._free) < _MOST_REMEMBERED:
+            self._free.add(key)
+        return is_free
 
     def are_free(self, qs: Float64[np.ndarray, "m nq"]) -> Bool[np.ndarray, " m"]:
         """Return the same for each row."""
