@@ -81,9 +81,8 @@ class LimitRule:
         return self._excess(qs) <= DUST
 
     def _excess(self, qs: Array) -> Array:
-        middle = np.where(self.is_circle, (self.lower + self.upper) / 2, 0.0)
-        middle = np.where(np.isfinite(middle), middle, 0.0)
-        off = qs - middle
-        off = np.where(self.is_circle, np.remainder(off + np.pi, 2 * np.pi) - np.pi, off)
-        at = middle + off
+        at = qs.copy()
+        turning = self.is_circle & np.isfinite(self.lower)
+        middle = (self.lower[turning] + self.upper[turning]) / 2
+        at[:, turning] = middle + np.remainder(qs[:, turning] - middle + np.pi, 2 * np.pi) - np.pi
         return np.maximum(self.lower - at, at - self.upper).max(axis=1)
