@@ -16,7 +16,7 @@ from planning.domain.planner_graph import PlannerGraph
 from planning.domain.value import Value
 from planning.errors import DeadlineExceeded
 from planning.search.edges import EdgeChecker
-from planning.search.graph import exported, has_graph, read_graph
+from planning.search.graph import Graph, between, exported, has_graph, read_graph
 from planning.search.motions import space_information
 from planning.search.nearest_reached import nearest_reached
 from planning.search.objective import Objective
@@ -174,8 +174,13 @@ def _report(query: Query, fine: EdgeChecker, found: Array, status: str, planner:
 def _kept_graph(planner: Any, query: Query, found: Array) -> PlannerGraph | None:
     if not (query.options.keep_graph and has_graph(planner)):
         return None
-    graph = read_graph(planner, planner.getSpaceInformation(), query.space)
+    graph = _graph(planner, query)
     return exported(query.planner, graph, query.space, found)
+
+
+def _graph(planner: Any, query: Query) -> Graph:
+    graph = read_graph(planner, planner.getSpaceInformation(), query.space)
+    return between(graph, query.start, query.goals, query.space)
 
 
 def _growth(planner: Any, query: Query, fine: EdgeChecker) -> dict[str, Any]:
@@ -189,12 +194,11 @@ def _growth(planner: Any, query: Query, fine: EdgeChecker) -> dict[str, Any]:
     }
     if not has_graph(planner):
         return growth
-    information = planner.getSpaceInformation()
     if not (query.options.approximate or query.options.keep_graph):
-        graph = ob.PlannerData(information)
+        graph = ob.PlannerData(planner.getSpaceInformation())
         planner.getPlannerData(graph)
         return growth | {"num_vertices": graph.numVertices(), "num_edges": graph.numEdges()}
-    graph = read_graph(planner, information, query.space)
+    graph = _graph(planner, query)
     whole = exported(query.planner, graph, query.space, np.empty((0, len(query.start))))
     growth |= {"num_vertices": whole.num_vertices, "num_edges": whole.num_edges}
     if query.options.keep_graph:

@@ -43,9 +43,9 @@ class Graph:
 def has_graph(planner: Any) -> bool:
     """Return whether a planner may be asked for its graph.
 
-    BITstar then keeps the whole space information in memory for ever (2.0.1).
+    BITstar then keeps the whole space information in memory for ever, AORRTC tells nothing (2.0.1).
     """
-    return not isinstance(planner, og.BITstar)
+    return not isinstance(planner, og.BITstar | og.AORRTC)
 
 
 def read_graph(planner: Any, information: Any, space: SearchSpace) -> Graph:
@@ -60,6 +60,26 @@ def read_graph(planner: Any, information: Any, space: SearchSpace) -> Graph:
         [graph.getGoalIndex(i) for i in range(graph.numGoalVertices())],
         graph.getEdges,
     )
+
+
+def between(graph: Graph, start: Array, goals: Array, space: SearchSpace) -> Graph:
+    """Return the same graph from a start to goals, with edges that lead both ways.
+
+    FMT calls every vertex without a parent a start, BFMT tells none (2.0.1), and trees differ in
+    which way their edges lead.
+    """
+    if not len(graph.qs):
+        return graph
+    neighbours: list[list[int]] = [[] for _ in graph.qs]
+    for i in range(len(graph.qs)):
+        for j in graph.neighbours(i):
+            neighbours[i].append(j)
+            neighbours[j].append(i)
+    starts, ends = (
+        [row for q in qs if (row := _row_of(q, graph, space)) is not None]
+        for qs in (start[None], goals)
+    )
+    return Graph(graph.qs, starts, ends, neighbours.__getitem__)
 
 
 def cheapest_ways(graph: Graph, costs: Costs) -> Iterator[tuple[int, dict[int, int]]]:

@@ -58,11 +58,12 @@ def nearest_reached(
             free = checker.are_free(path[:-1], path[1:]) if len(path) > 1 else np.ones(0, bool)
     except DeadlineExceeded:
         return None
-    path = path[: 1 + int(np.argmin(np.append(free, False)))]
-    ends = space.manifold.distance(goals, path[-1])
+    path = path[: 1 + int(np.argmin(np.append(free, [False])))]
+    ends = space.manifold.distance(path[:, None], goals[None])
+    last, goal = np.unravel_index(int(np.argmin(ends)), ends.shape)
     return {
-        "positions": path[-1].tolist(),
-        "path": path.tolist(),
-        "goal_distance": float(ends.min()),
-        "goal_index": int(np.argmin(ends)),
+        "positions": path[last].tolist(),
+        "path": path[: last + 1].tolist(),
+        "goal_distance": float(ends[last, goal]),
+        "goal_index": int(goal),
     }

@@ -11,6 +11,8 @@ The first three are norms of tangents, so a geodesic is never dearer than a way 
 shortcuts are measured by them too.
 """
 
+import math
+import operator
 from collections.abc import Callable
 from itertools import pairwise
 from typing import Any, Literal, override
@@ -64,9 +66,12 @@ class Objective:
         self._manifold = Manifold(group.joints)
         self._blocks = [list(block) for block in limits.blocks]
         self._velocity = limits.velocity
+        # Of a vector every block is one coordinate.
+        self._slowness = (1 / limits.velocity).tolist()
         self._weights = np.empty(group.num_velocities)
         for block, weight in zip(self._blocks, weights, strict=True):
             self._weights[block] = weight
+        self._factors = self._weights.tolist()
         self._clearances = clearances or _nothing_is_near
         self._remembered: dict[bytes, float] = {}
         # OMPL measures in its weighted space, so there plain lengths are not its own.
@@ -84,7 +89,7 @@ class Objective:
                 ]
                 return np.asarray(np.max(np.array(shares), axis=0), dtype=np.float64)
             case _:
-                return np.sqrt(np.einsum("...v,...v->...", delta, delta))
+                return np.asarray(np.sqrt(np.einsum("...v,...v->...", delta, delta)))
 
     def edge_costs(
         self, q0s: Float64[np.ndarray, "*#m nq"], q1s: Float64[np.ndarray, "*#m nq"]
@@ -98,6 +103,24 @@ class Objective:
         q0s, q1s = np.broadcast_arrays(q0s, q1s)
         near = [self._distance(q0) + self._distance(q1) for q0, q1 in zip(q0s, q1s, strict=True)]
         return norms / (np.array(near) / 2 + _NEAR)
+
+    def between(self, q0: list[float], q1: list[float]) -> float:
+        """Return the same for one edge; planners ask this a hundred thousand times."""
+        if not self._manifold.is_vector:
+            return float(self.edge_costs(np.array(q0)[None], np.array(q1)[None])[0])
+        match self.name:
+            case "duration":
+                return max(map(operator.mul, map(abs, map(operator.sub, q1, q0)), self._slowness))
+            case "clearance":
+                near = self._distance(np.array(q0)) + self._distance(np.array(q1))
+                return math.dist(q0, q1) / (near / 2 + _NEAR)
+            case "weighted_length":
+                return math.dist(
+                    list(map(operator.mul, q0, self._factors)),
+                    list(map(operator.mul, q1, self._factors)),
+                )
+            case _:
+                return math.dist(q0, q1)
 
     def cost(self, waypoints: Float64[np.ndarray, "n nq"]) -> float:
         """Return the cost of a path of geodesics."""
@@ -133,8 +156,8 @@ class _MotionCost(ob.OptimizationObjective):
     def __init__(self, information: Any, space: SearchSpace, objective: Objective) -> None:
         """Measure the motions of an OMPL space information."""
         super().__init__(information)
-        self._read = space.read
-        self._measure = objective.edge_costs
+        self._numbers = space.numbers
+        self._measure = objective.between
 
     @override
     def stateCost(self, state: Any) -> Any:
@@ -144,7 +167,7 @@ class _MotionCost(ob.OptimizationObjective):
     @override
     def motionCost(self, s1: Any, s2: Any) -> Any:
         """Return the cost of the geodesic."""
-        return ob.Cost(float(self._measure(self._read(s1)[None], self._read(s2)[None])[0]))
+        return ob.Cost(self._measure(self._numbers(s1), self._numbers(s2)))
 
 
 def _length(information: Any) -> Any:

@@ -98,21 +98,33 @@ class SearchSpace:
         return np.array(self.numbers(state))
 
     def _reader(self) -> Callable[[Any], list[float]]:
-        if self._held or (self._scale != 1).any():
-            return self._rescaled
         is_vector = isinstance(self.ompl, ob.RealVectorStateSpace)
+        if self._held or (self._scale != 1).any():
+            return self._rescaled(is_vector=is_vector)
         return itemgetter(slice(0, len(self._from_q))) if is_vector else self._values
 
     def _values(self, state: Any) -> list[float]:
         value = self.ompl.getValueAddressAtIndex
         return [value(state, i) for i in self._to_q]
 
-    def _rescaled(self, state: Any) -> list[float]:
+    def _rescaled(self, *, is_vector: bool) -> Callable[[Any], list[float]]:
+        """Return a reader of states whose values are scaled, or are not all of q."""
+        count = len(self._from_q)
+        rest = self._rest.tolist()
+        lower, upper = self.lower[self._from_q].tolist(), self.upper[self._from_q].tolist()
+        places = list(zip(self._from_q, self._scale.tolist(), lower, upper, strict=True))
         value = self.ompl.getValueAddressAtIndex
-        q = self._rest.copy()
-        q[self._from_q] = [value(state, i) for i in range(len(self._from_q))] / self._scale
-        # Scaled and back, a limit may be off by a rounding error.
-        return np.clip(q, self.lower, self.upper).tolist()
+        whole = slice(0, count)
+
+        def read(state: Any) -> list[float]:
+            values = state[whole] if is_vector else [value(state, i) for i in range(count)]
+            q = rest.copy()
+            for x, (i, scale, low, high) in zip(values, places, strict=True):
+                # Scaled and back, a limit may be off by a rounding error.
+                q[i] = min(max(x / scale, low), high)
+            return q
+
+        return read
 
     def write(self, q: Float64[np.ndarray, " nq"]) -> Any:
         """Return a new OMPL state at q, shape (nq,); quaternions are normalised."""

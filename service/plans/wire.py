@@ -57,7 +57,7 @@ def graph_of(job: Job) -> dict[str, Any]:
     if graph is None:
         message = (
             f"plan {job.id} is {job.state} and has no graph; a search keeps one if its "
-            "`keep_graph` is true and its planner tells it (BITstar does not)"
+            "`keep_graph` is true and its planner tells it (AORRTC and BITstar do not)"
         )
         raise NotFinished(message, {"id": job.id, "state": job.state})
     return graph
