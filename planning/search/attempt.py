@@ -147,7 +147,7 @@ def _define(information: Any, query: Query) -> Any:
     for q in query.goals:
         goals.addState(query.space.write(q))
     definition.setGoal(goals)
-    objective = query.objective.of_ompl(information, query.space)
+    objective = query.objective.of_ompl(information, query.space, query.planner)
     if objective is not None:
         definition.setOptimizationObjective(objective)
     return definition

@@ -34,6 +34,7 @@ _NEAR = 0.01
 # Along an edge distances are measured this far apart (joint-space length).
 _STEP = 0.1
 _MOST_REMEMBERED = 50_000
+_WANT_A_METRIC = ("FMT", "BFMT")
 
 
 class Objective:
@@ -129,9 +130,14 @@ class Objective:
             return float(norms.sum())
         return sum(self._cost_of_edge(q0, q1) for q0, q1 in pairwise(waypoints))
 
-    def of_ompl(self, information: Any, space: SearchSpace) -> Any | None:
-        """Return the objective for OMPL, or None for OMPL's own, which is length in its space."""
-        if not self._is_of_ompl:
+    def of_ompl(self, information: Any, space: SearchSpace, planner: str) -> Any | None:
+        """Return the objective for OMPL, or None for OMPL's own, which is length in its space.
+
+        FMT and BFMT look for neighbours by cost, which must be a metric: for clearance, which is
+        none, they get the length.
+        """
+        is_metric_wanted = planner in _WANT_A_METRIC and self.name == "clearance"
+        if not (self._is_of_ompl or is_metric_wanted):
             return _MotionCost(information, space, self)
         return _length(information) if space.is_mixed else None
 
