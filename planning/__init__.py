@@ -8,7 +8,6 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from planning.domain.curve import TimedTrajectory
     from planning.domain.constraint import (
         DistanceBand,
         KeepIn,
@@ -20,6 +19,7 @@ if TYPE_CHECKING:
         PositionBand,
         TightLimits,
     )
+    from planning.domain.curve import TimedTrajectory
     from planning.domain.deadline import Deadline
     from planning.domain.goal import ConfigurationGoal, JointGoal, PoseGoal, PoseTarget
     from planning.domain.interpolation import trajectory_through

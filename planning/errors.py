@@ -98,7 +98,9 @@ class UnknownName(InputError):
     def among(cls, kind: str, name: str, known: Iterable[str]) -> "UnknownName":
         """Build the error that names the wrong thing and the right ones."""
         names = sorted(known)
-        nearest = get_close_matches(name, names, n=3)
+        # Case is what people misspell most; a name that differs in nothing else is the nearest.
+        folded = {known_name.casefold(): known_name for known_name in reversed(names)}
+        nearest = [folded[match] for match in get_close_matches(name.casefold(), folded, n=3)]
         hint = f"did you mean {nearest[0]!r}? " if nearest else ""
         return cls(
             f"{kind} {name!r} does not exist; {hint}{kind}s: {names}",

@@ -9,19 +9,20 @@ the search is asked again, for more distance and with a finer eye.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from planning.candidates import Candidate, candidates
 from planning.certify.certifier import CertifyRequest, certify
 from planning.certify.refusal import not_certified
+from planning.clearances import clearances
 from planning.domain.certificate import Certificate
 from planning.domain.deadline import Deadline
 from planning.domain.joints import JointGroup, JointLimits
 from planning.domain.plan import MotionPlan, Progress, StageReports
 from planning.domain.problem import PlanningProblem
-from planning.domain.report import CertifyReport, GoalConfigurations
+from planning.domain.report import AttemptReport, CertifyReport, GoalConfigurations
 from planning.errors import DeadlineExceeded, NoPathFound, ProblemInvalid
 from planning.goals.sampler import GoalQuery, find_goals
 from planning.goals.start import admit_start
@@ -38,6 +39,8 @@ from planning.world.world import Array, World
 _MAX_ROUNDS = 4
 # Share of the time for a search that keeps more distance than is demanded.
 _PADDED_SHARE = 0.6
+# How far a plan is that searches, of the whole.
+_SEARCHING = 0.15
 
 
 def ignore_progress(_: Progress) -> None:
@@ -59,6 +62,11 @@ class _Task:
     report: Callable[[Progress], None]
     watch: Stopwatch
     rules: PathRules | None
+
+    def tell_best(self, attempt: AttemptReport) -> None:
+        """Report the best path so far."""
+        detail = f"{attempt.planner} found a path of length {attempt.length:.3f}, the best so far"
+        self.report(Progress("search", _SEARCHING, detail, attempt.length))
 
 
 def plan(
@@ -115,6 +123,7 @@ def plan(
         certificate=certificate,
         stages=StageReports(goals, found.report, chosen.refine, chosen.retime, certified),
         timings=watch.seconds,
+        graph=found.graph,
     )
 
 
@@ -125,16 +134,17 @@ def _prove_one(task: _Task) -> tuple[SearchResult, Candidate, Certificate, Certi
     for round_ in range(_MAX_ROUNDS):
         if round_ and task.deadline.is_over:
             break
-        task.report(Progress("search", 0.15, f"searching, round {round_ + 1}"))
+        task.report(Progress("search", _SEARCHING, f"searching, round {round_ + 1}"))
         with task.watch.stage("search"):
             found = _search(task, round_)
         task.report(Progress("refine", 0.5, "refining and timing"))
+        finishing, certifying = _deadlines(task)
         for candidate in candidates(
-            task.world, found.path, task.problem, task.margins, task.deadline, task.watch
+            task.world, found.path, task.problem, task.margins, finishing, task.watch
         ):
             task.report(Progress("certify", 0.8, f"certifying the {candidate.name}"))
             with task.watch.stage("certify"):
-                certificate, report = _certify(task, candidate)
+                certificate, report = _certify(task, candidate, certifying)
             if certificate.proven:
                 seen = CertifyReport(
                     report.intervals, report.distance_queries, len(refused) + 1, tuple(refused)
@@ -171,15 +181,29 @@ def _search_padded(task: _Task, round_: int, padding: float, deadline: Deadline)
         resolution=task.problem.search.resolution / 2**round_,
         padding=padding,
         seed=task.problem.seed + round_,
+        clearances=clearances(task.world, task.group),
+        on_best=task.tell_best,
     )
     if task.rules is None:
         found = search(task.group, task.limits, oracle, request, deadline, watch=task.watch)
     else:
         found = search_ruled(task.rules, task.limits, oracle, request, deadline, task.watch)
-    return SearchResult(found.path.continuous, int(rows[found.goal_row]), found.report)
+    return replace(found, path=found.path.continuous, goal_row=int(rows[found.goal_row]))
 
 
-def _certify(task: _Task, candidate: Candidate) -> tuple[Certificate, CertifyReport]:
+def _deadlines(task: _Task) -> tuple[Deadline, Deadline]:
+    """Return when to give up refining, and when certifying.
+
+    Who wants the best so far from a cancel gets it without refinement, but not without proof.
+    """
+    if task.problem.search.on_cancel == "discard":
+        return task.deadline, task.deadline
+    return task.deadline.over_when_canceled, task.deadline.uncancelable
+
+
+def _certify(
+    task: _Task, candidate: Candidate, deadline: Deadline
+) -> tuple[Certificate, CertifyReport]:
     request = CertifyRequest(
         group=task.group,
         trajectory=candidate.trajectory,
@@ -193,4 +217,4 @@ def _certify(task: _Task, candidate: Candidate) -> tuple[Certificate, CertifyRep
         jerk=task.problem.retime.method == "ruckig",
         constraints=task.problem.constraints,
     )
-    return certify(task.world.drake, request, task.deadline)
+    return certify(task.world.drake, request, deadline)

@@ -82,7 +82,7 @@ def search_ruled(
         Canceled: Somebody asked for the end.
     """
     options = task.options
-    if options.planner == "RRTConnect" and rules.stride < _USUAL_STRIDE:
+    if "RRTConnect" in options.planners and rules.stride < _USUAL_STRIDE:
         parameters = {"range": rules.stride, **options.parameters}
         options = replace(options, parameters=parameters)
     ruled = replace(task, options=options, residual=rules.residual)

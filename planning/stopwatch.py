@@ -26,6 +26,15 @@ class Stopwatch:
             self._seconds[name] = self._seconds.get(name, 0.0) + elapsed - self._within
             self._within = before + elapsed
 
+    @contextmanager
+    def note(self, name: str) -> Generator[None]:
+        """Count the time inside towards a name, and towards its stage all the same."""
+        began = self._clock()
+        try:
+            yield
+        finally:
+            self._seconds[name] = self._seconds.get(name, 0.0) + self._clock() - began
+
     @property
     def seconds(self) -> dict[str, float]:
         """Seconds by stage, and in `total` those since the start."""

@@ -1,5 +1,6 @@
 """Deadline: how long there is, by whose clock, and whether anybody still wants the answer."""
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -51,6 +52,27 @@ class Deadline:
         now = self.clock()
         left = max(0.0, self.at - now)
         return Deadline(self.allowed, now + fraction * left, self.clock, self.is_canceled)
+
+    def within(self, seconds: float | None) -> "Deadline":
+        """Return the earlier of this deadline and that in so many seconds; None changes nothing."""
+        if seconds is None:
+            return self
+        at = min(self.at, self.clock() + seconds)
+        return Deadline(self.allowed, at, self.clock, self.is_canceled)
+
+    @property
+    def uncancelable(self) -> "Deadline":
+        """The same instant, whoever does not want the answer any more."""
+        return Deadline(self.allowed, self.at, self.clock)
+
+    @property
+    def over_when_canceled(self) -> "Deadline":
+        """The same instant, and at once when somebody cancels: no error, but no time either."""
+
+        def clock() -> float:
+            return math.inf if self.is_canceled() else self.clock()
+
+        return Deadline(self.allowed, self.at, clock)
 
     def check(self, during: str) -> None:
         """Go on only if there is time.

@@ -25,21 +25,56 @@ class SearchOptions(Value):
     """How to search for a path.
 
     Attributes:
-        planner: OMPL's name of the planner.
-        parameters: OMPL's names and values of the planner's parameters.
-        attempts: How many solutions to look for; the shortest is kept.
+        planner: OMPL's name of the planner, or several names: they take turns.
+        parameters: OMPL's names and values of the planner's parameters; of several planners, each
+            takes those that it has.
+        attempts: How many solutions to look for; the best by the objective is kept. Of several
+            planners each has at least one.
         allowed_planning_time: For the whole plan, all stages [s].
         resolution: Largest distance between two checked states of a motion (joint-space length:
             radians and metres weigh the same).
         num_states: If given, the path is interpolated to at least this many waypoints.
+        weights: Factors of the metric that planners measure by, by name of a joint or of one of its
+            blocks (`JointGroup.blocks`); 1 for what is not named.
+        bounds: Lowest and highest value to search in [rad or m], by name of a position coordinate,
+            within the limits. The later stages keep the limits, not these.
+        spaces: What of a planar or floating joint is searched, by its name: "position" keeps its
+            rotation as it is at the start.
+        solve_time: For the planner, in each attempt [s]; None for as long as there is.
+        shortcut_time: For shortening each solution [s]; 0 for none, None for a share of what is
+            left.
+        objective: By what solutions are compared, and improved by planners that improve them.
+        approximate: Whether a failure tells the nearest configuration to a goal that was reached.
+        keep_graph: Whether the planner's graph is kept.
+        on_cancel: What a cancel ends: the plan ("discard"), or only the search where it has a
+            solution by then ("best").
     """
 
-    planner: str = "RRTConnect"
+    planner: str | tuple[str, ...] = "RRTConnect"
     parameters: Mapping[str, str | float | int | bool] = field(default_factory=dict)
     attempts: int = 1
     allowed_planning_time: float = 5.0
     resolution: float = 0.05
     num_states: int | None = None
+    weights: Mapping[str, float] = field(default_factory=dict)
+    bounds: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    spaces: Mapping[str, Literal["full", "position"]] = field(default_factory=dict)
+    solve_time: float | None = None
+    shortcut_time: float | None = None
+    objective: Literal["length", "weighted_length", "clearance", "duration"] = "length"
+    approximate: bool = False
+    keep_graph: bool = False
+    on_cancel: Literal["discard", "best"] = "discard"
+
+    @property
+    def planners(self) -> tuple[str, ...]:
+        """The names of the planners, however many."""
+        return (self.planner,) if isinstance(self.planner, str) else tuple(self.planner)
+
+    @property
+    def num_attempts(self) -> int:
+        """How many attempts there are, one for each planner at least."""
+        return max(self.attempts, len(self.planners))
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,6 +9,7 @@ from planning.domain.certificate import Certificate
 from planning.domain.curve import TimedTrajectory
 from planning.domain.joints import JointGroup
 from planning.domain.path import JointPath
+from planning.domain.planner_graph import PlannerGraph
 from planning.domain.report import (
     CertifyReport,
     GoalConfigurations,
@@ -45,6 +46,7 @@ class MotionPlan(Value):
         certificate: The proof.
         stages: What every stage did.
         timings: Seconds per stage; not part of the digest.
+        graph: What the planner explored, if it was asked for; not part of the digest.
     """
 
     group: JointGroup
@@ -57,6 +59,7 @@ class MotionPlan(Value):
     certificate: Certificate
     stages: StageReports
     timings: dict[str, float]
+    graph: PlannerGraph | None = None
 
     @property
     def digest(self) -> str:
@@ -72,8 +75,10 @@ class Progress:
         stage: Its name.
         fraction: Of the whole plan, 0 to 1.
         detail: For a person.
+        best_length: Of the best path that the search has so far; None where it is no news.
     """
 
     stage: str
     fraction: float
     detail: str = ""
+    best_length: float | None = None

@@ -99,11 +99,32 @@ class GoalConfigurations(Value):
 
 
 @dataclass(frozen=True, eq=False)
+class AttemptReport(Value):
+    """What one attempt at a solution came to.
+
+    Attributes:
+        planner: OMPL's name.
+        outcome: "solved", "collides" (on a closer look), or OMPL's word for how it ended.
+        raw_length: Of its solution before shortcutting; 0 without one.
+        length: And after it.
+        cost: By the objective; 0 without a solution.
+        num_states_checked: Configurations checked for collision, shortcutting included.
+    """
+
+    planner: str
+    outcome: str
+    raw_length: float
+    length: float
+    cost: float
+    num_states_checked: int
+
+
+@dataclass(frozen=True, eq=False)
 class SearchReport(Value):
     """What the search stage did.
 
     Attributes:
-        planner: OMPL's name.
+        planner: OMPL's name; of several, whose solution was kept.
         attempts: Solutions asked for.
         solved: Exact solutions found.
         num_states_checked: Configurations checked for collision, shortcutting included.
@@ -114,6 +135,10 @@ class SearchReport(Value):
         resolution: At which edges were checked.
         padding: Distance that was demanded beyond the margin [m].
         direct: Whether a straight line was free, so that no planner was asked.
+        objective: By what solutions were compared.
+        cost: Of the kept solution, by the objective.
+        attempts_log: One entry per attempt, the first ones if there are very many.
+        was_canceled: Whether a cancel ended the search before all attempts were made.
     """
 
     planner: str
@@ -127,6 +152,10 @@ class SearchReport(Value):
     resolution: float
     padding: float
     direct: bool = False
+    objective: str = "length"
+    cost: float = 0.0
+    attempts_log: tuple[AttemptReport, ...] = ()
+    was_canceled: bool = False
 
 
 @dataclass(frozen=True, eq=False)

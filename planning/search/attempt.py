@@ -1,5 +1,6 @@
 """One solution by an OMPL planner, from a fresh start."""
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -7,14 +8,18 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float64
 from ompl import base as ob
-from ompl import geometric as og
 from ompl import util as ou
 
 from planning.domain.deadline import Deadline
+from planning.domain.options import SearchOptions
+from planning.domain.planner_graph import PlannerGraph
 from planning.domain.value import Value
 from planning.errors import DeadlineExceeded
 from planning.search.edges import EdgeChecker
+from planning.search.graph import Graph, between, exported, has_graph, read_graph
 from planning.search.motions import space_information
+from planning.search.nearest_reached import nearest_reached
+from planning.search.objective import Objective
 from planning.search.oracle import WatchedOracle
 from planning.search.parameters import Scalar
 from planning.search.planners import make_planner
@@ -44,6 +49,9 @@ class Query:
         parameters: Of the planner.
         deadline: When to give up.
         watch: Told how long shortcuts take.
+        objective: What to improve.
+        options: The request's other wishes.
+        most_states: After how many checked states a planner without a solution gives up.
     """
 
     space: SearchSpace
@@ -54,6 +62,9 @@ class Query:
     parameters: Mapping[str, Scalar]
     deadline: Deadline
     watch: Stopwatch
+    objective: Objective
+    options: SearchOptions
+    most_states: float = math.inf
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,17 +76,21 @@ class Attempt(Value):
         waypoints: From the start to a goal, shape (n, nq); n = 0 if it found no exact solution.
         goal_row: Which goal, or -1.
         growth: Of its trees or roadmap `num_vertices` and `num_edges`, and `goal_distance`, the
-            least distance to a goal in OMPL's metric; None where it does not tell. Nothing if it
-            found a solution.
+            least distance to a goal in OMPL's metric; None where it does not tell. Where they were
+            asked for, `approximate` and `graph`. Nothing if it found a solution.
+        graph: What it explored, if that was asked for and it found a solution.
+        is_spent: Whether it gave up for having checked as many states as it may.
     """
 
     status: str
     waypoints: Float64[np.ndarray, "n nq"]
     goal_row: int
-    growth: Mapping[str, int | float | None]
+    growth: Mapping[str, Any]
+    graph: PlannerGraph | None
+    is_spent: bool
 
 
-def attempt(query: Query, edges: EdgeChecker, seed: int) -> Attempt:
+def attempt(query: Query, edges: EdgeChecker, fine: EdgeChecker, seed: int) -> Attempt:
     """Let the planner look for a path; the same seed gives the same path.
 
     OMPL's random numbers are global to the process: one search at a time.
@@ -83,6 +98,7 @@ def attempt(query: Query, edges: EdgeChecker, seed: int) -> Attempt:
     Args:
         query: What to search.
         edges: How motions are checked.
+        fine: How closely what is told of a failure is checked.
         seed: Of OMPL's random numbers, 1 to 2^32 - 1.
 
     Raises:
@@ -92,29 +108,36 @@ def attempt(query: Query, edges: EdgeChecker, seed: int) -> Attempt:
     ou.RNG.setSeed(seed)
     information = space_information(query.space, query.oracle, edges, query.planner)
     planner = make_planner(information, query.planner, query.parameters)
-    definition = _define(information, query)
-    planner.setProblemDefinition(definition)
+    planner.setProblemDefinition(_define(information, query))
     planner.setup()
-    stopping = Stopping(planner, query.oracle, query.deadline)
+    budget = query.deadline.within(query.options.solve_time)
+    stopping = Stopping(planner, query.oracle, budget, query.most_states)
     try:
-        status, found = _solve(planner, information, query, stopping)
+        with query.oracle.until(budget):
+            status, found = _solve(planner, query, stopping)
         if found is None:
             query.deadline.check("search")
         elif isinstance(query.space, ProjectedSpace):
             found = query.space.threaded(information, found)
     except DeadlineExceeded as error:
-        raise DeadlineExceeded(error.detail, error.evidence | _growth(planner)) from error
+        if query.deadline.is_over:
+            evidence = error.evidence | _growth(planner, query, fine)
+            raise DeadlineExceeded(error.detail, evidence) from error
+        status, found = "Timeout", None
     finally:
         stopping.let_go()
-    return _report(query, found, status, planner)
+    if found is None:
+        growth = _growth(planner, query, fine)
+        nothing = np.empty((0, len(query.start)))
+        return Attempt(status, nothing, -1, growth, None, stopping.is_spent)
+    return _report(query, fine, found, status, planner)
 
 
-def _solve(
-    planner: Any, information: Any, query: Query, stopping: Stopping
-) -> tuple[str, Array | None]:
+def _solve(planner: Any, query: Query, stopping: Stopping) -> tuple[str, Array | None]:
     """Return OMPL's word for how it ended, and the waypoints if there is an exact solution."""
     if is_roadmap_planner(planner):
-        found = solve_by_roadmap(planner, information, query.space, stopping, len(query.goals))
+        costs = query.objective.edge_costs
+        found = solve_by_roadmap(planner, query.space, stopping, len(query.goals), costs)
         return "Timeout" if found is None else "Exact solution", found
     status = planner.solve(ob.PlannerTerminationCondition(stopping)).asString()
     return status, _solution(planner.getProblemDefinition(), query.space)
@@ -127,21 +150,10 @@ def _define(information: Any, query: Query) -> Any:
     for q in query.goals:
         goals.addState(query.space.write(q))
     definition.setGoal(goals)
-    if query.space.is_mixed:
-        definition.setOptimizationObjective(_length(information))
+    objective = query.objective.of_ompl(information, query.space, query.planner)
+    if objective is not None:
+        definition.setOptimizationObjective(objective)
     return definition
-
-
-def _length(information: Any) -> Any:
-    """Return the length of a path as an objective that planners can use in a compound space.
-
-    For OMPL's own they sample where a path could still get shorter, and that sampler refuses
-    compounds; wrapped, it lets them sample everywhere and reject.
-    """
-    length = ob.MultiOptimizationObjective(information)
-    length.addObjective(ob.PathLengthOptimizationObjective(information), 1.0)
-    length.lock()
-    return length
 
 
 def _solution(definition: Any, space: SearchSpace) -> Array | None:
@@ -151,32 +163,51 @@ def _solution(definition: Any, space: SearchSpace) -> Array | None:
     return np.array([space.read(state) for state in definition.getSolutionPath().getStates()])
 
 
-def _report(query: Query, found: Array | None, status: str, planner: Any) -> Attempt:
-    goal_row = -1
-    waypoints = np.empty((0, len(query.start)))
-    if found is not None:
-        distances = query.space.manifold.distance(query.goals, found[-1])
-        row = int(np.argmin(distances))
-        if distances[row] < _SAME:
-            goal_row = row
-            ends = query.start[None], query.goals[row][None]
-            path = np.concatenate([ends[0], found[1:-1], ends[1]])
-            waypoints = unrolled(path, query.space.manifold)
-    return Attempt(status, waypoints, goal_row, {} if goal_row >= 0 else _growth(planner))
+def _report(query: Query, fine: EdgeChecker, found: Array, status: str, planner: Any) -> Attempt:
+    distances = query.space.manifold.distance(query.goals, found[-1])
+    row = int(np.argmin(distances))
+    if distances[row] >= _SAME:
+        nothing = np.empty((0, len(query.start)))
+        return Attempt(status, nothing, -1, _growth(planner, query, fine), None, is_spent=False)
+    path = np.concatenate([query.start[None], found[1:-1], query.goals[row][None]])
+    waypoints = unrolled(path, query.space.manifold)
+    return Attempt(status, waypoints, row, {}, _kept_graph(planner, query, found), is_spent=False)
 
 
-def _growth(planner: Any) -> dict[str, int | float | None]:
+def _kept_graph(planner: Any, query: Query, found: Array) -> PlannerGraph | None:
+    if not (query.options.keep_graph and has_graph(planner)):
+        return None
+    graph = _graph(planner, query)
+    return exported(query.planner, graph, query.space, found)
+
+
+def _graph(planner: Any, query: Query) -> Graph:
+    graph = read_graph(planner, planner.getSpaceInformation(), query.space)
+    return between(graph, query.start, query.goals, query.space)
+
+
+def _growth(planner: Any, query: Query, fine: EdgeChecker) -> dict[str, Any]:
     """Return how far the planner got."""
     definition = planner.getProblemDefinition()
     is_near = definition.hasApproximateSolution()
-    growth = {
+    growth: dict[str, Any] = {
         "num_vertices": None,
         "num_edges": None,
         "goal_distance": definition.getSolutionDifference() if is_near else None,
     }
-    # Asked for its graph, BITstar keeps the whole space information in memory for ever (2.0.1).
-    if not isinstance(planner, og.BITstar):
+    if not has_graph(planner):
+        return growth
+    if not (query.options.approximate or query.options.keep_graph):
         graph = ob.PlannerData(planner.getSpaceInformation())
         planner.getPlannerData(graph)
-        growth |= {"num_vertices": graph.numVertices(), "num_edges": graph.numEdges()}
+        return growth | {"num_vertices": graph.numVertices(), "num_edges": graph.numEdges()}
+    graph = _graph(planner, query)
+    whole = exported(query.planner, graph, query.space, np.empty((0, len(query.start))))
+    growth |= {"num_vertices": whole.num_vertices, "num_edges": whole.num_edges}
+    if query.options.keep_graph:
+        growth["graph"] = whole.plain
+    if query.options.approximate:
+        growth["approximate"] = nearest_reached(
+            graph, query.space, query.goals, fine, query.oracle, query.deadline
+        )
     return growth

@@ -7,7 +7,7 @@ from jaxtyping import Float64
 
 from planning.domain.motion_samples import steps_of
 from planning.search.edges import EdgeChecker
-from planning.search.polyline import distinct, path_length
+from planning.search.polyline import distinct, path_measure
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
@@ -39,7 +39,7 @@ def cut_corners(waypoints: Float64[np.ndarray, "n nq"], edges: EdgeChecker) -> A
     around = (1 - before) * lengths[:-1, None] + after * lengths[1:, None]
     flat = p.reshape(-1, p.shape[2]), q.reshape(-1, p.shape[2])
     gains = around - edges.lengths(*flat).reshape(around.shape)
-    worth = (gains > _LEAST_GAIN * path_length(waypoints, edges)) & (off[:-1] > 0) & (off[1:] > 0)
+    worth = (gains > _LEAST_GAIN * path_measure(waypoints, edges)) & (off[:-1] > 0) & (off[1:] > 0)
     rows, columns = np.nonzero(worth)
     if not len(rows):
         return None

@@ -1,5 +1,6 @@
 """EdgeChecker: whether a geodesic between two configurations is free, at a resolution."""
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -17,12 +18,20 @@ class EdgeChecker:
     Not promised: anything between two samples.
 
     Attributes:
+        norm: Measures tangents; what a shortcut gains is told by it.
         resolution: Largest distance between two samples (radians and metres weigh the same).
         num_motions: Edges checked so far.
     """
 
-    def __init__(self, manifold: Manifold, oracle: WatchedOracle, resolution: float) -> None:
-        """Make a checker that has checked nothing yet."""
+    def __init__(
+        self,
+        manifold: Manifold,
+        oracle: WatchedOracle,
+        resolution: float,
+        norm: Callable[[Array], Array] | None = None,
+    ) -> None:
+        """Make a checker that has checked nothing yet; it measures by length or by `norm`."""
+        self.norm = norm or _euclidean
         self.manifold = manifold
         self.resolution = resolution
         self.num_motions = 0
@@ -70,9 +79,8 @@ class EdgeChecker:
     def lengths(
         self, q0s: Float64[np.ndarray, "*#m nq"], q1s: Float64[np.ndarray, "*#m nq"]
     ) -> Float64[np.ndarray, "*m"]:
-        """Return the lengths of the geodesics between rows."""
-        delta = self.manifold.minus(q1s, q0s)
-        return np.sqrt(np.einsum("...v,...v->...", delta, delta))
+        """Return the measures of the geodesics between rows, by `norm`."""
+        return self.norm(self.manifold.minus(q1s, q0s))
 
     def between(
         self,
@@ -91,3 +99,7 @@ class EdgeChecker:
     ) -> Array:
         """Return the configurations at fractions of the way, shape (m, nq)."""
         return self.manifold.plus(q0, fractions[:, None] * self.manifold.minus(q1, q0))
+
+
+def _euclidean(delta: Array) -> Array:
+    return np.sqrt(np.einsum("...v,...v->...", delta, delta))

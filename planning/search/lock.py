@@ -1,5 +1,6 @@
 """Lock: a search over some joints of a group while the others stay where they are."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -8,6 +9,7 @@ from jaxtyping import Bool, Float64
 
 from planning.domain.deadline import Deadline
 from planning.domain.joints import Joint, JointGroup, JointLimits
+from planning.domain.options import SearchOptions
 from planning.domain.path import JointPath
 from planning.errors import NoPathFound
 from planning.search.oracle import CollisionOracle
@@ -50,17 +52,25 @@ def search_locked(  # noqa: PLR0913, PLR0917  (what `search` takes, and what is 
     if not len(rows) or not lock.free.joints:
         message = "no goal is reached with the locked joints where the start has them"
         raise NoPathFound(message, {"reason": "goals", "locked": sorted(locked)})
+    clearances = task.clearances
     part = replace(
         task,
         start=task.start[lock.move_q],
         goals=task.goals[rows][:, lock.move_q],
+        options=lock.options(task.options),
         residual=None if task.residual is None else LockedResidual(lock, task.residual),
+        clearances=None if clearances is None else (lambda q: clearances(lock.expand(q))),
     )
     found = search(
         lock.free, lock.limits(limits), LockedOracle(lock, oracle), part, deadline, watch
     )
-    path = JointPath(group, lock.expand(found.path.waypoints))
-    return SearchResult(path, int(rows[found.goal_row]), found.report)
+    graph = found.graph
+    return replace(
+        found,
+        path=JointPath(group, lock.expand(found.path.waypoints)),
+        goal_row=int(rows[found.goal_row]),
+        graph=None if graph is None else replace(graph, vertices=lock.expand(graph.vertices)),
+    )
 
 
 class Lock:
@@ -84,6 +94,23 @@ class Lock:
         self._joints, self._locked = group.joints, locked
         self.move_q, self.stay_q = self._split([j.num_positions for j in group.joints])
         self.move_v, _ = self._split([j.num_velocities for j in group.joints])
+
+    def options(self, options: SearchOptions) -> SearchOptions:
+        """Return the options without what they say of joints that do not move."""
+
+        def moving(by_name: Mapping[str, Any]) -> dict[str, Any]:
+            return {
+                name: value
+                for name, value in by_name.items()
+                if not any(name == joint or name.startswith(f"{joint}.") for joint in self._locked)
+            }
+
+        return replace(
+            options,
+            weights=moving(options.weights),
+            bounds=moving(options.bounds),
+            spaces=moving(options.spaces),
+        )
 
     def limits(self, limits: JointLimits) -> JointLimits:
         """Return those of the joints that move."""

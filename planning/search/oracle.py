@@ -1,5 +1,7 @@
 """CollisionOracle: what the search asks of a world, and what it adds to the answer."""
 
+from collections.abc import Generator
+from contextlib import contextmanager
 from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
@@ -77,6 +79,15 @@ class WatchedOracle:
         self._manifold = Manifold(group.joints)
         self._circle, self._lower, self._width = _bounded_circles(group, limits)
         self.num_states = 0
+
+    @contextmanager
+    def until(self, deadline: Deadline) -> Generator[None]:
+        """Keep another deadline inside."""
+        kept, self._deadline = self._deadline, deadline
+        try:
+            yield
+        finally:
+            self._deadline = kept
 
     def is_free(self, q: Float64[np.ndarray, " nq"]) -> bool:
         """Return whether q, shape (nq,), is admissible.

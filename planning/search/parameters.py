@@ -7,7 +7,7 @@ that differ are in a table. Ranges are those that OMPL's `declareParam` suggests
 
 import math
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, Literal
 
 from planning.errors import ProblemInvalid, UnknownName
 
@@ -81,12 +81,27 @@ def value_of(planner: Any, setter: str) -> Number:
     return getattr(planner, f"get{setter}")()
 
 
+def kind_of(value: Number) -> Literal["boolean", "integer", "number"]:
+    """Return the JSON type of a parameter's values."""
+    if isinstance(value, bool):
+        return "boolean"
+    return "integer" if isinstance(value, int) else "number"
+
+
+def range_of(name: str, value: Number) -> tuple[float | None, float | None]:
+    """Return the least and the greatest value that a parameter may have, None for no bound."""
+    if isinstance(value, bool):
+        return None, None
+    low, high = _RANGES.get(name, _LEAST)
+    return low, None if math.isinf(high) else high
+
+
 def describe_range(name: str, value: Number) -> str:
     """Return the values that a parameter may have, for a person."""
-    if isinstance(value, bool):
+    kind = kind_of(value)
+    if kind == "boolean":
         return "true or false"
     low, high = _RANGES.get(name, _LEAST)
-    kind = "integer" if isinstance(value, int) else "number"
     return f"{kind}, at least {low:.9g}" + ("" if math.isinf(high) else f", at most {high:.9g}")
 
 

@@ -3,21 +3,24 @@
 Which of them end how is told in `stopping` and `roadmap`.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Any
+from typing import Any, Literal
 
 from ompl import base as ob
 from ompl import geometric as og
 from ompl import util as ou
 
+from planning.domain.foreign_planners import unknown_planner
 from planning.domain.value import Value
 from planning.errors import UnknownName
 from planning.search.parameters import (
     Scalar,
     declared,
     describe_range,
+    kind_of,
+    range_of,
     set_parameters,
     value_of,
 )
@@ -40,11 +43,17 @@ class PlannerParameter(Value):
         name: OMPL's.
         default: Its value if it is not given, as text ("range" 0: chosen for the space).
         range: The values that it may have, for a person.
+        type: JSON's name of its type.
+        minimum: Its least value, None where it has none.
+        maximum: Its greatest value, None where it has none.
     """
 
     name: str
     default: str
     range: str
+    type: Literal["boolean", "integer", "number"]
+    minimum: float | None
+    maximum: float | None
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,6 +77,38 @@ def planner_names() -> list[str]:
 @lru_cache(maxsize=1)
 def _planner_names() -> tuple[str, ...]:
     return tuple(sorted(name for name, item in vars(og).items() if _is_planner(item)))
+
+
+def check_planners(names: Sequence[str], parameters: Mapping[str, Scalar]) -> None:
+    """Return if there are such planners, and each parameter is one of at least one of them.
+
+    Raises:
+        UnknownName: No such planner, or a parameter that none of these has.
+        ProblemInvalid: A parameter's value has the wrong type or lies outside its range.
+    """
+    if len(names) == 1:
+        check_planner(names[0], parameters)
+        return
+    known: set[str] = set()
+    for name in names:
+        check_planner(name, {})
+        known |= _own(name)
+    for parameter in parameters:
+        if parameter not in known:
+            raise UnknownName.among("parameter", parameter, known)
+    for name in names:
+        check_planner(name, own_parameters(name, parameters))
+
+
+def own_parameters(name: str, parameters: Mapping[str, Scalar]) -> dict[str, Scalar]:
+    """Return those parameters that a planner has."""
+    own = _own(name)
+    return {parameter: value for parameter, value in parameters.items() if parameter in own}
+
+
+@lru_cache(maxsize=32)
+def _own(name: str) -> frozenset[str]:
+    return frozenset(parameter.name for parameter in _card(_nowhere(), name).parameters)
 
 
 def check_planner(name: str, parameters: Mapping[str, Scalar]) -> None:
@@ -101,7 +142,7 @@ def make_planner(information: Any, name: str, parameters: Mapping[str, Scalar]) 
         ProblemInvalid: A parameter's value has the wrong type or lies outside its range.
     """
     if name not in _planner_names():
-        raise UnknownName.among("planner", name, planner_names())
+        raise unknown_planner(name, planner_names())
     planner = getattr(og, name)(information)
     if name == "BFMT":
         # See `parameters`: it would crash the process.
@@ -146,4 +187,6 @@ def _parameters(planner: Any) -> Iterator[PlannerParameter]:
     for name, setter in declared(planner).items():
         value = value_of(planner, setter)
         text = str(value).lower() if isinstance(value, bool) else f"{value:g}"
-        yield PlannerParameter(name, text, describe_range(name, value))
+        low, high = range_of(name, value)
+        told = describe_range(name, value)
+        yield PlannerParameter(name, text, told, kind_of(value), low, high)

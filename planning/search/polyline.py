@@ -13,9 +13,15 @@ from planning.search.edges import EdgeChecker
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 
-def path_length(waypoints: Float64[np.ndarray, "n nq"], edges: EdgeChecker) -> float:
-    """Return the sum of the edges' lengths."""
+def path_measure(waypoints: Float64[np.ndarray, "n nq"], edges: EdgeChecker) -> float:
+    """Return the sum of the edges' measures."""
     return float(edges.lengths(waypoints[:-1], waypoints[1:]).sum())
+
+
+def path_length(waypoints: Float64[np.ndarray, "n nq"], manifold: Manifold) -> float:
+    """Return the sum of the edges' lengths (radians and metres weigh the same)."""
+    delta = manifold.minus(waypoints[1:], waypoints[:-1])
+    return float(np.sqrt(np.einsum("...v,...v->...", delta, delta)).sum())
 
 
 def distinct(waypoints: Float64[np.ndarray, "n nq"]) -> Array:

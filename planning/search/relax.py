@@ -19,7 +19,7 @@ from jaxtyping import Float64
 
 from planning.domain.manifold import Manifold
 from planning.search.edges import EdgeChecker
-from planning.search.polyline import path_length
+from planning.search.polyline import path_measure
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
@@ -65,7 +65,7 @@ def relaxed(
         if len(path) < 3 or is_over():
             break
         tries = _tries(path, reach, parts, edges)
-        rows, columns = np.nonzero(tries.gains > _LEAST_GAIN * path_length(path, edges))
+        rows, columns = np.nonzero(tries.gains > _LEAST_GAIN * path_measure(path, edges))
         if not len(rows):
             break
         qs = tries.qs[rows, columns]
@@ -125,7 +125,7 @@ def _given_way(path: Array, tries: _Tries, gains: Array, edges: EdgeChecker) -> 
     is_changed = np.zeros(len(path) - 1, dtype=bool)
     is_changed[rows] = is_changed[rows + 1] = True
     changed = np.flatnonzero(is_changed)
-    is_shorter = path_length(new, edges) < path_length(path, edges)
+    is_shorter = path_measure(new, edges) < path_measure(path, edges)
     if is_shorter and edges.are_free(new[changed], new[changed + 1]).all():
         return new
     best = gains[rows].argmax(axis=1)

@@ -3,12 +3,10 @@
 OMPL's own `PRM::solve` looks for solutions on a second thread while the first one grows the
 roadmap, and changes its way of growing by the clock. With checks in Python the two threads wait
 for each other for ever, and without them the result would depend on the scheduler. So OMPL
-connects the start, the goals and the samples, and the shortest way through them is looked for here,
+connects the start, the goals and the samples, and the cheapest way through them is looked for here,
 by Dijkstra's algorithm, each time the roadmap has grown by half.
 """
 
-import heapq
-import math
 from collections.abc import Callable
 from typing import Any
 
@@ -16,6 +14,7 @@ import numpy as np
 from ompl import base as ob
 from ompl import geometric as og
 
+from planning.search.graph import Costs, cheapest_ways, read_graph, traced
 from planning.search.spaces import SearchSpace
 from planning.search.stopping import Stopping
 
@@ -25,12 +24,13 @@ _FIRST_GROWTH = 50
 
 
 def solve_by_roadmap(
-    planner: Any, information: Any, space: SearchSpace, stopping: Stopping, num_goals: int
+    planner: Any, space: SearchSpace, stopping: Stopping, num_goals: int, costs: Costs
 ) -> Array | None:
     """Return the waypoints of a path, shape (n, nq), or None if `stopping` came first.
 
     PRMstar, which is asked for good paths, grows its first successful roadmap to twice its size.
     """
+    information = planner.getSpaceInformation()
     definition = planner.getProblemDefinition()
     # Each call that must end at once connects one more goal, and the first one the start.
     for _ in range(num_goals):
@@ -38,14 +38,14 @@ def solve_by_roadmap(
     definition.clearSolutionPaths()
     growth = _FIRST_GROWTH
     while True:
-        path = _shortest_path(planner, information, space)
+        path = _best_path(planner, information, space, costs)
         if path is not None or stopping():
             break
         _grow(planner, stopping, growth)
         growth += growth // 2
     if path is not None and isinstance(planner, og.PRMstar):
         _grow(planner, stopping, max(growth, planner.milestoneCount()))
-        path = _shortest_path(planner, information, space)
+        path = _best_path(planner, information, space, costs)
     return path
 
 
@@ -68,34 +68,10 @@ def _after(count: int, stopping: Stopping) -> Callable[[], bool]:
     return is_enough
 
 
-def _shortest_path(planner: Any, information: Any, space: SearchSpace) -> Array | None:
-    graph = ob.PlannerData(information)
-    planner.getPlannerData(graph)
-    qs = np.array([space.read(graph.getVertex(i).getState()) for i in range(graph.numVertices())])
-    goals = {graph.getGoalIndex(i) for i in range(graph.numGoalVertices())}
-    start = graph.getStartIndex(0)
-    best = [math.inf] * len(qs)
-    best[start] = 0.0
-    came_from = {start: start}
-    queue = [(0.0, start)]
-    while queue:
-        length, here = heapq.heappop(queue)
-        if here in goals:
-            return qs[_trace(came_from, here)]
-        if length > best[here]:
-            continue
-        neighbours = graph.getEdges(here)
-        steps = space.manifold.distance(qs[neighbours], qs[here]) if neighbours else ()
-        for there, step in zip(neighbours, steps, strict=True):
-            if length + step < best[there]:
-                best[there] = length + step
-                came_from[there] = here
-                heapq.heappush(queue, (best[there], there))
+def _best_path(planner: Any, information: Any, space: SearchSpace, costs: Costs) -> Array | None:
+    graph = read_graph(planner, information, space)
+    goals = set(graph.goals)
+    for row, came_from in cheapest_ways(graph, costs):
+        if row in goals:
+            return graph.qs[traced(came_from, row)]
     return None
-
-
-def _trace(came_from: dict[int, int], end: int) -> list[int]:
-    chain = [end]
-    while came_from[chain[-1]] != chain[-1]:
-        chain.append(came_from[chain[-1]])
-    return chain[::-1]

@@ -3,10 +3,10 @@
 A straight line to one of the nearest goals comes first. If there is none, or only to a goal much
 farther than the nearest, the planner looks for a path, which is
 shortened and checked again, edge by edge, four times as finely as it was searched; if that finds a
-collision the attempt starts anew with half the resolution. The shortest of all attempts is kept.
+collision the attempt starts anew with half the resolution. The best of all attempts is kept (see
+`race`); what is best, `objective` says.
 """
 
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -15,12 +15,16 @@ from planning.domain.deadline import Deadline
 from planning.domain.joints import JointGroup, JointLimits
 from planning.domain.path import JointPath
 from planning.domain.report import SearchReport
-from planning.errors import DeadlineExceeded, NoPathFound, ProblemInvalid
-from planning.search.attempt import Attempt, Query
+from planning.errors import NoPathFound, ProblemInvalid
+from planning.search.attempt import Query
+from planning.search.demands import block_weights, bounded, held_rotations
+from planning.search.graph import line_graph
+from planning.search.objective import Objective
 from planning.search.oracle import CollisionOracle, WatchedOracle
-from planning.search.planners import check_planner
+from planning.search.planners import check_planners
 from planning.search.projected import ProjectedSpace
-from planning.search.sound import Closeness, SoundPath, delivered, fine_checker, sound_attempt
+from planning.search.race import Tally, race
+from planning.search.sound import Closeness, SoundPath, delivered, fine_checker
 from planning.search.spaces import SearchSpace
 from planning.search.task import SearchResult, SearchTask
 from planning.stopwatch import Stopwatch
@@ -40,6 +44,9 @@ _FIELDS = {
     "search.resolution": "it must be positive",
     "search.attempts": "at least 1 is needed",
     "search.num_states": "at least 2 are needed",
+    "search.planner": "at least one is needed",
+    "search.solve_time": "it must be positive",
+    "search.shortcut_time": "it must not be negative",
     "seed": "it must not be negative",
 }
 
@@ -76,35 +83,66 @@ def search(
         Canceled: Somebody asked for the end.
     """
     _require_sense(group, task)
-    options = task.options
-    check_planner(options.planner, options.parameters)
-    watched = WatchedOracle(oracle, group, limits, deadline)
-    space = _space(group, limits, task)
-    rows = _admissible_goals(space, watched, task)
-    query = Query(
-        space,
-        watched,
-        task.start,
-        task.goals[rows],
-        options.planner,
-        options.parameters,
-        deadline,
-        watch or Stopwatch(deadline.clock),
-    )
+    query, rows = _query(group, limits, oracle, task, deadline, watch)
     fine = fine_checker(query, task.resolution)
-    closeness = Closeness(task.resolution, options.num_states, fine)
-    tally = _Tally(direct=_straight_line(query, closeness))
-    tally.best = tally.direct
+    closeness = Closeness(task.resolution, task.options.num_states, fine, query.objective)
+    # Of one attempt the end of the search tells as much.
+    on_best = task.on_best if task.options.num_attempts > 1 else None
+    tally = Tally(on_best, direct=_straight_line(query, closeness))
     if tally.best is None or _is_detour(tally.best, query):
-        _attempt_all(query, closeness, task, tally)
+        race(query, closeness, task, tally)
     best = tally.best
     if best is None:
         raise _no_path(query, tally)
-    report = SearchReport(
-        planner=options.planner,
-        attempts=options.attempts,
+    graph = tally.graph
+    if graph is None and task.options.keep_graph and best is tally.direct:
+        graph = line_graph(best.waypoints[[0, -1]])
+    path = JointPath(group, best.waypoints)
+    return SearchResult(
+        path, int(rows[best.goal_row]), _report(query, closeness, task, tally, best), graph
+    )
+
+
+def _query(
+    group: JointGroup,
+    limits: JointLimits,
+    oracle: CollisionOracle,
+    task: SearchTask,
+    deadline: Deadline,
+    watch: Stopwatch | None,
+) -> tuple[Query, np.ndarray[Any, np.dtype[np.intp]]]:
+    """Return what every attempt needs, and the rows of the goals that are searched for."""
+    options = task.options
+    check_planners(options.planners, options.parameters)
+    limits = bounded(group, limits, options.bounds)
+    weights = block_weights(group, options.weights)
+    watched = WatchedOracle(oracle, group, limits, deadline)
+    space = _space(group, limits, task, weights)
+    rows = _admissible_goals(space, watched, task)
+    query = Query(
+        space=space,
+        oracle=watched,
+        start=task.start,
+        goals=task.goals[rows],
+        planner=options.planners[0],
+        parameters=options.parameters,
+        deadline=deadline,
+        watch=watch or Stopwatch(deadline.clock),
+        objective=Objective(options.objective, group, limits, weights, task.clearances),
+        options=options,
+    )
+    return query, rows
+
+
+def _report(
+    query: Query, closeness: Closeness, task: SearchTask, tally: Tally, best: SoundPath
+) -> SearchReport:
+    fine = closeness.fine
+    return SearchReport(
+        planner=tally.winner or query.planner,
+        attempts=task.options.num_attempts,
         solved=tally.num_solved,
-        num_states_checked=watched.num_states,
+        num_states_checked=query.oracle.num_states,
         num_motions_checked=tally.num_motions + fine.num_motions,
         raw_length=best.raw_length,
         length=best.length,
@@ -112,14 +150,23 @@ def search(
         resolution=fine.resolution,
         padding=task.padding,
         direct=best is tally.direct,
+        objective=task.options.objective,
+        cost=best.cost,
+        attempts_log=tuple(tally.log),
+        was_canceled=tally.was_canceled,
     )
-    return SearchResult(JointPath(group, best.waypoints), int(rows[best.goal_row]), report)
 
 
-def _space(group: JointGroup, limits: JointLimits, task: SearchTask) -> SearchSpace:
+def _space(group: JointGroup, limits: JointLimits, task: SearchTask, weights: Array) -> SearchSpace:
     anchors = np.concatenate([task.start[None], task.goals])
+    held = held_rotations(group, task.options.spaces)
     if task.residual is None:
-        return SearchSpace(group, limits, anchors)
+        return SearchSpace(group, limits, anchors, weights, held)
+    if (weights != 1).any() or held:
+        message = (
+            "search.weights and search.spaces cannot be had with constraints that are projected"
+        )
+        raise ProblemInvalid(message, {"field": "search.weights"})
     return ProjectedSpace(group, limits, anchors, task.residual)
 
 
@@ -129,39 +176,6 @@ def _is_detour(direct: SoundPath, query: Query) -> bool:
     return direct.length > _DETOUR * nearest + _NEAR
 
 
-@dataclass
-class _Tally:
-    """What the attempts came to so far."""
-
-    direct: SoundPath | None
-    best: SoundPath | None = None
-    last: Attempt | None = None
-    num_attempts: int = 0
-    num_solved: int = 0
-    num_motions: int = 0
-
-
-def _attempt_all(query: Query, closeness: Closeness, task: SearchTask, tally: _Tally) -> None:
-    """Make every attempt, or as many as there is time for, and keep the shortest path."""
-    attempts = task.options.attempts
-    for seeds in np.random.SeedSequence(task.seed).spawn(attempts):
-        tally.num_attempts += 1
-        try:
-            trial = sound_attempt(query, closeness, seeds)
-        except DeadlineExceeded as error:
-            if tally.best is not None:
-                return
-            raise DeadlineExceeded(
-                error.detail, error.evidence | _evidence(query, tally)
-            ) from error
-        tally.last = trial.last
-        tally.num_motions += trial.num_motions
-        if trial.path is not None:
-            tally.num_solved += 1
-            if tally.best is None or trial.path.length < tally.best.length:
-                tally.best = trial.path
-
-
 def _require_sense(group: JointGroup, task: SearchTask) -> None:
     """Refuse numbers that cannot be meant.
 
@@ -169,13 +183,18 @@ def _require_sense(group: JointGroup, task: SearchTask) -> None:
         ProblemInvalid: And which.
     """
     nq = group.num_positions
-    num_states = task.options.num_states
+    options = task.options
+    num_states = options.num_states
     faults = {
         "start": task.start.shape != (nq,) or not np.isfinite(task.start).all(),
         "goal": task.goals.shape[1:] != (nq,) or not np.isfinite(task.goals).all(),
         "search.resolution": not (np.isfinite(task.resolution) and task.resolution > 0),
-        "search.attempts": task.options.attempts < 1,
+        "search.attempts": options.attempts < 1,
         "search.num_states": num_states is not None and num_states < 2,
+        "search.planner": not options.planners,
+        "search.solve_time": options.solve_time is not None and not options.solve_time > 0,
+        "search.shortcut_time": options.shortcut_time is not None
+        and not options.shortcut_time >= 0,
         "seed": task.seed < 0,
     }
     for field, is_fault in faults.items():
@@ -191,15 +210,21 @@ def _admissible_goals(
     Raises:
         NoPathFound: There is none, or the start is inadmissible itself.
     """
-    evidence = {"planner": task.options.planner, "padding": task.padding}
+    evidence = {"planner": ", ".join(task.options.planners), "padding": task.padding}
     if not (space.contains(task.start) and oracle.is_free(task.start)):
-        message = "the start is outside the limits, or nearer to something than is demanded"
+        message = (
+            "the start is outside the limits or the search's bounds, or nearer to something than "
+            "is demanded"
+        )
         raise NoPathFound(message, evidence | {"reason": "start"})
     inside = [row for row, q in enumerate(task.goals) if space.contains(q)]
     rows = np.array(inside, dtype=np.intp)
     rows = rows[oracle.are_free(task.goals[rows])] if len(rows) else rows
     if not len(rows):
-        message = "every goal is outside the limits, or nearer to something than is demanded"
+        message = (
+            "every goal is outside the limits or the search's bounds, or turned where the rotation "
+            "is held, or nearer to something than is demanded"
+        )
         raise NoPathFound(message, evidence | {"reason": "goals", "num_goals": len(task.goals)})
     return rows
 
@@ -215,23 +240,11 @@ def _straight_line(query: Query, closeness: Closeness) -> SoundPath | None:
     return None
 
 
-def _no_path(query: Query, tally: _Tally) -> NoPathFound:
+def _no_path(query: Query, tally: Tally) -> NoPathFound:
     blocked = tally.last is not None and len(tally.last.waypoints) > 0
     why = "what it found collides on a closer look" if blocked else "it ended without a solution"
     message = (
-        f"{query.planner} found no path in {tally.num_attempts} attempts: {why}; "
-        "more attempts, more samples or another planner may find one"
+        f"{', '.join(query.options.planners)} found no path in {tally.num_attempts} attempts: "
+        f"{why}; more attempts, more samples or another planner may find one"
     )
-    return NoPathFound(message, _evidence(query, tally))
-
-
-def _evidence(query: Query, tally: _Tally) -> dict[str, Any]:
-    evidence: dict[str, Any] = {
-        "planner": query.planner,
-        "attempts": tally.num_attempts,
-        "num_goals": len(query.goals),
-        "num_states_checked": query.oracle.num_states,
-    }
-    if tally.last is not None:
-        evidence |= {"status": tally.last.status, **tally.last.growth}
-    return evidence
+    return NoPathFound(message, tally.evidence(query))

@@ -14,6 +14,7 @@ from planning.domain.value import Value
 from planning.search.attempt import Array, Attempt, Query, attempt
 from planning.search.densify import densified
 from planning.search.edges import EdgeChecker
+from planning.search.objective import Objective
 from planning.search.polyline import path_length, unrolled
 from planning.search.shortcut import shortcut
 
@@ -32,11 +33,13 @@ class Closeness:
         resolution: At which the planner begins to check edges.
         num_states: Least number of waypoints, or None.
         fine: Checks edges at a quarter of the resolution.
+        objective: Measures paths.
     """
 
     resolution: float
     num_states: int | None
     fine: EdgeChecker
+    objective: Objective
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,12 +51,14 @@ class SoundPath(Value):
         goal_row: The goal that it ends in.
         raw_length: Before shortcutting.
         length: And after it.
+        cost: By the objective.
     """
 
     waypoints: Float64[np.ndarray, "n nq"]
     goal_row: int
     raw_length: float
     length: float
+    cost: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,7 +78,11 @@ class Trial(Value):
 
 def fine_checker(query: Query, resolution: float) -> EdgeChecker:
     """Return what checks results, for a search at `resolution`."""
-    return EdgeChecker(query.space.manifold, query.oracle, resolution / _FINER)
+    return _checker(query, resolution / _FINER)
+
+
+def _checker(query: Query, resolution: float) -> EdgeChecker:
+    return EdgeChecker(query.space.manifold, query.oracle, resolution, query.objective.norm)
 
 
 def sound_attempt(query: Query, closeness: Closeness, seeds: np.random.SeedSequence) -> Trial:
@@ -86,8 +95,9 @@ def sound_attempt(query: Query, closeness: Closeness, seeds: np.random.SeedSeque
     num_motions = halvings = 0
     while True:
         child = seeds.spawn(1)[0]
-        edges = EdgeChecker(query.space.manifold, query.oracle, closeness.resolution / 2**halvings)
-        found = attempt(query, edges, max(1, int(child.generate_state(1)[0])))
+        edges = _checker(query, closeness.resolution / 2**halvings)
+        seed = max(1, int(child.generate_state(1)[0]))
+        found = attempt(query, edges, closeness.fine, seed)
         path = _shortened(query, found, edges, closeness)
         num_motions += edges.num_motions
         if path is not None or not len(found.waypoints) or halvings == _HALVINGS:
@@ -101,13 +111,20 @@ def _shortened(
     """Return a shorter path that is free at the fine resolution, if there is one."""
     if not len(found.waypoints):
         return None
-    time = query.deadline.share(_SHORTCUT_SHARE)
+    time = query.deadline.share(_SHORTCUT_SHARE).within(query.options.shortcut_time)
+    raw, fine = found.waypoints, closeness.fine
     with query.watch.stage("shortcut"):
-        shorter = shortcut(found.waypoints, coarse, closeness.fine, lambda: time.is_over)
+        shorter = shortcut(raw, coarse, fine, lambda: time.is_over)
         if shorter is None:
             return None
         path = unrolled(shorter, query.space.manifold)
-        return delivered(path, found.waypoints, found.goal_row, closeness)
+        best = delivered(path, raw, found.goal_row, closeness)
+        if query.objective.name == "clearance" and fine.are_free(raw[:-1], raw[1:]).all():
+            # A shorter path may well be nearer to things.
+            untouched = delivered(raw, raw, found.goal_row, closeness)
+            both = [path for path in (best, untouched) if path is not None]
+            best = min(both, key=lambda path: path.cost, default=None)
+    return best
 
 
 def delivered(
@@ -122,10 +139,12 @@ def delivered(
         closeness: How closely to look.
     """
     fine = closeness.fine
-    lengths = path_length(raw, fine), path_length(waypoints, fine)
+    objective = closeness.objective
+    lengths = path_length(raw, fine.manifold), path_length(waypoints, fine.manifold)
+    cost = lengths[1] if objective.is_length else objective.cost(waypoints)
     if closeness.num_states is not None:
         waypoints = densified(fine, waypoints, closeness.num_states)
         # Cut elsewhere than it was checked, an edge has other samples.
         if not fine.are_free(waypoints[:-1], waypoints[1:]).all():
             return None
-    return SoundPath(waypoints, goal_row, *lengths)
+    return SoundPath(waypoints, goal_row, *lengths, cost)

@@ -14,6 +14,8 @@ from planning.search.oracle import WatchedOracle
 
 _LEAST_STATES = 4_000
 _LEAST_QUESTIONS = 20_000
+# A planner that may check so many states may ask so many times as often whether to end.
+_QUESTIONS_PER_STATE = 10
 
 
 class Stopping:
@@ -21,11 +23,28 @@ class Stopping:
 
     Attributes:
         questions: How often the planner asked.
+        is_spent: Whether it was ended because it had checked as many states as it may.
     """
 
-    def __init__(self, planner: Any, oracle: WatchedOracle, deadline: Deadline) -> None:
-        """Watch a planner's best cost, if it tells one, and the oracle's counter."""
+    def __init__(
+        self,
+        planner: Any,
+        oracle: WatchedOracle,
+        deadline: Deadline,
+        most_states: float = math.inf,
+    ) -> None:
+        """Watch a planner's best cost, if it tells one, and the oracle's counter.
+
+        Args:
+            planner: OMPL's.
+            oracle: What it asks.
+            deadline: Cuts all.
+            most_states: How many states it may check until it has a solution.
+        """
         self.questions = 0
+        self.is_spent = False
+        self._most_states = oracle.num_states + most_states
+        self._most_questions = _QUESTIONS_PER_STATE * most_states
         self._best_cost = getattr(planner, "bestCost", None)
         self._oracle = oracle
         self._deadline = deadline
@@ -37,6 +56,9 @@ class Stopping:
         """Return whether to end."""
         self.questions += 1
         if self._deadline.is_over:
+            return True
+        if math.isinf(self._last_questions) and self._has_spent_all():
+            self.is_spent = True
             return True
         if self._best_cost is None:
             return False
@@ -57,3 +79,7 @@ class Stopping:
         spent = self._oracle.num_states - self._states_before
         self._last_states = self._oracle.num_states + max(spent, _LEAST_STATES)
         self._last_questions = self.questions + max(self.questions, _LEAST_QUESTIONS)
+
+    def _has_spent_all(self) -> bool:
+        has_checked = self._oracle.num_states >= self._most_states
+        return has_checked or self.questions >= self._most_questions

@@ -1,15 +1,22 @@
 """What the search stage is asked, and what it answers."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from jaxtyping import Float64
 
 from planning.domain.options import SearchOptions
 from planning.domain.path import JointPath
-from planning.domain.report import SearchReport
+from planning.domain.planner_graph import PlannerGraph
+from planning.domain.report import AttemptReport, SearchReport
 from planning.domain.value import Value
 from planning.search.projected import Residual
+
+type Clearances = Callable[
+    [np.ndarray[Any, np.dtype[np.float64]]], np.ndarray[Any, np.dtype[np.float64]]
+]
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,6 +32,9 @@ class SearchTask(Value):
         padding: Distance that the oracle demands beyond the margin [m]; for the report.
         seed: Of all randomness, not negative.
         residual: What vanishes on a set that is too thin to be sampled, or None.
+        clearances: Returns for rows of q the distances to what is not the robot [m]; for the
+            objective "clearance".
+        on_best: Told of every path that is the best so far.
     """
 
     start: Float64[np.ndarray, " nq"]
@@ -34,6 +44,8 @@ class SearchTask(Value):
     padding: float
     seed: int
     residual: Residual | None = None
+    clearances: Clearances | None = None
+    on_best: Callable[[AttemptReport], None] | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,8 +56,10 @@ class SearchResult(Value):
         path: From exactly the start to exactly one of the goals.
         goal_row: Which goal.
         report: What was done.
+        graph: What the planner explored, if that was asked for and it tells.
     """
 
     path: JointPath
     goal_row: int
     report: SearchReport
+    graph: PlannerGraph | None = None

@@ -8,7 +8,7 @@ from planning.domain.pose import Pose
 from planning.domain.problem import PlanningProblem
 from service.convert.constraints import constraint_value
 from service.schemas.goal import ConfigurationGoalWire, GoalWire, JointGoalWire, PoseGoalWire
-from service.schemas.plan import IkWire, PlanRequest, RetimeWire
+from service.schemas.plan import IkWire, PlanRequest, RetimeWire, SearchWire
 from service.schemas.pose import PoseWire
 
 
@@ -64,22 +64,35 @@ def retime_value(retime: RetimeWire) -> RetimeOptions:
     )
 
 
+def search_value(search: SearchWire) -> SearchOptions:
+    """Return the domain's search options."""
+    return SearchOptions(
+        planner=search.planner if isinstance(search.planner, str) else tuple(search.planner),
+        parameters=dict(search.parameters),
+        attempts=search.attempts,
+        allowed_planning_time=search.allowed_planning_time,
+        resolution=search.resolution,
+        num_states=search.num_states,
+        weights=dict(search.weights),
+        bounds={name: (low, high) for name, (low, high) in search.bounds.items()},
+        spaces=dict(search.spaces),
+        solve_time=search.solve_time,
+        shortcut_time=search.shortcut_time,
+        objective=search.objective,
+        approximate=search.approximate,
+        keep_graph=search.keep_graph,
+        on_cancel=search.on_cancel,
+    )
+
+
 def problem_value(request: PlanRequest) -> PlanningProblem:
     """Return the domain's problem; every field of the request is in it but for the scene."""
-    search = request.search
     return PlanningProblem(
         group=request.group,
         goal=goal_value(request.goal),
         start=None if request.start is None else np.array(request.start, dtype=np.float64),
         ik=ik_value(request.ik),
-        search=SearchOptions(
-            planner=search.planner,
-            parameters=dict(search.parameters),
-            attempts=search.attempts,
-            allowed_planning_time=search.allowed_planning_time,
-            resolution=search.resolution,
-            num_states=search.num_states,
-        ),
+        search=search_value(request.search),
         refine=RefineOptions(request.refine.method),
         retime=retime_value(request.retime),
         margin=request.margin,

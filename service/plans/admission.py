@@ -2,10 +2,12 @@
 
 from typing import Any
 
+from planning.domain.foreign_planners import unknown_planner
 from planning.errors import UnknownName
 from service.desk import Desk, spec_of
 from service.jobs.records import Job
 from service.scenes.preflight import (
+    Group,
     require_constraints,
     require_count,
     require_goal,
@@ -31,7 +33,8 @@ async def submit_plan(request: PlanRequest, key: str | None, scenes: SceneShelf,
 
     Raises:
         UnknownResource: There is no such scene or revision.
-        UnknownName: The scene has no such group, frame or configuration; nobody has the planner.
+        UnknownName: The scene has no such group, frame or configuration; nobody has the planner, or
+            the group no such joint.
         WrongCount: A list of positions does not fit the group.
         IdempotencyConflict: The key was used for another request.
         QueueFull: The queue is full.
@@ -43,6 +46,7 @@ async def submit_plan(request: PlanRequest, key: str | None, scenes: SceneShelf,
     require_goal(record, group, request.goal)
     require_constraints(record, group, request.path_constraints)
     require_planner(await desk.planners(), request.search)
+    require_search_names(group, request.search)
     payload = {
         **await desk.scene_payload(record),
         "request": request.model_dump(mode="json"),
@@ -53,15 +57,37 @@ async def submit_plan(request: PlanRequest, key: str | None, scenes: SceneShelf,
 
 
 def require_planner(planners: list[dict[str, Any]], search: SearchWire) -> None:
-    """Go on only if there is such a planner with such parameters.
+    """Go on only if there are such planners, and one of them has such parameters.
 
     Raises:
-        UnknownName: There is not.
+        UnknownName: There are not.
     """
     by_name = {planner["name"]: planner for planner in planners}
-    if search.planner not in by_name:
-        raise UnknownName.among("planner", search.planner, by_name)
-    known = [parameter["name"] for parameter in by_name[search.planner]["parameters"]]
-    for name in search.parameters:
-        if name not in known:
-            raise UnknownName.among("parameter", name, known)
+    names = [search.planner] if isinstance(search.planner, str) else search.planner
+    known: set[str] = set()
+    for name in names:
+        if name not in by_name:
+            raise unknown_planner(name, by_name)
+        known |= {parameter["name"] for parameter in by_name[name]["parameters"]}
+    for parameter in search.parameters:
+        if parameter not in known:
+            raise UnknownName.among("parameter", parameter, known)
+
+
+def require_search_names(group: Group, search: SearchWire) -> None:
+    """Go on only if the group has the joints and coordinates that the search names.
+
+    Raises:
+        UnknownName: It has not.
+    """
+    joints = {joint["name"]: joint["type"] for joint in group["joints"]}
+    bodies = [name for name, kind in joints.items() if kind in {"planar", "floating"}]
+    named = (
+        ("joint or block", search.weights, [*joints, *group["limits"]["blocks"]]),
+        ("position", search.bounds, group["position_names"]),
+        ("planar or floating joint", search.spaces, bodies),
+    )
+    for kind, names, known in named:
+        for name in names:
+            if name not in known:
+                raise UnknownName.among(kind, name, dict.fromkeys(known))

@@ -20,7 +20,7 @@ def job_brief(job: Job) -> dict[str, Any]:
         "started_at": job.started_at,
         "finished_at": job.finished_at,
         "request": request,
-        "failure": job.failure,
+        "failure": _without_graph(job.failure),
         "seed": request["seed"],
         "digest": done.get("digest"),
         "versions": versions(),
@@ -44,3 +44,28 @@ def polynomial_of(job: Job) -> dict[str, Any]:
         raise NotFinished(f"plan {job.id} is {job.state}: it has no trajectory", evidence)
     polynomial: dict[str, Any] = job.result["polynomial"]
     return polynomial
+
+
+def graph_of(job: Job) -> dict[str, Any]:
+    """Return what the planner of a plan explored.
+
+    Raises:
+        NotFinished: It has none: not yet, or nobody asked for it, or its planner tells none.
+    """
+    evidence = (job.failure or {}).get("evidence", {})
+    graph: dict[str, Any] | None = (job.result or {}).get("graph") or evidence.get("graph")
+    if graph is None:
+        message = (
+            f"plan {job.id} is {job.state} and has no graph; a search keeps one if its "
+            "`keep_graph` is true and its planner tells it (AORRTC and BITstar do not)"
+        )
+        raise NotFinished(message, {"id": job.id, "state": job.state})
+    return graph
+
+
+def _without_graph(failure: dict[str, Any] | None) -> dict[str, Any] | None:
+    """Return a failure as it is shown: a graph is large and has an address of its own."""
+    if failure is None or "graph" not in failure["evidence"]:
+        return failure
+    evidence = {name: item for name, item in failure["evidence"].items() if name != "graph"}
+    return {**failure, "evidence": evidence}

@@ -10,10 +10,11 @@ from fastapi.sse import EventSourceResponse, ServerSentEvent
 
 from service.dependencies import DeskDep, PlanJob, ScenesDep, SettingsDep
 from service.plans.admission import submit_plan
-from service.plans.wire import job_brief, job_resource
+from service.plans.wire import graph_of, job_brief, job_resource
 from service.routes.answers import Cursor, LastEventId, Limit, problems
 from service.routes.streaming import EVENTS, server_sent
 from service.routes.waiting import IdempotencyKey, Prefer, Wait, seconds_to_wait
+from service.schemas.graph import PlannerGraphWire
 from service.schemas.job import Job, JobPage, JobState
 from service.schemas.plan import PlanRequest
 
@@ -86,9 +87,20 @@ async def get_plan(job: PlanJob) -> Any:
 async def stream_plan_events(
     job: PlanJob, desk: DeskDep, last_event_id: LastEventId = None
 ) -> AsyncIterator[ServerSentEvent]:
-    """Stream what happens to a plan: queued, started, stage, progress, finished."""
+    """Stream what happens to a plan: queued, started, stage, progress, best-so-far, finished."""
     async for event in server_sent(desk, job, last_event_id):
         yield event
+
+
+@router.get(
+    "/{plan}/graph",
+    operation_id="getPlannerGraph",
+    response_model=PlannerGraphWire,
+    responses=problems(404, 409, 422),
+)
+async def get_planner_graph(job: PlanJob) -> Any:
+    """Show what the planner explored, if the request's `search.keep_graph` asked for it."""
+    return graph_of(job)
 
 
 @router.post(

@@ -6,9 +6,18 @@ from pydantic import ConfigDict, Field, Strict
 
 from service.schemas.constraint import ConstraintWire
 from service.schemas.goal import GoalWire
-from service.schemas.numbers import WHOLE, Integer, NonNegative, Positions, Real, Scale
+from service.schemas.numbers import (
+    WHOLE,
+    Coordinate,
+    Integer,
+    NonNegative,
+    Positions,
+    Real,
+    Scale,
+)
 from service.schemas.wire import Identifier, Name, Wire
 
+type Interval = Annotated[list[Coordinate], Field(min_length=2, max_length=2)]
 type ParameterValue = bool | Integer | Real | Annotated[str, Field(max_length=256)]
 
 EXAMPLE: dict[str, Any] = {
@@ -40,12 +49,20 @@ class IkWire(Wire):
 class SearchWire(Wire):
     """How to search for a path."""
 
-    planner: Name = Field(default="RRTConnect", description="OMPL's name; see GET /v1/planners")
+    planner: Name | Annotated[list[Name], Field(min_length=1, max_length=16)] = Field(
+        default="RRTConnect",
+        description="OMPL's name, see GET /v1/planners; or several, which take turns",
+    )
     parameters: dict[Name, ParameterValue] = Field(
-        default={}, max_length=64, description="OMPL's names and values of its parameters"
+        default={},
+        max_length=64,
+        description="OMPL's names and values of its parameters; of several planners, each takes "
+        "those that it has",
     )
     attempts: Annotated[int, Strict(), Field(ge=1, le=100), WHOLE] = Field(
-        default=1, description="How many solutions to look for; the shortest is kept"
+        default=1,
+        description="How many solutions to look for; the best by `objective` is kept. Of several "
+        "planners each has at least one",
     )
     allowed_planning_time: Annotated[Real, Field(gt=0, le=3600)] = Field(
         default=5.0, description="For the whole plan, all stages [s]"
@@ -56,6 +73,49 @@ class SearchWire(Wire):
     )
     num_states: Annotated[int, Strict(), Field(ge=2, le=100_000), WHOLE] | None = Field(
         default=None, description="Interpolate the path to at least this many waypoints"
+    )
+    weights: dict[Name, Annotated[Real, Field(ge=1e-3, le=1e3)]] = Field(
+        default={},
+        max_length=256,
+        description="Factors of the metric that planners measure by [1], by name of a joint or of "
+        "one of the group's `blocks`; 1 for what is not named",
+    )
+    bounds: dict[Name, Interval] = Field(
+        default={},
+        max_length=256,
+        description="Lowest and highest value to search in [rad or m], by position name, within "
+        "the limits",
+    )
+    spaces: dict[Name, Literal["full", "position"]] = Field(
+        default={},
+        max_length=64,
+        description="`position` keeps the rotation of a planar or floating joint, named here, as "
+        "it is at the start",
+    )
+    solve_time: Annotated[Real, Field(gt=0, le=3600)] | None = Field(
+        default=None,
+        description="For the planner, in each attempt [s]; null for as long as there is",
+    )
+    shortcut_time: Annotated[Real, Field(ge=0, le=3600)] | None = Field(
+        default=None,
+        description="For shortening each solution [s]; 0 for none, null for a share of the rest",
+    )
+    objective: Literal["length", "weighted_length", "clearance", "duration"] = Field(
+        default="length",
+        description="By what solutions are compared, and improved by planners that improve them",
+    )
+    approximate: bool = Field(
+        default=False,
+        description="Whether a failure tells, as evidence `approximate`, the nearest configuration "
+        "to a goal that was reached",
+    )
+    keep_graph: bool = Field(
+        default=False, description="Whether the planner's graph is kept for GET /plans/{id}/graph"
+    )
+    on_cancel: Literal["discard", "best"] = Field(
+        default="discard",
+        description="What a cancel ends: the plan, or only the search if it has a path by then; "
+        "that path is delivered if it can be timed and proven in a quarter of a second",
     )
 
 

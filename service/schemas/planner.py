@@ -1,5 +1,7 @@
 """Planners on the wire."""
 
+from typing import Literal
+
 from pydantic import ConfigDict, Field
 
 from service.schemas.wire import Answer
@@ -10,7 +12,10 @@ class ParameterWire(Answer):
 
     name: str = Field(description="OMPL's name")
     default: str = Field(description="Its value if it is not given, as text")
-    range: str = Field(description="Values that OMPL suggests, or empty")
+    range: str = Field(description="The values that it may have, for a person")
+    type: Literal["boolean", "integer", "number"] = Field(description="JSON type of its values")
+    minimum: float | None = Field(description="Least value, or null where there is none")
+    maximum: float | None = Field(description="Greatest value, or null where there is none")
 
 
 class PlannerWire(Answer):

@@ -48,10 +48,21 @@ class GoalsReportWire(Answer):
     funnel: FunnelWire = Field(description="How many samples survived what")
 
 
+class AttemptReportWire(Answer):
+    """What one attempt at a solution came to."""
+
+    planner: str = Field(description="OMPL's name")
+    outcome: str = Field(description="`solved`, `collides` (on a closer look), or how it ended")
+    raw_length: float = Field(description="Of its solution, before shortcutting [rad or m]")
+    length: float = Field(description="And after it [rad or m]")
+    cost: float = Field(description="By the objective, in its unit")
+    num_states_checked: int = Field(description="Configurations checked for collision")
+
+
 class SearchReportWire(Answer):
     """What the search stage did; lengths are in joint space [rad or m]."""
 
-    planner: str = Field(description="OMPL's name")
+    planner: str = Field(description="OMPL's name; of several, whose solution was kept")
     attempts: int = Field(description="Solutions asked for")
     solved: int = Field(description="Exact solutions found")
     num_states_checked: int = Field(description="Configurations checked for collision")
@@ -64,6 +75,16 @@ class SearchReportWire(Answer):
     direct: bool = Field(
         default=False, description="Whether the straight line was free, so that nobody searched"
     )
+    objective: str = Field(default="length", description="By what solutions were compared")
+    cost: float = Field(
+        default=0.0,
+        description="Of the kept solution: a length [rad or m], a duration [s], or, for clearance, "
+        "length over distance",
+    )
+    attempts_log: list[AttemptReportWire] = Field(
+        default=[], description="One entry per attempt, the first hundred"
+    )
+    was_canceled: bool = Field(default=False, description="Whether a cancel ended the search early")
 
 
 class RefineReportWire(Answer):

@@ -27,6 +27,9 @@ class StageLog:
 
     def __call__(self, progress: Progress) -> None:
         """Emit `stage` when it changes, else `progress` now and then."""
+        if progress.best_length is not None:
+            self._tell_best(progress)
+            return
         now = time.monotonic()
         is_new = progress.stage != self._stage
         if not is_new and now - self._last < _EVENT_PERIOD:
@@ -35,9 +38,13 @@ class StageLog:
         told = {"stage": progress.stage, "progress": progress.fraction, "detail": progress.detail}
         self._channel.emit("stage" if is_new else "progress", told)
 
+    def _tell_best(self, progress: Progress) -> None:
+        told = {"detail": progress.detail, "length": progress.best_length}
+        self._channel.emit("best-so-far", told)
+
 
 def plan_motion(payload: dict[str, Any], channel: Channel) -> dict[str, Any]:
-    """Return the `result` of a plan, its exact `polynomial`, its `timings` [s] and its `digest`.
+    """Return the `result` of a plan, its exact `polynomial`, `timings` [s], `digest` and `graph`.
 
     The allowed time begins once the scene is loaded.
 
@@ -58,4 +65,5 @@ def plan_motion(payload: dict[str, Any], channel: Channel) -> dict[str, Any]:
         "polynomial": polynomial_wire(found.trajectory),
         "timings": {"load": loaded, **found.timings},
         "digest": found.digest,
+        "graph": None if found.graph is None else found.graph.plain,
     }

@@ -15,7 +15,7 @@ from planning.search.corners import cut_corners
 from planning.search.densify import densified
 from planning.search.edges import EdgeChecker
 from planning.search.oracle import WatchedOracle
-from planning.search.polyline import path_length, points_on
+from planning.search.polyline import path_measure, points_on
 from planning.search.reach import pulled_taut, skipped
 from planning.search.relax import relaxed
 from planning.search.retreat import retreated
@@ -94,8 +94,8 @@ def test_the_path_gets_shorter_and_keeps_its_ends(checkers):
     fine = checkers[1]
     assert shorter[[0, -1]].tobytes() == DETOUR[[0, -1]].tobytes()
     assert is_sound(shorter, fine)
-    assert path_length(TAUT, fine) - 0.01 < path_length(shorter, fine)
-    assert path_length(shorter, fine) < 1.06 * path_length(TAUT, fine)
+    assert path_measure(TAUT, fine) - 0.01 < path_measure(shorter, fine)
+    assert path_measure(shorter, fine) < 1.06 * path_measure(TAUT, fine)
     assert len(shorter) <= 6
 
 
@@ -115,7 +115,7 @@ def test_never_longer_and_always_sound_on_any_manifold(sieve, kinds, seed):
     coarse, fine = sieve(KINDS[kinds], seed)
     path = free_walk(fine, np.random.default_rng(seed), 12)
     shorter = shortcut(path, coarse, fine, never)
-    assert path_length(shorter, fine) <= path_length(path, fine) + 1e-9
+    assert path_measure(shorter, fine) <= path_measure(path, fine) + 1e-9
     assert shorter[[0, -1]].tobytes() == path[[0, -1]].tobytes()
     assert is_sound(shorter, fine)
 
@@ -137,7 +137,7 @@ def test_every_stage_keeps_a_sound_path_sound_and_short(sieve, kinds, seed):
     }
     for new in stages.values():
         if new is not None:
-            assert path_length(new, fine) <= path_length(path, fine) + 1e-9
+            assert path_measure(new, fine) <= path_measure(path, fine) + 1e-9
             assert new[[0, -1]].tobytes() == path[[0, -1]].tobytes()
             assert is_sound(new, fine)
     assert is_sound(retreated(bold, path, fine), fine)
@@ -159,7 +159,7 @@ def test_waypoints_give_way_only_to_where_both_neighbours_are_in_sight(plane, ma
             tried += 1
             bent = relaxed(path, fine, never)
             assert is_sound(bent, fine)
-            assert path_length(bent, fine) <= path_length(path, fine) + 1e-9
+            assert path_measure(bent, fine) <= path_measure(path, fine) + 1e-9
     assert tried > 10
 
 
@@ -202,7 +202,7 @@ def test_what_is_too_bold_steps_back_only_as_far_as_it_must(checkers):
     bold = np.array([[-0.8, -0.8], [-0.2, 0.58], [0.2, 0.58], [0.8, -0.8]])
     path = retreated(bold, sound, fine)
     assert is_sound(path, fine)
-    assert path_length(path, fine) < 0.5 * (path_length(sound, fine) + path_length(bold, fine))
+    assert path_measure(path, fine) < 0.5 * (path_measure(sound, fine) + path_measure(bold, fine))
     moved = np.add(TAUT, [0, 0.05])
     assert np.array_equal(retreated(moved, moved, fine), moved)
 
@@ -216,7 +216,7 @@ def test_time_that_runs_out_leaves_what_is_free_by_then(checkers, watched, monke
     monkeypatch.setattr("planning.search.shortcut.cut_corners", too_late)
     path = shortcut(DETOUR, *checkers, never)
     assert is_sound(path, fine)
-    assert path_length(path, fine) < path_length(DETOUR, fine)
+    assert path_measure(path, fine) < path_measure(DETOUR, fine)
 
 
 @pytest.mark.parametrize("kinds", KINDS)
@@ -257,7 +257,7 @@ def test_more_waypoints_on_the_same_path(checkers, count):
     dense = densified(edges, DETOUR, count)
     assert len(dense) >= count
     assert len(dense) <= max(count + len(DETOUR), len(DETOUR))
-    assert path_length(dense, edges) == pytest.approx(path_length(DETOUR, edges))
+    assert path_measure(dense, edges) == pytest.approx(path_measure(DETOUR, edges))
     rows = {row.tobytes() for row in dense}
     assert all(corner.tobytes() in rows for corner in DETOUR)
 

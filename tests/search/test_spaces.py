@@ -2,10 +2,11 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from planning.domain.joints import JointType
+from planning.domain.manifold import Manifold
 from planning.search.spaces import SearchSpace
 
 KINDS = [
@@ -84,6 +85,93 @@ def test_unlimited_translations_are_searched_near_the_origin_and_the_goals(make_
     assert space.upper[0] == 10.0
     assert space.upper[1] == 26.0
     assert np.isinf(space.upper[2])
+
+
+def weighed(make_group, make_limits, kinds, held=()):
+    group = make_group(*kinds)
+    weights = np.linspace(0.4, 2.5, len(group.blocks))
+    anchors = random_qs(Manifold(group.joints), np.random.default_rng(9), 1)
+    return SearchSpace(group, make_limits(group), anchors, weights, held)
+
+
+@pytest.mark.parametrize("kinds", KINDS)
+@pytest.mark.parametrize("is_weighed", [False, True])
+@given(seed=st.integers(0, 10_000), share=st.floats(0.0, 1.0))
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=8)
+def test_ompl_interpolates_on_our_geodesics_within_bounds(
+    make_group, make_limits, kinds, is_weighed, seed, share
+):
+    """What OMPL calls the way between two states is what is checked, shortened and delivered."""
+    build = weighed if is_weighed else make
+    space = build(make_group, make_limits, kinds)
+    q0, q1 = random_qs(space.manifold, np.random.default_rng(seed), 2)
+    a, b, between = space.write(q0), space.write(q1), space.ompl.allocState()
+    space.ompl.interpolate(a, b, share, between)
+    ours = space.manifold.interpolate(q0, q1, np.array([share]))[0]
+    theirs = space.read(between)
+    assert float(space.manifold.distance(ours, theirs)) < 1e-6
+    assert space.ompl.satisfiesBounds(between)
+    assert space.contains(theirs)
+    whole = space.ompl.distance(a, b)
+    assert space.ompl.distance(a, between) == pytest.approx(share * whole, abs=1e-6)
+    assert space.ompl.distance(between, b) == pytest.approx((1 - share) * whole, abs=1e-6)
+    length = float(space.manifold.distance(q1, q0))
+    assert float(space.manifold.distance(ours, q0)) == pytest.approx(share * length, abs=1e-6)
+
+
+@pytest.mark.parametrize("kinds", KINDS)
+def test_samples_are_configurations_within_bounds(make_group, make_limits, kinds):
+    space = weighed(make_group, make_limits, kinds)
+    state = space.ompl.allocState()
+    sampler = space.ompl.allocDefaultStateSampler()
+    for _ in range(20):
+        sampler.sampleUniform(state)
+        q = space.read(state)
+        assert space.contains(q)
+        assert float(space.manifold.distance(space.manifold.normalized(q), q)) < 1e-9
+        assert space.ompl.equalStates(space.write(q), state) or np.allclose(
+            space.read(space.write(q)), q
+        )
+
+
+def test_weights_stretch_the_metric(make_group, make_limits):
+    kinds = (JointType.REVOLUTE, JointType.CONTINUOUS, JointType.PLANAR, JointType.FLOATING)
+    group = make_group(*kinds)
+    weights = np.array([3.0, 0.5, 2.0, 4.0, 0.25, 5.0])
+    q0 = np.array([0, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0.0])
+    space = SearchSpace(group, make_limits(group), q0[None], weights)
+    steps = [(0, 3.0), (1, 0.5), (2, 2.0), (3, 2.0), (4, 4.0), (5, 0.25), (8, 5.0)]
+    for iv, factor in steps:
+        delta = np.zeros(group.num_velocities)
+        delta[iv] = 0.3
+        there = space.manifold.plus(q0, delta)
+        distance = space.ompl.distance(space.write(q0), space.write(there))
+        assert distance == pytest.approx(0.3 * factor, abs=1e-7)
+
+
+@pytest.mark.parametrize(
+    ("kinds", "held"),
+    [
+        ((JointType.PLANAR,), [2]),
+        ((JointType.FLOATING,), [0, 1, 2, 3]),
+        ((JointType.CONTINUOUS, JointType.FLOATING, JointType.PLANAR), [1, 2, 3, 4, 10]),
+    ],
+)
+def test_what_is_held_is_no_dimension(make_group, make_limits, kinds, held):
+    space = weighed(make_group, make_limits, kinds, held)
+    rest = random_qs(space.manifold, np.random.default_rng(9), 1)[0]
+    assert space.ompl.getDimension() == space.manifold.num_velocities - len(held) + sum(
+        kind is JointType.FLOATING for kind in kinds
+    )
+    state = space.ompl.allocState()
+    sampler = space.ompl.allocDefaultStateSampler()
+    for _ in range(10):
+        sampler.sampleUniform(state)
+        q = space.read(state)
+        assert q[held].tolist() == pytest.approx(rest[held].tolist())
+        assert space.contains(q)
+    turned = random_qs(space.manifold, np.random.default_rng(3), 1)[0]
+    assert not space.contains(turned)
 
 
 def test_a_locked_joint_stays_locked(make_group, make_limits):

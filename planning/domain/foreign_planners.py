@@ -1,0 +1,61 @@
+"""Planners that people know by name from elsewhere and that OMPL's wheel does not bind.
+
+CoppeliaSim offers these. Each has the nearest planner that is here, and how the two are kin.
+"""
+
+from collections.abc import Iterable
+
+from planning.errors import UnknownName
+
+# The rest of a sentence that begins with the name of the nearest planner.
+_KIN = {
+    "BiTRRT": ("AORRTC", "also grows two trees, and prefers cheap ways"),
+    "CForest": ("InformedRRTstar", "runs one of the trees that CForest runs side by side"),
+    "EST": ("KPIECE1", "also grows its tree where it has explored least"),
+    "LazyPRM": ("PRM", "builds the same roadmap and checks its edges at once"),
+    "LazyPRMstar": ("PRMstar", "builds the same roadmap and checks its edges at once"),
+    "LazyRRT": ("LBKPIECE1", "is the planner here that checks the edges of its trees late"),
+    "LBTRRT": ("RRTstar", "also improves its tree toward the shortest path"),
+    "PDST": ("KPIECE1", "also divides a projection into cells and grows where they are emptiest"),
+    "pRRT": ("RRT", "grows the same tree on one thread, so that the same seed gives the same path"),
+    "pSBL": ("LBKPIECE1", "also grows two trees by cells and checks edges late, on one thread"),
+    "SBL": ("LBKPIECE1", "also grows two trees by cells and checks edges late"),
+    "SPARS": ("PRM", "builds a roadmap too, without thinning it"),
+    "SPARStwo": ("PRM", "builds a roadmap too, without thinning it"),
+    "STRIDE": ("KPIECE1", "also samples where its tree is thin"),
+    "TRRT": ("RRTstar", "also prefers cheap ways"),
+}
+
+
+def unknown_planner(name: str, known: Iterable[str]) -> UnknownName:
+    """Return the refusal of a planner: names like it, or the closest one to a foreign one."""
+    names = sorted(known)
+    # Papers write RRT* where OMPL writes RRTstar.
+    starred = name.replace("*", "star")
+    foreign = next((other for other in _KIN if other.lower() == starred.lower()), None)
+    if foreign is None or _KIN[foreign][0] not in names:
+        is_spelt_otherwise = starred != name and starred in names
+        return (
+            _spelt(name, starred, names)
+            if is_spelt_otherwise
+            else UnknownName.among("planner", name, names)
+        )
+    nearest, kinship = _KIN[foreign]
+    message = (
+        f"planner {name!r} is OMPL's, but OMPL's Python wheel does not bind it; the closest that "
+        f"is here is {nearest!r}, which {kinship}; planners: {names}"
+    )
+    evidence = {
+        "kind": "planner",
+        "name": name,
+        "known": names,
+        "nearest": [nearest],
+        "reason": f"{nearest} {kinship}",
+    }
+    return UnknownName(message, evidence)
+
+
+def _spelt(name: str, right: str, names: list[str]) -> UnknownName:
+    message = f"planner {name!r} does not exist; did you mean {right!r}? planners: {names}"
+    evidence = {"kind": "planner", "name": name, "known": names, "nearest": [right]}
+    return UnknownName(message, evidence)

@@ -1,0 +1,101 @@
+"""Every state of every delivered path is free by Drake alone, whatever was asked for."""
+
+import time
+
+import numpy as np
+import pytest
+
+import planning
+from planning.domain.deadline import Deadline
+from planning.domain.options import SearchOptions
+from planning.errors import DeadlineExceeded
+from planning.search.planners import planner_names
+from planning.search.solver import SearchTask, search
+from planning.world.collision import DrakeCollisionOracle
+from tests.search.test_solver import fine_samples
+
+SCENE = """
+robots: [{name: body, model: planar_l, positions: [-0.35, -0.3, 0]}]
+objects:
+  - {name: wall, shape: {box: [0.02, 0.5, 0.2]}, pose: {position: [0, -0.25, 0]}}
+  - {name: post, shape: {cylinder: {radius: 0.03, length: 0.2}}, pose: {position: [0.2, 0.1, 0]}}
+configurations: {beyond: {group: body, positions: [0.3, -0.3, 0]}}
+"""
+JOINT = "body::base_joint"
+OPTIONS = {
+    "plain": {},
+    "weights": {"weights": {f"{JOINT}.angular": 0.3}},
+    "weighted length": {"weights": {JOINT: 2.0}, "objective": "weighted_length"},
+    "bounds": {"bounds": {f"{JOINT}.x": (-0.4, 0.4), f"{JOINT}.yaw": (-1.5, 1.5)}},
+    "position": {"spaces": {JOINT: "position"}},
+    "duration": {"objective": "duration", "attempts": 2},
+    "clearance": {"objective": "clearance"},
+    "no shortcut": {"shortcut_time": 0.0},
+    "many states": {"num_states": 150, "keep_graph": True},
+}
+
+
+@pytest.fixture(scope="module")
+def scene():
+    world = planning.load_world(planning.parse_scene(SCENE))
+    group = world.group("body")
+    margins = world.margins()
+    drake = DrakeCollisionOracle(world.drake, group, world.state, margins)
+    return world, group, world.collision_oracle(group, margins), drake
+
+
+def clearances_of(scene):
+    from planning.clearances import clearances
+
+    return clearances(*scene[:2])
+
+
+def free_path(scene, **options):
+    world, group, oracle, drake = scene
+    goals = world.configuration(group, "beyond")[None]
+    task = SearchTask(
+        start=world.positions(group),
+        goals=goals,
+        options=SearchOptions(**options),
+        resolution=0.05,
+        padding=0.0,
+        seed=3,
+        clearances=clearances_of(scene),
+    )
+    deadline = Deadline.after(20.0, time.perf_counter)
+    found = search(group, world.limits(group), oracle, task, deadline)
+    for qs in fine_samples(group, found.path.waypoints, 0.05 / 4):
+        assert all(drake.is_free(q) for q in qs)
+    assert found.path.waypoints[0].tobytes() == task.start.tobytes()
+    assert found.path.waypoints[-1].tobytes() == goals[0].tobytes()
+    return found
+
+
+@pytest.mark.parametrize("name", planner_names())
+def test_by_every_planner(scene, name):
+    assert not free_path(scene, planner=name).report.direct
+
+
+@pytest.mark.parametrize("planner", ["RRTConnect", "KPIECE1", "PRM"])
+@pytest.mark.parametrize("name", OPTIONS)
+def test_with_every_option(scene, planner, name):
+    try:
+        free_path(scene, planner=planner, **OPTIONS[name])
+    except DeadlineExceeded:
+        pytest.fail(f"{planner} found nothing with {name}")
+
+
+def test_by_several_planners(scene):
+    found = free_path(scene, planner=("RRTConnect", "KPIECE1", "PRM"))
+    assert found.report.solved == 3
+
+
+def test_clearance_is_that_of_the_robot_from_the_rest(scene):
+    world, group = scene[:2]
+    measure = clearances_of(scene)
+    far, near = np.array([-0.9, 0.9, 0.0]), world.positions(group)
+    distances = measure(np.stack([far, near]))
+    assert distances[0] == 0.3
+    probe = world.distance_probe(world.margins())
+    nearest = probe.pairs_within(world.embed(group, near), 1.0)[0]
+    assert distances[1] == pytest.approx(min(0.3, nearest.distance))

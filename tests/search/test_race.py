@@ -1,0 +1,156 @@
+"""Several planners take turns, by counts; budgets are kept; a cancel may leave the best."""
+
+import time
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from planning.domain.deadline import Deadline
+from planning.errors import Canceled, DeadlineExceeded, NoPathFound, ProblemInvalid, UnknownName
+from planning.search import race
+from planning.search.solver import search
+
+THREE = ("RRTConnect", "PRM", "KPIECE1")
+
+
+def test_each_planner_has_its_turn_and_the_best_wins(plane, wall, soon, crossing):
+    found = search(*plane, wall, crossing(planner=THREE, attempts=5), soon)
+    log = found.report.attempts_log
+    assert [entry.planner for entry in log] == [*THREE, *THREE[:2]]
+    solved = [entry for entry in log if entry.outcome == "solved"]
+    assert found.report.solved == len(solved)
+    best = min(solved, key=lambda entry: entry.length)
+    assert (found.report.planner, found.report.length) == (best.planner, best.length)
+    assert sum(entry.num_states_checked for entry in log) <= found.report.num_states_checked
+
+
+def test_a_portfolio_repeats_itself(plane, wall, soon, crossing):
+    a, b = (search(*plane, wall, crossing(4, planner=THREE), soon) for _ in range(2))
+    assert a.path.waypoints.tobytes() == b.path.waypoints.tobytes()
+    assert a.report == b.report
+    assert a.report.attempts == 3
+
+
+def test_a_portfolio_of_one_is_that_planner(plane, wall, soon, crossing):
+    a, b = (search(*plane, wall, crossing(4, planner=name), soon) for name in ("PRM", ("PRM",)))
+    assert a.path.waypoints.tobytes() == b.path.waypoints.tobytes()
+
+
+def test_a_planner_that_is_stuck_leaves_the_others_their_turn(
+    plane, make_oracle, soon, crossing, monkeypatch
+):
+    """RRT does not come through a gap of 0.05 at the far end soon; from both sides it is quick."""
+    monkeypatch.setattr(race, "_FIRST_STATES", 2_000)
+    oracle = make_oracle(lambda qs: ~((np.abs(qs[:, 0]) < 0.1) & (qs[:, 1] < 0.95)))
+    found = search(*plane, oracle, crossing(planner=("RRT", "PRM"), seed=1), soon)
+    stuck = [entry for entry in found.report.attempts_log if entry.outcome != "solved"]
+    assert stuck
+    assert max(entry.num_states_checked for entry in stuck[:1]) < 3_000
+    assert found.report.solved >= 1
+
+
+def test_those_that_fail_begin_anew_with_more(plane, closed, crossing, monkeypatch):
+    """Nobody solves it, so the rounds go on until the time is up."""
+    monkeypatch.setattr(race, "_FIRST_STATES", 300)
+    deadline = Deadline.after(0.7, time.perf_counter)
+    with pytest.raises(DeadlineExceeded) as caught:
+        search(*plane, closed, crossing(planner=("RRT", "RRTConnect")), deadline)
+    assert caught.value.evidence["attempts"] > 2
+    assert caught.value.evidence["planner"] == "RRT, RRTConnect"
+
+
+def test_planners_that_end_by_themselves_end_the_race(plane, closed, soon, crossing):
+    options = {"planner": ("BFMT", "BFMT"), "parameters": {"num_samples": 60}}
+    with pytest.raises(NoPathFound) as caught:
+        search(*plane, closed, crossing(**options), soon)
+    assert caught.value.evidence["attempts"] == 2
+
+
+def test_parameters_go_to_those_that_have_them(plane, wall, soon, crossing):
+    task = crossing(planner=("RRTConnect", "FMT"), parameters={"num_samples": 300})
+    assert search(*plane, wall, task, soon).report.solved == 2
+    with pytest.raises(UnknownName) as caught:
+        search(*plane, wall, crossing(planner=THREE, parameters={"num_sample": 3}), soon)
+    assert caught.value.evidence["kind"] == "parameter"
+    with pytest.raises(ProblemInvalid):
+        search(*plane, wall, crossing(planner=THREE, parameters={"range": -1.0}), soon)
+    with pytest.raises(UnknownName, match="RRTConnect"):
+        search(*plane, wall, crossing(planner=("PRM", "RRTconnect")), soon)
+
+
+def test_the_budget_of_the_planner_is_kept_per_attempt(plane, closed, crossing):
+    began = time.perf_counter()
+    task = crossing(solve_time=0.05, attempts=3)
+    with pytest.raises(NoPathFound) as caught:
+        search(*plane, closed, task, Deadline.after(30.0, time.perf_counter))
+    assert 0.15 <= time.perf_counter() - began < 2.0
+    assert caught.value.evidence["attempts"] == 3
+
+
+def test_no_time_for_shortcuts_leaves_the_path_as_it_was_found(plane, wall, soon, crossing):
+    rough = search(*plane, wall, crossing(1, shortcut_time=0.0), soon)
+    assert rough.report.length == pytest.approx(rough.report.raw_length)
+    smooth = search(*plane, wall, crossing(1), soon)
+    assert smooth.report.raw_length == rough.report.raw_length
+    assert smooth.report.length < rough.report.length
+
+
+@pytest.mark.parametrize("objective", ["length", "duration"])
+def test_budgets_that_cut_nothing_change_no_byte(plane, wall, soon, crossing, objective):
+    options = {"objective": objective, "attempts": 2}
+    free = search(*plane, wall, crossing(3, **options), soon)
+    limited = crossing(3, **options, solve_time=9.0, shortcut_time=9.0, approximate=True)
+    bound = search(*plane, wall, limited, soon)
+    assert free.path.waypoints.tobytes() == bound.path.waypoints.tobytes()
+    assert free.report == bound.report
+
+
+def test_weights_of_one_and_wide_bounds_change_no_byte(plane, wall, soon, crossing):
+    plain = search(*plane, wall, crossing(3), soon)
+    same = crossing(3, weights={"r::j0": 1.0}, bounds={"r::j1": (-7.0, 7.0)}, keep_graph=True)
+    found = search(*plane, wall, same, soon)
+    assert plain.path.waypoints.tobytes() == found.path.waypoints.tobytes()
+    assert plain.report == found.report
+
+
+@pytest.mark.parametrize(
+    ("option", "value"), [("solve_time", 0.0), ("shortcut_time", -1.0), ("planner", ())]
+)
+def test_nonsense_is_refused(plane, wall, soon, crossing, option, value):
+    with pytest.raises(ProblemInvalid) as caught:
+        search(*plane, wall, crossing(**{option: value}), soon)
+    assert caught.value.evidence["field"] == f"search.{option}"
+
+
+def test_every_better_path_is_told(plane, wall, soon, crossing):
+    told = []
+    task = replace(crossing(2, attempts=6), on_best=told.append)
+    found = search(*plane, wall, task, soon)
+    lengths = [attempt.length for attempt in told]
+    assert lengths == sorted(lengths, reverse=True)
+    assert lengths[-1] == found.report.length
+
+
+def canceled_after_best(on_cancel, crossing):
+    told = []
+    task = crossing(2, attempts=50, on_cancel=on_cancel)
+    deadline = Deadline.after(30.0, time.perf_counter, lambda: bool(told))
+    return replace(task, on_best=told.append), deadline
+
+
+def test_a_cancel_leaves_the_best_to_who_asks_for_it(plane, wall, crossing):
+    task, deadline = canceled_after_best("best", crossing)
+    found = search(*plane, wall, task, deadline)
+    assert found.report.was_canceled
+    assert found.report.solved == 1
+    task, deadline = canceled_after_best("discard", crossing)
+    with pytest.raises(Canceled):
+        search(*plane, wall, task, deadline)
+
+
+def test_a_cancel_before_there_is_anything_cancels(plane, closed, crossing):
+    began = time.perf_counter()
+    deadline = Deadline.after(30.0, time.perf_counter, lambda: time.perf_counter() > began + 0.05)
+    with pytest.raises(Canceled):
+        search(*plane, closed, crossing(on_cancel="best"), deadline)
