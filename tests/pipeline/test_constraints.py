@@ -1,10 +1,12 @@
 """plan() under path constraints: kept between samples, by a Drake loop of its own."""
 
 import time
+from collections.abc import Iterator
 from functools import cache
 
 import numpy as np
 import pytest
+from jaxtyping import config
 
 import planning
 from planning.domain.certificate import Check
@@ -21,7 +23,7 @@ from planning.domain.constraint import (
     TightLimits,
 )
 from planning.domain.goal import ConfigurationGoal, Goal, JointGoal, PoseGoal, PoseTarget
-from planning.domain.options import RetimeOptions, SearchOptions
+from planning.domain.options import RefineOptions, RetimeOptions, SearchOptions
 from planning.domain.plan import MotionPlan
 from planning.domain.pose import Pose
 from planning.domain.problem import PlanningProblem
@@ -32,11 +34,10 @@ from planning.errors import (
     StartViolatesConstraint,
     UnknownName,
 )
-from planning.world.collision import DistanceProbe
-from planning.world.margins import PairMargins
 from planning.world.world import World
 from tests.conftest import bundled_world
 
+EMPTY = "robots: [{name: panda, model: panda, positions: home}]"
 PILLAR = """
 robots: [{name: panda, model: panda, positions: home}]
 objects:
@@ -44,7 +45,21 @@ objects:
 """
 TOOL = "panda::panda_hand_tcp"
 DOWN = np.array([0.0, 0.0, -1.0])
+CORNERS = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
 LOOSE = np.array([0.0, 0.0, 4.0])
+
+
+@pytest.fixture
+def unchecked() -> Iterator[None]:
+    """Search at full speed: checking the shapes of every call takes ten times as long."""
+    config.jaxtyping_disable = True
+    yield
+    config.jaxtyping_disable = False
+
+
+@cache
+def empty() -> World:
+    return planning.load_world(planning.parse_scene(EMPTY))
 
 
 @cache
@@ -82,10 +97,33 @@ def checks_of(found: MotionPlan) -> list[Check]:
 
 def dense(found: MotionPlan) -> np.ndarray:
     """Return configurations ten times as near as the search looked at them."""
-    count = max(2000, int(found.stages.search.length / (found.stages.search.resolution / 10)))
+    count = max(1000, int(found.stages.search.length / (found.stages.search.resolution / 10)))
     return found.trajectory.positions(np.linspace(0.0, found.trajectory.duration, count))
 
 
+def flat_distance(world: World, q: np.ndarray) -> float:
+    """Return the distance of the L from the walls: corners from sides, as no two cross.
+
+    Drake's own distances of boxes are sometimes too large (ADR 6).
+    """
+    cosine, sine = np.cos(q[2]), np.sin(q[2])
+    turn = np.array([[cosine, -sine], [sine, cosine]])
+    smallest = np.inf
+    for center, size in (((0.025, -0.025), (0.2, 0.05)), ((-0.05, 0.02), (0.05, 0.14))):
+        corners = np.array(center) + CORNERS * np.array(size) / 2
+        placed = q[:2] + corners @ turn.T
+        for wall in world.scene.objects:
+            half = wall.shape.size[:2] / 2
+            middle = wall.pose.position[:2]
+            out = np.maximum(np.abs(placed - middle) - half, 0.0)
+            back = (middle + CORNERS * half - q[:2]) @ turn - np.array(center)
+            into = np.maximum(np.abs(back) - np.array(size) / 2, 0.0)
+            smallest = min(smallest, *np.hypot(*out.T), *np.hypot(*into.T))
+    return float(smallest)
+
+
+@pytest.mark.slow
+@pytest.mark.usefixtures("unchecked")
 def test_a_band_is_kept_between_samples() -> None:
     world = bundled_world("maze_2d_band")
     found = solve(world, "body", ConfigurationGoal("exit"), DistanceBand(None, None, 0.01, 0.05))
@@ -93,14 +131,14 @@ def test_a_band_is_kept_between_samples() -> None:
     assert check.name == "constraint 0: distance_band"
     assert check.passed
     assert check.bound in {0.01, 0.05}
-    probe = DistanceProbe(world.drake, PairMargins(0.0))
-    group = world.group("body")
-    nearest = [probe.pairs_within(world.embed(group, q), 0.2)[0].distance for q in dense(found)]
+    nearest = [flat_distance(world, q) for q in dense(found)]
     assert min(nearest) >= 0.01 - 2e-6
     assert max(nearest) <= 0.05 + 2e-6
     assert abs(min(nearest) - check.value) < 2e-3 or abs(max(nearest) - check.value) < 2e-3
 
 
+@pytest.mark.slow
+@pytest.mark.usefixtures("unchecked")
 @pytest.mark.parametrize("tolerance", [0.4, 0.06])
 def test_a_cup_is_kept_upright_around_a_pillar(tolerance: float) -> None:
     world = pillar()
@@ -117,15 +155,24 @@ def test_a_cup_is_kept_upright_around_a_pillar(tolerance: float) -> None:
 
 
 def test_without_the_cone_the_cup_is_not_upright() -> None:
-    """Else the tests above would show nothing."""
+    """Else the test above would show nothing."""
     world = pillar()
-    found = solve(world, "panda", hand_at(0.4, 0.4, 0.6), start=beside_the_pillar(), seed=2)
+    found = solve(
+        world,
+        "panda",
+        hand_at(0.4, 0.4, 0.6),
+        start=beside_the_pillar(),
+        refine=RefineOptions("none"),
+        seed=2,
+    )
     poses = world.frame_poses(TOOL, world.embed(world.group("panda"), dense(found)))
     assert np.arccos(poses[:, :3, 2] @ DOWN).max() > 0.4
     assert not checks_of(found)
 
 
-def test_a_plane_a_box_and_a_lock_are_kept_together() -> None:
+@pytest.mark.slow
+@pytest.mark.usefixtures("unchecked")
+def test_a_plane_and_a_box_are_kept_together() -> None:
     world = pillar()
     start = beside_the_pillar()
     group = world.group("panda")
@@ -147,7 +194,7 @@ def test_a_plane_a_box_and_a_lock_are_kept_together() -> None:
 
 
 def test_locked_joints_do_not_move_and_limits_are_kept() -> None:
-    world = pillar()
+    world = empty()
     group = world.group("panda")
     start = world.positions(group)
     goal = start + np.array([1.2, -0.4, 0.0, 0.3, 0.0, 0.5, 0.4])
@@ -164,7 +211,7 @@ def test_locked_joints_do_not_move_and_limits_are_kept() -> None:
 
 
 def test_a_goal_that_moves_a_locked_joint_is_refused() -> None:
-    world = pillar()
+    world = empty()
     start = world.positions(world.group("panda"))
     with pytest.raises(GoalViolatesConstraint) as caught:
         solve(world, "panda", JointGoal(start[None] + 0.1), LockedJoints(("panda::panda_joint1",)))
@@ -181,15 +228,15 @@ def test_a_start_that_violates_is_refused_with_what_was_measured() -> None:
         solve(world, "body", ConfigurationGoal("exit"), TightLimits({}), band)
     (violation,) = caught.value.evidence["violations"]
     assert violation["constraint"] == "constraint 1: distance_band"
-    assert violation["value"] == pytest.approx(0.075, abs=1e-6)
+    assert violation["value"] == pytest.approx(0.075, abs=1e-5)
     assert violation["bound"] == 0.05
 
 
 def test_goals_that_violate_are_dropped_and_counted() -> None:
     world = bundled_world("maze_2d")
     start = world.positions(world.group("body"))
-    rows = start + np.array([[0.0, 0.02, 0.0], [-0.2, 0.0, 0.0]])
-    box = PlacedBox(np.array([0.3, 0.3, 1.0]), Pose.from_parts([*start[:2], 0.0]))
+    rows = start + np.array([[0.0, 0.02, 0.0], [-0.15, 0.0, 0.0]])
+    box = PlacedBox(np.array([0.2, 0.3, 1.0]), Pose.from_parts([*start[:2], 0.0]))
     found = solve(world, "body", JointGoal(rows), KeepIn("body::body", box))
     assert found.goal_index == 0
     assert found.stages.goals.funnel.violating == 1
@@ -202,9 +249,9 @@ def test_a_predicate_is_kept_and_said_to_be_sampled() -> None:
 
     def goes_round(q: np.ndarray) -> bool:
         asked.append(q)
-        return bool(np.linalg.norm(q[:2] - start[:2] + [0.1, 0.0]) > 0.04)
+        return bool(np.linalg.norm(q[:2] - start[:2] + [0.07, 0.0]) > 0.04)
 
-    goal = JointGoal(start[None] - np.array([[0.2, 0.0, 0.0]]))
+    goal = JointGoal(start[None] - np.array([[0.15, 0.0, 0.0]]))
     found = solve(world, "body", goal, PathPredicate(goes_round, 0.002, "around"))
     (check,) = checks_of(found)
     assert (check.value, check.resolution, check.where) == (
@@ -213,7 +260,7 @@ def test_a_predicate_is_kept_and_said_to_be_sampled() -> None:
         "sampled every 0.002 rad or m",
     )
     assert not found.stages.search.direct
-    gaps = np.linalg.norm(dense(found)[:, :2] - start[:2] + [0.1, 0.0], axis=1)
+    gaps = np.linalg.norm(dense(found)[:, :2] - start[:2] + [0.07, 0.0], axis=1)
     assert gaps.min() > 0.04 - 0.002
     assert len(asked) > 100
 
@@ -221,8 +268,8 @@ def test_a_predicate_is_kept_and_said_to_be_sampled() -> None:
 def test_what_cannot_be_kept_is_not_found() -> None:
     world = bundled_world("maze_2d")
     start = world.positions(world.group("body"))
-    box = PlacedBox(np.array([0.02, 10.0, 10.0]), Pose.from_parts([start[0] - 0.1, 0.0, 0.0]))
-    goal = JointGoal(start[None] - np.array([[0.2, 0.0, 0.0]]))
+    box = PlacedBox(np.array([0.02, 10.0, 10.0]), Pose.from_parts([start[0] - 0.07, 0.0, 0.0]))
+    goal = JointGoal(start[None] - np.array([[0.15, 0.0, 0.0]]))
     search = SearchOptions(allowed_planning_time=20.0, planner="RRT")
     problem = PlanningProblem(
         "body", goal, search=search, constraints=(KeepOut("body::body", box),)
@@ -232,12 +279,13 @@ def test_what_cannot_be_kept_is_not_found() -> None:
     assert caught.value.code in {NoPathFound.code, "deadline_exceeded"}
 
 
+@pytest.mark.usefixtures("unchecked")
 def test_under_jerk_limits_as_well() -> None:
     world = bundled_world("maze_2d_band")
-    start = world.positions(world.group("body"))
+    start = np.array([0.36, -0.42, 0.0])
     goal = JointGoal(start[None] + np.array([[-0.2, 0.0, 0.0]]))
     band = DistanceBand(("body::body",), ("south", "lower_wall", "east", "lower_spur"), 0.01, 0.05)
-    found = solve(world, "body", goal, band, retime=RetimeOptions(method="ruckig"))
+    found = solve(world, "body", goal, band, start=start, retime=RetimeOptions(method="ruckig"))
     assert checks_of(found)[0].passed
 
 

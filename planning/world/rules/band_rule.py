@@ -13,7 +13,6 @@ from jaxtyping import Bool, Float64
 from planning.domain.joints import JointGroup
 from planning.domain.manifold import Manifold
 from planning.domain.motion_samples import is_motion_free
-from planning.world.margins import PairMargins
 from planning.world.rules.nearness import PairNearness
 from planning.world.rules.rule import FINEST, Reading, step_for
 from planning.world.world import World
@@ -22,6 +21,7 @@ from planning.world.world import World
 _SHARE, _MOST = 0.1, 2e-3
 # How far away bodies are measured, beyond `max` [m].
 _HORIZON = 1.0
+_HALVINGS = 18
 
 
 @dataclass(frozen=True)
@@ -61,16 +61,16 @@ class BandRule:
         return replace(self, room=room)
 
     def reading(self, q: Float64[np.ndarray, " nq"]) -> Reading:
-        """Return the smallest distance [m], and the bound that it is nearer to."""
-        horizon = (self.max if np.isfinite(self.max) else self.min) + _HORIZON
-        probe = self.world.distance_probe(PairMargins(0.0))
-        near = probe.pairs_within(self.world.embed(self.group, q), horizon)
-        distance = min(
-            (pair.distance for pair in near if _sorted(*pair.bodies) in self.pairs), default=horizon
-        )
-        above, below = distance - self.min, self.max - distance
-        bound = self.min if above < below else self.max
-        return Reading(distance, bound, "m", min(above, below))
+        """Return the smallest distance [m] within a metre beyond the band, by halving an interval.
+
+        Drake's own distances will not do (docs/decisions/0006): they may be too large.
+        """
+        low, high = 0.0, (self.max if np.isfinite(self.max) else self.min) + _HORIZON
+        for _ in range(_HALVINGS):
+            middle = (low + high) / 2
+            nearness = PairNearness(self.world, self.group, self.pairs, middle)
+            low, high = (low, middle) if nearness.are_near(q[None])[0] else (middle, high)
+        return Reading(high, self.min if high < self.max else self.max, "m")
 
     def are_kept(self, qs: Float64[np.ndarray, "m nq"]) -> Bool[np.ndarray, " m"]:
         """Return whether each row that does not collide is within the band and leaves room."""
@@ -100,7 +100,3 @@ class BandRule:
     @cached_property
     def _near(self) -> PairNearness:
         return PairNearness(self.world, self.group, self.pairs, self.max - self.room)
-
-
-def _sorted(a: str, b: str) -> tuple[str, str]:
-    return (a, b) if a < b else (b, a)

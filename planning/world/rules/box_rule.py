@@ -10,7 +10,7 @@ from jaxtyping import Bool, Float64
 from planning.domain import rotation
 from planning.domain.pose import Pose
 from planning.world.rules.frame_motion import FrameMotion
-from planning.world.rules.rule import Reading, step_for
+from planning.world.rules.rule import DUST, Reading, step_for
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
@@ -61,12 +61,11 @@ class BoxRule:
 
     def reading(self, q: Float64[np.ndarray, " nq"]) -> Reading:
         """Return the signed distance [m] beyond the faces, or inside them for `keep_out`."""
-        spare = float(self._spares(q[None])[0])
-        return Reading(-spare, 0.0, "m", spare)
+        return Reading(-float(self._spares(q[None])[0]), 0.0, "m")
 
     def are_kept(self, qs: Float64[np.ndarray, "m nq"]) -> Bool[np.ndarray, " m"]:
         """Return whether each row is on the right side and leaves the room."""
-        return self._spares(qs) >= self.room
+        return self._spares(qs) >= self.room - DUST
 
     def residual(self, q: Float64[np.ndarray, " nq"]) -> Float64[np.ndarray, "3"]:
         """Return by how much the origin misses the box, less the room, along its axes [m]."""

@@ -8,7 +8,7 @@ import numpy as np
 from jaxtyping import Bool, Float64
 
 from planning.world.rules.frame_motion import FrameMotion
-from planning.world.rules.rule import Reading, step_for
+from planning.world.rules.rule import DUST, Reading, step_for
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
@@ -62,11 +62,11 @@ class ConeRule:
     def reading(self, q: Float64[np.ndarray, " nq"]) -> Reading:
         """Return the angle [rad]."""
         angle = float(self._angles(self._axes(q[None]))[0])
-        return Reading(angle, self.tolerance, "rad", self.tolerance - angle)
+        return Reading(angle, self.tolerance, "rad")
 
     def are_kept(self, qs: Float64[np.ndarray, "m nq"]) -> Bool[np.ndarray, " m"]:
         """Return whether each row's angle is small enough and leaves the room."""
-        return self._angles(self._axes(qs)) <= self.tolerance - self.room
+        return self._angles(self._axes(qs)) <= self.tolerance - self.room + DUST
 
     def residual(self, q: Float64[np.ndarray, " nq"]) -> Float64[np.ndarray, "1"]:
         """Return by how much the angle is too large, the room counted twice [rad]."""

@@ -37,8 +37,7 @@ class LockRule:
 
     def reading(self, q: Float64[np.ndarray, " nq"]) -> Reading:
         """Return how far the farthest of them is from the start [rad or m]."""
-        away = float(self._away(q[None])[0])
-        return Reading(away, DUST, "rad or m", DUST - away)
+        return Reading(float(self._away(q[None])[0]), DUST, "rad or m")
 
     def are_kept(self, qs: Float64[np.ndarray, "m nq"]) -> Bool[np.ndarray, " m"]:
         """Return whether they are where the start has them."""
@@ -73,8 +72,7 @@ class LimitRule:
 
     def reading(self, q: Float64[np.ndarray, " nq"]) -> Reading:
         """Return by how much a coordinate leaves its bounds at most [rad or m]."""
-        excess = float(self._excess(q[None])[0])
-        return Reading(excess, DUST, "rad or m", DUST - excess)
+        return Reading(float(self._excess(q[None])[0]), DUST, "rad or m")
 
     def are_kept(self, qs: Float64[np.ndarray, "m nq"]) -> Bool[np.ndarray, " m"]:
         """Return whether all bounds are kept."""

@@ -39,8 +39,8 @@ from planning.world.world import CollisionJudge, World
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
-# Of what a start or a goal has to spare, the search may demand so much.
-_END_SHARE = 0.5
+# How much of the room that a rule wishes for is tried, the most first.
+_SHARES = (1.0, 0.25)
 # A straight step much longer than a band is thick leaves it, in most directions.
 _STRIDES, _SHORTEST_STRIDE = 2.5, 0.02
 
@@ -81,16 +81,16 @@ class PathRules:
 
     def violations(self, q: Float64[np.ndarray, " nq"]) -> list[dict[str, Any]]:
         """Return the rules that q, shape (nq,), violates, as evidence."""
-        readings = [(rule.label, rule.reading(q)) for rule in self.rules]
+        broken = [rule for rule in self.rules if not rule.are_kept(q[None])[0]]
+        readings = [(rule.label, rule.reading(q)) for rule in broken]
         return [
             {
                 "constraint": label,
-                "value": float(reading.value),
-                "bound": float(reading.bound),
+                "value": reading.value,
+                "bound": reading.bound,
                 "unit": reading.unit,
             }
             for label, reading in readings
-            if reading.spare < 0
         ]
 
     def are_kept(self, qs: Float64[np.ndarray, "m nq"]) -> Bool[np.ndarray, " m"]:
@@ -105,14 +105,16 @@ class PathRules:
     ) -> "PathRules":
         """Return rules that demand a little more, as far as the start and a goal have it."""
         rules: list[PathRule] = []
+        rows = goals
         for rule in self.rules:
-            room = 0.0
-            if rule.wish > 0:
-                spare = min(
-                    rule.reading(start).spare, max(rule.reading(goal).spare for goal in goals)
-                )
-                room = max(0.0, min(rule.wish, _END_SHARE * spare))
-            rules.append(rule.leaving(room))
+            chosen = rule
+            for share in _SHARES if rule.wish > 0 else ():
+                wished = rule.leaving(share * rule.wish)
+                kept = wished.are_kept(rows)
+                if kept.any() and wished.are_kept(start[None])[0]:
+                    chosen, rows = wished, rows[kept]
+                    break
+            rules.append(chosen)
         return replace(self, rules=tuple(rules))
 
     def oracle(self, inner: CollisionJudge) -> RuledOracle:

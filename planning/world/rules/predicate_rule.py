@@ -34,8 +34,7 @@ class PredicateRule:
 
     def reading(self, q: Float64[np.ndarray, " nq"]) -> Reading:
         """Return 0 for yes and 1 for no."""
-        value = 0.0 if self.predicate(q) else 1.0
-        return Reading(value, 0.0, "1", -value)
+        return Reading(0.0 if self.predicate(q) else 1.0, 0.0, "1")
 
     def are_kept(self, qs: Float64[np.ndarray, "m nq"]) -> Bool[np.ndarray, " m"]:
         """Return its answer for each row."""

@@ -23,13 +23,11 @@ class Reading:
         value: What was measured, in `unit`.
         bound: What it is held against.
         unit: "m", "rad", "rad or m" or "1".
-        spare: How far the rule is from being violated; negative if it is.
     """
 
     value: float
     bound: float
     unit: str
-    spare: float
 
 
 @runtime_checkable
