@@ -114,9 +114,9 @@ class _Residual(ob.Constraint):
         out[:] = found if self._is_stacked else np.linalg.norm(found)
 
     @override
-    def jacobian(self, state: Any, out: Any) -> None:
+    def jacobian(self, x: Any, out: Any) -> None:
         """Write its derivative there."""
-        q = np.array(state)
+        q = np.array(x)
         slopes = self._residual.jacobian(q)
         if self._is_stacked:
             out[:, :] = slopes

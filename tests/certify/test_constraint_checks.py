@@ -149,12 +149,12 @@ def test_a_violation_between_samples_is_refused() -> None:
     """A bump of 4 ms and 0.02 rad in a joint that stands still at every 10 ms."""
     world, request = swing(1)
     still = request.trajectory.start
-    bump = np.zeros((3, 5, 6))
+    bump = np.zeros((4, 5, 6))
     # 16 u^2 (1 - u)^2 for u in [0, 1], 4 ms long
     for power, factor in ((2, 16.0), (3, -32.0), (4, 16.0)):
         bump[1, power, 3] = 0.02 * factor / 0.004**power
     trajectory = TimedTrajectory(
-        request.group.joints, np.array([0.0, 0.503, 0.507, 1.0]), np.tile(still, (3, 1)), bump
+        request.group.joints, np.array([0.0, 0.503, 0.507, 0.8, 1.0]), np.tile(still, (4, 1)), bump
     )
     changed = replace(request, trajectory=trajectory)
     sampled = trajectory.positions(trajectory.sample_times(0.01))
