@@ -40,6 +40,16 @@ class Candidate:
     retime: RetimeReport
 
 
+def deadlines(problem: PlanningProblem, deadline: Deadline) -> tuple[Deadline, Deadline]:
+    """Return when to give up refining a path, and when timing and proving it.
+
+    Who wants the best so far from a cancel gets it without refinement, but not without proof.
+    """
+    if problem.search.on_cancel == "discard":
+        return deadline, deadline
+    return deadline.over_when_canceled, deadline.uncancelable
+
+
 def candidates(
     world: World,
     path: JointPath,
@@ -55,6 +65,7 @@ def candidates(
         DeadlineExceeded: Time ran out.
         Canceled: Somebody asked for the end.
     """
+    hasty, deadline = deadlines(problem, deadline)
     limits = world.limits(world.group(problem.group))
     retime_options = problem.retime
     with watch.stage("refine"):
@@ -63,7 +74,7 @@ def candidates(
         request = RefineRequest(
             path, scaled, margins, options, jerk=retime_options.method == "ruckig"
         )
-        refined, report = refine(world, request, deadline)
+        refined, report = refine(world, request, hasty)
         if problem.constraints and problem.refine.method != "none":
             report = replace(report, reason="it does not know path constraints")
     first: list[Candidate] = []

@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from planning.candidates import Candidate, candidates
+from planning.candidates import Candidate, candidates, deadlines
 from planning.certify.certifier import CertifyRequest, certify
 from planning.certify.refusal import not_certified
 from planning.clearances import clearances
@@ -138,13 +138,12 @@ def _prove_one(task: _Task) -> tuple[SearchResult, Candidate, Certificate, Certi
         with task.watch.stage("search"):
             found = _search(task, round_)
         task.report(Progress("refine", 0.5, "refining and timing"))
-        finishing, certifying = _deadlines(task)
         for candidate in candidates(
-            task.world, found.path, task.problem, task.margins, finishing, task.watch
+            task.world, found.path, task.problem, task.margins, task.deadline, task.watch
         ):
             task.report(Progress("certify", 0.8, f"certifying the {candidate.name}"))
             with task.watch.stage("certify"):
-                certificate, report = _certify(task, candidate, certifying)
+                certificate, report = _certify(task, candidate)
             if certificate.proven:
                 seen = CertifyReport(
                     report.intervals, report.distance_queries, len(refused) + 1, tuple(refused)
@@ -191,19 +190,7 @@ def _search_padded(task: _Task, round_: int, padding: float, deadline: Deadline)
     return replace(found, path=found.path.continuous, goal_row=int(rows[found.goal_row]))
 
 
-def _deadlines(task: _Task) -> tuple[Deadline, Deadline]:
-    """Return when to give up refining, and when certifying.
-
-    Who wants the best so far from a cancel gets it without refinement, but not without proof.
-    """
-    if task.problem.search.on_cancel == "discard":
-        return task.deadline, task.deadline
-    return task.deadline.over_when_canceled, task.deadline.uncancelable
-
-
-def _certify(
-    task: _Task, candidate: Candidate, deadline: Deadline
-) -> tuple[Certificate, CertifyReport]:
+def _certify(task: _Task, candidate: Candidate) -> tuple[Certificate, CertifyReport]:
     request = CertifyRequest(
         group=task.group,
         trajectory=candidate.trajectory,
@@ -217,4 +204,4 @@ def _certify(
         jerk=task.problem.retime.method == "ruckig",
         constraints=task.problem.constraints,
     )
-    return certify(task.world.drake, request, deadline)
+    return certify(task.world.drake, request, deadlines(task.problem, task.deadline)[1])

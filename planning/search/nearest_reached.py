@@ -39,8 +39,8 @@ def nearest_reached(
         deadline: Of the plan; it may be over.
 
     Returns:
-        `positions` there, the `path` to them, `goal_distance` (joint-space length), and
-        `goal_index`, the row of that goal.
+        `positions` there, the `path` to them, and the `goal` that is `goal_distance` away
+        (joint-space length).
     """
     grace = Deadline.after(_GRACE, deadline.clock, deadline.is_canceled)
     came_from: dict[int, int] = {}
@@ -65,5 +65,5 @@ def nearest_reached(
         "positions": path[last].tolist(),
         "path": path[: last + 1].tolist(),
         "goal_distance": float(ends[last, goal]),
-        "goal_index": int(goal),
+        "goal": goals[goal].tolist(),
     }

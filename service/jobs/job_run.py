@@ -41,7 +41,9 @@ class JobRun:
         """End the run on request, whatever it does."""
         self._is_unwanted = True
         if self._slot is not None:
-            self._slot.cancel(self._floor.lane(self.job.lane).cancel_grace)
+            # A task that has something to give on a cancel says how long it needs for that.
+            usual = self._floor.lane(self.job.lane).cancel_grace
+            self._slot.cancel(self.job.payload.get("cancel_grace", usual))
 
     async def run(self, slot: Slot) -> bool:
         """Run the job in a slot, which is given back; return whether it is queued again."""

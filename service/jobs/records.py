@@ -81,7 +81,7 @@ class JobSpec:
     Attributes:
         lane: Which slots may run it.
         task: Importable function, `module:function`, called with the payload and a channel.
-        payload: JSON-compatible.
+        payload: JSON-compatible; `cancel_grace` in it stands for the lane's [s].
         prefix: Of the job's id.
         scene: Id of the scene it is about, for listing.
         warm_key: Slots that ran this key lately are preferred.

@@ -20,6 +20,8 @@ TASK = "service.tasks.plan:plan_motion"
 
 # A plan minds its deadline by itself; a process that is this much too late hangs [s].
 _SLACK = 15.0
+# To time and prove the best path so far after a cancel [s].
+_BEST_GRACE = 0.9
 
 
 async def submit_plan(request: PlanRequest, key: str | None, scenes: SceneShelf, desk: Desk) -> Job:
@@ -52,6 +54,8 @@ async def submit_plan(request: PlanRequest, key: str | None, scenes: SceneShelf,
         "request": request.model_dump(mode="json"),
         "revision": record.revision,
     }
+    if request.search.on_cancel == "best":
+        payload["cancel_grace"] = _BEST_GRACE
     allowed = request.search.allowed_planning_time + _SLACK
     return desk.submit(spec_of("plan", TASK, payload, scene=record, key=key, allowed=allowed))
 

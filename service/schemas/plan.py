@@ -115,7 +115,7 @@ class SearchWire(Wire):
     on_cancel: Literal["discard", "best"] = Field(
         default="discard",
         description="What a cancel ends: the plan, or only the search if it has a path by then; "
-        "that path is delivered if it can be timed and proven in a quarter of a second",
+        "that path is delivered if it can be timed and proven in 0.9 s",
     )
 
 

@@ -46,10 +46,14 @@ def test_bounds_only_tighten(make_group, make_limits):
 )
 def test_nonsense_is_refused(make_group, make_limits, weights, bounds, spaces, error):
     group = make_group(*KINDS)
-    with pytest.raises(error) as caught:
+
+    def demand():
         block_weights(group, weights)
         bounded(group, make_limits(group), bounds)
         held_rotations(group, spaces)
+
+    with pytest.raises(error) as caught:
+        demand()
     assert "field" in caught.value.evidence or "nearest" in caught.value.evidence
 
 

@@ -101,15 +101,17 @@ def test_the_best_of_many_is_the_best_by_the_objective(plane, wall, soon, crossi
     assert again.report == found.report
 
 
-@pytest.mark.parametrize(
-    ("planner", "parameters"),
-    [("PRM", {}), ("FMT", {"num_samples": 200}), ("BITstar", {"samples_per_batch": 50})],
-)
+IMPROVING = {
+    "PRM": {},
+    "FMT": {"num_samples": 200},
+    "BITstar": {"samples_per_batch": 50},
+}
+
+
+@pytest.mark.parametrize("planner", IMPROVING)
 @pytest.mark.parametrize("name", ["weighted_length", "duration", "clearance"])
-def test_planners_that_improve_take_the_objective(
-    plane, wall, soon, crossing, name, planner, parameters
-):
-    task = wanting(crossing(), planner=planner, parameters=parameters, objective=name)
+def test_planners_that_improve_take_the_objective(plane, wall, soon, crossing, name, planner):
+    task = wanting(crossing(), planner=planner, parameters=IMPROVING[planner], objective=name)
     found = search(*plane, wall, task, soon)
     assert found.report.solved == 1
     weights = np.array([3.0, 1.0])
