@@ -1,7 +1,7 @@
 """Draw the seed scenes with a motion in each: `benchmarks/seed_pictures.py [--folder docs/images]`.
 
 A PNG per seed: the scene as the motion finds it, what moves at some instants of it (paler the
-earlier), and the way of its tool frame.
+earlier), the way of its tool frame, and for a distance band the segments to the nearest wall.
 """
 
 import argparse
@@ -23,6 +23,7 @@ from benchmarks.seed_scenes.meshes import triangles  # noqa: E402
 from benchmarks.seed_scenes.seeds import SEEDS  # noqa: E402
 
 _TRACE = np.array([0.85, 0.1, 0.45])
+_SEGMENT = np.array([0.1, 0.35, 0.9])
 _GRAY = np.array([0.7, 0.7, 0.7])
 
 
@@ -36,6 +37,7 @@ class View:
         width: Of what it shows [m].
         hidden: Objects that would hide the others.
         ghosts: How many instants of every motion to draw.
+        segments: How many segments to the nearest thing to draw along the way.
     """
 
     eye: tuple[float, float, float]
@@ -43,11 +45,13 @@ class View:
     width: float
     hidden: tuple[str, ...] = ()
     ghosts: int = 2
+    segments: int = 0
 
 
 _WINDOW = ("south", "north", "ceiling")
 VIEWS = {
     "maze_2d": View((0, 0, 1), (0, 0, 0), 1.7, ghosts=14),
+    "maze_2d_band": View((0, 0, 1), (0, 0, 0), 1.7, ghosts=12, segments=120),
     "window_3d": View((0.5, -1.0, 0.6), (0, 0, 0.48), 2.3, _WINDOW, ghosts=9),
     "ur5e_pickup": View((0.9, 0.8, 0.55), (0.25, 0.1, 0.33), 1.7, ghosts=3),
     "irb120_cell": View((1.0, 0.55, 0.6), (0.25, 0.0, 0.3), 1.6, ghosts=2),
@@ -85,6 +89,7 @@ def draw(legs: tuple[Leg, ...], view: View) -> bytes:
             _draw_bodies(canvas, world, states[i], age, hidden=view.hidden, still=is_first)
         tool = world.frame_poses(leg.plan.group.tool_frames[0], states)
         canvas.dot(tool[:, :3, 3] + 0.002 * np.array(view.eye), _TRACE)
+        _draw_segments(canvas, world, states, view)
     return canvas.png()
 
 
@@ -113,6 +118,15 @@ def _draw_bodies(
             mesh = triangles(inspector.GetShape(geometry)) @ x_wg[:3, :3].T + x_wg[:3, 3]
             color = _color(inspector.GetIllustrationProperties(geometry))
             canvas.draw(mesh, color if is_fixed else color + pale * (1 - color))
+
+
+def _draw_segments(canvas: Canvas, world: planning.World, states: Array, view: View) -> None:
+    """Draw the shortest way to the nearest thing at some states, above everything else."""
+    probe = world.distance_probe(world.margins())
+    for i in np.linspace(0, len(states) - 1, view.segments).round().astype(int):
+        a, b = probe.pairs_within(states[i], 1.0)[0].points
+        line = a + np.linspace(0.0, 1.0, 60)[:, None] * (b - a)
+        canvas.dot(line + 0.1 * np.array(view.eye), _SEGMENT, radius=1)
 
 
 def _color(properties: object) -> Array:

@@ -37,6 +37,18 @@ def maze(world: planning.World, seed: int, deadline: Deadline) -> tuple[Leg, ...
     return _one(world, planning.PlanningProblem("body", goal, search=search, seed=seed), deadline)
 
 
+def maze_along_walls(world: planning.World, seed: int, deadline: Deadline) -> tuple[Leg, ...]:
+    """Slide it through without ever being farther than 0.05 m or nearer than 0.01 m to a wall."""
+    problem = planning.PlanningProblem(
+        "body",
+        planning.ConfigurationGoal("exit"),
+        search=planning.SearchOptions(num_states=800, allowed_planning_time=8.0),
+        seed=seed,
+        constraints=(planning.DistanceBand(None, None, 0.01, 0.05),),
+    )
+    return _one(world, problem, deadline)
+
+
 def window(world: planning.World, seed: int, deadline: Deadline) -> tuple[Leg, ...]:
     """Fly an L through a hole that it has to turn for: 200 states."""
     search = planning.SearchOptions(num_states=200, allowed_planning_time=20.0)
@@ -76,6 +88,7 @@ _SHORTEST_OF_4 = planning.SearchOptions(attempts=4, num_states=400, allowed_plan
 
 SEEDS = (
     Seed("maze_2d", "maze_2d", 4.0, maze),
+    Seed("maze_2d_band", "maze_2d_band", 8.0, maze_along_walls),
     Seed("window_3d", "window_3d", 20.0, window),
     Seed("ur5e_pickup", "ur5e_pickup", 10.0, pickup_pose),
     Seed("ur5e_pickup_joint", "ur5e_pickup", 10.0, pickup_joint),

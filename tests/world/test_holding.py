@@ -58,9 +58,17 @@ def test_what_may_be_touched_by_default_is_the_tool_and_its_fingers() -> None:
     )
     pairs = planning.load_world(strict).violations(ARM, start, WORLD.margins())
     assert {pair.bodies for pair in pairs} >= {("arm::left_finger", "can")}
-    upper = edit_scene(PICKUP, [AttachObject("can", "arm::upper_arm_link", pose=Pose.identity())])
-    pairs = planning.load_world(upper).violations(ARM, start, WORLD.margins())
-    assert ("arm::shoulder_link", "can") in {pair.bodies for pair in pairs}
+
+
+@pytest.mark.parametrize(
+    ("place", "hit"),
+    [((0.0, 0.0, 0.0), "arm::shoulder_link"), ((-0.425, 0.0, 0.0), "arm::forearm_link")],
+)
+def test_links_before_and_after_that_which_holds_are_not_to_be_touched(place, hit) -> None:
+    on_the_arm = AttachObject("can", "arm::upper_arm_link", pose=Pose.from_parts(place))
+    world = planning.load_world(edit_scene(PICKUP, [on_the_arm]))
+    pairs = world.violations(ARM, WORLD.positions(ARM), WORLD.margins())
+    assert (hit, "can") in {pair.bodies for pair in pairs}
 
 
 def held(frame: str, touch: tuple[str, ...] | None = None) -> Scene:
