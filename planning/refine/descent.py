@@ -60,5 +60,3 @@ class Descent:
         """
         self._model.keep_distance_at(instants)
         self.seen = self._model.look((free or self.seen).points)
-        if free is not None:
-            self._box *= _SHRINK
