@@ -131,7 +131,7 @@ class RefineReport(Value):
     """What the refine stage did.
 
     Attributes:
-        method: "trajopt" or "none".
+        method: "trajopt", "auto" or "none".
         improved: Whether the refined curve is what goes on.
         reason: Why not, or "".
         solver: Name of the solver, or "".

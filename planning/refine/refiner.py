@@ -34,6 +34,8 @@ from planning.world.world import Array, World
 _MAX_STEPS = 25
 # How closely the guess follows the path [rad or m]: nearer where the first led to nothing free.
 _CLOSE = (0.15, 0.04)
+# With less than this left of a plan's time, the automatic method leaves the path alone [s].
+_AMPLE = 0.5
 # Of the time that is left, what this stage may take.
 _SHARE = 0.35
 # The distance at which instants are looked at (joint-space length), and how many of them.
@@ -112,6 +114,8 @@ def _refusal(request: RefineRequest, share: Deadline) -> str:
         )
     if len(unwrapped(request.path)) < 2:
         return "the path does not move"
+    if request.options.method == "auto" and share.remaining < _SHARE * _AMPLE:
+        return f"less than {_AMPLE:g} s were left"
     return "no time was left" if share.is_over else ""
 
 

@@ -157,6 +157,16 @@ def test_what_was_not_asked_for_is_not_done(thin_wall):
     assert (report.method, report.improved, report.reason) == ("none", False, "not asked for")
 
 
+@pytest.mark.parametrize(("seconds", "refines"), [(0.4, False), (60.0, True)])
+def test_the_automatic_method_wants_time(thin_wall, seconds: float, refines: bool):
+    request = replace(thin_wall.request, options=RefineOptions("auto"))
+    deadline = Deadline.after(seconds, lambda: 0.0)
+    curve, report = refine(thin_wall.world, request, deadline)
+    assert (curve is not None) == refines
+    assert report.method == "auto"
+    assert ("0.5 s" in report.reason) != refines
+
+
 def test_floating_joints_are_left_alone(world_of):
     world = world_of("window_3d")
     group = next(g for g in world.groups if not Manifold(g.joints).is_flat)
