@@ -48,7 +48,7 @@ def _parser() -> argparse.ArgumentParser:
         metavar="N",
         help="only the first N of a round-robin over the sets",
     )
-    parser.add_argument("--refine", choices=["none", "trajopt"], default="none")
+    parser.add_argument("--refine", choices=["none", "trajopt", "auto"], default="none")
     parser.add_argument(
         "--drake",
         type=int,

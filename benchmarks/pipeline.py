@@ -46,7 +46,7 @@ def main() -> None:
     """Run and print."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--seeds", type=int, default=5)
-    parser.add_argument("--refine", choices=["none", "trajopt"], default="trajopt")
+    parser.add_argument("--refine", choices=["none", "trajopt", "auto"], default="trajopt")
     parser.add_argument("--retime", choices=["toppra", "ruckig"], default="toppra")
     parser.add_argument("--allowed", type=float, default=10.0, help="seconds per plan")
     parser.add_argument("--json", action="store_true")

@@ -84,7 +84,10 @@ def candidates(
     unrefined = replace(report, improved=False)
     if report.improved:
         unrefined = RefineReport(
-            report.method, improved=False, reason="the unrefined path is quicker or safer"
+            report.method,
+            improved=False,
+            reason="the unrefined path is quicker or safer",
+            lower_bound=report.lower_bound,
         )
     # With jerk limits a wide corner may well be slower than a rest: all of them are compared.
     clear = _clear_deviations(world, path, problem, margins)

@@ -35,6 +35,9 @@ class Run:
         length: Of the delivered motion, in joint space [rad].
         duration: Of the delivered motion [s].
         free: Whether the referee finds the delivered motion free, and from start to goal.
+        improved: Whether refinement made the delivered motion quicker.
+        lower_bound: No motion between its two ends takes less, whatever its way: that of the
+            slowest joint at full acceleration and speed [s].
     """
 
     problem: Problem
@@ -47,6 +50,8 @@ class Run:
     length: float = 0.0
     duration: float = 0.0
     free: bool = False
+    improved: bool = False
+    lower_bound: float = 0.0
 
     @property
     def solved(self) -> bool:
@@ -83,7 +88,7 @@ class Bench:
 
     files: RobotFiles
     library: planning.ModelLibrary
-    refine: Literal["none", "trajopt"]
+    refine: Literal["none", "trajopt", "auto"]
 
     def load(self, problem: Problem, *, kernel: bool) -> planning.World:
         """Return the problem's world, with or without the native kernel."""
@@ -129,6 +134,7 @@ class Bench:
         if plan is None:
             return Run(problem, goal, total, cpu, failure=failure, detail=detail)
         motion = polynomials_of(plan)
+        limits = world.limits(plan.group)
         samples = motion.samples()
         return Run(
             problem,
@@ -140,6 +146,10 @@ class Bench:
             duration=plan.trajectory.duration,
             free=referee.is_free(motion)
             and referee.is_from_start_to_goal(motion, pose=goal == "pose"),
+            improved=plan.stages.refine.improved,
+            lower_bound=least_duration(
+                samples[-1] - samples[0], limits.velocity, limits.acceleration
+            ),
         )
 
     def _goal(
@@ -149,6 +159,20 @@ class Bench:
             return planning.JointGoal(np.array([problem.goal]))
         target = planning.PoseTarget(planning.Pose.from_matrix(referee.goal_pose))
         return planning.PoseGoal((target,), f"robot::{self.files.spec.tool}", _EXACT, _EXACT)
+
+
+def least_duration(moved: np.ndarray, velocity: np.ndarray, acceleration: np.ndarray) -> float:
+    """Return the time of the slowest joint from rest to rest, each by itself.
+
+    Args:
+        moved: From start to goal [rad], shape (n,).
+        velocity: Limits [rad/s], shape (n,).
+        acceleration: Limits [rad/s^2], shape (n,).
+    """
+    distance = np.abs(moved)
+    ramps = 2 * np.sqrt(distance / acceleration)
+    trapezoid = distance / velocity + velocity / acceleration
+    return float(np.where(distance < velocity**2 / acceleration, ramps, trapezoid).max())
 
 
 def polynomials_of(plan: planning.MotionPlan) -> Polynomials:

@@ -77,6 +77,16 @@ def _document(done: Runs, drake: Runs | None, goal: GoalKind) -> dict[str, Any]:
         "stages_ms": {name: _rounded(times)["median"] for name, times in stages.items() if times},
         "length": {"median": _rounded([run.length for run in solved])["median"]},
         "duration_s": {"median": _rounded([run.duration for run in solved])["median"]},
+        "lower_bound_s": {"median": _rounded([run.lower_bound for run in solved])["median"]},
+        "improved": _share([run.improved for run in solved]),
+        "bounds": [
+            {
+                "problem": run.problem.name,
+                "duration_s": round(run.duration, 3),
+                "lower_bound_s": round(run.lower_bound, 3),
+            }
+            for run in solved
+        ],
         "failures": [{"problem": r.problem.name, "code": r.failure} for r in runs if r.failure],
         "not_free": [run.problem.name for run in solved if not run.free],
         "drake_only": None if drake is None else _drake_only(done, drake, goal),
@@ -94,6 +104,10 @@ def _drake_only(done: Runs, drake: Runs, goal: GoalKind) -> dict[str, Any]:
         "total_ms": _rounded([run.total_ms for run in runs]),
         "ratio": None if times is None else round(times, 2),
     }
+
+
+def _share(claims: Sequence[bool]) -> float | None:
+    return round(sum(claims) / len(claims), 3) if claims else None
 
 
 def _rounded(numbers: Sequence[float]) -> dict[str, float | None]:

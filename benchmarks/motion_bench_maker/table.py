@@ -61,7 +61,16 @@ def _times(runs: Sequence[Run], title: str) -> Table:
 def _motions(done: Runs, runs: Sequence[Run], title: str) -> Table:
     table = Table(title=title, title_justify="left", box=SIMPLE, pad_edge=False)
     table.add_column("set")
-    columns = ("problems", "valid", "solved", "free", "length rad", "duration s")
+    columns = (
+        "problems",
+        "valid",
+        "solved",
+        "free",
+        "length rad",
+        "duration s",
+        "bound s",
+        "improved",
+    )
     for column in columns:
         table.add_column(column, justify="right")
     names = list(dict.fromkeys(problem.set for problem in done.problems))
@@ -72,7 +81,9 @@ def _motions(done: Runs, runs: Sequence[Run], title: str) -> Table:
         counts = (problems, len(members), len(solved), sum(run.free for run in solved))
         length = _cell(Spread.of([run.length for run in solved]), 2)
         duration = _cell(Spread.of([run.duration for run in solved]), 2)
-        table.add_row(name, *map(str, counts), length, duration)
+        bound = _cell(Spread.of([run.lower_bound for run in solved]), 2)
+        improved = str(sum(run.improved for run in solved))
+        table.add_row(name, *map(str, counts), length, duration, bound, improved)
     return table
 
 

@@ -82,10 +82,11 @@ class RefineOptions(Value):
     """Whether and how to optimise the path.
 
     Attributes:
-        method: "trajopt" or "none".
+        method: "trajopt"; "auto", which optimises only where the time left allows for it; or
+            "none".
     """
 
-    method: Literal["none", "trajopt"] = "trajopt"
+    method: Literal["none", "trajopt", "auto"] = "trajopt"
 
 
 @dataclass(frozen=True, eq=False)

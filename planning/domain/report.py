@@ -163,15 +163,16 @@ class RefineReport(Value):
     """What the refine stage did.
 
     Attributes:
-        method: "trajopt" or "none".
+        method: "trajopt", "auto" or "none".
         improved: Whether the refined curve is what goes on.
         reason: Why not, or "".
         solver: Name of the solver, or "".
-        rounds: Times the program was solved, each with the violated instants added.
+        rounds: Steps that were tried, each the solution of a convex program.
         length_before: Joint-space length of the path.
         length_after: Joint-space length of the refined curve.
         duration_before: Optimiser's estimate for its initial guess [s].
         duration_after: Optimiser's estimate for its solution [s].
+        lower_bound: No motion between the two ends takes less, whatever its way [s].
     """
 
     method: str
@@ -183,6 +184,7 @@ class RefineReport(Value):
     length_after: float = 0.0
     duration_before: float = 0.0
     duration_after: float = 0.0
+    lower_bound: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)

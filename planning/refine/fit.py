@@ -5,20 +5,15 @@ from typing import Any
 
 import numpy as np
 from jaxtyping import Float64
-from pydrake.math import BsplineBasis, KnotVectorType
-from pydrake.trajectories import BsplineTrajectory
 
 from planning.domain.manifold import Manifold
 from planning.domain.path import JointPath
+from planning.refine.basis import weights_at
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
-# Cubic pieces: the acceleration is continuous, which is what both retimers need.
-ORDER = 4
 # More control points make a quicker motion and a slower optimiser; past 14 little is gained.
-_COUNTS = (14, 17)
-# A fit that strays less from the path [rad or m] is near enough to start from.
-_CLOSE = 0.15
+_COUNTS = (14, 17, 22, 28)
 _NUM_SAMPLES = 161
 
 
@@ -33,7 +28,9 @@ def unwrapped(path: JointPath) -> Array:
 
 
 def fit_control_points(
-    waypoints: Float64[np.ndarray, "n nq"], speeds: Float64[np.ndarray, " nq"]
+    waypoints: Float64[np.ndarray, "n nq"],
+    speeds: Float64[np.ndarray, " nq"],
+    closeness: float = 0.15,
 ) -> Float64[np.ndarray, "num_control_points nq"]:
     """Return the control points of a clamped cubic B-spline near a polyline, by least squares.
 
@@ -42,6 +39,8 @@ def fit_control_points(
     Args:
         waypoints: No two consecutive ones the same [rad or m], at least two.
         speeds: Velocity limit of every coordinate [rad/s or m/s].
+        closeness: Control points are added until the fit strays less from the path than this
+            [rad or m], or there are as many as allowed.
     """
     times = np.max(np.abs(np.diff(waypoints, axis=0)) / speeds, axis=1)
     instants = np.concatenate([[0.0], np.cumsum(times)])
@@ -53,28 +52,16 @@ def fit_control_points(
         ends = weights[:, :1] * wanted[0] + weights[:, -1:] * wanted[-1]
         inner = np.linalg.lstsq(weights[:, 1:-1], wanted - ends)[0]
         fitted = np.vstack([wanted[:1], inner, wanted[-1:]])
-        if np.linalg.norm(weights @ fitted - wanted, axis=1).max() < _CLOSE:
+        if np.linalg.norm(weights @ fitted - wanted, axis=1).max() < closeness:
             break
     return fitted
-
-
-def spline_of(
-    control_points: Float64[np.ndarray, "n nq"], duration: float = 1.0
-) -> BsplineTrajectory:
-    """Return Drake's clamped uniform cubic B-spline on [0, duration]."""
-    count = len(control_points)
-    basis = BsplineBasis(ORDER, count, KnotVectorType.kClampedUniform, 0.0, duration)
-    return BsplineTrajectory(basis, [point[:, None] for point in control_points])
 
 
 @lru_cache(maxsize=8)
 def _weights(count: int) -> Array:
     """Return every basis function at every sample, shape (samples, count)."""
-    basis = BsplineBasis(ORDER, count, KnotVectorType.kClampedUniform, 0.0, 1.0)
-    weights = [
-        [basis.EvaluateBasisFunctionI(i, float(s)) for i in range(count)]
-        for s in np.linspace(0.0, 1.0, _NUM_SAMPLES)
-    ]
-    matrix = np.array(weights)
+    weights = weights_at(count, np.linspace(0.0, 1.0, _NUM_SAMPLES))
+    matrix = np.zeros((_NUM_SAMPLES, count))
+    np.put_along_axis(matrix, weights.owners, weights.local, axis=1)
     matrix.flags.writeable = False
     return matrix

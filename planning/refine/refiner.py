@@ -1,10 +1,10 @@
 """refine(): a smooth, quick and free curve near a path, or none and the reason why.
 
-Constraint generation: distances are demanded at a few instants, the solution is audited densely,
-the violated instants are added, and it is solved again from there.
+Sequential convex programming in a trust region (`curve_model`, `descent`). Every curve that is
+better than those before it is audited densely; where it is too near to something between the
+instants at which distances are demanded, those instants join them.
 """
 
-from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -18,24 +18,31 @@ from planning.domain.path import JointPath
 from planning.domain.report import RefineReport
 from planning.domain.value import Value
 from planning.refine.audit import Auditor, length_of, within_limits
+from planning.refine.basis import spline_of
 from planning.refine.buffers import Buffers
-from planning.refine.fit import fit_control_points, spline_of, unwrapped
+from planning.refine.curve_model import CurveModel, Look
+from planning.refine.descent import Descent
+from planning.refine.fit import fit_control_points, unwrapped
+from planning.refine.nearness import Nearness, nearness_of
+from planning.refine.pace import Bounds
 from planning.refine.power_basis import joint_spline
-from planning.refine.program import SOLVER, CurveProgram, Solution
+from planning.refine.soft_rows import solver_name
 from planning.world.margins import PairMargins
 from planning.world.world import Array, World
 
 # Iterations, not seconds, decide when to give up, so that the same request gives the same bytes.
-_MAX_ROUNDS = 12
-# After so many refused solutions, steps are bounded by a box that is crossed in this time [s].
-_PATIENCE = 5
-_FIRST_BOX = 0.3
-_GROWTH = 4.0
+_MAX_STEPS = 25
+# How closely the guess follows the path [rad or m]: nearer where the first led to nothing free.
+_CLOSE = (0.15, 0.04)
+# With less than this left of a plan's time, the automatic method leaves the path alone [s].
+_AMPLE = 0.5
 # Of the time that is left, what this stage may take.
 _SHARE = 0.35
-_FIRST_INSTANTS = np.linspace(0.0, 1.0, 27)[1:-1]
-# A free curve that became quicker by less than this share is quick enough.
-_WORTHWHILE = 0.02
+# The distance at which instants are looked at (joint-space length), and how many of them.
+_APART = 0.045
+_FEWEST, _MOST = 60, 200
+# Nothing is to be gained from a motion that is this near to the least possible duration.
+_OPTIMAL = 1.002
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,16 +64,6 @@ class RefineRequest(Value):
     jerk: bool = False
 
 
-@dataclass(frozen=True)
-class _Round:
-    """One solution, converted and audited."""
-
-    curve: JointSpline
-    solution: Solution
-    violated: Array
-    refusal: str
-
-
 def refine(
     world: World, request: RefineRequest, deadline: Deadline
 ) -> tuple[JointSpline | None, RefineReport]:
@@ -83,21 +80,28 @@ def refine(
     Returns:
         The curve, or None for "go on with the path"; and a report that says why.
     """
-    path, limits = request.path, request.limits
+    path = request.path
     report = RefineReport(request.options.method, improved=False, length_before=path.length)
     share = deadline.share(_SHARE)
     refusal = _refusal(request, share)
     if refusal:
         return None, replace(report, reason=refusal)
-    waypoints = unwrapped(path)
-    guess = fit_control_points(waypoints, limits.per_coordinate(limits.velocity))
-    guess[1:-1] = np.clip(guess[1:-1], limits.lower, limits.upper)
-    ends = world.embed(path.group, waypoints[[0, -1]])
-    buffers = Buffers.between(world, request.margins, ends)
-    program = CurveProgram(world, path.group, limits, buffers, guess, jerk=request.jerk)
-    auditor = Auditor(world, path.group, buffers)
-    report = replace(report, solver=SOLVER, duration_before=program.guessed_duration)
-    return _best(program, auditor, request, share, report)
+    task = _Task.of(world, request, share)
+    report = replace(report, solver=solver_name(), lower_bound=task.least)
+    best, steps, reason, guessed = None, 0, "", 0.0
+    for closeness in _CLOSE:
+        if best is None and not share.is_over:
+            best, steps_, reason, guessed = task.best_near(closeness)
+            steps += steps_
+    report = replace(report, rounds=steps, duration_before=guessed)
+    if best is not None and steps == 0 and len(task.waypoints) == 2:
+        return None, replace(report, reason="nothing is quicker than the straight path")
+    if best is None:
+        return None, replace(report, reason=reason)
+    curve = task.curve_of(best)
+    return curve, replace(
+        report, improved=True, length_after=length_of(curve), duration_after=best.duration
+    )
 
 
 def _refusal(request: RefineRequest, share: Deadline) -> str:
@@ -110,83 +114,84 @@ def _refusal(request: RefineRequest, share: Deadline) -> str:
         )
     if len(unwrapped(request.path)) < 2:
         return "the path does not move"
+    if request.options.method == "auto" and share.remaining < _SHARE * _AMPLE:
+        return f"less than {_AMPLE:g} s were left"
     return "no time was left" if share.is_over else ""
 
 
-def _best(
-    program: CurveProgram,
-    auditor: Auditor,
-    request: RefineRequest,
-    share: Deadline,
-    report: RefineReport,
-) -> tuple[JointSpline | None, RefineReport]:
-    """Return the quickest free curve of all rounds."""
-    best: _Round | None = None
-    rounds, reason = 0, "no time was left"
-    try:
-        for found in _rounds(program, auditor, request, share):
-            rounds += 1
-            reason = found.refusal
-            if not reason and (best is None or found.solution.duration < best.solution.duration):
-                best = found
-    except RuntimeError as fault:  # Drake's word for a constraint that has no value
-        reason = f"the solver stopped: {fault}"
-    if best is None:
-        return None, replace(report, rounds=rounds, reason=reason)
-    return best.curve, replace(
-        report,
-        improved=True,
-        rounds=rounds,
-        length_after=length_of(best.curve),
-        duration_after=best.solution.duration,
-    )
+@dataclass(frozen=True)
+class _Task:
+    """What every attempt needs.
 
-
-def _rounds(
-    program: CurveProgram, auditor: Auditor, request: RefineRequest, share: Deadline
-) -> Iterator[_Round]:
-    """Solve, audit and add the violated instants, until it is good, or rounds or time run out.
-
-    Where that alone does not help (the solver has jumped through a thin wall and is pushed out
-    on the wrong side), go back to the last curve that was free, or else to the guess, and take
-    steps that are short enough; the box shrinks with every failure and grows with every success.
+    Attributes:
+        waypoints: Of the path, without jumps by whole turns.
+        least: The duration that no motion beats [s].
     """
-    added, misses, box = _FIRST_INSTANTS, 0, np.inf
-    anchor, duration = program.guess, program.guessed_duration
-    for _ in range(_MAX_ROUNDS):
-        if share.is_over:
-            return
-        program.keep_distance_at(added)
-        solution = program.solve(share.remaining)
-        if solution.cut_short:
-            return
-        found = _audited(auditor, request, solution, program.guessed_duration)
-        added = found.violated
-        yield found
-        if len(added):
-            misses += 1
-            if misses >= _PATIENCE:
-                box = min(box / 2, _FIRST_BOX)
-                program.stay_near(anchor, box)
-            continue
-        gained = 1 - solution.duration / duration
-        anchor, duration = solution.control_points, solution.duration
-        if (box == np.inf and solution.converged) or gained < _WORTHWHILE:
-            return
-        if box < np.inf:
-            box *= _GROWTH
-            program.stay_near(anchor, box)
 
+    request: RefineRequest
+    share: Deadline
+    waypoints: Array
+    bounds: Bounds
+    least: float
+    nearness: Nearness
+    auditor: Auditor
 
-def _audited(auditor: Auditor, request: RefineRequest, solution: Solution, before: float) -> _Round:
-    curve = joint_spline(request.path.group.joints, spline_of(solution.control_points))
-    violated = auditor.violated(curve)
-    refusal = ""
-    if len(violated):
-        where = ", ".join(f"{s:.3f}" for s in violated[:5])
-        refusal = f"the optimised curve is too near to something at s = {where}"
-    elif not within_limits(curve, request.limits):
-        refusal = "the optimised curve leaves the position limits"
-    elif solution.duration >= before:
-        refusal = f"the optimiser found nothing quicker than its guess of {before:.3f} s"
-    return _Round(curve, solution, violated, refusal)
+    @classmethod
+    def of(cls, world: World, request: RefineRequest, share: Deadline) -> "_Task":
+        """Prepare."""
+        group = request.path.group
+        waypoints = unwrapped(request.path)
+        ends = world.embed(group, waypoints[[0, -1]])
+        buffers = Buffers.between(world, request.margins, ends)
+        bounds = Bounds.of(request.limits, jerk=request.jerk)
+        return cls(
+            request,
+            share,
+            waypoints,
+            bounds,
+            bounds.least_duration(waypoints[-1] - waypoints[0]),
+            nearness_of(world, group, buffers),
+            Auditor(world, group, buffers),
+        )
+
+    def curve_of(self, seen: Look) -> JointSpline:
+        """Return a curve in the form in which it goes on."""
+        return joint_spline(self.request.path.group.joints, spline_of(seen.points))
+
+    def best_near(self, closeness: float) -> tuple[Look | None, int, str, float]:
+        """Return the quickest free curve that a descent finds, or None.
+
+        And how many steps it took, why the last curve was refused, and how long the guess takes.
+        """
+        limits = self.request.limits
+        guess = fit_control_points(self.waypoints, self.bounds.velocity, closeness)
+        guess[1:-1] = np.clip(guess[1:-1], limits.lower, limits.upper)
+        length = float(np.linalg.norm(np.diff(self.waypoints, axis=0), axis=1).sum())
+        count = int(np.clip(length / _APART, _FEWEST, _MOST))
+        instants = np.linspace(0.0, 1.0, count + 2)[1:-1]
+        model = CurveModel(self.nearness, limits, self.bounds, len(guess), instants)
+        descent = Descent(model, guess)
+        guessed = descent.seen.duration
+        best: Look | None = None
+        reason = "no time was left"
+        for seen in descent.run(_MAX_STEPS):
+            if best is None or seen.duration < best.duration:
+                reason, violated = self._refused(seen)
+                if not reason:
+                    best = seen
+                if len(violated):
+                    descent.keep_distance_at(violated, best)
+            if self.share.is_over or (best is not None and best.duration < _OPTIMAL * self.least):
+                break
+        return best, descent.num_steps, reason, guessed
+
+    def _refused(self, seen: Look) -> tuple[str, Array]:
+        """Return what is wrong with a curve, or "", and the instants where it is too near."""
+        curve = self.curve_of(seen)
+        violated = self.auditor.violated(curve)
+        if len(violated):
+            where = ", ".join(f"{s:.3f}" for s in violated[:5])
+            return f"the optimised curve is too near to something at s = {where}", violated
+        if not within_limits(curve, self.request.limits):
+            return "the optimised curve leaves the position limits", violated
+        return "", violated

@@ -122,8 +122,10 @@ class SearchWire(Wire):
 class RefineWire(Wire):
     """Whether and how to optimise the path."""
 
-    method: Literal["trajopt", "none"] = Field(
-        default="trajopt", description="Drake trajectory optimisation, or leave the path as it is"
+    method: Literal["trajopt", "auto", "none"] = Field(
+        default="trajopt",
+        description="Optimise the duration; do so only if at least half a second is left; or leave "
+        "the path as it is",
     )
 
 

@@ -90,15 +90,18 @@ class SearchReportWire(Answer):
 class RefineReportWire(Answer):
     """What the refine stage did."""
 
-    method: str = Field(description="`trajopt` or `none`")
+    method: str = Field(description="`trajopt`, `auto` or `none`")
     improved: bool = Field(description="Whether the refined curve is what was delivered")
     reason: str = Field(description="Why not, or empty")
     solver: str = Field(description="Name of the solver, or empty")
-    rounds: int = Field(description="Times the program was solved")
+    rounds: int = Field(description="Steps tried, each a convex program")
     length_before: float = Field(description="Of the path [rad or m]")
     length_after: float = Field(description="Of the refined curve [rad or m]")
     duration_before: float = Field(description="Estimate for the initial guess [s]")
     duration_after: float = Field(description="Estimate for the solution [s]")
+    lower_bound: float = Field(
+        description="What the slowest joint alone takes from start to goal [s]; nothing is quicker"
+    )
 
 
 class BindingIntervalWire(Answer):

@@ -1,7 +1,12 @@
 """Round robin, percentiles and ratios."""
 
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
 from benchmarks.motion_bench_maker.problems import Problem, round_robin
-from benchmarks.motion_bench_maker.runs import Run, Runs
+from benchmarks.motion_bench_maker.runs import Run, Runs, least_duration
 from benchmarks.motion_bench_maker.summary import Spread, document, ratio
 
 
@@ -34,6 +39,24 @@ def test_failed_plans_count_in_total_with_their_time() -> None:
     assert counts == [3, 2, 1, 1]
     assert found["total_ms"]["mean"] == 2505.0
     assert found["failures"] == [{"problem": "a 2", "code": "deadline_exceeded"}]
+
+
+def test_what_refinement_made_quicker_and_what_nothing_beats() -> None:
+    runs = [
+        replace(run("a", 1, 10.0), improved=True, duration=2.0, lower_bound=1.0),
+        replace(run("a", 2, 10.0), duration=3.0, lower_bound=2.0),
+        run("a", 3, 10.0, "no_path_found"),
+    ]
+    found = document(Runs([r.problem for r in runs], [], runs, [1.0]), None)
+    assert found["improved"] == 0.5
+    assert found["lower_bound_s"]["median"] == 1.5
+    assert found["bounds"][1] == {"problem": "a 2", "duration_s": 3.0, "lower_bound_s": 2.0}
+
+
+def test_the_slowest_joint_bounds_the_duration() -> None:
+    moved, velocity, acceleration = np.array([0.1, -3.0]), np.array([1.0, 2.0]), np.full(2, 4.0)
+    assert least_duration(moved, velocity, acceleration) == pytest.approx(3.0 / 2 + 2 / 4)
+    assert least_duration(moved / 4, velocity, acceleration) == pytest.approx(2 * (0.75 / 4) ** 0.5)
 
 
 def test_ratio_is_taken_on_the_same_problems() -> None:

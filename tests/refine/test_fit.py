@@ -8,7 +8,8 @@ from hypothesis import strategies as st
 
 from planning.domain.joints import Joint, JointGroup, JointType
 from planning.domain.path import JointPath
-from planning.refine.fit import fit_control_points, spline_of, unwrapped
+from planning.refine.basis import spline_of
+from planning.refine.fit import fit_control_points, unwrapped
 
 
 def path_of(waypoints: np.ndarray, kind: JointType) -> JointPath:

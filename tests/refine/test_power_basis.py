@@ -5,7 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from planning.domain.joints import Joint, JointType
-from planning.refine.fit import spline_of
+from planning.refine.basis import spline_of
 from planning.refine.power_basis import joint_spline
 
 

@@ -10,4 +10,5 @@ NB_MODULE(_native, m) {
   wayproof::bind_checker(m);
   wayproof::bind_ik(m);
   wayproof::bind_prover(m);
+  wayproof::bind_refine(m);
 }

@@ -21,6 +21,7 @@ void bind_scene(nb::module_& m);
 void bind_checker(nb::module_& m);
 void bind_ik(nb::module_& m);
 void bind_prover(nb::module_& m);
+void bind_refine(nb::module_& m);
 
 inline void require(bool claim, const char* message) {
   if (!claim) throw std::invalid_argument(message);

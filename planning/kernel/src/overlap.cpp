@@ -12,7 +12,7 @@ constexpr double apart = 1e-3;
 
 }  // namespace
 
-double overlap(const Shape& a, const Transform& X_WA, const Shape& b, const Transform& X_WB) {
+Overlap overlap(const Shape& a, const Transform& X_WA, const Shape& b, const Transform& X_WB) {
   double best = -inf;
   Vec3 n;
   const auto consider = [&](Vec3 direction) {
@@ -43,7 +43,7 @@ double overlap(const Shape& a, const Transform& X_WA, const Shape& b, const Tran
     X_WC.p = X_WA.p + (apart - best) * n;
     better = consider(separation(a, X_WC, b, X_WB, inf, -inf, n).direction);
   }
-  return best;
+  return {best, n};
 }
 
 }  // namespace wayproof

@@ -136,7 +136,7 @@ void Prover::see(int pair, double distance, double time) {
   if (distance <= rounding) {
     const Pair& both = scene_->pairs[pair];
     const double depth = overlap(scene_->geometries[both.a].shape, bounds_.pose(both.a),
-                                 scene_->geometries[both.b].shape, bounds_.pose(both.b));
+                                 scene_->geometries[both.b].shape, bounds_.pose(both.b)).width;
     distance = std::min(distance, depth);
   }
   note(proof_.nearest, distance);

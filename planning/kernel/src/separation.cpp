@@ -86,11 +86,76 @@ Vec3 support(const Shape& a, const Transform& X_WA, const Shape& b, const Transf
          X_WB * b.core_support(transposed_times(X_WB.R, -n));
 }
 
+// Supports of a search, so that the points of A and B behind the last simplex can be told.
+struct Trail {
+  Vec3 w[max_steps], a[max_steps];
+  int size = 0;
+
+  Vec3 point_of(Vec3 difference) const {
+    for (int i = size; i-- > 0;)
+      if (w[i].x == difference.x && w[i].y == difference.y && w[i].z == difference.z) return a[i];
+    return a[0];
+  }
+};
+
+// The point of A behind the point of a simplex that is nearest to the origin: the same mean of A's points.
+Vec3 behind(const Simplex& s, Vec3 v, const Trail& trail) {
+  const Vec3 a = trail.point_of(s.w[0]);
+  if (s.size == 1) return a;
+  const Vec3 e = s.w[1] - s.w[0], r = v - s.w[0], da = trail.point_of(s.w[1]) - a;
+  if (s.size == 2) return a + (dot(r, e) / dot(e, e)) * da;
+  const Vec3 f = s.w[2] - s.w[0];
+  const double ee = dot(e, e), ef = dot(e, f), ff = dot(f, f), re = dot(r, e), rf = dot(r, f);
+  const double det = ee * ff - ef * ef;
+  if (!(det > 0)) return a;
+  return a + ((re * ff - rf * ef) / det) * da + ((rf * ee - re * ef) / det) * (trail.point_of(s.w[2]) - a);
+}
+
+// `trail`, if there is one, is left with the supports, and `simplex` with the last simplex.
+template <bool keeps_trail>
+Separation search(const Shape& a, const Transform& X_WA, const Shape& b, const Transform& X_WB, double enough,
+                  double few, Vec3 guess, double close, Simplex& simplex, Vec3& v, Trail* trail) {
+  const double balls = a.ball + b.ball;
+  v = guess;
+  if (norm(v) <= tolerance) v = X_WA * a.center - X_WB * b.center;
+  if (norm(v) <= tolerance) v = {1, 0, 0};
+  Separation best{-inf, inf, (1 / norm(v)) * v};
+  for (int step = 0; step < max_steps; ++step) {
+    const double length = norm(v);
+    const Vec3 n = (1 / length) * v;
+    Vec3 w;
+    if constexpr (keeps_trail) {
+      const Vec3 on_a = X_WA * a.core_support(transposed_times(X_WA.R, -n));
+      w = on_a - X_WB * b.core_support(transposed_times(X_WB.R, n));
+      trail->w[trail->size] = w, trail->a[trail->size++] = on_a;
+    } else {
+      w = support(a, X_WA, b, X_WB, -n);
+    }
+    if (const double width = dot(n, w) - balls; width > best.lower) best.lower = width, best.direction = n;
+    if (best.lower >= enough || best.upper <= few || best.upper - best.lower <= close) break;
+    simplex.w[simplex.size++] = w;
+    double depth;
+    v = nearest(simplex, depth);
+    if (depth >= 0) return best.upper = std::min(best.upper, -depth - balls), best;
+    const double distance = norm(v) - balls;
+    if (distance >= best.upper) break;
+    best.upper = distance;
+    if (norm(v) <= tolerance) break;
+  }
+  return best;
+}
+
+Vec3 up(const Transform& X_WB) { return {X_WB.R.m[2], X_WB.R.m[5], X_WB.R.m[8]}; }
+
+// The point of A's core that lies lowest above the half space B.
+Vec3 lowest(const Shape& a, const Transform& X_WA, const Transform& X_WB) {
+  return X_WA * a.core_support(transposed_times(X_WA.R, -up(X_WB)));
+}
+
 // How high A lies above the half space B.
 Separation above(const Shape& a, const Transform& X_WA, const Transform& X_WB, bool flip) {
-  const Vec3 n{X_WB.R.m[2], X_WB.R.m[5], X_WB.R.m[8]};
-  const Vec3 lowest = X_WA * a.core_support(transposed_times(X_WA.R, -n));
-  const double height = dot(n, lowest - X_WB.p) - a.ball;
+  const Vec3 n = up(X_WB);
+  const double height = dot(n, lowest(a, X_WA, X_WB) - X_WB.p) - a.ball;
   return {height, height, flip ? -n : n};
 }
 
@@ -106,28 +171,20 @@ Separation separation(const Shape& a, const Transform& X_WA, const Shape& b, con
                       double enough, double few, Vec3 guess, double close) {
   if (b.kind == ShapeKind::half_space) return above(a, X_WA, X_WB, false);
   if (a.kind == ShapeKind::half_space) return above(b, X_WB, X_WA, true);
-  const double balls = a.ball + b.ball;
-  Vec3 v = guess;
-  if (norm(v) <= tolerance) v = X_WA * a.center - X_WB * b.center;
-  if (norm(v) <= tolerance) v = {1, 0, 0};
-  Separation best{-inf, inf, (1 / norm(v)) * v};
   Simplex simplex;
-  for (int step = 0; step < max_steps; ++step) {
-    const double length = norm(v);
-    const Vec3 n = (1 / length) * v;
-    const Vec3 w = support(a, X_WA, b, X_WB, -n);
-    if (const double width = dot(n, w) - balls; width > best.lower) best.lower = width, best.direction = n;
-    if (best.lower >= enough || best.upper <= few || best.upper - best.lower <= close) break;
-    simplex.w[simplex.size++] = w;
-    double depth;
-    v = nearest(simplex, depth);
-    if (depth >= 0) return best.upper = std::min(best.upper, -depth - balls), best;
-    const double distance = norm(v) - balls;
-    if (distance >= best.upper) break;
-    best.upper = distance;
-    if (norm(v) <= tolerance) break;
-  }
-  return best;
+  Vec3 v;
+  return search<false>(a, X_WA, b, X_WB, enough, few, guess, close, simplex, v, nullptr);
+}
+
+Meeting meeting(const Shape& a, const Transform& X_WA, const Shape& b, const Transform& X_WB, double enough, Vec3 guess) {
+  if (b.kind == ShapeKind::half_space) return {above(a, X_WA, X_WB, false), lowest(a, X_WA, X_WB)};
+  if (a.kind == ShapeKind::half_space) return {above(b, X_WB, X_WA, true), lowest(b, X_WB, X_WA)};
+  Simplex simplex;
+  Vec3 v;
+  Trail trail;
+  const Separation found = search<true>(a, X_WA, b, X_WB, enough, -inf, guess, 1e-10, simplex, v, &trail);
+  if (found.lower >= enough || simplex.size == 0 || simplex.size > 3) return {found, trail.a[0]};
+  return {found, behind(simplex, v, trail)};
 }
 
 }  // namespace wayproof

@@ -23,6 +23,16 @@ struct Separation {
 Separation separation(const Shape& a, const Transform& X_WA, const Shape& b, const Transform& X_WB,
                       double enough, double few, Vec3 guess, double close = 1e-10);
 
+struct Meeting {
+  Separation separation;
+  // On the line through the nearest points of A and B, but for balls; means nothing if the shapes overlap, or if
+  // the search ended early.
+  Vec3 p_W;
+};
+
+// The same up to a distance of `enough`, with where the shapes are nearest.
+Meeting meeting(const Shape& a, const Transform& X_WA, const Shape& b, const Transform& X_WB, double enough, Vec3 guess);
+
 // The slab between A and B across a unit vector n, from B to A: a lower bound on their distance.
 double slab(const Shape& a, const Transform& X_WA, const Shape& b, const Transform& X_WB, Vec3 n);
 

@@ -1,0 +1,31 @@
+// SoftRows: convex programs in a box, whose rows may be broken for a price.
+//
+//   minimise  c . x + 1/2 sum_i q_i x_i^2 + sum_k price_k max(0, least_k - a_k . x),  lower <= x <= upper
+//
+// by a primal-dual interior point method with Mehrotra's predictor and corrector ("On the implementation of a
+// primal-dual interior point method", 1992). There is always a solution. The normal equations are solved by a
+// Cholesky factorisation within their skyline: variables that share rows should have near numbers.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+namespace wayproof {
+
+struct SoftRows {
+  int num_variables = 0;
+  std::vector<double> c, q, lower, upper;
+  std::vector<std::int64_t> starts, columns;  // of the rows' entries, as in compressed sparse rows
+  std::vector<double> values, least, price;
+};
+
+struct SoftSolution {
+  std::vector<double> x;
+  int steps = 0;
+  double gap = 0;  // the mean product of a slack and its multiplier where it stopped
+};
+
+// Stops once residuals and gap are below `tolerance`, relative to the cost, or after `max_steps`.
+SoftSolution solve(const SoftRows& program, double tolerance, int max_steps);
+
+}  // namespace wayproof

@@ -1,0 +1,89 @@
+"""Clamped uniform cubic B-splines, their values and derivatives as a few weights of control points.
+
+r(s) = sum_k w_k(s) P[first(s) + k], k = 0..3, and likewise with other weights for its derivatives.
+"""
+
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float64, Int
+from pydrake.math import BsplineBasis, KnotVectorType
+from pydrake.trajectories import BsplineTrajectory
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
+type Indices = np.ndarray[Any, np.dtype[np.intp]]
+
+# Cubic pieces: the acceleration is continuous, which is what both retimers need.
+ORDER = 4
+# Within a span of knots, so that derivatives that jump at knots are those of the span.
+_INSIDE = 1e-12
+
+
+@dataclass(frozen=True)
+class Weights:
+    """The weights of control points at some instants.
+
+    Attributes:
+        owners: The control points that matter at each instant, shape (m, 4).
+        local: Their weights, shape (m, 4).
+    """
+
+    owners: Indices
+    local: Array
+
+    def of(self, points: Float64[np.ndarray, "n nq"]) -> Array:
+        """Return the weighted sums, shape (m, nq)."""
+        return np.einsum("mk,mkj->mj", self.local, points[self.owners])
+
+
+def num_spans(count: int) -> int:
+    """Return how many spans of knots `count` control points have."""
+    return count - ORDER + 1
+
+
+def weights_at(
+    count: int,
+    s: Float64[np.ndarray, " m"],
+    order: int = 0,
+    spans: Int[np.ndarray, " m"] | None = None,
+) -> Weights:
+    """Return the weights of `count` control points for the order-th derivative.
+
+    Args:
+        count: How many there are.
+        s: Instants in [0, 1].
+        order: Of the derivative.
+        spans: The span of knots that each instant is taken to belong to; None for its own.
+    """
+    if spans is None:
+        spans = np.clip((s * num_spans(count)).astype(np.intp), 0, num_spans(count) - 1)
+    low, high = spans / num_spans(count), (spans + 1) / num_spans(count)
+    inside = np.clip(s, low + _INSIDE * (low > 0), high - _INSIDE * (high < 1))
+    unit: Any = _unit_spline(count) if order == 0 else _unit_spline(count).MakeDerivative(order)
+    dense = unit.vector_values(inside.tolist()).T
+    owners = spans[:, None] + np.arange(ORDER)
+    return Weights(owners, np.take_along_axis(dense, owners, axis=1))
+
+
+def spline_of(
+    control_points: Float64[np.ndarray, "n nq"], duration: float = 1.0
+) -> BsplineTrajectory:
+    """Return Drake's clamped uniform cubic B-spline on [0, duration]."""
+    count = len(control_points)
+    basis = BsplineBasis(ORDER, count, KnotVectorType.kClampedUniform, 0.0, duration)
+    return BsplineTrajectory(basis, [point[:, None] for point in control_points])
+
+
+def centres(count: int) -> Array:
+    """Return the instant that each control point belongs to (Greville's abscissae)."""
+    inner = np.linspace(0.0, 1.0, num_spans(count) + 1)
+    knots = np.concatenate([np.zeros(ORDER - 1), inner, np.ones(ORDER - 1)])
+    return np.array([knots[k + 1 : k + ORDER].mean() for k in range(count)])
+
+
+@lru_cache(maxsize=8)
+def _unit_spline(count: int) -> BsplineTrajectory:
+    """Return the spline whose coordinates are the basis functions."""
+    return spline_of(np.eye(count))

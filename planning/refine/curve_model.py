@@ -1,0 +1,232 @@
+"""The optimisation problem: control points and pace of a curve, and its linear model nearby.
+
+The duration is that of the fastest pace b along the curve, which depends on the control points P
+through bounds that are bilinear in (P, b). They are linearised in both, distances in P, and the
+duration to second order in b. The model's minimiser within a box around P is the next curve; its
+own fastest pace says what it is truly worth. Distances are kept for a price, not at any price.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float64
+
+from planning.domain.joints import JointLimits
+from planning.refine.basis import Weights, centres, weights_at
+from planning.refine.nearness import Near, Nearness
+from planning.refine.pace import (
+    RATE_PRICE,
+    Bounds,
+    Rates,
+    both_ends,
+    duration_of,
+    fastest_pace,
+    grid_of,
+    haste_of,
+)
+from planning.refine.soft_rows import Rows, SoftProgram
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
+type Indices = np.ndarray[Any, np.dtype[np.intp]]
+
+# What a metre less than demanded costs at every instant and pair [s/m].
+_DISTANCE_PRICE = 20.0
+# Pairs that are this much farther than demanded count for nothing [m].
+_REACH = 0.1
+# Beside durations, moving one control point by the box's half side costs this: ways to write down
+# the same motion are many, and the nearest is as good as any.
+_RELUCTANCE = 1e-4
+# How far b may go within one step, relative to itself.
+_SLOWER, _FASTER = 0.7, 1.5
+# Rates that are nearer their bounds than this are looked at.
+_ACCELERATION_SEEN, _SPEED_SEEN = 0.3, 0.4
+# A box has an inside, even where the position limits leave none.
+_SLIT = 1e-6
+
+
+@dataclass(frozen=True)
+class Numbering:
+    """Variables: control points but the first and last, pace but the first and last.
+
+    What belongs to near instants has near numbers, which the solver likes; -1 is no variable.
+    """
+
+    points: Indices
+    pace: Indices
+    count: int
+
+
+@lru_cache(maxsize=8)
+def numbering_of(count: int, num_coordinates: int) -> Numbering:
+    """Return the numbering for a number of control points and of coordinates."""
+    n = len(grid_of(count).owners)
+    at = np.concatenate([np.repeat(centres(count)[1:-1], num_coordinates), np.arange(1, n) / n])
+    rank = np.empty(len(at), dtype=np.intp)
+    rank[np.argsort(at, kind="stable")] = np.arange(len(at))
+    points = np.full((count, num_coordinates), -1)
+    points[1:-1] = rank[: (count - 2) * num_coordinates].reshape(count - 2, num_coordinates)
+    return Numbering(
+        points, np.concatenate([[-1], rank[(count - 2) * num_coordinates :], [-1]]), len(at)
+    )
+
+
+@dataclass(frozen=True)
+class Look:
+    """What is known of one curve.
+
+    Attributes:
+        points: Its control points, shape (k, nq).
+        rates: Its derivatives.
+        pace: The fastest, b at the grid, shape (n + 1,).
+        duration: Of that pace [s].
+        near: Pairs that are near at the instants.
+        cost: Duration and the price of distances that are too short [s].
+    """
+
+    points: Array
+    rates: Rates
+    pace: Array
+    duration: float
+    near: Near
+
+    @cached_property
+    def cost(self) -> float:
+        """What is minimised [s]."""
+        return self.duration + _DISTANCE_PRICE * float(np.maximum(-self.near.spare, 0.0).sum())
+
+
+class CurveModel:
+    """Curves of one number of control points, with distances kept at some instants."""
+
+    def __init__(
+        self,
+        nearness: Nearness,
+        limits: JointLimits,
+        bounds: Bounds,
+        count: int,
+        instants: Float64[np.ndarray, " m"],
+    ) -> None:
+        """Pose the problem; instants are in (0, 1)."""
+        self._nearness = nearness
+        self._limits = limits
+        self._bounds = bounds
+        self._grid = grid_of(count)
+        self._numbers = numbering_of(count, len(bounds.velocity))
+        self._count = count
+        self.instants = instants
+        self._weights: Weights = weights_at(count, instants)
+
+    def keep_distance_at(self, instants: Float64[np.ndarray, " m"]) -> None:
+        """Demand distances at more instants from now on; what was looked at is to be seen again."""
+        self.instants = np.concatenate([self.instants, instants])
+        self._weights = weights_at(self._count, self.instants)
+
+    def look(self, points: Float64[np.ndarray, "k nq"]) -> Look:
+        """Return what a curve is worth."""
+        rates = Rates.of(self._grid, points, self._bounds)
+        pace = fastest_pace(self._grid, rates)
+        near = self._nearness.within(self._weights.of(points), _REACH)
+        return Look(points, rates, pace, duration_of(self._grid, pace), near)
+
+    def step(self, seen: Look, seconds: float) -> tuple[Array, float]:
+        """Return the control points of the model's best curve, and what it promises to save [s].
+
+        Args:
+            seen: Around which curve.
+            seconds: Half of the sides of the box around every control point, as the time to cross
+                it at the velocity limit.
+        """
+        side = seconds * self._bounds.velocity
+        program = self._program(seen, side)
+        x = program.solve()
+        points = seen.points.copy()
+        points[1:-1] += x[self._numbers.points[1:-1]] * side
+        points[1:-1] = np.clip(points[1:-1], self._limits.lower, self._limits.upper)
+        promised = program.cost(np.zeros_like(x)) - program.cost(x)
+        return points, promised * seen.duration
+
+    def _program(self, seen: Look, side: Array) -> SoftProgram:
+        """Return the model in units of the duration, of the box, and of b itself."""
+        points, pace = self._numbers.points[1:-1], self._numbers.pace[1:-1]
+        c, q = np.zeros(self._numbers.count), np.full(self._numbers.count, _RELUCTANCE)
+        lower, upper = -np.ones_like(c), np.ones_like(c)
+        haste = haste_of(self._grid, seen.pace)[1:-1] / seen.duration
+        # Of a time that goes with b^(-1/2).
+        c[pace], q[pace] = -haste, 1.5 * haste
+        lower[pace], upper[pace] = -_SLOWER, _FASTER
+        lower[points] = np.maximum((self._limits.lower - seen.points[1:-1]) / side, -1.0)
+        upper[points] = np.minimum((self._limits.upper - seen.points[1:-1]) / side, 1.0)
+        lower = np.minimum(lower, 0.0)
+        upper = np.maximum(upper, lower + _SLIT)
+        rows = [self._acceleration_rows(seen, side), self._speed_rows(seen, side)]
+        if self._bounds.jerk is not None:
+            rows.append(self._swing_rows(seen, side, self._bounds.jerk))
+        if len(seen.near.at):
+            rows.append(self._distance_rows(seen, side))
+        return SoftProgram(c, q, lower, upper, tuple(rows))
+
+    def _acceleration_rows(self, seen: Look, side: Array) -> Rows:
+        """Bound r'' b + r' u both ways; of every interval, coordinate and end."""
+        grid, b = self._grid, seen.pace
+        u = np.diff(b) / (2 * grid.step)
+        weights = grid.second * both_ends(b)[..., None] + grid.first * u[:, None, None]
+        by_point = weights[:, None] * (side / self._bounds.acceleration)[:, None, None]
+        at_low, at_high = seen.rates.slopes(grid)
+        by_pace = np.stack([at_low * b[:-1, None, None], at_high * b[1:, None, None]], axis=-1)
+        values = np.concatenate([by_point, by_pace.transpose(0, 2, 1, 3)], axis=-1)
+        now = seen.rates.accelerations(grid, b).transpose(0, 2, 1)
+        rows = Rows.both_signs(self._columns(2), values, now, RATE_PRICE)
+        return rows.taken(rows.least > _ACCELERATION_SEEN - 1)
+
+    def _speed_rows(self, seen: Look, side: Array) -> Rows:
+        """Bound |r'| sqrt(b) at the low end of every interval but the first."""
+        root = np.sqrt(seen.pace[1:-1])
+        now = seen.rates.speed[1:, 0] * root[:, None]
+        ways = np.sign(now)
+        by_point = (self._grid.first[1:, 0] * root[:, None])[:, None, :] * (
+            side / self._bounds.velocity * ways
+        )[..., None]
+        values = np.concatenate([by_point, (np.abs(now) / 2)[..., None]], axis=-1)
+        columns = self._columns(1)[1:, :, 0]
+        seen_at = np.abs(now) > _SPEED_SEEN
+        return Rows(columns[seen_at], -values[seen_at], np.abs(now)[seen_at] - 1, RATE_PRICE)
+
+    def _swing_rows(self, seen: Look, side: Array, jerk: Array) -> Rows:
+        """Bound |r'''| b^(3/2) at both ends of every interval."""
+        b = both_ends(seen.pace) ** 1.5
+        now = seen.rates.swing[:, :, None] * b[:, None]
+        ways = np.sign(now)
+        by_point = (
+            self._grid.third[:, None, None]
+            * ((side / jerk)[:, None] * b[:, None] * ways)[..., None]
+        )
+        by_pace = (1.5 * np.abs(now))[..., None] * np.eye(2)
+        values = np.concatenate([by_point, by_pace], axis=-1)
+        seen_at = np.abs(now) > _SPEED_SEEN
+        return Rows(
+            self._columns(2)[seen_at], -values[seen_at], np.abs(now)[seen_at] - 1, RATE_PRICE
+        )
+
+    def _columns(self, num_paces: int) -> Indices:
+        """Return 4 points of a coordinate and the pace at one or both ends of every interval.
+
+        Shape (n, nq, 2, 4 + num_paces), the same for both ends.
+        """
+        points = self._numbers.points[self._grid.owners].transpose(0, 2, 1)
+        pace = both_ends(self._numbers.pace)[:, :num_paces]
+        pace = np.broadcast_to(pace[:, None], (*points.shape[:2], num_paces))
+        columns = np.concatenate([points, pace], axis=-1)
+        return np.broadcast_to(columns[:, :, None], (*points.shape[:2], 2, 4 + num_paces))
+
+    def _distance_rows(self, seen: Look, side: Array) -> Rows:
+        """Keep distances that a step within the box could make too short."""
+        slopes = seen.near.gradient * side
+        some = np.flatnonzero(seen.near.spare < np.abs(slopes).sum(axis=1))
+        at = seen.near.at[some]
+        values = self._weights.local[at][:, :, None] * slopes[some][:, None]
+        columns = self._numbers.points[self._weights.owners[at]]
+        price = _DISTANCE_PRICE / seen.duration
+        size = len(some), values[0].size if len(some) else 0
+        return Rows(columns.reshape(size), values.reshape(size), -seen.near.spare[some], price)

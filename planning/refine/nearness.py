@@ -1,0 +1,114 @@
+"""Which pairs are near one another along a curve, and how their distances change with q."""
+
+from dataclasses import dataclass
+from typing import Any, Protocol, runtime_checkable
+
+import numpy as np
+from jaxtyping import Float64
+
+from planning.domain.joints import JointGroup
+from planning.kernel.native import native
+from planning.refine.buffers import Buffers
+from planning.refine.distances import group_checker
+from planning.world.drake_model import DrakeModel
+from planning.world.kernel_scene import KernelScene, kernel_scene_of
+from planning.world.world import World
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
+type Indices = np.ndarray[Any, np.dtype[np.intp]]
+
+
+@dataclass(frozen=True)
+class Near:
+    """Pairs that are near, one a row.
+
+    Attributes:
+        at: In which of the configurations, shape (m,).
+        spare: Distance beyond what is demanded [m], shape (m,).
+        gradient: Of the distance with respect to the group's v, shape (m, nv).
+    """
+
+    at: Indices
+    spare: Array
+    gradient: Array
+
+
+@runtime_checkable
+class Nearness(Protocol):
+    """Measures pairs whose distance the group can change."""
+
+    def within(self, qs: Float64[np.ndarray, "m nq"], reach: float) -> Near:
+        """Return the pairs with less than `reach` [m] beyond what is demanded."""
+        ...
+
+
+class KernelNearness:
+    """All pairs of all configurations in one call of the native code."""
+
+    def __init__(
+        self,
+        scene: KernelScene,
+        model: DrakeModel,
+        group: JointGroup,
+        state: Float64[np.ndarray, " num_positions"],
+        buffers: Buffers,
+    ) -> None:
+        """Prepare."""
+        module: Any = native()
+        self._native = module.Nearness(
+            scene.native,
+            model.position_indices(group).astype(np.int64),
+            model.velocity_indices(group).astype(np.int64),
+            model.follow(np.array(state)),
+        )
+        demanded = {pair: buffers.demanded(*pair) for pair in set(scene.bodies)}
+        self._demanded = np.array([demanded[pair] for pair in scene.bodies])
+
+    def within(self, qs: Float64[np.ndarray, "m nq"], reach: float) -> Near:
+        """Return the pairs with less than `reach` [m] beyond what is demanded."""
+        at, pairs, distances, _, gradients = self._native.within(
+            np.ascontiguousarray(qs), self._demanded + reach
+        )
+        return Near(at, distances - self._demanded[pairs], gradients)
+
+
+class DrakeNearness:
+    """The same by Drake's checker, one configuration after another."""
+
+    def __init__(
+        self,
+        model: DrakeModel,
+        group: JointGroup,
+        state: Float64[np.ndarray, " num_positions"],
+        buffers: Buffers,
+    ) -> None:
+        """Prepare."""
+        self._checker = group_checker(model, group, buffers)
+        self._model = model
+        self._group = group
+        self._state = state
+        indices = model.position_indices(group)
+        moved = np.zeros((len(state), len(indices)))
+        moved[indices, np.arange(len(indices))] = 1.0
+        for c in model.couplings:
+            moved[c.follower_position] = c.multiplier * moved[c.leader_position]
+        # Joints of the group do not float: their rates are those of their positions.
+        self._moved = moved
+
+    def within(self, qs: Float64[np.ndarray, "m nq"], reach: float) -> Near:
+        """Return the pairs with less than `reach` [m] beyond what is demanded."""
+        at, spare, gradients = [], [], []
+        for i, full in enumerate(self._model.embed(self._group, qs, self._state)):
+            clearance: Any = self._checker.CalcRobotClearance(full, reach)
+            at.append(np.full(clearance.size(), i))
+            spare.append(np.array(clearance.distances()))
+            gradients.append(np.array(clearance.jacobians()) @ self._moved)
+        return Near(np.concatenate(at), np.concatenate(spare), np.vstack(gradients))
+
+
+def nearness_of(world: World, group: JointGroup, buffers: Buffers) -> Nearness:
+    """Return the kernel's measure, or Drake's where there is no kernel."""
+    scene = kernel_scene_of(world.drake)
+    if scene is None:
+        return DrakeNearness(world.drake, group, world.state, buffers)
+    return KernelNearness(scene, world.drake, group, world.state, buffers)

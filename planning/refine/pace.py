@@ -1,0 +1,206 @@
+"""How fast a curve can be followed from rest to rest: b = (ds/dt)^2 at the points of a grid.
+
+On each of its intervals d2s/dt2 is constant, u_i = (b_{i+1} - b_i) / (2 h). At both ends of every
+interval velocity r' sqrt(b) and acceleration r'' b + r' u are bounded: time-optimal path
+parametrisation (Verscheure et al., "Time-optimal path tracking for robots", 2009), which is what
+the retimer does afterwards, on a finer grid. Of the jerk only r''' b^(3/2) is bounded, what the
+curve itself has at constant ds/dt; ends and changes of pace are the retimer's.
+"""
+
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float64
+
+from planning.domain.joints import JointLimits
+from planning.refine.basis import num_spans, weights_at
+from planning.refine.soft_rows import Rows, SoftProgram
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
+type Indices = np.ndarray[Any, np.dtype[np.intp]]
+
+# What exceeding a limit by its own size costs, in durations.
+RATE_PRICE = 10.0
+_PER_SPAN = 4
+# An infinite bound would make numbers that are none.
+_UNBOUNDED_RATE = 1e3
+# Of the jerk, what the curve itself may have: changes of pace need the rest. Found by measurement.
+_JERK_SHARE = 0.1
+# Where nothing moves the pace is bounded by nothing but this, in units of 1 / s^2.
+_STANDSTILL = 1e-12
+# Of its cap, so that the pace rests nowhere on the way.
+_SLOWEST = 1e-9
+
+
+@dataclass(frozen=True)
+class Bounds:
+    """Bounds on the rates of every coordinate, positive and finite, shape (nq,).
+
+    Attributes:
+        velocity: [rad/s or m/s].
+        acceleration: [rad/s^2 or m/s^2].
+        jerk: [rad/s^3 or m/s^3]; None if it is not bounded.
+    """
+
+    velocity: Array
+    acceleration: Array
+    jerk: Array | None
+
+    @classmethod
+    def of(cls, limits: JointLimits, *, jerk: bool) -> "Bounds":
+        """Return the bounds that imply a group's limits."""
+        velocity, acceleration, jerks = (
+            np.minimum(limits.per_coordinate(rates), _UNBOUNDED_RATE)
+            for rates in (limits.velocity, limits.acceleration, limits.jerk)
+        )
+        if not jerk:
+            return cls(velocity, acceleration, None)
+        # With jerk bounds a coordinate comes to speed in v / a + a / j, or 2 sqrt(v / j).
+        ramp = np.where(
+            acceleration**2 < velocity * jerks,
+            velocity / acceleration + acceleration / jerks,
+            2 * np.sqrt(velocity / jerks),
+        )
+        return cls(velocity, velocity / ramp, _JERK_SHARE * jerks)
+
+    def least_duration(self, moved: Float64[np.ndarray, " nq"]) -> float:
+        """Return the time that no motion from rest to rest beats, whatever its way [s].
+
+        Every coordinate by itself: full acceleration, full speed, full deceleration.
+
+        Args:
+            moved: From start to goal [rad or m].
+        """
+        v, a, d = self.velocity, self.acceleration, np.abs(moved)
+        return float(np.where(d * a < v * v, 2 * np.sqrt(d / a), d / v + v / a).max())
+
+
+@dataclass(frozen=True)
+class Grid:
+    """n intervals, each within a span of knots; how derivatives at their ends depend on points.
+
+    Attributes:
+        step: Width of an interval.
+        owners: The control points that matter on each, shape (n, 4).
+        first: Weights of r' at both ends of each, shape (n, 2, 4).
+        second: Of r'', likewise.
+        third: Of r''', shape (n, 4).
+    """
+
+    step: float
+    owners: Indices
+    first: Array
+    second: Array
+    third: Array
+
+
+@lru_cache(maxsize=8)
+def grid_of(count: int) -> Grid:
+    """Return the grid for a number of control points."""
+    n = num_spans(count) * _PER_SPAN
+    spans = np.arange(n) // _PER_SPAN
+    low, high = np.arange(n) / n, np.arange(1, n + 1) / n
+    first, second = (
+        np.stack([weights_at(count, s, order, spans).local for s in (low, high)], axis=1)
+        for order in (1, 2)
+    )
+    third = weights_at(count, (low + high) / 2, 3, spans)
+    return Grid(1 / n, third.owners, first, second, third.local)
+
+
+@dataclass(frozen=True)
+class Rates:
+    """The derivatives of a curve over its bounds.
+
+    Attributes:
+        speed: r' over velocity, shape (n, 2, nq).
+        pull: r' over acceleration, likewise.
+        bend: r'' over acceleration, likewise.
+        swing: r''' over jerk, or zero, shape (n, nq).
+    """
+
+    speed: Array
+    pull: Array
+    bend: Array
+    swing: Array
+
+    @classmethod
+    def of(cls, grid: Grid, points: Float64[np.ndarray, "k nq"], bounds: Bounds) -> "Rates":
+        """Return those of the curve with these control points."""
+        owned = points[grid.owners]
+        first, second = grid.first @ owned, grid.second @ owned
+        swing = np.zeros_like(first[:, 0])
+        if bounds.jerk is not None:
+            swing = np.einsum("nk,nkj->nj", grid.third, owned) / bounds.jerk
+        return cls(
+            first / bounds.velocity,
+            first / bounds.acceleration,
+            second / bounds.acceleration,
+            swing,
+        )
+
+    def caps(self) -> Array:
+        """Return what velocity and jerk allow of b at every grid point but the ends."""
+        fastest = np.abs(self.speed[1:, 0]).max(axis=1)
+        swing = np.abs(self.swing).max(axis=1)
+        wildest = np.maximum(swing[1:], swing[:-1])
+        return 1 / np.maximum(np.maximum(fastest**2, wildest ** (2 / 3)), _STANDSTILL)
+
+    def accelerations(self, grid: Grid, b: Float64[np.ndarray, " n_plus_1"]) -> Array:
+        """Return acceleration over its bound, shape (n, 2, nq)."""
+        u = np.diff(b) / (2 * grid.step)
+        return self.bend * both_ends(b)[..., None] + self.pull * u[:, None, None]
+
+    def slopes(self, grid: Grid) -> tuple[Array, Array]:
+        """Return how those depend on b at the low and at the high end of their interval."""
+        a = self.pull / (2 * grid.step)
+        at_low, at_high = -a, a.copy()
+        at_low[:, 0] += self.bend[:, 0]
+        at_high[:, 1] += self.bend[:, 1]
+        return at_low, at_high
+
+
+def both_ends(b: Any) -> Any:
+    """Return what belongs to grid points for both ends of every interval, shape (n, 2)."""
+    return np.stack([b[:-1], b[1:]], axis=1)
+
+
+def fastest_pace(grid: Grid, rates: Rates) -> Float64[np.ndarray, " n_plus_1"]:
+    """Return the largest b.
+
+    It is the largest at every grid point at once (Pham and Pham, "A new approach to time-optimal
+    path parameterization based on reachability analysis", 2018), so that maximising a sum gives it.
+    """
+    n = len(grid.owners)
+    caps = np.concatenate([[0.0], rates.caps(), [0.0]])
+    at_low, at_high = rates.slopes(grid)
+    values = np.stack(
+        [at_low * caps[:-1, None, None], at_high * caps[1:, None, None]], axis=-1
+    ).transpose(0, 2, 1, 3)
+    number = np.concatenate([[-1], np.arange(n - 1), [-1]])
+    columns = np.broadcast_to(both_ends(number)[:, None, None], values.shape)
+    rows = Rows.both_signs(columns, values, np.zeros(values.shape[:-1]), RATE_PRICE)
+    rows = rows.taken(np.minimum(rows.values, 0).sum(axis=1) < -1)
+    inner = n - 1
+    program = SoftProgram(
+        np.full(inner, -1 / inner), np.zeros(inner), np.zeros(inner), np.ones(inner), (rows,)
+    )
+    b = np.zeros(n + 1)
+    b[1:-1] = np.clip(program.solve(), _SLOWEST, 1.0) * caps[1:-1]
+    # The solver keeps rows to its tolerance; the whole pace is slowed down by the worst.
+    return b / max(1.0, float(np.abs(rates.accelerations(grid, b)).max()))
+
+
+def duration_of(grid: Grid, b: Float64[np.ndarray, " n_plus_1"]) -> float:
+    """Return the time that a pace takes."""
+    root = np.sqrt(b)
+    return float((2 * grid.step / (root[1:] + root[:-1])).sum())
+
+
+def haste_of(grid: Grid, b: Float64[np.ndarray, " n_plus_1"]) -> Array:
+    """Return by how much the time falls with b, relative to b, at every grid point."""
+    root = np.sqrt(b)
+    spent = grid.step / (root[1:] + root[:-1]) ** 2
+    return root * (np.append(0.0, spent) + np.append(spent, 0.0))

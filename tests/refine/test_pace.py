@@ -1,0 +1,102 @@
+"""The pace is the fastest that the bounds allow: by hand on lines, by the retimer on curves."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from planning.domain.joints import Joint, JointLimits, JointType
+from planning.domain.options import RetimeOptions
+from planning.refine.basis import centres, spline_of
+from planning.refine.pace import Bounds, Rates, duration_of, fastest_pace, grid_of, haste_of
+from planning.refine.power_basis import joint_spline
+from planning.retime.retimer import retime
+
+SEEDS = st.integers(0, 2**32 - 1)
+
+
+def limits_of(rng: np.random.Generator, size: int) -> JointLimits:
+    wide = np.full(size, 10.0)
+    return JointLimits(
+        -wide,
+        wide,
+        rng.uniform(1, 3, size),
+        rng.uniform(5, 20, size),
+        rng.uniform(50, 500, size),
+        wide,
+        tuple((i,) for i in range(size)),
+    )
+
+
+def curve_of(rng: np.random.Generator, count: int, size: int) -> np.ndarray:
+    steps = rng.normal(size=(count, size)) + 2 * rng.normal(size=size)
+    return np.cumsum(0.1 * steps, axis=0)
+
+
+def duration(points: np.ndarray, bounds: Bounds) -> float:
+    grid = grid_of(len(points))
+    return duration_of(grid, fastest_pace(grid, Rates.of(grid, points, bounds)))
+
+
+@settings(max_examples=20, deadline=None)
+@given(seed=SEEDS, count=st.integers(8, 17))
+def test_it_is_what_the_retimer_finds(seed, count):
+    rng = np.random.default_rng(seed)
+    limits, points = limits_of(rng, 3), curve_of(rng, count, 3)
+    joints = tuple(Joint(f"g::j{i}", JointType.REVOLUTE) for i in range(3))
+    timed, _ = retime(joint_spline(joints, spline_of(points)), limits, RetimeOptions())
+    found = duration(points, Bounds.of(limits, jerk=False))
+    assert found == pytest.approx(timed.duration, rel=0.1)
+
+
+@settings(max_examples=20, deadline=None)
+@given(seed=SEEDS, jerk=st.booleans())
+def test_the_bounds_are_kept_and_met(seed, jerk):
+    rng = np.random.default_rng(seed)
+    bounds = Bounds.of(limits_of(rng, 3), jerk=jerk)
+    points, grid = curve_of(rng, 12, 3), grid_of(12)
+    rates = Rates.of(grid, points, bounds)
+    pace = fastest_pace(grid, rates)
+    accelerations = np.abs(rates.accelerations(grid, pace)).max(axis=(1, 2))
+    used = pace[1:-1] / rates.caps()
+    assert accelerations.max() <= 1 + 1e-9
+    assert used.max() <= 1 + 1e-9
+    # Bang-bang: at every grid point one of them binds, but for the solver's tolerance.
+    nearby = np.maximum(accelerations[1:], accelerations[:-1])
+    assert np.maximum(used, nearby).min() > 0.98
+
+
+@given(seed=SEEDS)
+def test_no_curve_beats_the_lower_bound_and_a_line_of_one_joint_meets_it(seed):
+    rng = np.random.default_rng(seed)
+    bounds = Bounds.of(limits_of(rng, 1), jerk=False)
+    points = centres(14)[:, None] * rng.uniform(0.05, 3.0)
+    assert duration(points, bounds) == pytest.approx(
+        bounds.least_duration(points[-1] - points[0]), rel=0.02
+    )
+
+
+@settings(max_examples=20, deadline=None)
+@given(seed=SEEDS)
+def test_no_curve_beats_the_lower_bound(seed):
+    rng = np.random.default_rng(seed)
+    bounds, points = Bounds.of(limits_of(rng, 3), jerk=False), curve_of(rng, 12, 3)
+    # The grid bounds accelerations at its points only, which gains it a little.
+    assert duration(points, bounds) > 0.98 * bounds.least_duration(points[-1] - points[0])
+
+
+@pytest.mark.parametrize(("moved", "seconds"), [(0.5, 2 * np.sqrt(0.5)), (3.0, 3.0 + 1.0)])
+def test_the_lower_bound_by_hand(moved, seconds):
+    bounds = Bounds(np.ones(2), np.ones(2), None)
+    assert bounds.least_duration(np.array([0.1, -moved])) == pytest.approx(seconds)
+
+
+@given(seed=SEEDS)
+def test_haste_is_the_slope_of_the_duration(seed):
+    grid = grid_of(9)
+    b = np.append(0.0, np.append(np.random.default_rng(seed).uniform(1, 2, 23), 0.0))
+    i, h = 7, 1e-6
+    more = b.copy()
+    more[i] *= 1 + h
+    slope = (duration_of(grid, more) - duration_of(grid, b)) / h
+    assert -haste_of(grid, b)[i] == pytest.approx(slope, rel=1e-4)
