@@ -114,7 +114,7 @@ class _Residual(ob.Constraint):
         out[:] = found if self._is_stacked else np.linalg.norm(found)
 
     @override
-    def jacobian(self, x: Any, out: Any) -> None:
+    def jacobian(self, x: Any, out: Any) -> None:  # pyright: ignore[reportIncompatibleMethodOverride]  (its overloads disagree on the name)
         """Write its derivative there."""
         q = np.array(x)
         slopes = self._residual.jacobian(q)
