@@ -124,3 +124,20 @@ def test_a_blocked_line_says_which_how_far_and_why(pickup: World) -> None:
     assert evidence["stopped_by"]["pair"]["bodies"] == ["arm::forearm_link", "box"]
     assert evidence["length"] == pytest.approx(0.95 * evidence["fraction"], rel=1e-6)
     assert "line 2 of 2" in failure.value.detail
+
+
+def test_a_duration_is_that_of_all_parts_together(pickup: World) -> None:
+    quick = ask(pickup, replace(PICK, approach=UP))
+    wanted = 2 * quick.trajectory.duration
+    problem = planning.PlanningProblem(
+        "arm",
+        replace(PICK, approach=UP),
+        refine=planning.RefineOptions("none"),
+        retime=RetimeOptions(duration=wanted),
+        seed=3,
+    )
+    found = planning.plan(problem, pickup, deadline=Deadline.after(60, time.monotonic))
+    assert found.trajectory.duration == pytest.approx(wanted)
+    assert found.parts[-1].end == pytest.approx(wanted)
+    assert found.certificate.proven
+    assert found.stages.retime.duration == pytest.approx(wanted)
