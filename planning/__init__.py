@@ -21,8 +21,9 @@ if TYPE_CHECKING:
     )
     from planning.domain.curve import TimedTrajectory
     from planning.domain.deadline import Deadline
-    from planning.domain.goal import ConfigurationGoal, JointGoal, PoseGoal, PoseTarget
+    from planning.domain.goal import ConfigurationGoal, JointGoal, LineGoal, PoseGoal, PoseTarget
     from planning.domain.interpolation import trajectory_through
+    from planning.domain.line_trace import LineTrace
     from planning.domain.options import IkOptions, RefineOptions, RetimeOptions, SearchOptions
     from planning.domain.plan import MotionPlan, Progress
     from planning.domain.pose import Pose
@@ -40,6 +41,7 @@ if TYPE_CHECKING:
     )
     from planning.ik import solve_ik
     from planning.kernel.native import kernel_name
+    from planning.line import Displacement, Fineness, trace_line
     from planning.own_path import RetimedPath, retime_path
     from planning.own_trajectory import certify_trajectory
     from planning.pipeline import plan
@@ -64,12 +66,16 @@ _DOORS = {
     "ConfigurationGoal": "planning.domain.goal",
     "Deadline": "planning.domain.deadline",
     "DetachObject": "planning.domain.scene_operation",
+    "Displacement": "planning.line",
     "DistanceBand": "planning.domain.constraint",
+    "Fineness": "planning.line",
     "ForbidPair": "planning.domain.scene_operation",
     "IkOptions": "planning.domain.options",
     "JointGoal": "planning.domain.goal",
     "KeepIn": "planning.domain.constraint",
     "KeepOut": "planning.domain.constraint",
+    "LineGoal": "planning.domain.goal",
+    "LineTrace": "planning.domain.line_trace",
     "LockedJoints": "planning.domain.constraint",
     "ModelLibrary": "planning.world.model_library",
     "MotionPlan": "planning.domain.plan",
@@ -115,6 +121,7 @@ _DOORS = {
     "retime_path": "planning.own_path",
     "scene_document": "planning.world.scene_writer",
     "solve_ik": "planning.ik",
+    "trace_line": "planning.line",
     "trajectory_through": "planning.domain.interpolation",
     "with_line": "planning.world.scene_file",
 }
@@ -126,12 +133,16 @@ __all__ = [
     "ConfigurationGoal",
     "Deadline",
     "DetachObject",
+    "Displacement",
     "DistanceBand",
+    "Fineness",
     "ForbidPair",
     "IkOptions",
     "JointGoal",
     "KeepIn",
     "KeepOut",
+    "LineGoal",
+    "LineTrace",
     "LockedJoints",
     "ModelLibrary",
     "MotionPlan",
@@ -177,6 +188,7 @@ __all__ = [
     "retime_path",
     "scene_document",
     "solve_ik",
+    "trace_line",
     "trajectory_through",
     "with_line",
 ]

@@ -16,6 +16,8 @@ WayproofError                 code, detail, evidence; pickles, so it crosses pro
 │   ├── GoalUnreachable       goal_unreachable       the funnel, and the nearest pose
 │   ├── StartViolatesConstraint  start_violates_constraint  which constraint, and by how much
 │   ├── GoalViolatesConstraint   goal_violates_constraint   how many violate which, and the least
+│   ├── ApproachBlocked       approach_blocked       the funnel, and what stopped the lines
+│   ├── LineBlocked           line_blocked           how far the line goes, and what stops it
 │   ├── NoPathFound           no_path_found          the planner, its attempts and checks
 │   ├── DeadlineExceeded      deadline_exceeded      how long it had, and where it stood
 │   ├── Canceled              canceled               somebody asked for it
@@ -164,6 +166,26 @@ class GoalViolatesConstraint(PlanningFailure):
     """Every goal configuration violates path constraints; evidence: `violations`, a tally."""
 
     code = "goal_violates_constraint"
+    stage = "goals"
+
+
+class ApproachBlocked(PlanningFailure):
+    """Free goal configurations exist, but none with a free approach and retreat.
+
+    Evidence: `funnel` with `blocked_by`.
+    """
+
+    code = "approach_blocked"
+    stage = "goals"
+
+
+class LineBlocked(PlanningFailure):
+    """A straight line cannot be followed to its end.
+
+    Evidence: `line` (which one, from 0), `fraction`, `length` [m] and `stopped_by`.
+    """
+
+    code = "line_blocked"
     stage = "goals"
 
 

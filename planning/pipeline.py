@@ -1,11 +1,12 @@
 """plan(): the stages in order. Read this first.
 
-    scene -> goals (batched IK) -> search (OMPL) -> refine (Drake trajectory optimisation)
+    scene -> goals (batched IK, lines) -> search (OMPL) -> refine (Drake trajectory optimisation)
           -> retime (toppra or ruckig) -> certify (Drake, fresh context) -> MotionPlan
 
 The stages do not know each other. What a stage cannot do better it leaves alone: several candidate
 motions are timed, the quickest one that the certifier proves is delivered, and if none is proven
-the search is asked again, for more distance and with a finer eye.
+the search is asked again, for more distance and with a finer eye. Straight lines (`parts`) belong
+to the goals: what the search finds leads to where they begin.
 """
 
 from collections.abc import Callable
@@ -13,20 +14,43 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from planning.candidates import Candidate, candidates, deadlines
+from planning.candidates import candidates, deadlines
 from planning.certify.certifier import CertifyRequest, certify
 from planning.certify.refusal import not_certified
 from planning.clearances import clearances
 from planning.domain.certificate import Certificate
 from planning.domain.deadline import Deadline
+from planning.domain.goal import LineGoal
 from planning.domain.joints import JointGroup, JointLimits
+from planning.domain.line import Leg
 from planning.domain.plan import MotionPlan, Progress, StageReports
+from planning.domain.planner_graph import PlannerGraph
 from planning.domain.problem import PlanningProblem
-from planning.domain.report import AttemptReport, CertifyReport, GoalConfigurations
+from planning.domain.report import (
+    AttemptReport,
+    CertifyReport,
+    GoalConfigurations,
+    RefineReport,
+    SearchReport,
+)
 from planning.errors import DeadlineExceeded, NoPathFound, ProblemInvalid
+from planning.goals.line_goal import follow_lines
 from planning.goals.sampler import GoalQuery, find_goals
 from planning.goals.start import admit_start
 from planning.paddings import endpoint_padding
+from planning.parts import (
+    NOT_REFINED,
+    Motion,
+    at_end_of,
+    ends_of,
+    free_part,
+    freely_timed,
+    named_legs,
+    named_lines,
+    no_search,
+    timed_legs,
+    tool_of,
+)
 from planning.ruled import admit_rules, kept_goals, search_ruled
 from planning.search.solver import SearchResult, SearchTask, search
 from planning.stopwatch import Stopwatch
@@ -58,6 +82,7 @@ class _Task:
     margins: PairMargins
     start: Array
     goals: GoalConfigurations
+    lines: tuple[Leg, ...]
     deadline: Deadline
     report: Callable[[Progress], None]
     watch: Stopwatch
@@ -67,6 +92,19 @@ class _Task:
         """Report the best path so far."""
         detail = f"{attempt.planner} found a path of length {attempt.length:.3f}, the best so far"
         self.report(Progress("search", _SEARCHING, detail, attempt.length))
+
+
+@dataclass(frozen=True)
+class _Proven:
+    """A motion that is certified, and what was done for it."""
+
+    goal_row: int
+    motion: Motion
+    search: SearchReport
+    refine: RefineReport
+    certificate: Certificate
+    certify: CertifyReport
+    graph: PlannerGraph | None = None
 
 
 def plan(
@@ -103,31 +141,69 @@ def plan(
         start, clipped = admit_start(world, group, given, margins)
         rules = admit_rules(world, group, problem.constraints, start)
         query = GoalQuery(group, problem.goal, start, margins, problem.ik)
-        goals = find_goals(world, query, np.random.default_rng(problem.seed), deadline.share(0.5))
+        goals, lines = _goals(world, query, problem.seed, deadline.share(0.5))
         if rules is not None:
             goals = kept_goals(rules, goals)
-            rules = rules.leaving_room(start, goals.positions)
+            rules = rules.leaving_room(start, goals.entries)
     limits = world.limits(group) if rules is None else rules.limits(world.limits(group))
     task = _Task(
-        world, problem, group, limits, margins, start, goals, deadline, on_progress, watch, rules
+        world,
+        problem,
+        group,
+        limits,
+        margins,
+        start,
+        goals,
+        lines,
+        deadline,
+        on_progress,
+        watch,
+        rules,
     )
-    found, chosen, certificate, certified = _prove_one(task)
+    proven = _prove_lines(task) if lines else _prove_one(task)
+    motion = proven.motion
     return MotionPlan(
         group=group,
         start=start,
         start_clipped=clipped,
-        goal_configuration=chosen.trajectory.end,
-        goal_index=goals.target_indices[found.goal_row],
-        path=found.path,
-        trajectory=chosen.trajectory,
-        certificate=certificate,
-        stages=StageReports(goals, found.report, chosen.refine, chosen.retime, certified),
+        goal_configuration=motion.goal_configuration,
+        goal_index=goals.target_indices[proven.goal_row],
+        path=motion.path,
+        trajectory=motion.trajectory,
+        certificate=proven.certificate,
+        stages=StageReports(goals, proven.search, proven.refine, motion.report, proven.certify),
         timings=watch.seconds,
-        graph=found.graph,
+        graph=proven.graph,
+        parts=motion.described(world, tool_of(group, problem.goal)),
     )
 
 
-def _prove_one(task: _Task) -> tuple[SearchResult, Candidate, Certificate, CertifyReport]:
+def _goals(
+    world: World, query: GoalQuery, seed: int, deadline: Deadline
+) -> tuple[GoalConfigurations, tuple[Leg, ...]]:
+    """Return goal configurations, and the lines that lead to the only one if lines are the goal."""
+    if isinstance(query.goal, LineGoal):
+        lines = follow_lines(world, query, query.goal, deadline)
+        return at_end_of(lines), lines
+    return find_goals(world, query, np.random.default_rng(seed), deadline), ()
+
+
+def _prove_lines(task: _Task) -> _Proven:
+    """Time and certify lines; there is nothing to search."""
+    task.report(Progress("retime", 0.5, "timing the lines"))
+    with task.watch.stage("retime"):
+        motion = Motion(
+            timed_legs(task.world, task.group, named_lines(task.lines), task.problem, task.start)
+        ).lasting(task.problem.retime)
+    task.report(Progress("certify", 0.8, "certifying the lines"))
+    with task.watch.stage("certify"):
+        certificate, report = _certify(task, motion)
+    if not certificate.proven:
+        raise not_certified(certificate, ["the lines themselves"])
+    return _Proven(0, motion, no_search(motion.path), NOT_REFINED, certificate, report)
+
+
+def _prove_one(task: _Task) -> _Proven:
     """Search, refine, retime and certify until a motion is proven."""
     refused: list[str] = []
     failed: Certificate | None = None
@@ -137,18 +213,33 @@ def _prove_one(task: _Task) -> tuple[SearchResult, Candidate, Certificate, Certi
         task.report(Progress("search", _SEARCHING, f"searching, round {round_ + 1}"))
         with task.watch.stage("search"):
             found = _search(task, round_)
+        with task.watch.stage("retime"):
+            legs = named_legs(task.goals.legs[found.goal_row]) if task.goals.legs else []
+            end = found.path.waypoints[-1]
+            tail = timed_legs(task.world, task.group, legs, task.problem, end)
         task.report(Progress("refine", 0.5, "refining and timing"))
+        problem = freely_timed(task.problem) if tail else task.problem
         for candidate in candidates(
-            task.world, found.path, task.problem, task.margins, task.deadline, task.watch
+            task.world, found.path, problem, task.margins, task.deadline, task.watch
         ):
             task.report(Progress("certify", 0.8, f"certifying the {candidate.name}"))
             with task.watch.stage("certify"):
-                certificate, report = _certify(task, candidate)
+                motion = Motion((free_part(found.path, candidate), *tail))
+                motion = motion.lasting(task.problem.retime)
+                certificate, report = _certify(task, motion)
             if certificate.proven:
                 seen = CertifyReport(
                     report.intervals, report.distance_queries, len(refused) + 1, tuple(refused)
                 )
-                return found, candidate, certificate, seen
+                return _Proven(
+                    found.goal_row,
+                    motion,
+                    found.report,
+                    candidate.refine,
+                    certificate,
+                    seen,
+                    found.graph,
+                )
             failed = certificate
             worst = ", ".join(f"{check.name} {check.where}" for check in certificate.failed)
             refused.append(f"round {round_ + 1}, {candidate.name}: {worst}")
@@ -159,7 +250,7 @@ def _prove_one(task: _Task) -> tuple[SearchResult, Candidate, Certificate, Certi
 def _search(task: _Task, round_: int) -> SearchResult:
     """Search with some distance to spare; without, if there is no path that way."""
     padding = endpoint_padding(
-        task.world, task.group, task.start, task.goals.positions, task.problem.margin
+        task.world, task.group, task.start, task.goals.entries, task.problem.margin
     )
     if padding * (round_ + 1) > 0:
         try:
@@ -172,10 +263,11 @@ def _search(task: _Task, round_: int) -> SearchResult:
 def _search_padded(task: _Task, round_: int, padding: float, deadline: Deadline) -> SearchResult:
     margins = task.world.margins(task.problem.margin, padding)
     oracle = task.world.collision_oracle(task.group, margins)
-    rows = np.flatnonzero(oracle.are_free(task.goals.positions))
+    entries = task.goals.entries
+    rows = np.flatnonzero(oracle.are_free(entries))
     request = SearchTask(
         start=task.start,
-        goals=task.goals.positions[rows],
+        goals=entries[rows],
         options=task.problem.search,
         resolution=task.problem.search.resolution / 2**round_,
         padding=padding,
@@ -190,18 +282,21 @@ def _search_padded(task: _Task, round_: int, padding: float, deadline: Deadline)
     return replace(found, path=found.path.continuous, goal_row=int(rows[found.goal_row]))
 
 
-def _certify(task: _Task, candidate: Candidate) -> tuple[Certificate, CertifyReport]:
+def _certify(task: _Task, motion: Motion) -> tuple[Certificate, CertifyReport]:
+    goal = task.problem.goal
+    allowed = (goal.max_shift, goal.max_turn) if isinstance(goal, LineGoal) else ()
     request = CertifyRequest(
         group=task.group,
-        trajectory=candidate.trajectory,
+        trajectory=motion.trajectory,
         state=task.world.state,
         start=task.start,
-        goals=task.goals.positions,
+        goals=ends_of(task.goals),
         limits=task.limits.scaled(
             task.problem.retime.velocity_scale, task.problem.retime.acceleration_scale
         ),
         margins=task.margins,
         jerk=task.problem.retime.method == "ruckig",
         constraints=task.problem.constraints,
+        lines=motion.sections(*allowed),
     )
     return certify(task.world.drake, request, deadlines(task.problem, task.deadline)[1])

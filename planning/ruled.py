@@ -45,12 +45,12 @@ def admit_rules(
 
 
 def kept_goals(rules: PathRules, goals: GoalConfigurations) -> GoalConfigurations:
-    """Return the goal configurations that keep the rules.
+    """Return the goal configurations that keep the rules, on their lines too.
 
     Raises:
         GoalViolatesConstraint: There is none.
     """
-    found = [rules.violations(q) for q in goals.positions]
+    found = [_violations(rules, goals, row) for row in range(len(goals.positions))]
     rows = [row for row, violations in enumerate(found) if not violations]
     if not rows:
         tally = _tally(found)
@@ -63,6 +63,7 @@ def kept_goals(rules: PathRules, goals: GoalConfigurations) -> GoalConfiguration
         goals.positions[rows],
         tuple(goals.target_indices[row] for row in rows),
         replace(goals.funnel, violating=len(found) - len(rows)),
+        tuple(goals.legs[row] for row in rows if goals.legs),
     )
 
 
@@ -88,6 +89,16 @@ def search_ruled(
     ruled = replace(task, options=options, residual=rules.residual)
     oracle = rules.oracle(judge)
     return search_locked(rules.group, rules.locked, limits, oracle, ruled, deadline, watch)
+
+
+def _violations(rules: PathRules, goals: GoalConfigurations, row: int) -> list[dict[str, Any]]:
+    """Return what a goal configuration violates, or else the first waypoint of its lines."""
+    along = [leg.positions for leg in goals.legs[row].all] if goals.legs else []
+    for q in np.concatenate([goals.positions[row : row + 1], *along]):
+        violations = rules.violations(q)
+        if violations:
+            return violations
+    return []
 
 
 def _words(violation: dict[str, Any]) -> str:

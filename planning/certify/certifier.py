@@ -5,6 +5,7 @@ from planning.certify.constraint_checks import constraint_checks
 from planning.certify.end_checks import continuity_checks, goal_check, rest_check, start_check
 from planning.certify.form_check import form_check
 from planning.certify.limit_checks import position_check, rate_check
+from planning.certify.line_check import line_checks
 from planning.certify.request import CertifyRequest
 from planning.domain.certificate import Certificate, Check
 from planning.domain.deadline import Deadline
@@ -45,7 +46,8 @@ def certify(
         return refused, CertifyReport(0, 0)
     kept = constraint_checks(model, request, deadline)
     clearance = check_clearance(model, request, deadline)
-    checks = (form, *_motion_checks(request), *kept, clearance.check)
+    lines = line_checks(model, request, deadline)
+    checks = (form, *_motion_checks(request), *kept, *lines, clearance.check)
     return _verdict(checks, clearance), CertifyReport(clearance.intervals, clearance.queries)
 
 

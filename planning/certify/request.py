@@ -11,6 +11,7 @@ from planning.certify import bernstein
 from planning.domain.constraint import PathConstraint
 from planning.domain.curve import TimedTrajectory
 from planning.domain.joints import JointGroup, JointLimits
+from planning.domain.line import LineSection
 from planning.domain.value import Value
 from planning.world.margins import PairMargins
 
@@ -31,6 +32,7 @@ class CertifyRequest(Value):
         margins: The distances to keep.
         jerk: Whether jerk is limited (and acceleration hence continuous).
         constraints: What else to keep; names and numbers in them are trusted.
+        lines: Parts of the motion that shall follow straight lines.
     """
 
     group: JointGroup
@@ -42,6 +44,7 @@ class CertifyRequest(Value):
     margins: PairMargins
     jerk: bool
     constraints: tuple[PathConstraint, ...] = ()
+    lines: tuple[LineSection, ...] = ()
 
     @cached_property
     def forms(self) -> tuple[Array, ...]:

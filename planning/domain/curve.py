@@ -1,5 +1,6 @@
 """Curve: a piecewise polynomial on a configuration manifold, the exact form of every motion."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -128,6 +129,25 @@ class TimedTrajectory(Curve):
         times = np.minimum(np.arange(count + 1) * period, self.duration)
         times[-1] = self.duration
         return times
+
+    @classmethod
+    def joined(cls, parts: Sequence["TimedTrajectory"]) -> "TimedTrajectory":
+        """Build the motion that follows the parts one after another."""
+        if len(parts) == 1:
+            return parts[0]
+        degree = max(part.coefficients.shape[1] for part in parts)
+        padded = [
+            np.pad(part.coefficients, ((0, 0), (0, degree - part.coefficients.shape[1]), (0, 0)))
+            for part in parts
+        ]
+        starts = np.cumsum([0.0, *(part.duration for part in parts)])
+        breaks = [part.breaks[:-1] + begin for part, begin in zip(parts, starts[:-1], strict=True)]
+        return cls(
+            parts[0].joints,
+            np.append(np.concatenate(breaks), starts[-1]),
+            np.concatenate([part.bases for part in parts]),
+            np.concatenate(padded),
+        )
 
     def slowed(self, factor: float) -> "TimedTrajectory":
         """Return the same motion taking `factor` times as long."""

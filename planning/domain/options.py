@@ -48,6 +48,7 @@ class SearchOptions(Value):
         keep_graph: Whether the planner's graph is kept.
         on_cancel: What a cancel ends: the plan ("discard"), or only the search where it has a
             solution by then ("best").
+        approach_states: Each straight line is interpolated to at least this many.
     """
 
     planner: str | tuple[str, ...] = "RRTConnect"
@@ -65,6 +66,7 @@ class SearchOptions(Value):
     approximate: bool = False
     keep_graph: bool = False
     on_cancel: Literal["discard", "best"] = "discard"
+    approach_states: int = 100
 
     @property
     def planners(self) -> tuple[str, ...]:

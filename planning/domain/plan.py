@@ -32,6 +32,25 @@ class StageReports(Value):
 
 
 @dataclass(frozen=True, eq=False)
+class PlanPart(Value):
+    """A part of a motion, from rest to rest.
+
+    Attributes:
+        kind: "free", "approach", "retreat" or "line"; all but the first are straight lines.
+        begin: First instant [s].
+        end: Last instant [s].
+        length: Of the tool's way [m].
+        num_waypoints: Of its part of the path, both ends included.
+    """
+
+    kind: str
+    begin: float
+    end: float
+    length: float
+    num_waypoints: int
+
+
+@dataclass(frozen=True, eq=False)
 class MotionPlan(Value):
     """A certified motion and everything that is known of it.
 
@@ -39,7 +58,8 @@ class MotionPlan(Value):
         group: What moves.
         start: Where it starts, clipped into the limits, shape (nq,).
         start_clipped: By how much the given start was clipped (at most 1e-6), shape (nq,).
-        goal_configuration: Where it ends, shape (nq,).
+        goal_configuration: Where it reaches the goal, shape (nq,); that is the end, but for a
+            retreat.
         goal_index: Which of the goal's candidates that is.
         path: The geometric path that was found.
         trajectory: The timed motion, exactly.
@@ -47,6 +67,7 @@ class MotionPlan(Value):
         stages: What every stage did.
         timings: Seconds per stage; not part of the digest.
         graph: What the planner explored, if it was asked for; not part of the digest.
+        parts: The free motion and the straight lines that it is made of, in order.
     """
 
     group: JointGroup
@@ -60,6 +81,7 @@ class MotionPlan(Value):
     stages: StageReports
     timings: dict[str, float]
     graph: PlannerGraph | None = None
+    parts: tuple[PlanPart, ...] = ()
 
     @property
     def digest(self) -> str:

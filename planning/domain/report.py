@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from jaxtyping import Float64
 
+from planning.domain.line import GoalLegs
 from planning.domain.pose import Pose
 from planning.domain.value import Value
 
@@ -42,6 +43,25 @@ class PairTally(Value):
 
 
 @dataclass(frozen=True, eq=False)
+class LegTally(Value):
+    """How often one thing stopped the approach or retreat of a configuration.
+
+    Attributes:
+        leg: "approach" or "retreat".
+        reason: As `LineStop` has it.
+        where: The pair of bodies or the joint, or "".
+        count: Configurations.
+        max_fraction: The most of the line that any of them got, seen from the goal.
+    """
+
+    leg: str
+    reason: str
+    where: str
+    count: int
+    max_fraction: float
+
+
+@dataclass(frozen=True, eq=False)
 class Funnel(Value):
     """How many IK samples survived what; every number is at most the one before it.
 
@@ -55,6 +75,9 @@ class Funnel(Value):
             them if none is free.
         violating: Configurations, whole turns included, that were dropped because they violate a
             path constraint.
+        approach_ok: Of the collision-free ones, those whose approach and retreat are free and
+            continuous; all of them if neither is asked for. The distinct ones are among these.
+        blocked_by: What stopped approaches and retreats, most frequent first.
     """
 
     tried: int = 0
@@ -64,6 +87,8 @@ class Funnel(Value):
     distinct: int = 0
     rejected_by: tuple[PairTally, ...] = ()
     violating: int = 0
+    approach_ok: int = 0
+    blocked_by: tuple[LegTally, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,11 +116,21 @@ class GoalConfigurations(Value):
         positions: The group's q, nearest to the start first, shape (n, nq), n >= 1.
         target_indices: Which candidate of the goal each row reaches.
         funnel: How many samples survived what.
+        legs: Approach and retreat of each row; none if the goal has neither.
     """
 
     positions: Float64[np.ndarray, "n nq"]
     target_indices: tuple[int, ...]
     funnel: Funnel
+    legs: tuple[GoalLegs, ...] = ()
+
+    @property
+    def entries(self) -> Float64[np.ndarray, "n nq"]:
+        """Where the free part of a motion to each row ends: at its approach, if it has one."""
+        approaches = [leg.approach for leg in self.legs]
+        if not approaches or approaches[0] is None:
+            return self.positions
+        return np.stack([leg.positions[0] for leg in approaches if leg is not None])
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,6 +8,7 @@ from planning.domain.deadline import Deadline
 from planning.domain.manifold import Manifold
 from planning.domain.report import Funnel, PairTally
 from planning.goals.goal_query import GoalQuery
+from planning.goals.leg_judge import LegJudge
 from planning.goals.pose_solvers import PoseSolver
 from planning.goals.ranking import Distinct
 from planning.goals.seeds import Seeds
@@ -33,7 +34,7 @@ class PoseSearch:
         colliding: Solutions within limits that are nearer to something than its margin.
     """
 
-    def __init__(
+    def __init__(  # noqa: PLR0913, PLR0917  (all that a run needs)
         self,
         world: World,
         query: GoalQuery,
@@ -41,8 +42,9 @@ class PoseSearch:
         solver: PoseSolver,
         rng: np.random.Generator,
         deadline: Deadline,
+        judge: LegJudge | None = None,
     ) -> None:
-        """Prepare to search."""
+        """Prepare to search; a judge keeps only configurations that have approach and retreat."""
         self._world = world
         self._query = query
         self._num_targets = num_targets
@@ -53,8 +55,11 @@ class PoseSearch:
         self._seeds = Seeds(query.group, self._limits, query.start, rng)
         self._drawn = self._seeds.take(0)
         self._tried = self._converged = self._within = self._free = self._repeats = 0
+        self._approached = 0
+        self._judge = judge
         self._manifold = Manifold(query.group.joints)
         self.found = Distinct(query.group, self._manifold)
+        self._blocked = Distinct(query.group, self._manifold)
         self.colliding: list[Array] = []
 
     def run(self) -> None:
@@ -75,6 +80,8 @@ class PoseSearch:
             self._free,
             len(self.found),
             rejected_by,
+            approach_ok=self._approached,
+            blocked_by=self._judge.blocked_by if self._judge else (),
         )
 
     def _is_done(self) -> bool:
@@ -102,14 +109,28 @@ class PoseSearch:
         free, is_new = np.zeros_like(within), np.zeros_like(within)
         free[within] = self._oracle.are_free(q[within])
         is_new[free] = self.found.are_new(q[free], targets[free])
-        end = self._end(free, is_new)
+        good = free if self._judge is None else self._approachable(q, targets, free, is_new)
+        end = self._end(good, is_new)
         self._tried += end
         self._converged += int(converged[:end].sum())
         self._within += int(within[:end].sum())
         self._free += int(free[:end].sum())
+        self._approached += int(good[:end].sum())
         self.colliding += list(q[:end][(within & ~free)[:end]])
         kept = is_new[:end]
         self.found.add(q[:end][kept], targets[:end][kept])
+
+    def _approachable(self, q: Array, targets: Indices, free: Flags, is_new: Flags) -> Flags:
+        """Return which of the free rows have approach and retreat; strike the others as new."""
+        good = np.array(free)
+        is_new[free] &= ~self._blocked.contains(q[free], targets[free])
+        asked = np.flatnonzero(is_new)
+        if self._judge is not None and len(asked):
+            bad = asked[~self._judge.admit(q[asked], targets[asked])]
+            self._blocked.add(q[bad], targets[bad])
+            is_new[bad] = False
+        good[free] = ~self._blocked.contains(q[free], targets[free])
+        return good
 
     def _end(self, free: Flags, is_new: Flags) -> int:
         """Return how many of the rows count: up to the one that ends the search."""

@@ -56,6 +56,14 @@ class Distinct:
         kept[first] = True
         return kept[len(self.rows) :]
 
+    def contains(
+        self, rows: Float64[np.ndarray, "n nq"], targets: Int64[np.ndarray, " n"]
+    ) -> Bool[np.ndarray, " n"]:
+        """Return whether each row is the same as one of those here."""
+        every = np.concatenate([self.rows, rows])
+        labels = self._alike(every, np.concatenate([self.targets, targets]))
+        return np.isin(labels[len(self.rows) :], labels[: len(self.rows)])
+
     def _alike(self, rows: Array, targets: Indices) -> Indices:
         """Return labels, the same number for rows that are the same (or joined by such rows).
 

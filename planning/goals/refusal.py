@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from planning.errors import GoalInCollision, GoalUnreachable
+from planning.domain.report import Funnel
+from planning.errors import ApproachBlocked, GoalInCollision, GoalUnreachable
 from planning.goals.goal_query import GoalQuery
 from planning.goals.nearest import nearest_pose
 from planning.goals.pose_search import PoseSearch
@@ -20,8 +21,10 @@ def refusal(
     targets: list[ToolTarget],
     search: PoseSearch,
     rng: np.random.Generator,
-) -> GoalInCollision | GoalUnreachable:
-    """Return what the funnel says: unreachable, or reachable only in collision."""
+) -> ApproachBlocked | GoalInCollision | GoalUnreachable:
+    """Return what the funnel says: unreachable, reachable only in collision, or by no line."""
+    if search.funnel(()).collision_free > 0:
+        return _blocked(search.funnel(()))
     tally = tallied(world, query, search.colliding[:_LOOKED_AT])
     funnel = search.funnel(tally.summary)
     if funnel.within_limits > 0:
@@ -49,3 +52,13 @@ def refusal(
         "rotation_error": near.rotation_error,
     }
     return GoalUnreachable(message, {"funnel": funnel_evidence(funnel), "nearest": nearest})
+
+
+def _blocked(funnel: Funnel) -> ApproachBlocked:
+    words = ", ".join(
+        f"{tally.count} times {tally.reason}{' of ' if tally.where else ''}{tally.where} stops the "
+        f"{tally.leg} ({100 * tally.max_fraction:.0f} % of it is free at best)"
+        for tally in funnel.blocked_by[:3]
+    )
+    message = f"no goal configuration has a free approach and retreat: {words}"
+    return ApproachBlocked(message, {"funnel": funnel_evidence(funnel)})

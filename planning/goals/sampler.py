@@ -6,12 +6,13 @@ from typing import Any
 import numpy as np
 
 from planning.domain.deadline import Deadline
-from planning.domain.goal import ConfigurationGoal, JointGoal, PoseGoal
+from planning.domain.goal import ConfigurationGoal, JointGoal, LineGoal, PoseGoal
 from planning.domain.joints import JointGroup
 from planning.domain.manifold import Manifold
 from planning.domain.report import BodyPair, Funnel, GoalConfigurations
-from planning.errors import GoalInCollision, GoalOutOfLimits
+from planning.errors import GoalInCollision, GoalOutOfLimits, ProblemInvalid
 from planning.goals.goal_query import GoalQuery
+from planning.goals.leg_judge import leg_judge, with_legs
 from planning.goals.pose_search import PoseSearch
 from planning.goals.pose_solvers import DrakePoseSolver, kernel_pose_solver
 from planning.goals.ranking import Distinct, equivalents, nearest_first
@@ -50,6 +51,9 @@ def find_goals(
         Canceled: Somebody asked for the end.
     """
     match query.goal:
+        case LineGoal():
+            message = "lines are not searched for; `trace_path` follows them"
+            raise ProblemInvalid(message, {"field": "goal"})
         case PoseGoal() as goal:
             return _reaching(world, query, goal, rng, deadline)
         case ConfigurationGoal() as goal:
@@ -85,7 +89,8 @@ def _given(world: World, query: GoalQuery, rows: Array) -> GoalConfigurations:
         pairs = pairs or violations
         tally.add(violations, query.margins)
     free = inside[is_free]
-    funnel = Funnel(len(rows), len(rows), len(inside), len(free), len(free), tally.summary)
+    counts = len(rows), len(rows), len(inside), len(free), len(free)
+    funnel = Funnel(*counts, tally.summary, approach_ok=len(free))
     if not len(free):
         message = f"every goal configuration collides: {describe_pairs(pairs, query.margins)}"
         evidence = {"funnel": funnel_evidence(funnel), "pairs": pair_evidence(pairs, query.margins)}
@@ -104,17 +109,19 @@ def _reaching(
     group = query.group
     targets = tool_targets(world, group, goal, query.start)
     state = rng.bit_generator.state
+    judge = leg_judge(world, query, goal, targets, deadline)
     search: PoseSearch | None = None
     solver = kernel_pose_solver(world, group, targets)
     if solver is not None:
-        search = PoseSearch(world, query, len(targets), solver, rng, deadline)
+        search = PoseSearch(world, query, len(targets), solver, rng, deadline, judge)
         search.run()
         if not _are_met(world, group, targets, search.found):
             _LOG.error("Drake refutes the kernel's inverse kinematics of %s", targets[0].frame)
             rng.bit_generator.state, search = state, None
     if search is None:
+        judge = leg_judge(world, query, goal, targets, deadline)
         drake = DrakePoseSolver(world, group, targets, deadline)
-        search = PoseSearch(world, query, len(targets), drake, rng, deadline)
+        search = PoseSearch(world, query, len(targets), drake, rng, deadline, judge)
         search.run()
     if not len(search.found):
         deadline.check("goals")
@@ -124,6 +131,9 @@ def _reaching(
     rows, index = equivalents(group, limits, search.found.rows)
     turned = search.found.targets[index]
     count = query.options.max_configurations
+    if judge is not None:
+        legs = judge.legs_of(search.found.rows[index], rows)
+        return with_legs(query, limits, (rows, turned, legs), funnel)
     nearest = nearest_first(Manifold(group.joints), query.start, rows, turned, count)
     return GoalConfigurations(*nearest, funnel)
 

@@ -49,6 +49,7 @@ def funnel_evidence(funnel: Funnel) -> dict[str, Any]:
         "converged": funnel.converged,
         "within_limits": funnel.within_limits,
         "collision_free": funnel.collision_free,
+        "approach_ok": funnel.approach_ok,
         "distinct": funnel.distinct,
         "rejected_by": [
             {
@@ -58,5 +59,15 @@ def funnel_evidence(funnel: Funnel) -> dict[str, Any]:
                 "max_depth": tally.max_depth,
             }
             for tally in funnel.rejected_by
+        ],
+        "blocked_by": [
+            {
+                "leg": tally.leg,
+                "reason": tally.reason,
+                "where": tally.where,
+                "count": tally.count,
+                "max_fraction": tally.max_fraction,
+            }
+            for tally in funnel.blocked_by
         ],
     }

@@ -82,7 +82,7 @@ def retime(
     timed = [
         _timed(stretch, usable, retimer) for stretch in smooth_stretches(spline, retimer.smoothness)
     ]
-    trajectory = _joined([part for part, _, _ in timed])
+    trajectory = TimedTrajectory.joined([part for part, _, _ in timed])
     slower = _slower(trajectory.duration, options)
     names = _block_names(spline)
     worst = [
@@ -152,25 +152,6 @@ def _usable(spline: JointSpline, limits: JointLimits, method: str) -> JointLimit
             raise RetimingFailed(message, {"method": method, "limit": name, "stuck": stuck})
         rates[name] = np.where(values > 0, np.minimum(values, _UNLIMITED), 1.0)
     return replace(limits, **rates)
-
-
-def _joined(parts: list[TimedTrajectory]) -> TimedTrajectory:
-    """Return the parts one after another."""
-    if len(parts) == 1:
-        return parts[0]
-    degree = max(part.coefficients.shape[1] for part in parts)
-    padded = [
-        np.pad(part.coefficients, ((0, 0), (0, degree - part.coefficients.shape[1]), (0, 0)))
-        for part in parts
-    ]
-    starts = np.cumsum([0.0, *(part.duration for part in parts)])
-    breaks = [part.breaks[:-1] + begin for part, begin in zip(parts, starts[:-1], strict=True)]
-    return TimedTrajectory(
-        parts[0].joints,
-        np.append(np.concatenate(breaks), starts[-1]),
-        np.concatenate([part.bases for part in parts]),
-        np.concatenate(padded),
-    )
 
 
 def _hold(spline: JointSpline, duration: float) -> TimedTrajectory:

@@ -1,13 +1,30 @@
 """Poses, goals and problems: from the wire to the domain."""
 
+from typing import Any
+
 import numpy as np
 
-from planning.domain.goal import ConfigurationGoal, Goal, JointGoal, PoseGoal, PoseTarget
+from planning.domain.goal import (
+    ConfigurationGoal,
+    Goal,
+    JointGoal,
+    LineGoal,
+    PoseGoal,
+    PoseTarget,
+)
 from planning.domain.options import IkOptions, RefineOptions, RetimeOptions, SearchOptions
 from planning.domain.pose import Pose
 from planning.domain.problem import PlanningProblem
 from service.convert.constraints import constraint_value
-from service.schemas.goal import ConfigurationGoalWire, GoalWire, JointGoalWire, PoseGoalWire
+from service.schemas.goal import (
+    ConfigurationGoalWire,
+    DeviationWire,
+    GoalWire,
+    JointGoalWire,
+    LineGoalWire,
+    PathGoalWire,
+    PoseGoalWire,
+)
 from service.schemas.plan import IkWire, PlanRequest, RetimeWire, SearchWire
 from service.schemas.pose import PoseWire
 
@@ -33,7 +50,19 @@ def pose_goal_value(goal: PoseGoalWire) -> PoseGoal:
         frame=goal.frame or "",
         position_tolerance=np.array(goal.tolerance.position, dtype=np.float64),
         rotation_tolerance=np.array(goal.tolerance.rotation, dtype=np.float64),
+        approach=_way(goal.approach),
+        retreat=_way(goal.retreat),
     )
+
+
+def line_goal_value(poses: list[PoseWire], frame: str | None, deviation: DeviationWire) -> LineGoal:
+    """Return the domain's goal of lines through poses."""
+    targets = tuple(PoseTarget(pose_value(pose), pose.frame) for pose in poses)
+    return LineGoal(targets, frame or "", deviation.position, deviation.rotation)
+
+
+def _way(vector: list[float] | None) -> np.ndarray[Any, np.dtype[np.float64]] | None:
+    return None if vector is None else np.array(vector, dtype=np.float64)
 
 
 def goal_value(goal: GoalWire) -> Goal:
@@ -45,6 +74,10 @@ def goal_value(goal: GoalWire) -> Goal:
             return ConfigurationGoal(goal.name)
         case PoseGoalWire():
             return pose_goal_value(goal)
+        case LineGoalWire():
+            return line_goal_value([goal.pose], goal.frame, goal.deviation)
+        case PathGoalWire():
+            return line_goal_value(goal.poses, goal.frame, goal.deviation)
 
 
 def ik_value(ik: IkWire) -> IkOptions:
@@ -73,6 +106,7 @@ def search_value(search: SearchWire) -> SearchOptions:
         allowed_planning_time=search.allowed_planning_time,
         resolution=search.resolution,
         num_states=search.num_states,
+        approach_states=search.approach_states,
         weights=dict(search.weights),
         bounds={name: (low, high) for name, (low, high) in search.bounds.items()},
         spaces=dict(search.spaces),

@@ -23,6 +23,7 @@ def plan_wire(plan: MotionPlan, period: float) -> dict[str, Any]:
         "start": listed(plan.start),
         "start_clipped": listed(plan.start_clipped),
         "path": listed(plan.path.waypoints),
+        "parts": [dataclasses.asdict(part) for part in plan.parts],
         "trajectory": sampled_wire(plan.trajectory, period),
         "certificate": certificate_wire(plan.certificate),
         "stages": stages_wire(plan.stages),
@@ -52,7 +53,8 @@ def certificate_wire(certificate: Certificate) -> dict[str, Any]:
 def funnel_wire(funnel: Funnel) -> dict[str, Any]:
     """Return an IK funnel for the wire."""
     tallies = [dataclasses.asdict(tally) for tally in funnel.rejected_by]
-    return {**dataclasses.asdict(funnel), "rejected_by": tallies}
+    blocked = [dataclasses.asdict(tally) for tally in funnel.blocked_by]
+    return {**dataclasses.asdict(funnel), "rejected_by": tallies, "blocked_by": blocked}
 
 
 def stages_wire(stages: StageReports) -> dict[str, Any]:

@@ -1,4 +1,4 @@
-"""/v1/scenes/{id}/check, fk, ik: questions to a scene."""
+"""/v1/scenes/{id}/check, fk, ik, line: questions to a scene."""
 
 from fastapi import APIRouter
 
@@ -7,6 +7,7 @@ from service.routes.answers import SceneId, problems
 from service.scenes.preflight import require_count, require_frames, require_goal, require_group
 from service.schemas.check import CheckRequest, CheckResponse
 from service.schemas.kinematics import FkRequest, FkResponse, IkRequest, IkResponse
+from service.schemas.line import LineRequest, LineResponse
 
 router = APIRouter(
     prefix="/v1/scenes/{scene}",
@@ -45,3 +46,15 @@ async def ik(scene: SceneId, request: IkRequest, scenes: ScenesDep, desk: DeskDe
     if request.start is not None:
         require_count(group, request.start, "start")
     return await desk.ask_scene("service.tasks.queries:ik", record, request)
+
+
+@router.post("/line", operation_id="traceLine", response_model=LineResponse)
+async def line(scene: SceneId, request: LineRequest, scenes: ScenesDep, desk: DeskDep) -> object:
+    """Move a tool in a straight line as far as it goes, and say exactly why it stops."""
+    record = await scenes.get(scene)
+    group = require_group(record, request.group)
+    ends = [end.frame for end in (request.pose, request.displacement) if end is not None]
+    require_frames(record, [*ends, *([] if request.frame is None else [request.frame])])
+    if request.start is not None:
+        require_count(group, request.start, "start")
+    return await desk.ask_scene("service.tasks.lines:line", record, request)

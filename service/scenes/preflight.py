@@ -16,7 +16,14 @@ from service.schemas.constraint import (
     OrientationWire,
     PositionWire,
 )
-from service.schemas.goal import ConfigurationGoalWire, GoalWire, JointGoalWire, PoseGoalWire
+from service.schemas.goal import (
+    ConfigurationGoalWire,
+    GoalWire,
+    JointGoalWire,
+    LineGoalWire,
+    PathGoalWire,
+    PoseGoalWire,
+)
 
 type Group = dict[str, Any]
 
@@ -76,6 +83,10 @@ def require_goal(scene: SceneRecord, group: Group, goal: GoalWire) -> None:
         case PoseGoalWire():
             tool = [] if goal.frame is None else [goal.frame]
             require_frames(scene, [*tool, *(pose.frame for pose in goal.poses)])
+        case LineGoalWire() | PathGoalWire():
+            poses = [goal.pose] if isinstance(goal, LineGoalWire) else goal.poses
+            tool = [] if goal.frame is None else [goal.frame]
+            require_frames(scene, [*tool, *(pose.frame for pose in poses)])
 
 
 def rows(positions: Sequence[float] | Sequence[Sequence[float]]) -> list[list[float]]:

@@ -5,14 +5,13 @@ from typing import Annotated, Any, Literal
 from pydantic import BeforeValidator, ConfigDict, Field
 from pydantic_core import PydanticCustomError
 
-from service.schemas.numbers import NonNegative, Positions, Triple
+from service.schemas.numbers import NonNegative, Positions, Real, Triple
 from service.schemas.pose import PoseWire
 from service.schemas.wire import Name, Wire
 
 _LATER = {
     "region": "use a `pose` goal with `tolerance`, where pi or more frees a rotation axis",
     "relative": "give the absolute `pose`, in any `frame`",
-    "line": "plan to the `pose`; the way there is free",
 }
 
 
@@ -25,17 +24,22 @@ def not_supported(what: str, instead: str) -> PydanticCustomError:
     )
 
 
-def _no_approach(approach: Any) -> Any:
-    if approach is not None:
-        raise not_supported("`approach`", "leave it out and plan to a pose before the target first")
-    return approach
-
-
 def _known_type(goal: Any) -> Any:
     kind: Any = goal.get("type") if isinstance(goal, dict) else None
     if isinstance(kind, str) and kind in _LATER:
         raise not_supported(f"goal type {kind!r}", _LATER[kind])
     return goal
+
+
+type Shift = Annotated[Real, Field(ge=1e-6, le=1)]
+type Turn = Annotated[Real, Field(ge=1e-5, le=3)]
+
+
+class DeviationWire(Wire):
+    """How far a tool may be from its line, between waypoints and samples too."""
+
+    position: Shift = Field(default=0.001, description="Of its origin, from the line [m]")
+    rotation: Turn = Field(default=0.008726646259971648, description="Of its rotation [rad]")
 
 
 class ToleranceWire(Wire):
@@ -91,16 +95,73 @@ class PoseGoalWire(Wire):
     tolerance: ToleranceWire = Field(
         default_factory=ToleranceWire, description="How far off it may be"
     )
-    approach: Annotated[Triple | None, BeforeValidator(_no_approach)] = Field(
+    approach: Triple | None = Field(
         default=None,
-        description="Displacement of a pose to come from, in the target's axes [m]; not supported "
-        "by this version: anything but null is refused with the code `not_supported`",
+        description="The motion ends in a straight line without a turn, which begins where the "
+        "tool is displaced by this, in the target's axes [m]; null for none",
+    )
+    retreat: Triple | None = Field(
+        default=None,
+        description="After the goal the tool goes on in a straight line by this, in the target's "
+        "axes [m]; null for none",
+    )
+
+
+class LineGoalWire(Wire):
+    """Bring a tool frame to a pose in a straight line from the start."""
+
+    model_config = ConfigDict(
+        json_schema_extra={
+            "examples": [{"type": "line", "pose": {"position": [0, 0, -0.05], "frame": "arm::tcp"}}]
+        }
+    )
+
+    type: Literal["line"] = Field(description="Says which goal this is")
+    pose: PoseWire = Field(
+        description="Where the line ends; the rotation turns along with the translation"
+    )
+    frame: Name | None = Field(
+        default=None, description="The tool frame: any that the group moves; null for its default"
+    )
+    deviation: DeviationWire = Field(
+        default_factory=DeviationWire,
+        description="How far from the line the motion may be, between samples too",
+    )
+
+
+class PathGoalWire(Wire):
+    """Bring a tool frame through poses in straight lines, at rest at each."""
+
+    model_config = ConfigDict(
+        json_schema_extra={
+            "examples": [
+                {
+                    "type": "path",
+                    "poses": [
+                        {"position": [0.4, 0.2, 0.3], "quaternion": [0, 1, 0, 0]},
+                        {"position": [0.4, 0.3, 0.3], "quaternion": [0, 1, 0, 0]},
+                    ],
+                }
+            ]
+        }
+    )
+
+    type: Literal["path"] = Field(description="Says which goal this is")
+    poses: Annotated[list[PoseWire], Field(min_length=1, max_length=1000)] = Field(
+        description="In this order; frames that move count where the start puts them"
+    )
+    frame: Name | None = Field(
+        default=None, description="The tool frame: any that the group moves; null for its default"
+    )
+    deviation: DeviationWire = Field(
+        default_factory=DeviationWire,
+        description="How far from the lines the motion may be, between samples too",
     )
 
 
 type GoalWire = Annotated[
     Annotated[
-        JointGoalWire | ConfigurationGoalWire | PoseGoalWire,
+        JointGoalWire | ConfigurationGoalWire | PoseGoalWire | LineGoalWire | PathGoalWire,
         Field(discriminator="type", description="What a motion shall reach"),
     ],
     BeforeValidator(_known_type),

@@ -89,5 +89,5 @@ class IkResponse(Answer):
     funnel: FunnelWire | None = Field(description="How many samples survived what")
     failure: Failure | None = Field(
         description="Why there is none: `goal_unreachable` with the nearest pose, "
-        "`goal_in_collision` with the pairs; null if there is one"
+        "`goal_in_collision` with the pairs, `approach_blocked`; null if there is one"
     )

@@ -117,6 +117,11 @@ class SearchWire(Wire):
         description="What a cancel ends: the plan, or only the search if it has a path by then; "
         "that path is delivered if it can be timed and proven in 0.9 s",
     )
+    approach_states: Annotated[int, Strict(), Field(ge=2, le=100_000), WHOLE] = Field(
+        default=100,
+        description="Interpolate each straight part to at least this many waypoints; `num_states` "
+        "is then for the free part",
+    )
 
 
 class RefineWire(Wire):

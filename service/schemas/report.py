@@ -15,6 +15,18 @@ class PairTallyWire(Answer):
     max_depth: float = Field(description="Largest depth among them [m]")
 
 
+class LegTallyWire(Answer):
+    """How often one thing stopped the approach or retreat of a configuration."""
+
+    leg: str = Field(description="`approach` or `retreat`")
+    reason: str = Field(description="`limit`, `singularity`, `collision` or `unreachable`")
+    where: str = Field(description="The pair of bodies or the joint, or empty")
+    count: int = Field(description="Configurations")
+    max_fraction: float = Field(
+        description="The most of the line that was free, seen from the goal [1]"
+    )
+
+
 class FunnelWire(Answer):
     """How many IK samples survived what; every number is at most the one before it."""
 
@@ -22,9 +34,16 @@ class FunnelWire(Answer):
     converged: int = Field(description="Reached the target within tolerance")
     within_limits: int = Field(description="Kept the joint limits")
     collision_free: int = Field(description="Touch nothing")
+    approach_ok: int = Field(
+        default=0,
+        description="Have a free, continuous approach and retreat; all of them if none is asked",
+    )
     distinct: int = Field(description="Differ from all others")
     rejected_by: list[PairTallyWire] = Field(
         description="Which pairs the colliding ones hit, of the first few that were measured"
+    )
+    blocked_by: list[LegTallyWire] = Field(
+        default=[], description="What stopped approaches and retreats, most frequent first"
     )
     violating: int = Field(
         default=0,

@@ -1,5 +1,7 @@
 """PlanResult: a certified motion and everything that is known of it."""
 
+from typing import Literal
+
 from pydantic import ConfigDict, Field
 
 from service.schemas.report import StagesWire
@@ -34,16 +36,33 @@ class CertificateWire(Answer):
     checks: list[CheckWire] = Field(description="All checks, passed or not")
 
 
+class PartWire(Answer):
+    """A part of the motion, from rest to rest."""
+
+    kind: Literal["free", "approach", "retreat", "line"] = Field(
+        description="What it is for; all but `free` are straight lines of the tool"
+    )
+    begin: float = Field(description="First instant [s]")
+    end: float = Field(description="Last instant [s]")
+    length: float = Field(description="Of the tool's way [m]")
+    num_waypoints: int = Field(description="Of its part of `path`, both ends included")
+
+
 class PlanResult(Answer):
     """What a solved problem gives."""
 
-    goal_configuration: list[float] = Field(description="Where the motion ends [rad or m]")
+    goal_configuration: list[float] = Field(
+        description="Where the motion reaches the goal: its end, but for a retreat [rad or m]"
+    )
     goal_index: int = Field(description="Which of the goal's candidates that is, from 0")
     start: list[float] = Field(description="Where it starts, clipped into the limits [rad or m]")
     start_clipped: list[float] = Field(
         description="By how much the given start was clipped, at most 1e-6 [rad or m]"
     )
     path: list[list[float]] = Field(description="Untimed waypoints, one row each [rad or m]")
+    parts: list[PartWire] = Field(
+        default=[], description="The free motion and the straight lines it is made of, in order"
+    )
     trajectory: TrajectoryWire = Field(description="The timed motion, sampled as asked for")
     certificate: CertificateWire = Field(description="The proof")
     stages: StagesWire = Field(description="What every stage did")

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from planning import Deadline, check_configurations, forward_kinematics, solve_ik
-from planning.errors import GoalInCollision, GoalUnreachable, PlanningFailure
+from planning.errors import ApproachBlocked, GoalInCollision, GoalUnreachable, PlanningFailure
 from service.convert.failures import failure_wire
 from service.convert.goals import ik_value, pose_goal_value, pose_wire
 from service.convert.numbers import listed
@@ -71,7 +71,7 @@ def ik(payload: dict[str, Any], channel: Channel) -> dict[str, Any]:
                 margin=request.margin,
                 seed=request.seed,
             )
-        except (GoalUnreachable, GoalInCollision) as failure:
+        except (ApproachBlocked, GoalUnreachable, GoalInCollision) as failure:
             return _no_configuration(failure)
     return {
         "configurations": [

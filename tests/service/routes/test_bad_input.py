@@ -103,11 +103,14 @@ BAD_PLANS = {
         422, "request_invalid", "not both",
     ),
     "unknown goal type": ({"goal": {"type": "fly"}}, 422, "request_invalid", "goal"),
-    "goal for later": ({"goal": {"type": "line", "pose": POSE}}, 422, "not_supported", "line"),
-    "approach": (
-        {"goal": {"type": "pose", "poses": [POSE], "approach": [0, 0, -0.1]}}, 422,
-        "not_supported", "approach",
+    "flat approach": (
+        {"goal": {"type": "pose", "poses": [POSE], "approach": [0, -0.1]}}, 422,
+        "request_invalid", "approach",
     ),
+    "line into nowhere": (
+        {"goal": {"type": "line", "pose": {**POSE, "frame": "abve"}}}, 409, "unknown_name", "above",
+    ),
+    "path of no poses": ({"goal": {"type": "path", "poses": []}}, 422, "request_invalid", "poses"),
     "unknown constraint": (
         {"path_constraints": [{"type": "upright"}]}, 422, "request_invalid", "path_constraints",
     ),

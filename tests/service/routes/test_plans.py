@@ -162,3 +162,30 @@ def test_an_unreachable_pose_fails_with_the_nearest(client, request_of):
     assert failure["code"] == "goal_unreachable"
     assert failure["evidence"]["nearest"]["translation_error"] > 3
     assert failure["evidence"]["funnel"]["tried"] == 20
+
+
+def test_a_pose_is_approached_in_a_straight_line(client, scene):
+    pose = {"position": [0, 0, 0], "rpy": [3.141592653589793, 0, 0], "frame": "above"}
+    goal = {"type": "pose", "poses": [pose], "approach": [0, 0, -0.08], "retreat": [0, 0, -0.05]}
+    search = {"allowed_planning_time": 20.0, "approach_states": 25}
+    request = {"scene": scene, "group": "arm", "goal": goal, "search": search, "seed": 2}
+    job = client.post("/v1/plans?wait=40", json=request).json()
+    assert job["state"] == "succeeded", job["failure"]
+    parts = job["result"]["parts"]
+    assert [part["kind"] for part in parts] == ["free", "approach", "retreat"]
+    assert parts[1]["num_waypoints"] == 25
+    assert parts[1]["length"] == pytest.approx(0.08)
+    checks = {check["name"]: check for check in job["result"]["certificate"]["checks"]}
+    assert checks["line"]["passed"]
+    assert job["result"]["stages"]["goals"]["funnel"]["approach_ok"] >= 1
+
+
+def test_a_blocked_line_is_a_failure_with_its_evidence(client, scene):
+    goal = {"type": "line", "pose": {"position": [0, 0, 0], "frame": "block"}}
+    request = {"scene": scene, "group": "arm", "goal": goal}
+    job = client.post("/v1/plans?wait=40", json=request).json()
+    assert job["state"] == "failed"
+    failure = job["failure"]
+    assert (failure["code"], failure["stage"]) == ("line_blocked", "goals")
+    assert 0 <= failure["evidence"]["fraction"] < 1
+    assert failure["evidence"]["stopped_by"]["reason"] in {"collision", "limit", "singularity"}

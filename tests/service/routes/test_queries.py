@@ -84,3 +84,39 @@ def test_an_alias_means_the_same_group(client, scene):
     body = {"configurations": [[0.1] * 6], "group": "arm::arm"}
     alias = client.post(f"/v1/scenes/{scene}/fk", json=body).json()
     assert alias == ask(client, scene, "fk", configurations=[[0.1] * 6]).json()
+
+
+def test_a_line_says_how_far_it_goes_and_what_stops_it(client, scene):
+    way = {"vector": [0, 0, 0.1], "frame": "arm::tcp"}
+    found = ask(client, scene, "line", displacement=way, poses=True).json()
+    assert found["fraction"] == 1
+    assert found["stopped_by"] is None
+    assert found["length"] == pytest.approx(0.1)
+    assert 0 < found["deviation"]["position"] <= 0.001
+    poses = ask(client, scene, "fk", configurations=found["positions"]).json()["results"]
+    for pose, wanted in zip(poses, found["poses"], strict=True):
+        np.testing.assert_allclose(pose["arm::tcp"]["position"], wanted["position"], atol=1e-6)
+    far = ask(client, scene, "line", displacement={"vector": [0, 0, 3]}).json()
+    assert far["fraction"] < 1
+    assert far["stopped_by"]["reason"] == "singularity"
+    assert far["stopped_by"]["fraction"] == far["fraction"]
+    into = {"position": [0, 0, 0], "rpy": [np.pi, 0, 0], "frame": "block"}
+    hit = ask(client, scene, "line", pose=into).json()["stopped_by"]
+    assert hit["reason"] == "collision"
+    assert "block" in hit["pair"]["bodies"]
+
+
+@pytest.mark.parametrize(
+    ("body", "status", "word"),
+    [
+        ({}, 422, "displacement"),
+        ({"displacement": {"vector": [0, 0, 1], "frame": "abve"}}, 409, "above"),
+        ({"displacement": {"vector": [0, 0, 1]}, "frame": "arm::tpc"}, 409, "arm::tcp"),
+        ({"displacement": {"vector": [0, 0, 1]}, "start": [0.0]}, 409, "6 positions"),
+        ({"displacement": {"vector": [0, 0, 1]}, "max_step": 0}, 422, "max_step"),
+    ],
+)
+def test_a_bad_line_names_what_is_wrong(client, scene, body, status, word):
+    answer = ask(client, scene, "line", **body)
+    assert answer.status_code == status
+    assert word in answer.json()["detail"]

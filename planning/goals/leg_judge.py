@@ -1,0 +1,183 @@
+"""LegJudge: which goal configurations have a free approach and a free retreat.
+
+Both are traced from the goal configuration outwards: what counts is the branch that reaches it.
+"""
+
+from collections import defaultdict
+from typing import Any
+
+import numpy as np
+from jaxtyping import Bool, Float64, Int64
+
+from planning.domain import rotation
+from planning.domain.deadline import Deadline
+from planning.domain.goal import PoseGoal
+from planning.domain.joints import JointLimits
+from planning.domain.line import GoalLegs, Leg, ToolLine
+from planning.domain.line_trace import LineStop
+from planning.domain.manifold import Manifold
+from planning.domain.pose import Pose
+from planning.domain.report import Funnel, GoalConfigurations, LegTally
+from planning.goals.goal_query import GoalQuery
+from planning.goals.line_course import Course
+from planning.goals.line_stop import traced
+from planning.goals.line_tracer import Fineness, LineTracer
+from planning.goals.ranking import nearest_first
+from planning.goals.start import DUST
+from planning.goals.tool_target import ToolTarget
+from planning.world.world import World
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
+type Flags = np.ndarray[Any, np.dtype[np.bool_]]
+type Indices = np.ndarray[Any, np.dtype[np.int64]]
+
+# So many of the lines that end early are looked at for the report.
+_LOOKED_AT = 64
+
+
+class LegJudge:
+    """Traces the lines of one pose goal and keeps those that reach their ends."""
+
+    def __init__(
+        self,
+        world: World,
+        query: GoalQuery,
+        goal: PoseGoal,
+        targets: list[ToolTarget],
+        deadline: Deadline,
+    ) -> None:
+        """Prepare for the goal's targets in world."""
+        self._world, self._query, self._deadline = world, query, deadline
+        self._axes = np.array([target.pose.quaternion for target in targets])
+        self._ways = {"approach": goal.approach, "retreat": goal.retreat}
+        self._frame = targets[0].frame
+        self._tracer = LineTracer(world, query.group, self._frame, query.margins, Fineness())
+        self._legs: dict[bytes, GoalLegs] = {}
+        self._ended: list[tuple[str, Course]] = []
+
+    def admit(
+        self, rows: Float64[np.ndarray, "n nq"], targets: Int64[np.ndarray, " n"]
+    ) -> Bool[np.ndarray, " n"]:
+        """Return whether each configuration has all its lines; remember them."""
+        good = np.ones(len(rows), dtype=bool)
+        found: dict[str, dict[int, Leg]] = {}
+        for name, way in self._ways.items():
+            if way is not None:
+                found[name] = self._reaching(name, way, rows, targets, good)
+                good[[i for i in range(len(rows)) if i not in found[name]]] = False
+        for i in np.flatnonzero(good).tolist():
+            approach = found["approach"][i].reverse if "approach" in found else None
+            retreat = found["retreat"][i] if "retreat" in found else None
+            self._legs[rows[i].tobytes()] = GoalLegs(approach, retreat)
+        return good
+
+    def legs_of(
+        self, admitted: Float64[np.ndarray, "n nq"], rows: Float64[np.ndarray, "n nq"]
+    ) -> list[GoalLegs]:
+        """Return the lines of rows that are admitted ones plus whole turns."""
+        return [
+            _shifted(self._legs[q.tobytes()], row - q)
+            for q, row in zip(admitted, rows, strict=True)
+        ]
+
+    @property
+    def blocked_by(self) -> tuple[LegTally, ...]:
+        """What stopped lines, most frequent first."""
+        fractions: dict[tuple[str, str, str], list[float]] = defaultdict(list)
+        for name, course in self._ended[:_LOOKED_AT]:
+            trace = traced(
+                self._world,
+                self._query.group,
+                self._query.margins,
+                self._tracer.kinematics,
+                course,
+            )
+            if trace.stop is not None:
+                key = name, trace.stop.reason, _where(trace.stop)
+                fractions[key].append(trace.fraction)
+        tallies = [LegTally(*key, len(found), max(found)) for key, found in fractions.items()]
+        return tuple(sorted(tallies, key=lambda t: (-t.count, t.leg, t.reason, t.where)))
+
+    def _count(self, name: str, courses: list[Course]) -> None:
+        self._ended += [(name, course) for course in courses if course.halt]
+
+    def _reaching(
+        self, name: str, way: Array, rows: Array, targets: Indices, good: Flags
+    ) -> dict[int, Leg]:
+        """Return the legs outwards from those of the good rows that have one."""
+        asked = np.flatnonzero(good)
+        at = self._tracer.kinematics.poses(rows[asked])
+        outwards = rotation.rotate(self._axes[targets[asked]], np.asarray(way)[None])
+        lines = [
+            ToolLine(self._frame, Pose(p, a), Pose(p + out, a))
+            for R_WT, p, out in zip(*at, outwards, strict=True)
+            for a in [rotation.from_matrix(R_WT)]
+        ]
+        courses = self._tracer.trace(lines, rows[asked], self._deadline)
+        self._count(name, courses)
+        return {
+            int(i): Leg(course.line, np.array(course.fractions), np.stack(course.waypoints))
+            for i, course in zip(asked, courses, strict=True)
+            if not course.halt
+        }
+
+
+def leg_judge(
+    world: World, query: GoalQuery, goal: PoseGoal, targets: list[ToolTarget], deadline: Deadline
+) -> LegJudge | None:
+    """Return the judge of a goal, or None if it asks for no lines."""
+    if goal.approach is None and goal.retreat is None:
+        return None
+    return LegJudge(world, query, goal, targets, deadline)
+
+
+def with_legs(
+    query: GoalQuery,
+    limits: JointLimits,
+    found: tuple[Float64[np.ndarray, "n nq"], Int64[np.ndarray, " n"], list[GoalLegs]],
+    funnel: Funnel,
+) -> GoalConfigurations:
+    """Return those configurations whose lines keep the limits, with the nearest entry first.
+
+    Args:
+        query: What was asked.
+        limits: The group's; whole turns may have brought a line beyond them.
+        found: Configurations, the targets that they reach, and their lines.
+        funnel: For the report.
+    """
+    rows, targets, legs = found
+    inside = [i for i in range(len(rows)) if _is_inside(limits, legs[i])]
+    every = GoalConfigurations(
+        rows[inside],
+        tuple(int(i) for i in targets[inside]),
+        funnel,
+        tuple(legs[i] for i in inside),
+    )
+    count, index = query.options.max_configurations, np.arange(len(inside))
+    manifold = Manifold(query.group.joints)
+    _, order = nearest_first(manifold, query.start, every.entries, index, count)
+    return GoalConfigurations(
+        every.positions[list(order)],
+        tuple(every.target_indices[i] for i in order),
+        funnel,
+        tuple(every.legs[i] for i in order),
+    )
+
+
+def _is_inside(limits: JointLimits, legs: GoalLegs) -> bool:
+    return all(
+        bool((leg.positions >= limits.lower - DUST).all())
+        and bool((leg.positions <= limits.upper + DUST).all())
+        for leg in legs.all
+    )
+
+
+def _shifted(legs: GoalLegs, shift: Array) -> GoalLegs:
+    if not shift.any():
+        return legs
+    approach = None if legs.approach is None else legs.approach.shifted(shift)
+    return GoalLegs(approach, None if legs.retreat is None else legs.retreat.shifted(shift))
+
+
+def _where(stop: LineStop) -> str:
+    return stop.joint if stop.pair is None else "-".join(stop.pair.bodies)

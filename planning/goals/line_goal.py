@@ -1,0 +1,57 @@
+"""From a line goal to the motions along its lines, or why there are none."""
+
+from planning.domain.deadline import Deadline
+from planning.domain.goal import LineGoal, PoseTarget
+from planning.domain.line import Leg, ToolLine
+from planning.domain.pose import Pose
+from planning.errors import LineBlocked
+from planning.goals.goal_query import GoalQuery
+from planning.goals.line_stop import describe_stop, stop_evidence, traced
+from planning.goals.line_tracer import Fineness, LineTracer
+from planning.world.world import Array, World
+
+
+def follow_lines(
+    world: World, query: GoalQuery, goal: LineGoal, deadline: Deadline
+) -> tuple[Leg, ...]:
+    """Return a leg to each of the goal's targets, each beginning where the one before ended.
+
+    Raises:
+        LineBlocked: A line cannot be followed to its end.
+        UnknownName: A frame does not exist.
+        DeadlineExceeded: Time ran out.
+        Canceled: Somebody asked for the end.
+    """
+    tool = goal.frame or query.group.tool_frames[0]
+    fineness = Fineness(goal.max_shift, goal.max_turn)
+    tracer = LineTracer(world, query.group, tool, query.margins, fineness)
+    q, full = query.start, world.embed(query.group, query.start)
+    at = world.frame_pose(tool, full)
+    legs: list[Leg] = []
+    for i, target in enumerate(goal.targets):
+        line = ToolLine(tool, at, placed(world, full, target))
+        course = tracer.trace([line], q[None], deadline)[0]
+        trace = traced(world, query.group, query.margins, tracer.kinematics, course)
+        if trace.stop is not None:
+            evidence = {
+                "line": i,
+                "fraction": trace.fraction,
+                "length": trace.length,
+                "stopped_by": stop_evidence(trace.stop, query.margins),
+            }
+            message = f"line {i + 1} of {len(goal.targets)} is blocked: {describe_stop(trace.stop)}"
+            raise LineBlocked(message, evidence)
+        legs.append(trace.leg)
+        q, at = trace.positions[-1], line.end
+    return tuple(legs)
+
+
+def placed(world: World, full: Array, target: PoseTarget) -> Pose:
+    """Return a target's pose in world; a frame that moves counts where a configuration puts it.
+
+    Raises:
+        UnknownName: The frame does not exist.
+    """
+    if target.frame == "world":
+        return target.pose
+    return world.frame_pose(target.frame, full) @ target.pose

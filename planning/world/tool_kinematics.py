@@ -1,0 +1,90 @@
+"""ToolKinematics: poses and Jacobians of one tool frame for many configurations of a group."""
+
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float64
+from pydrake.multibody.tree import JacobianWrtVariable
+from pydrake.systems.framework import Context
+
+from planning.domain import rotation
+from planning.domain.joints import JointGroup, JointType
+from planning.world.kernel_tree import kernel_chain
+from planning.world.world import World
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
+
+
+class ToolKinematics:
+    """By the native kernel if there is one for this world, else by Drake; all else stays put."""
+
+    def __init__(self, world: World, group: JointGroup, frame: str) -> None:
+        """Prepare for one frame.
+
+        Raises:
+            UnknownName: There is no such frame.
+        """
+        world.require_frame(frame)
+        self._world, self._group, self._frame = world, group, frame
+        self._chain = kernel_chain(world.drake, group, world.state, frame)
+        self._turning = _turning(group)
+
+    def poses(
+        self, qs: Float64[np.ndarray, "n nq"]
+    ) -> tuple[Float64[np.ndarray, "n 3 3"], Float64[np.ndarray, "n 3"]]:
+        """Return R_WT and p_WT [m]."""
+        if self._chain is None:
+            full = self._world.embed(self._group, qs)
+            x = self._world.frame_poses(self._frame, full)
+            return np.ascontiguousarray(x[:, :3, :3]), np.ascontiguousarray(x[:, :3, 3])
+        x = self._chain.poses(np.ascontiguousarray(qs))
+        return x[:, :9].reshape(-1, 3, 3), x[:, 9:]
+
+    def jacobians(self, qs: Float64[np.ndarray, "n nq"]) -> Float64[np.ndarray, "n 6 nv"]:
+        """Return d(rotation; translation of T in W) by the tangent at each q, followers included.
+
+        Columns of joints that turn and shift in the tangent's own axes (floating ones) differ from
+        Drake's, whose angular velocity is in the parent's axes.
+        """
+        if self._chain is None:
+            found = np.stack([self._by_drake(q) for q in qs])
+        else:
+            found = self._chain.jacobians(np.ascontiguousarray(qs))
+        for iq, iv in self._turning:
+            turned = rotation.matrix(qs[:, iq : iq + 4])
+            found[:, :, iv : iv + 3] = found[:, :, iv : iv + 3] @ turned
+        return found
+
+    @cached_property
+    def _context(self) -> Context:
+        """Made when it is first needed: it takes longer than many a query."""
+        return self._world.drake.plant.CreateDefaultContext()
+
+    def _by_drake(self, q: Array) -> Array:
+        drake = self._world.drake
+        plant, context = drake.plant, self._context
+        plant.SetPositions(context, self._world.embed(self._group, q))
+        full = plant.CalcJacobianSpatialVelocity(
+            context,
+            JacobianWrtVariable.kV,
+            drake.frames[self._frame],
+            np.zeros(3),
+            plant.world_frame(),
+            plant.world_frame(),
+        )
+        for follower, leader, multiplier in reversed(drake.mimics):
+            full[:, leader] += multiplier * full[:, follower]
+        return full[:, drake.velocity_indices(self._group)]
+
+
+def _turning(group: JointGroup) -> list[tuple[int, int]]:
+    """Return the offsets in q and in v of each floating joint."""
+    found: list[tuple[int, int]] = []
+    iq = iv = 0
+    for joint in group.joints:
+        if joint.type is JointType.FLOATING:
+            found.append((iq, iv))
+        iq += joint.num_positions
+        iv += joint.num_velocities
+    return found

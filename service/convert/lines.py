@@ -1,0 +1,52 @@
+"""Lines: from the wire to the domain and back."""
+
+from typing import Any
+
+import numpy as np
+
+from planning import Displacement, Fineness, LineTrace
+from planning.domain.goal import PoseTarget
+from planning.domain.line_trace import LineStop
+from service.convert.goals import pose_value, pose_wire
+from service.convert.numbers import listed
+from service.convert.verdicts import pair_wire
+from service.schemas.line import DisplacementWire, LineRequest
+
+
+def way_value(request: LineRequest) -> PoseTarget | Displacement:
+    """Return where a line shall lead."""
+    if request.pose is not None:
+        return PoseTarget(pose_value(request.pose), request.pose.frame)
+    way = request.displacement or DisplacementWire(vector=[0.0, 0.0, 0.0])
+    return Displacement(np.array(way.vector, dtype=np.float64), way.frame)
+
+
+def fineness_value(request: LineRequest) -> Fineness:
+    """Return how closely a line shall be followed."""
+    return Fineness(request.deviation.position, request.deviation.rotation, request.max_step)
+
+
+def trace_wire(trace: LineTrace, *, with_poses: bool) -> dict[str, Any]:
+    """Return the answer to a line request."""
+    poses = [pose_wire(trace.line.pose(s)) for s in trace.fractions] if with_poses else None
+    return {
+        "fraction": trace.fraction,
+        "length": trace.length,
+        "fractions": listed(trace.fractions),
+        "positions": listed(trace.positions),
+        "poses": poses,
+        "deviation": {"position": trace.max_shift, "rotation": trace.max_turn},
+        "stopped_by": None if trace.stop is None else _stop_wire(trace.stop),
+    }
+
+
+def _stop_wire(stop: LineStop) -> dict[str, Any]:
+    return {
+        "reason": stop.reason,
+        "fraction": stop.fraction,
+        "where": pose_wire(stop.where),
+        "positions": listed(stop.positions),
+        "joint": stop.joint or None,
+        "pair": None if stop.pair is None else pair_wire(stop.pair),
+        "singular_value": stop.singular_value,
+    }

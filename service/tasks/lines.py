@@ -1,0 +1,36 @@
+"""Straight lines in a loaded scene."""
+
+import time
+from typing import Any
+
+import numpy as np
+
+from planning import Deadline, trace_line
+from service.convert.lines import fineness_value, trace_wire, way_value
+from service.schemas.line import LineRequest
+from service.tasks.channel import Channel
+from service.tasks.worlds import borrow_world
+
+
+def line(payload: dict[str, Any], channel: Channel) -> dict[str, Any]:
+    """Return how far a tool can be moved in a straight line, and what stops it.
+
+    Raises:
+        InputError: The group, a frame or a count is wrong.
+        PlanningFailure: Time ran out.
+    """
+    request = LineRequest.model_validate(payload["request"])
+    start = None if request.start is None else np.array(request.start, dtype=np.float64)
+    deadline = Deadline.after(request.allowed_time, time.monotonic, channel.is_canceled)
+    with borrow_world(payload) as world:
+        trace = trace_line(
+            world,
+            request.group,
+            way_value(request),
+            deadline=deadline,
+            start=start,
+            frame=request.frame or "",
+            margin=request.margin,
+            fineness=fineness_value(request),
+        )
+    return trace_wire(trace, with_poses=request.poses)
