@@ -1,0 +1,45 @@
+"""Path constraints over HTTP: each has its check in the certificate, or the job says why not."""
+
+
+def planned(client, scene, *constraints):
+    request = {
+        "scene": scene,
+        "group": "arm",
+        "goal": {"type": "configuration", "name": "ready"},
+        "path_constraints": list(constraints),
+        "search": {"allowed_planning_time": 20.0},
+        "seed": 3,
+    }
+    answer = client.post("/v1/plans?wait=40", json=request)
+    assert answer.status_code == 200, answer.text
+    return answer.json()
+
+
+def test_every_constraint_has_its_check(client, scene):
+    away = {"size": [0.1, 0.1, 0.1], "pose": {"position": [0, 0, 2], "frame": "above"}}
+    job = planned(
+        client,
+        scene,
+        {"type": "keep_out", "frame": "arm::tcp", "box": away},
+        {"type": "keep_in", "frame": "arm::tcp", "box": {"size": [4, 4, 4]}},
+        {"type": "position", "frame": "arm::tcp", "size": [None, None, 4]},
+        {"type": "distance_band", "to": ["block"], "min": 0.001},
+        {"type": "joint_limits", "limits": {"arm::elbow_joint": [-3.1, 3.1]}},
+    )
+    assert job["state"] == "succeeded", job["failure"]
+    checks = {check["name"]: check for check in job["result"]["certificate"]["checks"]}
+    kinds = ["keep_out", "keep_in", "position", "distance_band", "joint_limits"]
+    for i, kind in enumerate(kinds):
+        assert checks[f"constraint {i}: {kind}"]["passed"]
+
+
+def test_a_start_that_violates_is_a_failed_job(client, scene):
+    up = {"type": "orientation", "frame": "arm::tcp", "axis": [0, 0, 1], "tolerance": 0.1}
+    job = planned(client, scene, {**up, "direction": [0, 0, 1]})
+    assert job["state"] == "failed"
+    failure = job["failure"]
+    assert failure["code"] == "start_violates_constraint"
+    assert failure["stage"] == "goals"
+    (violation,) = failure["evidence"]["violations"]
+    assert violation["constraint"] == "constraint 0: orientation"
+    assert violation["value"] > violation["bound"] == 0.1
