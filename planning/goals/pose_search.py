@@ -1,4 +1,4 @@
-"""The sampler over the targets of a pose goal: seeds, solutions, and which of them remain."""
+"""The sampler over some targets: seeds, solutions, and which of them remain."""
 
 from typing import Any
 
@@ -7,6 +7,7 @@ import numpy as np
 from planning.domain.deadline import Deadline
 from planning.domain.manifold import Manifold
 from planning.domain.report import Funnel, PairTally
+from planning.goals.aims import Aims
 from planning.goals.goal_query import GoalQuery
 from planning.goals.pose_solvers import PoseSolver
 from planning.goals.ranking import Distinct
@@ -25,8 +26,7 @@ _PATIENCE = 40
 class PoseSearch:
     """One run of the sampler.
 
-    Every seed is tried on every target, in turn. What is found does not depend on how many seeds
-    the solver takes at once.
+    What is found does not depend on how many seeds the solver takes at once.
 
     Attributes:
         found: The distinct free solutions so far.
@@ -37,16 +37,11 @@ class PoseSearch:
         self,
         world: World,
         query: GoalQuery,
-        num_targets: int,
-        solver: PoseSolver,
         rng: np.random.Generator,
         deadline: Deadline,
     ) -> None:
         """Prepare to search."""
-        self._world = world
         self._query = query
-        self._num_targets = num_targets
-        self._solver = solver
         self._deadline = deadline
         self._limits = world.limits(query.group)
         self._oracle = world.collision_oracle(query.group, query.margins)
@@ -57,14 +52,21 @@ class PoseSearch:
         self.found = Distinct(query.group, self._manifold)
         self.colliding: list[Array] = []
 
-    def run(self) -> None:
-        """Try seeds until there is enough, or no hope or time for more."""
-        while not self._is_done():
-            seeds, targets = self._next()
+    def run(self, aims: Aims, solver: PoseSolver, max_trials: int) -> None:
+        """Try seeds until there is enough, or no hope or time or trial for more.
+
+        Args:
+            aims: What to try them on.
+            solver: For the targets of these.
+            max_trials: The end, counted from the first trial of all runs.
+        """
+        while not self._is_done(max_trials):
+            count = min(solver.num_at_once, max_trials - self._tried)
+            seeds, targets = aims.trials(self._tried, count)
             # Some will collide, and some be the same.
             enough = 2 * (self._query.options.max_configurations - len(self.found))
-            converged, q = self._solver.solve(seeds, targets, enough)
-            self._admit(converged, q, targets[: len(q)])
+            converged, q = solver.solve(self._rows(seeds), targets, enough)
+            self._admit(converged, q, aims.poses[targets[: len(q)]])
 
     def funnel(self, rejected_by: tuple[PairTally, ...]) -> Funnel:
         """Return how many got how far."""
@@ -77,31 +79,28 @@ class PoseSearch:
             rejected_by,
         )
 
-    def _is_done(self) -> bool:
-        options = self._query.options
+    def _is_done(self, max_trials: int) -> bool:
         return (
-            self._tried >= options.max_trials
-            or len(self.found) >= options.max_configurations
+            self._tried >= max_trials
+            or len(self.found) >= self._query.options.max_configurations
             or self._repeats >= _PATIENCE
             or self._deadline.is_over
         )
 
-    def _next(self) -> tuple[Array, Indices]:
-        """Return the seeds to try next, and the target of each."""
-        count = min(self._solver.num_at_once, self._query.options.max_trials - self._tried)
-        seeds, targets = np.divmod(np.arange(self._tried, self._tried + count), self._num_targets)
+    def _rows(self, seeds: Indices) -> Array:
+        """Return the seeds of some numbers, the last of which is the largest."""
         missing = int(seeds[-1]) + 1 - len(self._drawn)
         if missing > 0:
             self._drawn = np.concatenate([self._drawn, self._seeds.take(missing)])
-        return self._drawn[seeds], targets
+        return self._drawn[seeds]
 
-    def _admit(self, converged: Flags, q: Array, targets: Indices) -> None:
+    def _admit(self, converged: Flags, q: Array, poses: Indices) -> None:
         """Count and keep what was found, in the order of the seeds, until there is enough."""
         q = clip_dust(self._limits, self._manifold, q)
         within = converged & within_limits(self._limits, q)
         free, is_new = np.zeros_like(within), np.zeros_like(within)
         free[within] = self._oracle.are_free(q[within])
-        is_new[free] = self.found.are_new(q[free], targets[free])
+        is_new[free] = self.found.are_new(q[free], poses[free])
         end = self._end(free, is_new)
         self._tried += end
         self._converged += int(converged[:end].sum())
@@ -109,7 +108,7 @@ class PoseSearch:
         self._free += int(free[:end].sum())
         self.colliding += list(q[:end][(within & ~free)[:end]])
         kept = is_new[:end]
-        self.found.add(q[:end][kept], targets[:end][kept])
+        self.found.add(q[:end][kept], poses[:end][kept])
 
     def _end(self, free: Flags, is_new: Flags) -> int:
         """Return how many of the rows count: up to the one that ends the search."""
