@@ -21,13 +21,30 @@ if TYPE_CHECKING:
     )
     from planning.domain.curve import TimedTrajectory
     from planning.domain.deadline import Deadline
-    from planning.domain.goal import ConfigurationGoal, JointGoal, LineGoal, PoseGoal, PoseTarget
+    from planning.domain.funnel import funnel_evidence, funnel_summary
+    from planning.domain.goal import (
+        ConfigurationGoal,
+        GoalPredicate,
+        JointGoal,
+        LineGoal,
+        PoseGoal,
+        PoseTarget,
+        RegionGoal,
+        RelativeGoal,
+    )
     from planning.domain.interpolation import trajectory_through
     from planning.domain.line_trace import LineTrace
-    from planning.domain.options import IkOptions, RefineOptions, RetimeOptions, SearchOptions
+    from planning.domain.options import (
+        IkOptions,
+        PoseMetric,
+        RefineOptions,
+        RetimeOptions,
+        SearchOptions,
+    )
     from planning.domain.plan import MotionPlan, Progress
     from planning.domain.pose import Pose
     from planning.domain.problem import PlanningProblem
+    from planning.domain.quality import ConfigurationQuality
     from planning.domain.scene import Scene
     from planning.domain.scene_operation import (
         AddObject,
@@ -39,7 +56,7 @@ if TYPE_CHECKING:
         RemoveObject,
         SetPositions,
     )
-    from planning.ik import solve_ik
+    from planning.ik import assess_configurations, solve_ik
     from planning.kernel.native import kernel_name
     from planning.line import Displacement, Fineness, trace_line
     from planning.own_path import RetimedPath, retime_path
@@ -64,12 +81,14 @@ _DOORS = {
     "AllowPair": "planning.domain.scene_operation",
     "AttachObject": "planning.domain.scene_operation",
     "ConfigurationGoal": "planning.domain.goal",
+    "ConfigurationQuality": "planning.domain.quality",
     "Deadline": "planning.domain.deadline",
     "DetachObject": "planning.domain.scene_operation",
     "Displacement": "planning.line",
     "DistanceBand": "planning.domain.constraint",
     "Fineness": "planning.line",
     "ForbidPair": "planning.domain.scene_operation",
+    "GoalPredicate": "planning.domain.goal",
     "IkOptions": "planning.domain.options",
     "JointGoal": "planning.domain.goal",
     "KeepIn": "planning.domain.constraint",
@@ -88,10 +107,13 @@ _DOORS = {
     "PlanningProblem": "planning.domain.problem",
     "Pose": "planning.domain.pose",
     "PoseGoal": "planning.domain.goal",
+    "PoseMetric": "planning.domain.options",
     "PoseTarget": "planning.domain.goal",
     "PositionBand": "planning.domain.constraint",
     "Progress": "planning.domain.plan",
     "RefineOptions": "planning.domain.options",
+    "RegionGoal": "planning.domain.goal",
+    "RelativeGoal": "planning.domain.goal",
     "RemoveObject": "planning.domain.scene_operation",
     "RetimeOptions": "planning.domain.options",
     "RetimedPath": "planning.own_path",
@@ -103,12 +125,15 @@ _DOORS = {
     "TightLimits": "planning.domain.constraint",
     "TimedTrajectory": "planning.domain.curve",
     "World": "planning.world.world",
+    "assess_configurations": "planning.ik",
     "bundled_folder": "planning.world.model_library",
     "certify_trajectory": "planning.own_trajectory",
     "check_configurations": "planning.world.check",
     "describe_model": "planning.world.catalogue",
     "edit_scene": "planning.world.scene_edit",
     "forward_kinematics": "planning.world.kinematics",
+    "funnel_evidence": "planning.domain.funnel",
+    "funnel_summary": "planning.domain.funnel",
     "kernel_name": "planning.kernel.native",
     "list_models": "planning.world.catalogue",
     "list_planners": "planning.search.planners",
@@ -131,12 +156,14 @@ __all__ = [
     "AllowPair",
     "AttachObject",
     "ConfigurationGoal",
+    "ConfigurationQuality",
     "Deadline",
     "DetachObject",
     "Displacement",
     "DistanceBand",
     "Fineness",
     "ForbidPair",
+    "GoalPredicate",
     "IkOptions",
     "JointGoal",
     "KeepIn",
@@ -155,10 +182,13 @@ __all__ = [
     "PlanningProblem",
     "Pose",
     "PoseGoal",
+    "PoseMetric",
     "PoseTarget",
     "PositionBand",
     "Progress",
     "RefineOptions",
+    "RegionGoal",
+    "RelativeGoal",
     "RemoveObject",
     "RetimeOptions",
     "RetimedPath",
@@ -170,12 +200,15 @@ __all__ = [
     "TightLimits",
     "TimedTrajectory",
     "World",
+    "assess_configurations",
     "bundled_folder",
     "certify_trajectory",
     "check_configurations",
     "describe_model",
     "edit_scene",
     "forward_kinematics",
+    "funnel_evidence",
+    "funnel_summary",
     "kernel_name",
     "list_models",
     "list_planners",

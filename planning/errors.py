@@ -13,7 +13,7 @@ WayproofError                 code, detail, evidence; pickles, so it crosses pro
 │   ├── StartOutOfLimits      start_out_of_limits    the joints, values and bounds
 │   ├── GoalOutOfLimits       goal_out_of_limits     the joints, values and bounds
 │   ├── GoalInCollision       goal_in_collision      every goal configuration collides
-│   ├── GoalUnreachable       goal_unreachable       the funnel, and the nearest pose
+│   ├── GoalUnreachable       goal_unreachable       the funnel, the nearest pose, what would do
 │   ├── StartViolatesConstraint  start_violates_constraint  which constraint, and by how much
 │   ├── GoalViolatesConstraint   goal_violates_constraint   how many violate which, and the least
 │   ├── ApproachBlocked       approach_blocked       the funnel, and what stopped the lines
@@ -142,14 +142,17 @@ class GoalOutOfLimits(PlanningFailure):
 
 
 class GoalInCollision(PlanningFailure):
-    """Goal configurations exist and all collide; evidence: `funnel`, `pairs`."""
+    """Goal configurations exist and all collide.
+
+    Evidence: `funnel`; `pairs` of given ones; `nearest` and `relaxation` of those of a tool frame.
+    """
 
     code = "goal_in_collision"
     stage = "goals"
 
 
 class GoalUnreachable(PlanningFailure):
-    """No configuration reaches the goal pose; evidence: `funnel`, `nearest`."""
+    """No configuration reaches the goal; evidence: `funnel`, `nearest`, `relaxation`."""
 
     code = "goal_unreachable"
     stage = "goals"

@@ -111,13 +111,6 @@ class RequestInvalid(Refusal):
     status = 422
 
 
-class NotSupported(Refusal):
-    """A part of the contract that this version does not do; evidence: `faults`."""
-
-    code = "not_supported"
-    status = 422
-
-
 class UnknownInScene(Refusal):
     """A posted scene names what nobody has; evidence: `kind`, `name`, `known`, `nearest`."""
 

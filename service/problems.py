@@ -12,7 +12,7 @@ from fastapi.responses import JSONResponse
 from starlette.exceptions import HTTPException
 
 from planning.errors import WayproofError
-from service.errors import NotSupported, Refusal, RequestInvalid, UnreadableBody, problem_of
+from service.errors import Refusal, RequestInvalid, UnreadableBody, problem_of
 from service.errors import status_of as status_of_error
 
 MEDIA_TYPE = "application/problem+json"
@@ -73,10 +73,7 @@ def refusal_of(faults: Sequence[Mapping[str, Any]]) -> Refusal:
         evidence = {"position": first["loc"][-1], "reason": reason}
         return UnreadableBody(f"the body is not JSON: {reason}", evidence)
     shown = [_fault(fault) for fault in faults[:_MAX_FAULTS]]
-    unsupported = [fault for fault in shown if fault["type"] == "not_supported"]
     more = f" (and {len(faults) - 1} more faults)" if len(faults) > 1 else ""
-    if unsupported:
-        return NotSupported(unsupported[0]["message"], {"faults": unsupported})
     detail = f"{shown[0]['path'] or 'body'}: {shown[0]['message']}{more}"
     return RequestInvalid(detail, {"faults": shown})
 

@@ -1,6 +1,8 @@
 """Goals: what a motion shall reach."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from jaxtyping import Float64
@@ -86,4 +88,69 @@ class LineGoal(Value):
     max_turn: float = MAX_TURN
 
 
-type Goal = JointGoal | ConfigurationGoal | PoseGoal | LineGoal
+@dataclass(frozen=True, eq=False)
+class RegionGoal(Value):
+    """Bring a tool frame into any of some regions; the solutions are spread over them.
+
+    The pose X_GT that the tool frame T has in the region's frame G is in the region if its
+    position is in the box, and its rotation is as far from none as `rotation_tolerance` allows:
+
+    - No axis is free: every component of its rotation vector is within its bound.
+    - One is: it is a turn about that axis, then a tilt (a rotation vector square to the axis)
+      whose components are within their bounds. "Any yaw" is z free and the others 0.
+    - Two are: it is a turn about the third axis, within its bound, then any tilt.
+    - Three are: it is any rotation.
+
+    Attributes:
+        targets: X_FG, the middle of each region; at least one.
+        frame: Full name of the tool frame; "" for the group's default.
+        position_tolerance: Half-widths of the box, in G's axes [m], shape (3,); infinite leaves an
+            axis free, and solutions are then looked for as far as the group reaches.
+        rotation_tolerance: By G's axes [rad], shape (3,); pi or more leaves an axis free.
+    """
+
+    targets: tuple[PoseTarget, ...]
+    frame: str
+    position_tolerance: Float64[np.ndarray, "3"]
+    rotation_tolerance: Float64[np.ndarray, "3"]
+
+
+@dataclass(frozen=True, eq=False)
+class RelativeGoal(Value):
+    """Move a tool frame T from where the start has it.
+
+    Without a reference the displacement is in T itself: X_WT_goal = X_WT @ displacement. With a
+    reference F its axes at the start count: T's origin moves by R_WF p and T turns about its own
+    origin by R_WF R R_WF^-1, where p and R are the displacement's parts. So "5 cm up" is
+    position (0, 0, 0.05) in "world", whichever way T looks.
+
+    Attributes:
+        displacement: By how much.
+        frame: Full name of T; "" for the group's default.
+        reference: Name of F, any frame of the scene; "" for T itself.
+    """
+
+    displacement: Pose
+    frame: str = ""
+    reference: str = ""
+
+
+@dataclass(frozen=True, eq=False)
+class GoalPredicate:
+    """Reach any configuration that a function of yours accepts.
+
+    It is looked for in the start, near it, and then among configurations drawn within the joint
+    limits, or by `draw`. A function has no content that could be compared, so this is no `Value`:
+    it equals itself alone, and a problem with it can neither be compared nor hashed.
+
+    Attributes:
+        accepts: Says of the group's q, shape (nq,), whether it is a goal. Free of side effects.
+        draw: Makes a candidate q, shape (nq,), from a generator; None for the joint limits.
+    """
+
+    accepts: Callable[[np.ndarray[Any, np.dtype[np.float64]]], bool]
+    draw: Callable[[np.random.Generator], np.ndarray[Any, np.dtype[np.float64]]] | None = None
+
+
+type ReachGoal = PoseGoal | RegionGoal | RelativeGoal
+type Goal = JointGoal | ConfigurationGoal | ReachGoal | LineGoal | GoalPredicate

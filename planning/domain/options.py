@@ -8,16 +8,36 @@ from planning.domain.value import Value
 
 
 @dataclass(frozen=True, eq=False)
+class PoseMetric(Value):
+    """How far apart two poses are: sqrt((translation * t)^2 + (rotation * theta)^2).
+
+    t is the distance of their origins [m], theta the angle between them [rad].
+
+    Attributes:
+        translation: Weight of a metre.
+        rotation: Weight of a radian; by default one weighs as much as 0.1 m.
+    """
+
+    translation: float = 1.0
+    rotation: float = 0.1
+
+
+@dataclass(frozen=True, eq=False)
 class IkOptions(Value):
-    """How hard to look for goal configurations.
+    """How hard to look for goal configurations, and which of them are near.
 
     Attributes:
         max_configurations: Stop at this many distinct free ones.
         max_trials: Stop after this many seeds of the solver, over all targets.
+        joint_weights: Factor on each joint's part of the distance from the start, by full name;
+            1 for joints that are not named.
+        pose_metric: Which pose is the nearest to one that no configuration reaches.
     """
 
     max_configurations: int = 100
     max_trials: int = 300
+    joint_weights: Mapping[str, float] = field(default_factory=dict)
+    pose_metric: PoseMetric = field(default_factory=PoseMetric)
 
 
 @dataclass(frozen=True, eq=False)

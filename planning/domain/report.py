@@ -1,6 +1,7 @@
 """Reports: what every stage says about its work."""
 
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from jaxtyping import Float64
@@ -93,19 +94,42 @@ class Funnel(Value):
 
 @dataclass(frozen=True, eq=False)
 class NearestPose(Value):
-    """The nearest pose that the tool frame can take to one that it cannot.
+    """The nearest pose that the tool frame can take, free and within limits, to what it cannot.
 
     Attributes:
         pose: X_WT, the tool frame in world.
         positions: The group's q there, shape (nq,).
-        translation_error: From the target [m].
-        rotation_error: From the target [rad].
+        translation_error: From the nearest pose within the goal's tolerance [m].
+        rotation_error: From the same [rad].
+        pose_index: To which of the goal's poses it is the nearest.
+        binding: What keeps it from being nearer: "limits", "collision", or "reach" if neither.
+        joints: The coordinates at their limits, if limits bind.
+        pairs: The pairs of bodies at their margins, if collisions bind.
     """
 
     pose: Pose
     positions: Float64[np.ndarray, " nq"]
     translation_error: float
     rotation_error: float
+    pose_index: int
+    binding: str
+    joints: tuple[str, ...] = ()
+    pairs: tuple[tuple[str, str], ...] = ()
+
+    @property
+    def evidence(self) -> dict[str, Any]:
+        """All of it as JSON has it."""
+        return {
+            "position": self.pose.position.tolist(),
+            "quaternion": self.pose.quaternion.tolist(),
+            "positions": self.positions.tolist(),
+            "translation_error": self.translation_error,
+            "rotation_error": self.rotation_error,
+            "pose_index": self.pose_index,
+            "binding": self.binding,
+            "joints": list(self.joints),
+            "pairs": [list(pair) for pair in self.pairs],
+        }
 
 
 @dataclass(frozen=True, eq=False)

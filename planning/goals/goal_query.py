@@ -21,6 +21,8 @@ class GoalQuery:
         start: The group's q, shape (nq,); nearness is measured from here.
         margins: The distances to keep.
         options: How hard to look.
+        num_measured: Of so many of the solutions that collide it is measured with what, and how
+            deep. That takes longer than finding them: plans do with few.
     """
 
     group: JointGroup
@@ -28,3 +30,4 @@ class GoalQuery:
     start: Float64[np.ndarray, " nq"]
     margins: PairMargins
     options: IkOptions
+    num_measured: int = 2

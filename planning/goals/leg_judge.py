@@ -4,6 +4,7 @@ Both are traced from the goal configuration outwards: what counts is the branch 
 """
 
 from collections import defaultdict
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -15,10 +16,10 @@ from planning.domain.goal import PoseGoal
 from planning.domain.joints import JointLimits
 from planning.domain.line import GoalLegs, Leg, ToolLine
 from planning.domain.line_trace import LineStop
-from planning.domain.manifold import Manifold
 from planning.domain.pose import Pose
 from planning.domain.report import Funnel, GoalConfigurations, LegTally
 from planning.goals.goal_query import GoalQuery
+from planning.goals.joint_metric import JointMetric
 from planning.goals.line_course import Course
 from planning.goals.line_stop import traced
 from planning.goals.line_tracer import Fineness, LineTracer
@@ -43,7 +44,7 @@ class LegJudge:
         world: World,
         query: GoalQuery,
         goal: PoseGoal,
-        targets: list[ToolTarget],
+        targets: Sequence[ToolTarget],
         deadline: Deadline,
     ) -> None:
         """Prepare for the goal's targets in world."""
@@ -123,10 +124,11 @@ class LegJudge:
 
 
 def leg_judge(
-    world: World, query: GoalQuery, goal: PoseGoal, targets: list[ToolTarget], deadline: Deadline
+    world: World, query: GoalQuery, targets: Sequence[ToolTarget], deadline: Deadline
 ) -> LegJudge | None:
     """Return the judge of a goal, or None if it asks for no lines."""
-    if goal.approach is None and goal.retreat is None:
+    goal = query.goal
+    if not isinstance(goal, PoseGoal) or (goal.approach is None and goal.retreat is None):
         return None
     return LegJudge(world, query, goal, targets, deadline)
 
@@ -154,8 +156,8 @@ def with_legs(
         tuple(legs[i] for i in inside),
     )
     count, index = query.options.max_configurations, np.arange(len(inside))
-    manifold = Manifold(query.group.joints)
-    _, order = nearest_first(manifold, query.start, every.entries, index, count)
+    metric = JointMetric.from_names(query.group, query.options.joint_weights)
+    _, order = nearest_first(metric, query.start, every.entries, index, count)
     return GoalConfigurations(
         every.positions[list(order)],
         tuple(every.target_indices[i] for i in order),

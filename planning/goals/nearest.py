@@ -1,51 +1,218 @@
-"""The nearest pose that a tool frame can take to one that it cannot."""
+"""The nearest free pose that a tool frame can take to one that it cannot."""
 
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from pydrake.math import RigidTransform, RotationMatrix
+from jaxtyping import Float64
 
-from planning.domain.joints import JointGroup
+from planning.domain import rotation
+from planning.domain.deadline import Deadline
+from planning.domain.pose import Pose
 from planning.domain.report import NearestPose
-from planning.goals.group_program import GroupProgram
+from planning.goals.goal_query import GoalQuery
+from planning.goals.nearest_program import Target, pulled
+from planning.goals.pose_solvers import DrakePoseSolver, PoseSolver, kernel_pose_solver
 from planning.goals.seeds import Seeds
+from planning.goals.start import within_limits
 from planning.goals.tool_target import ToolTarget
 from planning.world.world import World
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
-_NUM_SEEDS = 12
-_MAJOR_ITERATIONS = 200
-# One radian of rotation weighs as much as this much translation [m].
-_METRES_PER_RADIAN = 0.1
+# Random configurations that are looked at first, and how many of the best are pulled.
+_NUM_RANDOM = 64
+_NUM_PULLED = 3
+# Of many poses, so many are looked at more closely.
+_MAX_TARGETS = 4
+# Poses near the target that are then tried, each time nearer than the best so far, and how many of
+# those that are free are looked at.
+_NUM_TRIES, _NUM_KEPT = 320, 4
+_NUM_TRIES_BY_DRAKE = 24
+_MAX_ROUNDS = 8
+# What is nearer by less than this share is no news.
+_NEWS = 0.999
+# A pair or a joint within this of its bound is at it [m, rad].
+_AT_BOUND = 1e-4
 
 
-def nearest_pose(
-    world: World, group: JointGroup, target: ToolTarget, start: Array, rng: np.random.Generator
-) -> NearestPose:
-    """Return the best of some local minima of translation^2 + (0.1 m * rotation)^2.
+@dataclass(frozen=True)
+class _Found:
+    """A free configuration and what it misses the goal by."""
 
-    Joint limits are kept; collisions are not looked at.
+    cost: float
+    q: Array
+    pose: Pose
+    index: int
+
+
+class NearestSearch:
+    """Random configurations, then gradients, then poses nearer than the best one, over again.
+
+    Every answer is within limits and free; that there is no nearer one is likely, not proven.
     """
-    program = GroupProgram(world, group, _MAJOR_ITERATIONS)
-    frame, origin = world.drake.frames[target.frame], world.drake.plant.world_frame()
-    x_wg = RigidTransform(target.pose.matrix)
-    program.ik.AddPositionCost(origin, x_wg.translation(), frame, np.zeros(3), np.eye(3))
-    # Drake's cost is c (1 - cos theta), about c theta^2 / 2.
-    weight = 2 * _METRES_PER_RADIAN**2
-    program.ik.AddOrientationCost(origin, x_wg.rotation(), frame, RotationMatrix(), weight)
-    limits = world.limits(group)
-    best: NearestPose | None = None
-    for seed in Seeds(group, limits, start, rng).take(_NUM_SEEDS):
-        q = np.clip(program.solve(seed), limits.lower, limits.upper)
-        reached = world.frame_pose(target.frame, world.embed(group, q))
-        translation, rotation = reached.distance(target.pose)
-        found = NearestPose(reached, q, translation, rotation)
-        if best is None or _cost(found) < _cost(best):
-            best = found
-    assert best is not None  # noqa: S101  (there is at least one seed)
-    return best
 
+    def __init__(
+        self,
+        world: World,
+        query: GoalQuery,
+        targets: list[ToolTarget] | list[Any],
+        rng: np.random.Generator,
+        deadline: Deadline,
+    ) -> None:
+        """Look until the deadline at most."""
+        self._world = world
+        self._query = query
+        self._targets: list[Target] = list(targets)
+        self._rng = rng
+        self._deadline = deadline
+        self._limits = world.limits(query.group)
+        self._oracle = world.collision_oracle(query.group, query.margins)
+        self._seeds = Seeds(query.group, self._limits, query.start, rng)
+        self._best: _Found | None = None
+        self._hints: Array = np.zeros((0, query.group.num_positions))
 
-def _cost(found: NearestPose) -> float:
-    return found.translation_error**2 + (_METRES_PER_RADIAN * found.rotation_error) ** 2
+    def run(self, hints: Float64[np.ndarray, "n nq"]) -> NearestPose | None:
+        """Return the nearest pose, None if no configuration was found free.
+
+        Args:
+            hints: Configurations that reach the goal, or nearly, but collide.
+        """
+        self._hints = self._rng.permutation(hints)
+        rows = np.concatenate([hints, self._seeds.take(_NUM_RANDOM)])
+        begun = self._begin(rows, len(hints))
+        for i, q in begun:
+            if self._deadline.is_over and self._best is not None:
+                break
+            self._consider(pulled(self._world, self._query, self._targets[i], q)[None], [i])
+        for _ in range(_MAX_ROUNDS):
+            if self._best is None or self._deadline.is_over or not self._nearer(self._best):
+                break
+        return None if self._best is None else self._report(self._best)
+
+    def _begin(self, rows: Array, num_hints: int) -> list[tuple[int, Array]]:
+        """Take the best free row, and return which to pull, and to which target."""
+        full = self._world.embed(self._query.group, rows)
+        reached = [Pose.from_matrix(x) for x in self._frame_poses(full)]
+        targets = self._promising(reached)
+        costs = np.array([[self._cost(pose, i) for i in targets] for pose in reached])
+        free = self._are_feasible(rows)
+        nearest = costs.argmin(axis=1)
+        costs = costs.min(axis=1)
+        order = np.argsort(costs, kind="stable")
+        for k in order[free[order]][:1]:
+            index = targets[int(nearest[k])]
+            self._best = _Found(float(costs[k]), rows[k], reached[k], index)
+        first = [k for k in order if k < num_hints][:_NUM_PULLED]
+        then = [k for k in order if k >= num_hints][:_NUM_PULLED]
+        freest = list(order[free[order]][:_NUM_PULLED])
+        chosen = dict.fromkeys(int(k) for k in [*first, *then, *freest])
+        return [(targets[int(nearest[k])], rows[k]) for k in chosen]
+
+    def _promising(self, reached: list[Pose]) -> list[int]:
+        """Return the targets that some of the poses are nearest to."""
+        if len(self._targets) <= _MAX_TARGETS:
+            return list(range(len(self._targets)))
+        places = np.array([pose.position for pose in reached])
+        gaps = [
+            float(np.linalg.norm(places - target.pose.position, axis=1).min())
+            for target in self._targets
+        ]
+        return [int(i) for i in np.argsort(gaps, kind="stable")[:_MAX_TARGETS]]
+
+    def _nearer(self, best: _Found) -> bool:
+        """Try random poses that are nearer than the best; return whether any is to be had."""
+        target = self._targets[best.index]
+        base = target.closest(best.pose)
+        exact = np.zeros(3)
+        moves = best.cost * self._moves()
+        poses = self._moved(base, moves)
+        targets = [ToolTarget(target.frame, pose, exact, exact) for pose in poses]
+        solver = kernel_pose_solver(self._world, self._query.group, targets)
+        if solver is None:
+            group = self._query.group
+            targets = targets[:_NUM_TRIES_BY_DRAKE]
+            solver = DrakePoseSolver(self._world, group, self._deadline, targets)
+        seeds = self._seeds.take(len(targets)).copy()
+        seeds[::4] = best.q
+        if len(self._hints):
+            seeds[1::2] = np.resize(self._hints, seeds[1::2].shape)
+        rows = self._solved(solver, seeds, np.linalg.norm(moves, axis=1))
+        self._consider(rows, [best.index] * len(rows))
+        if self._best is None or self._best.cost >= _NEWS * best.cost:
+            return False
+        q = pulled(self._world, self._query, target, self._best.q)
+        self._consider(q[None], [best.index])
+        return True
+
+    def _solved(self, solver: PoseSolver, seeds: Array, distances: Array) -> Array:
+        """Return the free configurations that reach the nearest of the solver's targets."""
+        converged, rows = solver.solve(seeds, np.arange(len(seeds)), len(seeds))
+        converged = converged[: len(rows)]
+        rows = rows[converged][np.argsort(distances[: len(converged)][converged], kind="stable")]
+        return rows[self._are_feasible(rows)][:_NUM_KEPT]
+
+    def _moves(self) -> Array:
+        """Return weighted displacements of length 1 at most: along axes, aside, and turned.
+
+        Those along axes, where obstacles have their sides, lie denser near length 1.
+        """
+        third = _NUM_TRIES // 3
+        numbers = np.arange(third)
+        along = np.zeros((third, 6))
+        along[numbers, numbers % 6 // 2] = np.where(numbers % 2, 1, -1)
+        along *= 1 - ((numbers[:, None] // 6 + 0.5) / (third // 6 + 1)) ** 2
+        aside = self._rng.normal(size=(_NUM_TRIES - third, 6))
+        aside[:third, 3:] = 0.0
+        aside /= np.linalg.norm(aside, axis=1, keepdims=True)
+        aside *= self._rng.uniform(size=(len(aside), 1)) ** (1 / 6)
+        return np.asarray(self._rng.permutation(np.concatenate([along, aside])))
+
+    def _moved(self, base: Pose, moves: Array) -> list[Pose]:
+        """Return a pose displaced in its own axes; the metric's weights are taken off."""
+        metric = self._query.options.pose_metric
+        shifts, turns = moves[:, :3] / metric.translation, moves[:, 3:] / metric.rotation
+        turns *= np.minimum(1.0, np.pi / np.maximum(np.linalg.norm(turns, axis=1), 1e-12))[:, None]
+        positions = base.position + rotation.rotate(base.quaternion, shifts)
+        quaternions = rotation.multiply(base.quaternion, rotation.exp(turns))
+        return [Pose(p, a) for p, a in zip(positions, quaternions, strict=True)]
+
+    def _consider(self, rows: Array, indices: list[int]) -> None:
+        """Keep the nearest of some configurations, if it is free and nearer than the best."""
+        free = self._are_feasible(rows)
+        reached = self._frame_poses(self._world.embed(self._query.group, rows[free]))
+        kept = [i for i, is_free in zip(indices, free, strict=True) if is_free]
+        for q, x_wt, i in zip(rows[free], reached, kept, strict=True):
+            pose = Pose.from_matrix(x_wt)
+            cost = self._cost(pose, i)
+            if self._best is None or cost < self._best.cost:
+                self._best = _Found(cost, np.array(q), pose, i)
+
+    def _are_feasible(self, rows: Array) -> Any:
+        feasible = within_limits(self._limits, rows)
+        feasible[feasible] = self._oracle.are_free(rows[feasible])
+        return feasible
+
+    def _frame_poses(self, full: Array) -> Array:
+        return self._world.frame_poses(self._targets[0].frame, full)
+
+    def _cost(self, pose: Pose, index: int) -> float:
+        metric = self._query.options.pose_metric
+        shift, turn = pose.distance(self._targets[index].closest(pose))
+        return float(np.hypot(metric.translation * shift, metric.rotation * turn))
+
+    def _report(self, best: _Found) -> NearestPose:
+        """Say what binds: bodies at their margins, else joints at their limits, else the reach."""
+        group, margins = self._query.group, self._query.margins
+        shift, turn = best.pose.distance(self._targets[best.index].closest(best.pose))
+        probe = self._world.distance_probe(margins)
+        near = probe.pairs_within(self._world.embed(group, best.q), margins.largest + _AT_BOUND)
+        pairs = tuple(
+            pair.bodies for pair in near if pair.distance < margins.of(*pair.bodies) + _AT_BOUND
+        )
+        gaps = np.minimum(best.q - self._limits.lower, self._limits.upper - best.q)
+        joints = tuple(
+            name for name, gap in zip(group.position_names, gaps, strict=True) if gap < _AT_BOUND
+        )
+        binding = "collision" if pairs else "limits" if joints else "reach"
+        return NearestPose(best.pose, best.q, shift, turn, best.index, binding, joints, pairs)

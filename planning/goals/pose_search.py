@@ -1,4 +1,4 @@
-"""The sampler over the targets of a pose goal: seeds, solutions, and which of them remain."""
+"""The sampler over some targets: seeds, solutions, and which of them remain."""
 
 from typing import Any
 
@@ -7,6 +7,7 @@ import numpy as np
 from planning.domain.deadline import Deadline
 from planning.domain.manifold import Manifold
 from planning.domain.report import Funnel, PairTally
+from planning.goals.aims import Aims
 from planning.goals.goal_query import GoalQuery
 from planning.goals.leg_judge import LegJudge
 from planning.goals.pose_solvers import PoseSolver
@@ -26,29 +27,23 @@ _PATIENCE = 40
 class PoseSearch:
     """One run of the sampler.
 
-    Every seed is tried on every target, in turn. What is found does not depend on how many seeds
-    the solver takes at once.
+    What is found does not depend on how many seeds the solver takes at once.
 
     Attributes:
         found: The distinct free solutions so far.
         colliding: Solutions within limits that are nearer to something than its margin.
     """
 
-    def __init__(  # noqa: PLR0913, PLR0917  (all that a run needs)
+    def __init__(
         self,
         world: World,
         query: GoalQuery,
-        num_targets: int,
-        solver: PoseSolver,
         rng: np.random.Generator,
         deadline: Deadline,
         judge: LegJudge | None = None,
     ) -> None:
         """Prepare to search; a judge keeps only configurations that have approach and retreat."""
-        self._world = world
         self._query = query
-        self._num_targets = num_targets
-        self._solver = solver
         self._deadline = deadline
         self._limits = world.limits(query.group)
         self._oracle = world.collision_oracle(query.group, query.margins)
@@ -56,20 +51,27 @@ class PoseSearch:
         self._drawn = self._seeds.take(0)
         self._tried = self._converged = self._within = self._free = self._repeats = 0
         self._approached = 0
-        self._judge = judge
+        self.judge = judge
         self._manifold = Manifold(query.group.joints)
         self.found = Distinct(query.group, self._manifold)
         self._blocked = Distinct(query.group, self._manifold)
         self.colliding: list[Array] = []
 
-    def run(self) -> None:
-        """Try seeds until there is enough, or no hope or time for more."""
-        while not self._is_done():
-            seeds, targets = self._next()
+    def run(self, aims: Aims, solver: PoseSolver, max_trials: int) -> None:
+        """Try seeds until there is enough, or no hope or time or trial for more.
+
+        Args:
+            aims: What to try them on.
+            solver: For the targets of these.
+            max_trials: The end, counted from the first trial of all runs.
+        """
+        while not self._is_done(max_trials):
+            count = min(solver.num_at_once, max_trials - self._tried)
+            seeds, targets = aims.trials(self._tried, count)
             # Some will collide, and some be the same.
             enough = 2 * (self._query.options.max_configurations - len(self.found))
-            converged, q = self._solver.solve(seeds, targets, enough)
-            self._admit(converged, q, targets[: len(q)])
+            converged, q = solver.solve(self._rows(seeds), targets, enough)
+            self._admit(converged, q, aims.poses[targets[: len(q)]])
 
     def funnel(self, rejected_by: tuple[PairTally, ...]) -> Funnel:
         """Return how many got how far."""
@@ -81,35 +83,32 @@ class PoseSearch:
             len(self.found),
             rejected_by,
             approach_ok=self._approached,
-            blocked_by=self._judge.blocked_by if self._judge else (),
+            blocked_by=self.judge.blocked_by if self.judge else (),
         )
 
-    def _is_done(self) -> bool:
-        options = self._query.options
+    def _is_done(self, max_trials: int) -> bool:
         return (
-            self._tried >= options.max_trials
-            or len(self.found) >= options.max_configurations
+            self._tried >= max_trials
+            or len(self.found) >= self._query.options.max_configurations
             or self._repeats >= _PATIENCE
             or self._deadline.is_over
         )
 
-    def _next(self) -> tuple[Array, Indices]:
-        """Return the seeds to try next, and the target of each."""
-        count = min(self._solver.num_at_once, self._query.options.max_trials - self._tried)
-        seeds, targets = np.divmod(np.arange(self._tried, self._tried + count), self._num_targets)
+    def _rows(self, seeds: Indices) -> Array:
+        """Return the seeds of some numbers, the last of which is the largest."""
         missing = int(seeds[-1]) + 1 - len(self._drawn)
         if missing > 0:
             self._drawn = np.concatenate([self._drawn, self._seeds.take(missing)])
-        return self._drawn[seeds], targets
+        return self._drawn[seeds]
 
-    def _admit(self, converged: Flags, q: Array, targets: Indices) -> None:
+    def _admit(self, converged: Flags, q: Array, poses: Indices) -> None:
         """Count and keep what was found, in the order of the seeds, until there is enough."""
         q = clip_dust(self._limits, self._manifold, q)
         within = converged & within_limits(self._limits, q)
         free, is_new = np.zeros_like(within), np.zeros_like(within)
         free[within] = self._oracle.are_free(q[within])
-        is_new[free] = self.found.are_new(q[free], targets[free])
-        good = free if self._judge is None else self._approachable(q, targets, free, is_new)
+        is_new[free] = self.found.are_new(q[free], poses[free])
+        good = free if self.judge is None else self._approachable(q, poses, free, is_new)
         end = self._end(good, is_new)
         self._tried += end
         self._converged += int(converged[:end].sum())
@@ -118,15 +117,15 @@ class PoseSearch:
         self._approached += int(good[:end].sum())
         self.colliding += list(q[:end][(within & ~free)[:end]])
         kept = is_new[:end]
-        self.found.add(q[:end][kept], targets[:end][kept])
+        self.found.add(q[:end][kept], poses[:end][kept])
 
     def _approachable(self, q: Array, targets: Indices, free: Flags, is_new: Flags) -> Flags:
         """Return which of the free rows have approach and retreat; strike the others as new."""
         good = np.array(free)
         is_new[free] &= ~self._blocked.contains(q[free], targets[free])
         asked = np.flatnonzero(is_new)
-        if self._judge is not None and len(asked):
-            bad = asked[~self._judge.admit(q[asked], targets[asked])]
+        if self.judge is not None and len(asked):
+            bad = asked[~self.judge.admit(q[asked], targets[asked])]
             self._blocked.add(q[bad], targets[bad])
             is_new[bad] = False
         good[free] = ~self._blocked.contains(q[free], targets[free])

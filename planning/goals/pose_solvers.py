@@ -1,6 +1,5 @@
 """From seeds to configurations that reach a pose: by the kernel, many at once, or by Drake."""
 
-from functools import cached_property
 from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
@@ -51,12 +50,13 @@ class DrakePoseSolver:
     num_at_once = 1
 
     def __init__(
-        self, world: World, group: JointGroup, targets: list[ToolTarget], deadline: Deadline
+        self, world: World, group: JointGroup, deadline: Deadline, targets: list[ToolTarget]
     ) -> None:
         """Solve no more once the deadline is over."""
         self._arguments = world, group
         self._targets = targets
         self._deadline = deadline
+        self._programs: dict[int, IkProgram] = {}
 
     def solve(
         self,
@@ -69,15 +69,16 @@ class DrakePoseSolver:
         for seed, target in zip(seeds, targets, strict=True):
             if enough <= sum(q is not None for q in found) or self._deadline.is_over:
                 break
-            found.append(self._programs[int(target)].solve(seed))
+            found.append(self._program(int(target)).solve(seed))
         tried = len(found)
         q = np.array([s if q is None else q for s, q in zip(seeds[:tried], found, strict=True)])
         converged = np.array([q is not None for q in found], dtype=bool)
         return converged, q.reshape(tried, seeds.shape[1])
 
-    @cached_property
-    def _programs(self) -> list[IkProgram]:
-        return [IkProgram(*self._arguments, target) for target in self._targets]
+    def _program(self, index: int) -> IkProgram:
+        if index not in self._programs:
+            self._programs[index] = IkProgram(*self._arguments, self._targets[index])
+        return self._programs[index]
 
 
 class KernelPoseSolver:

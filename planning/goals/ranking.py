@@ -7,6 +7,7 @@ from jaxtyping import Bool, Float64, Int64
 
 from planning.domain.joints import JointGroup, JointLimits, JointType
 from planning.domain.manifold import Manifold
+from planning.goals.joint_metric import JointMetric
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 type Flags = np.ndarray[Any, np.dtype[np.bool_]]
@@ -128,14 +129,14 @@ def equivalents(
 
 
 def nearest_first(
-    manifold: Manifold,
+    metric: JointMetric,
     start: Float64[np.ndarray, " nq"],
     rows: Float64[np.ndarray, "n nq"],
     targets: Int64[np.ndarray, " n"],
     count: int,
 ) -> tuple[Array, tuple[int, ...]]:
     """Return the `count` rows nearest to the start and their target indices."""
-    distances = manifold.distance(rows, start[None])
+    distances = metric.distance(rows, start)
     order = np.argsort(distances, kind="stable")[:count]
     return rows[order], tuple(int(i) for i in targets[order])
 

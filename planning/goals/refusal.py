@@ -1,57 +1,105 @@
-"""Why a pose goal has no configuration: none reaches it, or all that do collide."""
+"""Why a goal has no configuration: none reaches it, or all that do collide; and what would do."""
+
+from collections.abc import Mapping
+from types import MappingProxyType
+from typing import Any
 
 import numpy as np
 
-from planning.domain.report import Funnel
+from planning.domain.deadline import Deadline
+from planning.domain.funnel import funnel_evidence
+from planning.domain.manifold import Manifold
+from planning.domain.report import Funnel, NearestPose
 from planning.errors import ApproachBlocked, GoalInCollision, GoalUnreachable
+from planning.goals.aims import Aiming
 from planning.goals.goal_query import GoalQuery
-from planning.goals.nearest import nearest_pose
+from planning.goals.nearest import NearestSearch
 from planning.goals.pose_search import PoseSearch
-from planning.goals.tally import funnel_evidence, tallied
-from planning.goals.tool_target import ToolTarget
+from planning.goals.ranking import Distinct
+from planning.goals.relaxation import least_deep, tolerance_that_does
+from planning.goals.start import describe_pairs, pair_evidence
+from planning.goals.tally import tallied
 from planning.world.world import World
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # So many of the configurations that collide are measured for the evidence.
 _LOOKED_AT = 256
+# And of so many distinct ones it is asked what would have to give way.
+_NUM_DISTINCT = 32
 
 
 def refusal(
     world: World,
     query: GoalQuery,
-    targets: list[ToolTarget],
+    aiming: Aiming,
     search: PoseSearch,
     rng: np.random.Generator,
+    deadline: Deadline,
 ) -> ApproachBlocked | GoalInCollision | GoalUnreachable:
-    """Return what the funnel says: unreachable, reachable only in collision, or by no line."""
+    """Return what the funnel says: unreachable, reachable only in collision, or by no line.
+
+    The evidence has the nearest free pose, and the relaxations of which each would do.
+    """
     if search.funnel(()).collision_free > 0:
         return _blocked(search.funnel(()))
-    tally = tallied(world, query, search.colliding[:_LOOKED_AT])
-    funnel = search.funnel(tally.summary)
-    if funnel.within_limits > 0:
-        words = ", ".join(
-            f"{tally.count} hit {'-'.join(tally.bodies)} by {1000 * tally.min_depth:.1f} to "
-            f"{1000 * tally.max_depth:.1f} mm"
-            for tally in funnel.rejected_by[:3]
-        )
-        message = f"all {funnel.within_limits} configurations that reach the goal collide: "
-        return GoalInCollision(message + words, {"funnel": funnel_evidence(funnel)})
-    near = min(
-        (nearest_pose(world, query.group, target, query.start, rng) for target in targets),
-        key=lambda found: found.translation_error + 0.1 * found.rotation_error,
-    )
+    hints = _distinct(query, search)
+    found = NearestSearch(world, query, aiming.accepted, rng, deadline).run(hints)
+    relaxation: dict[str, Any] = {"tolerance": None, "obstacles": [], "positions": None}
+    if found is not None:
+        target = aiming.accepted[found.pose_index]
+        relaxation["tolerance"] = tolerance_that_does(target, found)
+    evidence = {"nearest": found and found.evidence, "relaxation": relaxation}
+    words = _describe(found)
+    if search.colliding:
+        return all_collide(world, query, search, deadline, evidence, words)
+    funnel = search.funnel(())
     message = (
-        f"no configuration of {query.group.name} brings {targets[0].frame} to the goal; "
-        f"the nearest pose is {1000 * near.translation_error:.1f} mm and "
-        f"{np.degrees(near.rotation_error):.2f} deg away"
+        f"no configuration of {query.group.name} brings {aiming.accepted[0].frame} to the goal"
+        f"{words}"
     )
-    nearest = {
-        "position": near.pose.position.tolist(),
-        "quaternion": near.pose.quaternion.tolist(),
-        "positions": near.positions.tolist(),
-        "translation_error": near.translation_error,
-        "rotation_error": near.rotation_error,
+    return GoalUnreachable(message, {"funnel": funnel_evidence(funnel), **evidence})
+
+
+def all_collide(
+    world: World,
+    query: GoalQuery,
+    search: PoseSearch,
+    deadline: Deadline,
+    evidence: Mapping[str, Any] = MappingProxyType({}),
+    words: str = "",
+) -> GoalInCollision:
+    """Return the failure of a goal that is reached, but never free.
+
+    Args:
+        world: The scene, loaded.
+        query: The goal.
+        search: What was found.
+        deadline: When to stop measuring.
+        evidence: What else there is to say; its `relaxation` gets the obstacles.
+        words: The same as words.
+    """
+    rows = _distinct(query, search)
+    tally = tallied(world, query, search.colliding[: max(_LOOKED_AT, query.num_measured)], deadline)
+    funnel = search.funnel(tally.summary)
+    hits = ", ".join(
+        f"{tally.count} hit {'-'.join(tally.bodies)} by {1000 * tally.min_depth:.1f} to "
+        f"{1000 * tally.max_depth:.1f} mm"
+        for tally in funnel.rejected_by[:3]
+    )
+    q, pairs = least_deep(world, query, rows)
+    relaxation = {
+        **evidence.get("relaxation", {}),
+        "obstacles": pair_evidence(pairs, query.margins),
+        "positions": q.tolist(),
     }
-    return GoalUnreachable(message, {"funnel": funnel_evidence(funnel), "nearest": nearest})
+    message = (
+        f"all {funnel.within_limits} configurations that reach the goal collide: {hits}; the least "
+        f"deep hits {describe_pairs(pairs, query.margins)}{words}"
+    )
+    return GoalInCollision(
+        message, {**evidence, "funnel": funnel_evidence(funnel), "relaxation": relaxation}
+    )
 
 
 def _blocked(funnel: Funnel) -> ApproachBlocked:
@@ -62,3 +110,24 @@ def _blocked(funnel: Funnel) -> ApproachBlocked:
     )
     message = f"no goal configuration has a free approach and retreat: {words}"
     return ApproachBlocked(message, {"funnel": funnel_evidence(funnel)})
+
+
+def _distinct(query: GoalQuery, search: PoseSearch) -> Array:
+    """Return the first distinct ones of the configurations that collide."""
+    rows = np.reshape(search.colliding[:_LOOKED_AT], (-1, query.group.num_positions))
+    known = Distinct(query.group, Manifold(query.group.joints))
+    return rows[known.are_new(rows, np.zeros(len(rows), dtype=np.int64))][:_NUM_DISTINCT]
+
+
+def _describe(found: NearestPose | None) -> str:
+    if found is None:
+        return ""
+    binding = {
+        "collision": f"{', '.join('-'.join(pair) for pair in found.pairs)} bind",
+        "limits": f"{', '.join(found.joints)} at their limits bind",
+        "reach": "the reach binds",
+    }[found.binding]
+    return (
+        f"; the nearest free pose is {1000 * found.translation_error:.1f} mm and "
+        f"{np.degrees(found.rotation_error):.2f} deg away, where {binding}"
+    )

@@ -1,20 +1,34 @@
 """Goal configurations of a goal: the stage's one entry, shared by plans and by /ik."""
 
 import logging
+from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import numpy as np
 
 from planning.domain.deadline import Deadline
-from planning.domain.goal import ConfigurationGoal, JointGoal, LineGoal, PoseGoal
+from planning.domain.funnel import funnel_evidence
+from planning.domain.goal import (
+    ConfigurationGoal,
+    GoalPredicate,
+    JointGoal,
+    LineGoal,
+    PoseGoal,
+    RegionGoal,
+    RelativeGoal,
+)
 from planning.domain.joints import JointGroup
 from planning.domain.manifold import Manifold
 from planning.domain.report import BodyPair, Funnel, GoalConfigurations
 from planning.errors import GoalInCollision, GoalOutOfLimits, ProblemInvalid
+from planning.goals.aims import Aiming, aiming_of
 from planning.goals.goal_query import GoalQuery
+from planning.goals.joint_metric import JointMetric
 from planning.goals.leg_judge import leg_judge, with_legs
 from planning.goals.pose_search import PoseSearch
-from planning.goals.pose_solvers import DrakePoseSolver, kernel_pose_solver
+from planning.goals.pose_solvers import DrakePoseSolver, PoseSolver, kernel_pose_solver
+from planning.goals.predicate_search import accepted_by
 from planning.goals.ranking import Distinct, equivalents, nearest_first
 from planning.goals.refusal import refusal
 from planning.goals.start import (
@@ -24,16 +38,14 @@ from planning.goals.start import (
     pair_evidence,
     within_limits,
 )
-from planning.goals.tally import Tally, funnel_evidence, tallied
-from planning.goals.tool_target import ToolTarget, tool_targets
+from planning.goals.tally import Tally, tallied
+from planning.goals.tool_target import ToolTarget
 from planning.world.positions import require_positions
 from planning.world.world import World
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 _LOG = logging.getLogger(__name__)
-# Where some configurations are free, so many of those that are not are measured for the report.
-_LOOKED_AT = 2
 
 
 def find_goals(
@@ -54,8 +66,10 @@ def find_goals(
         case LineGoal():
             message = "lines are not searched for; `trace_path` follows them"
             raise ProblemInvalid(message, {"field": "goal"})
-        case PoseGoal() as goal:
-            return _reaching(world, query, goal, rng, deadline)
+        case PoseGoal() | RegionGoal() | RelativeGoal():
+            return _reaching(world, query, rng, deadline)
+        case GoalPredicate() as goal:
+            return accepted_by(world, query, goal, rng, deadline)
         case ConfigurationGoal() as goal:
             rows = world.configuration(query.group, goal.name)[None]
         case JointGoal() as goal:
@@ -95,53 +109,73 @@ def _given(world: World, query: GoalQuery, rows: Array) -> GoalConfigurations:
         message = f"every goal configuration collides: {describe_pairs(pairs, query.margins)}"
         evidence = {"funnel": funnel_evidence(funnel), "pairs": pair_evidence(pairs, query.margins)}
         raise GoalInCollision(message, evidence)
-    found, indices = nearest_first(manifold, query.start, rows[free], free, len(free))
+    metric = JointMetric.from_names(group, query.options.joint_weights)
+    found, indices = nearest_first(metric, query.start, rows[free], free, len(free))
     return GoalConfigurations(found, indices, funnel)
 
 
 def _reaching(
-    world: World, query: GoalQuery, goal: PoseGoal, rng: np.random.Generator, deadline: Deadline
+    world: World, query: GoalQuery, rng: np.random.Generator, deadline: Deadline
 ) -> GoalConfigurations:
     """Sample configurations that reach a pose, by the kernel if there is one, and let Drake verify.
 
     Drake answers alone if it refutes a single one of the kernel's.
     """
-    group = query.group
-    targets = tool_targets(world, group, goal, query.start)
+    group, options = query.group, query.options
+    metric = JointMetric.from_names(group, options.joint_weights)
+    aiming = aiming_of(world, query, rng)
     state = rng.bit_generator.state
-    judge = leg_judge(world, query, goal, targets, deadline)
-    search: PoseSearch | None = None
-    solver = kernel_pose_solver(world, group, targets)
-    if solver is not None:
-        search = PoseSearch(world, query, len(targets), solver, rng, deadline, judge)
-        search.run()
-        if not _are_met(world, group, targets, search.found):
-            _LOG.error("Drake refutes the kernel's inverse kinematics of %s", targets[0].frame)
-            rng.bit_generator.state, search = state, None
+    solve = partial(kernel_pose_solver, world, group)
+    search = _followed(world, query, aiming, solve, rng, deadline)
+    if search is not None and not _are_met(world, group, aiming, search.found):
+        _LOG.error("Drake refutes the kernel's inverse kinematics of %s", group.name)
+        rng.bit_generator.state, search = state, None
     if search is None:
-        judge = leg_judge(world, query, goal, targets, deadline)
-        drake = DrakePoseSolver(world, group, targets, deadline)
-        search = PoseSearch(world, query, len(targets), drake, rng, deadline, judge)
-        search.run()
+        drake = partial(DrakePoseSolver, world, group, deadline)
+        search = _followed(world, query, aiming, drake, rng, deadline)
+    assert search is not None  # noqa: S101  (Drake always has a solver)
     if not len(search.found):
         deadline.check("goals")
-        raise refusal(world, query, targets, search, rng)
-    funnel = search.funnel(tallied(world, query, search.colliding[:_LOOKED_AT]).summary)
-    limits = world.limits(group)
-    rows, index = equivalents(group, limits, search.found.rows)
+        raise refusal(world, query, aiming, search, rng, deadline)
+    tally = tallied(world, query, search.colliding[: query.num_measured], deadline)
+    rows, index = equivalents(group, world.limits(group), search.found.rows)
     turned = search.found.targets[index]
-    count = query.options.max_configurations
-    if judge is not None:
-        legs = judge.legs_of(search.found.rows[index], rows)
-        return with_legs(query, limits, (rows, turned, legs), funnel)
-    nearest = nearest_first(Manifold(group.joints), query.start, rows, turned, count)
+    funnel = search.funnel(tally.summary)
+    if search.judge is not None:
+        legs = search.judge.legs_of(search.found.rows[index], rows)
+        return with_legs(query, world.limits(group), (rows, turned, legs), funnel)
+    nearest = nearest_first(metric, query.start, rows, turned, options.max_configurations)
     return GoalConfigurations(*nearest, funnel)
 
 
-def _are_met(world: World, group: JointGroup, targets: list[ToolTarget], found: Distinct) -> bool:
+def _followed(
+    world: World,
+    query: GoalQuery,
+    aiming: Aiming,
+    solver_of: Callable[[list[ToolTarget]], PoseSolver | None],
+    rng: np.random.Generator,
+    deadline: Deadline,
+) -> PoseSearch | None:
+    """Return the search once it is over, None if there is no such solver."""
+    solver = solver_of(aiming.first.targets)
+    if solver is None:
+        return None
+    trials = query.options.max_trials
+    judge = leg_judge(world, query, aiming.first.targets, deadline)
+    search = PoseSearch(world, query, rng, deadline, judge)
+    search.run(aiming.first, solver, int(np.ceil(aiming.share * trials)))
+    aims = aiming.first
+    if aiming.then is not None and not len(search.found):
+        aims, solver = aiming.then, solver_of(aiming.then.targets) or solver
+    search.run(aims, solver, trials)
+    return search
+
+
+def _are_met(world: World, group: JointGroup, aiming: Aiming, found: Distinct) -> bool:
     """Return whether Drake agrees that every solution reaches its target."""
-    reached = world.frame_poses(targets[0].frame, world.embed(group, found.rows))
+    frame = aiming.accepted[0].frame
+    reached = world.frame_poses(frame, world.embed(group, found.rows))
     return all(
         bool(target.are_met_by(reached[found.targets == i]).all())
-        for i, target in enumerate(targets)
+        for i, target in enumerate(aiming.accepted)
     )

@@ -1,4 +1,4 @@
-"""Which pairs of bodies rejected configurations hit, and the funnel as evidence."""
+"""Which pairs of bodies rejected configurations hit."""
 
 from collections import defaultdict
 from dataclasses import dataclass, field
@@ -6,7 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from planning.domain.report import BodyPair, Funnel, PairTally
+from planning.domain.deadline import Deadline
+from planning.domain.report import BodyPair, PairTally
 from planning.goals.goal_query import GoalQuery
 from planning.world.margins import PairMargins
 from planning.world.world import World
@@ -34,40 +35,11 @@ class Tally:
         return tuple(sorted(tallies, key=lambda tally: (-tally.count, tally.bodies)))
 
 
-def tallied(world: World, query: GoalQuery, rows: list[Array]) -> Tally:
-    """Return which pairs some configurations of the group hit."""
+def tallied(world: World, query: GoalQuery, rows: list[Array], deadline: Deadline) -> Tally:
+    """Return which pairs some configurations of the group hit, as far as there is time to look."""
     tally = Tally()
     for q in rows:
+        if deadline.is_over:
+            break
         tally.add(world.violations(query.group, q, query.margins), query.margins)
     return tally
-
-
-def funnel_evidence(funnel: Funnel) -> dict[str, Any]:
-    """Return a funnel as evidence of a failure."""
-    return {
-        "tried": funnel.tried,
-        "converged": funnel.converged,
-        "within_limits": funnel.within_limits,
-        "collision_free": funnel.collision_free,
-        "approach_ok": funnel.approach_ok,
-        "distinct": funnel.distinct,
-        "rejected_by": [
-            {
-                "bodies": list(tally.bodies),
-                "count": tally.count,
-                "min_depth": tally.min_depth,
-                "max_depth": tally.max_depth,
-            }
-            for tally in funnel.rejected_by
-        ],
-        "blocked_by": [
-            {
-                "leg": tally.leg,
-                "reason": tally.reason,
-                "where": tally.where,
-                "count": tally.count,
-                "max_fraction": tally.max_fraction,
-            }
-            for tally in funnel.blocked_by
-        ],
-    }

@@ -8,7 +8,7 @@ import numpy as np
 from jaxtyping import Bool, Float64
 
 from planning.domain import rotation
-from planning.domain.goal import PoseGoal
+from planning.domain.goal import PoseGoal, RegionGoal, RelativeGoal
 from planning.domain.joints import JointGroup
 from planning.domain.pose import Pose
 from planning.domain.value import Value
@@ -109,6 +109,16 @@ class ToolTarget(Value):
         turn = 2 * np.arcsin(np.minimum(chord / 2, 1.0))
         return inside & (turn <= rest.bound + POSE_TOLERANCE)
 
+    def widened(self, reached: Pose) -> tuple[Array, Array]:
+        """Return position and rotation tolerances of which X_WT is within."""
+        missed = np.abs((self.pose.inverse @ reached).position)
+        rest = self.rotation_freedom
+        turn = self.rotation_tolerance
+        if rest.kind is not FreedomKind.FREE:
+            excess = self.closest(reached).distance(reached)[1]
+            turn = np.where(turn >= np.pi, turn, rest.bound + excess)
+        return np.maximum(missed, self.position_tolerance), turn
+
     @property
     def rotation_freedom(self) -> RotationFreedom:
         """What `rotation_tolerance` leaves to R_GT."""
@@ -122,7 +132,10 @@ class ToolTarget(Value):
 
 
 def tool_targets(
-    world: World, group: JointGroup, goal: PoseGoal, start: Float64[np.ndarray, " nq"]
+    world: World,
+    group: JointGroup,
+    goal: PoseGoal | RegionGoal,
+    start: Float64[np.ndarray, " nq"],
 ) -> list[ToolTarget]:
     """Return the goal's targets in world; a frame that moves counts where the start puts it.
 
@@ -143,3 +156,25 @@ def tool_targets(
         )
         for target in goal.targets
     ]
+
+
+def relative_target(
+    world: World, group: JointGroup, goal: RelativeGoal, start: Float64[np.ndarray, " nq"]
+) -> ToolTarget:
+    """Return the one pose in world that a displacement from the start leads to.
+
+    Raises:
+        UnknownName: A frame does not exist.
+    """
+    tool = goal.frame or group.tool_frames[0]
+    full = world.embed(group, start)
+    x_wt = world.frame_pose(tool, full)
+    moved = x_wt @ goal.displacement
+    if goal.reference:
+        a_wf = world.frame_pose(goal.reference, full).quaternion
+        turn = rotation.multiply(
+            rotation.multiply(a_wf, goal.displacement.quaternion), rotation.conjugate(a_wf)
+        )
+        shift = rotation.rotate(a_wf, goal.displacement.position)
+        moved = Pose.from_parts(x_wt.position + shift, rotation.multiply(turn, x_wt.quaternion))
+    return ToolTarget(tool, moved, np.zeros(3), np.zeros(3))

@@ -95,12 +95,10 @@ class DistanceProbe:
 
         One entry per pair of bodies: that of its two nearest geometries.
         """
-        self._model.plant.SetPositions(self._plant_context, full)
-        query: Any = self._query_port.Eval(self._query_context)
-        inspector = query.inspector()
+        query = self._query(full)
         nearest: dict[tuple[str, str], BodyPair] = {}
         for found in query.ComputeSignedDistancePairwiseClosestPoints(distance):
-            body_a, body_b = self._body(inspector, found.id_A), self._body(inspector, found.id_B)
+            body_a, body_b = self._bodies(query, found)
             names = (body_a, body_b) if body_a < body_b else (body_b, body_a)
             if names in nearest and nearest[names].distance <= found.distance:
                 continue
@@ -110,10 +108,28 @@ class DistanceProbe:
             nearest[names] = BodyPair(names, float(found.distance), points)
         return tuple(sorted(nearest.values(), key=lambda pair: (pair.distance, pair.bodies)))
 
+    def geometries_within(
+        self, full: Float64[np.ndarray, " num_positions"], distance: float
+    ) -> list[tuple[tuple[Any, Any], tuple[str, str], float]]:
+        """Return Drake's ids, the bodies and the distance of geometries at most so far apart."""
+        query = self._query(full)
+        return [
+            ((found.id_A, found.id_B), self._bodies(query, found), float(found.distance))
+            for found in query.ComputeSignedDistancePairwiseClosestPoints(distance)
+        ]
+
     def violations(self, full: Float64[np.ndarray, " num_positions"]) -> tuple[BodyPair, ...]:
         """Return every pair of bodies that is nearer than its margin, nearest first."""
         found = self.pairs_within(full, max(self._margins.largest, 1e-9))
         return tuple(pair for pair in found if pair.distance < self._margins.of(*pair.bodies))
+
+    def _query(self, full: Array) -> Any:
+        self._model.plant.SetPositions(self._plant_context, full)
+        return self._query_port.Eval(self._query_context)
+
+    def _bodies(self, query: Any, found: Any) -> tuple[str, str]:
+        inspector = query.inspector()
+        return self._body(inspector, found.id_A), self._body(inspector, found.id_B)
 
     def _body(self, inspector: Any, geometry: Any) -> str:
         body = self._model.plant.GetBodyFromFrameId(inspector.GetFrameId(geometry))

@@ -1,6 +1,7 @@
 """LinkTree: a Drake plant's joints as the kernel takes them, with welded bodies merged."""
 
 from dataclasses import dataclass
+from enum import IntEnum
 from typing import Any
 from weakref import WeakKeyDictionary
 
@@ -21,9 +22,16 @@ from planning.world.drake_model import DrakeModel
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
-# The kernel's numbers for kinds of joints (tree.hpp).
-_REVOLUTE, _PRISMATIC, _PLANAR, _FLOATING = 1, 2, 3, 4
 WORLD = -1
+
+
+class LinkKind(IntEnum):
+    """Kinds of joints; the numbers are the kernel's (tree.hpp)."""
+
+    REVOLUTE = 1
+    PRISMATIC = 2
+    PLANAR = 3
+    FLOATING = 4
 
 
 @dataclass(frozen=True)
@@ -33,7 +41,7 @@ class KernelLink:
     Attributes:
         parent: An earlier link, or WORLD.
         X_PF: Where the joint begins.
-        kind: The kernel's number.
+        kind: Of that joint.
         axis: Of a revolute or prismatic joint, in F, shape (3,).
         position: Where its coordinates begin in the plant's q.
         velocity: And in its v.
@@ -41,7 +49,7 @@ class KernelLink:
 
     parent: int
     X_PF: RigidTransform
-    kind: int
+    kind: LinkKind
     axis: Array
     position: int
     velocity: int
@@ -116,13 +124,13 @@ def _cross(
             x_fm = joint.X_FM() if forwards else joint.X_FM().inverse()
             return parent, x_lf.multiply(x_fm).multiply(x_fb)
         case RevoluteJoint():
-            kind, axis = _REVOLUTE, sign * np.array(joint.revolute_axis())
+            kind, axis = LinkKind.REVOLUTE, sign * np.array(joint.revolute_axis())
         case PrismaticJoint():
-            kind, axis = _PRISMATIC, sign * np.array(joint.translation_axis())
+            kind, axis = LinkKind.PRISMATIC, sign * np.array(joint.translation_axis())
         case PlanarJoint() if forwards:
-            kind, axis = _PLANAR, np.zeros(3)
+            kind, axis = LinkKind.PLANAR, np.zeros(3)
         case QuaternionFloatingJoint() if forwards:
-            kind, axis = _FLOATING, np.zeros(3)
+            kind, axis = LinkKind.FLOATING, np.zeros(3)
         case _:
             return None
     links.append(

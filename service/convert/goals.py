@@ -11,8 +11,17 @@ from planning.domain.goal import (
     LineGoal,
     PoseGoal,
     PoseTarget,
+    ReachGoal,
+    RegionGoal,
+    RelativeGoal,
 )
-from planning.domain.options import IkOptions, RefineOptions, RetimeOptions, SearchOptions
+from planning.domain.options import (
+    IkOptions,
+    PoseMetric,
+    RefineOptions,
+    RetimeOptions,
+    SearchOptions,
+)
 from planning.domain.pose import Pose
 from planning.domain.problem import PlanningProblem
 from service.convert.constraints import constraint_value
@@ -24,6 +33,8 @@ from service.schemas.goal import (
     LineGoalWire,
     PathGoalWire,
     PoseGoalWire,
+    RegionGoalWire,
+    RelativeGoalWire,
 )
 from service.schemas.plan import IkWire, PlanRequest, RetimeWire, SearchWire
 from service.schemas.pose import PoseWire
@@ -65,6 +76,34 @@ def _way(vector: list[float] | None) -> np.ndarray[Any, np.dtype[np.float64]] | 
     return None if vector is None else np.array(vector, dtype=np.float64)
 
 
+def region_goal_value(goal: RegionGoalWire) -> RegionGoal:
+    """Return the domain's region goal; what is free has no bound."""
+    poses = goal.poses if goal.pose is None else [goal.pose]
+    position = np.array(goal.tolerance.position, dtype=np.float64)
+    turn = np.array(goal.tolerance.rotation, dtype=np.float64)
+    position[[axis in goal.free_axes for axis in ("x", "y", "z")]] = np.inf
+    turn[[axis in goal.free_axes for axis in ("rx", "ry", "rz")]] = np.pi
+    return RegionGoal(
+        targets=tuple(PoseTarget(pose_value(pose), pose.frame) for pose in poses or ()),
+        frame=goal.frame or "",
+        position_tolerance=position,
+        rotation_tolerance=turn,
+    )
+
+
+def reach_goal_value(goal: PoseGoalWire | RegionGoalWire | RelativeGoalWire) -> ReachGoal:
+    """Return the domain's goal of a tool frame."""
+    match goal:
+        case PoseGoalWire():
+            return pose_goal_value(goal)
+        case RegionGoalWire():
+            return region_goal_value(goal)
+        case RelativeGoalWire():
+            by = goal.displacement
+            moved = Pose.from_parts(by.position or (0.0, 0.0, 0.0), by.quaternion, by.rpy)
+            return RelativeGoal(moved, goal.frame or "", goal.reference or "")
+
+
 def goal_value(goal: GoalWire) -> Goal:
     """Return the domain's goal."""
     match goal:
@@ -72,17 +111,18 @@ def goal_value(goal: GoalWire) -> Goal:
             return JointGoal(np.atleast_2d(np.array(goal.positions, dtype=np.float64)))
         case ConfigurationGoalWire():
             return ConfigurationGoal(goal.name)
-        case PoseGoalWire():
-            return pose_goal_value(goal)
         case LineGoalWire():
             return line_goal_value([goal.pose], goal.frame, goal.deviation)
         case PathGoalWire():
             return line_goal_value(goal.poses, goal.frame, goal.deviation)
+        case _:
+            return reach_goal_value(goal)
 
 
 def ik_value(ik: IkWire) -> IkOptions:
     """Return the domain's IK options."""
-    return IkOptions(ik.max_configurations, ik.max_trials)
+    metric = PoseMetric(ik.pose_metric.translation, ik.pose_metric.rotation)
+    return IkOptions(ik.max_configurations, ik.max_trials, dict(ik.joint_weights), metric)
 
 
 def retime_value(retime: RetimeWire) -> RetimeOptions:

@@ -12,6 +12,7 @@ from service.scenes.preflight import (
     require_count,
     require_goal,
     require_group,
+    require_joints,
 )
 from service.scenes.shelf import SceneShelf
 from service.schemas.plan import PlanRequest, SearchWire
@@ -35,8 +36,8 @@ async def submit_plan(request: PlanRequest, key: str | None, scenes: SceneShelf,
 
     Raises:
         UnknownResource: There is no such scene or revision.
-        UnknownName: The scene has no such group, frame or configuration; nobody has the planner, or
-            the group no such joint.
+        UnknownName: The scene has no such group, joint, frame or configuration, or nobody has
+            the planner.
         WrongCount: A list of positions does not fit the group.
         IdempotencyConflict: The key was used for another request.
         QueueFull: The queue is full.
@@ -47,6 +48,7 @@ async def submit_plan(request: PlanRequest, key: str | None, scenes: SceneShelf,
         require_count(group, request.start, "start")
     require_goal(record, group, request.goal)
     require_constraints(record, group, request.path_constraints)
+    require_joints(group, request.ik.joint_weights)
     require_planner(await desk.planners(), request.search)
     require_search_names(group, request.search)
     payload = {

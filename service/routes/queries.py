@@ -4,7 +4,13 @@ from fastapi import APIRouter
 
 from service.dependencies import DeskDep, ScenesDep
 from service.routes.answers import SceneId, problems
-from service.scenes.preflight import require_count, require_frames, require_goal, require_group
+from service.scenes.preflight import (
+    require_count,
+    require_frames,
+    require_goal,
+    require_group,
+    require_joints,
+)
 from service.schemas.check import CheckRequest, CheckResponse
 from service.schemas.kinematics import FkRequest, FkResponse, IkRequest, IkResponse
 from service.schemas.line import LineRequest, LineResponse
@@ -39,10 +45,11 @@ async def fk(scene: SceneId, request: FkRequest, scenes: ScenesDep, desk: DeskDe
 
 @router.post("/ik", operation_id="solveInverseKinematics", response_model=IkResponse)
 async def ik(scene: SceneId, request: IkRequest, scenes: ScenesDep, desk: DeskDep) -> object:
-    """Find all distinct configurations that reach a pose, or say why there is none."""
+    """Find all distinct configurations that reach a goal, or say why there is none."""
     record = await scenes.get(scene)
     group = require_group(record, request.group)
     require_goal(record, group, request.goal)
+    require_joints(group, request.ik.joint_weights)
     if request.start is not None:
         require_count(group, request.start, "start")
     return await desk.ask_scene("service.tasks.queries:ik", record, request)

@@ -1,6 +1,6 @@
 """Preflight: what a scene cannot do is refused before anything is queued, by its summary alone."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 from planning.errors import UnknownName
@@ -23,6 +23,8 @@ from service.schemas.goal import (
     LineGoalWire,
     PathGoalWire,
     PoseGoalWire,
+    RegionGoalWire,
+    RelativeGoalWire,
 )
 
 type Group = dict[str, Any]
@@ -80,13 +82,38 @@ def require_goal(scene: SceneRecord, group: Group, goal: GoalWire) -> None:
         case ConfigurationGoalWire():
             if goal.name not in group["configurations"]:
                 raise UnknownName.among("configuration", goal.name, group["configurations"])
+        case _:
+            require_frames(scene, frames_of(goal))
+
+
+def frames_of(
+    goal: PoseGoalWire | RegionGoalWire | RelativeGoalWire | LineGoalWire | PathGoalWire,
+) -> list[str]:
+    """Return the frames that a goal names."""
+    match goal:
+        case RelativeGoalWire():
+            named = [goal.reference]
+        case RegionGoalWire():
+            named = [pose.frame for pose in goal.poses or [goal.pose] if pose is not None]
         case PoseGoalWire():
-            tool = [] if goal.frame is None else [goal.frame]
-            require_frames(scene, [*tool, *(pose.frame for pose in goal.poses)])
-        case LineGoalWire() | PathGoalWire():
-            poses = [goal.pose] if isinstance(goal, LineGoalWire) else goal.poses
-            tool = [] if goal.frame is None else [goal.frame]
-            require_frames(scene, [*tool, *(pose.frame for pose in poses)])
+            named = [pose.frame for pose in goal.poses]
+        case LineGoalWire():
+            named = [goal.pose.frame]
+        case PathGoalWire():
+            named = [pose.frame for pose in goal.poses]
+    return [name for name in [goal.frame, *named] if name is not None]
+
+
+def require_joints(group: Group, names: Iterable[str]) -> None:
+    """Go on only if the group has all these joints.
+
+    Raises:
+        UnknownName: It does not.
+    """
+    known: list[str] = [joint["name"] for joint in group["joints"]]
+    for name in names:
+        if name not in known:
+            raise UnknownName.among("joint", name, known)
 
 
 def rows(positions: Sequence[float] | Sequence[Sequence[float]]) -> list[list[float]]:

@@ -1,35 +1,12 @@
 """Goals on the wire: what a motion shall reach."""
 
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal, Self
 
-from pydantic import BeforeValidator, ConfigDict, Field
-from pydantic_core import PydanticCustomError
+from pydantic import ConfigDict, Field, model_validator
 
-from service.schemas.numbers import NonNegative, Positions, Real, Triple
-from service.schemas.pose import PoseWire
+from service.schemas.numbers import NonNegative, Positions, Quadruple, Real, Triple
+from service.schemas.pose import PoseWire, require_one_rotation
 from service.schemas.wire import Name, Wire
-
-_LATER = {
-    "region": "use a `pose` goal with `tolerance`, where pi or more frees a rotation axis",
-    "relative": "give the absolute `pose`, in any `frame`",
-}
-
-
-def not_supported(what: str, instead: str) -> PydanticCustomError:
-    """Build the fault for a part of the contract that this version does not do."""
-    return PydanticCustomError(
-        "not_supported",
-        "{what} is not supported by this version; {instead}",
-        {"what": what, "instead": instead},
-    )
-
-
-def _known_type(goal: Any) -> Any:
-    kind: Any = goal.get("type") if isinstance(goal, dict) else None
-    if isinstance(kind, str) and kind in _LATER:
-        raise not_supported(f"goal type {kind!r}", _LATER[kind])
-    return goal
-
 
 type Shift = Annotated[Real, Field(ge=1e-6, le=1)]
 type Turn = Annotated[Real, Field(ge=1e-5, le=3)]
@@ -159,10 +136,104 @@ class PathGoalWire(Wire):
     )
 
 
+class RegionGoalWire(Wire):
+    """Bring a tool frame anywhere into a region, or into any of several."""
+
+    model_config = ConfigDict(
+        json_schema_extra={
+            "examples": [
+                {
+                    "type": "region",
+                    "pose": {"position": [0.45, 0.25, 0.4], "rpy": [3.1416, 0, 0]},
+                    "tolerance": {"position": [0.05, 0.05, 0], "rotation": [0.1, 0.1, 0]},
+                    "free_axes": ["rz"],
+                }
+            ]
+        }
+    )
+
+    type: Literal["region"] = Field(description="Says which goal this is")
+    poses: Annotated[list[PoseWire], Field(min_length=1, max_length=1000)] | None = Field(
+        default=None, description="The middles of the regions; or one as `pose`"
+    )
+    pose: PoseWire | None = Field(default=None, description="The middle of the only region")
+    frame: Name | None = Field(
+        default=None, description="The tool frame: any that the group moves; null for its default"
+    )
+    tolerance: ToleranceWire = Field(
+        default_factory=ToleranceWire,
+        description="How far from the middle the region goes, by its axes",
+    )
+    free_axes: Annotated[list[Literal["x", "y", "z", "rx", "ry", "rz"]], Field(max_length=6)] = (
+        Field(
+            default=[],
+            description="Axes of the region that it is unbounded along (`x`, `y`, `z`: as far as "
+            "the group reaches) or free to turn about (`rx`, `ry`, `rz`)",
+        )
+    )
+
+    @model_validator(mode="after")
+    def _one_or_several(self) -> Self:
+        if (self.pose is None) == (self.poses is None):
+            message = "give `pose` or `poses`, and not both"
+            raise ValueError(message)
+        return self
+
+
+class DisplacementWire(Wire):
+    """A displacement: a translation, a rotation, or both."""
+
+    position: Triple | None = Field(default=None, description="Translation [m]; null for none")
+    quaternion: Quadruple | None = Field(
+        default=None, description="Rotation as [w, x, y, z]; normalised when read, never zero"
+    )
+    rpy: Triple | None = Field(
+        default=None, description="Rotation as roll, pitch, yaw about fixed x, y, z [rad]"
+    )
+
+    @model_validator(mode="after")
+    def _something(self) -> Self:
+        if self.position is None and self.quaternion is None and self.rpy is None:
+            message = "give `position`, `quaternion` or `rpy`"
+            raise ValueError(message)
+        require_one_rotation(self.quaternion, self.rpy)
+        return self
+
+
+class RelativeGoalWire(Wire):
+    """Move a tool frame by a displacement from where the start has it."""
+
+    model_config = ConfigDict(
+        json_schema_extra={
+            "examples": [
+                {
+                    "type": "relative",
+                    "displacement": {"position": [0, 0, 0.05]},
+                    "reference": "world",
+                }
+            ]
+        }
+    )
+
+    type: Literal["relative"] = Field(description="Says which goal this is")
+    displacement: DisplacementWire = Field(description="By how much")
+    frame: Name | None = Field(
+        default=None, description="The tool frame: any that the group moves; null for its default"
+    )
+    reference: Name | None = Field(
+        default=None,
+        description="The frame by whose axes, as they are at the start, the tool is shifted, and "
+        "turned about its own origin; null for the tool frame itself",
+    )
+
+
 type GoalWire = Annotated[
-    Annotated[
-        JointGoalWire | ConfigurationGoalWire | PoseGoalWire | LineGoalWire | PathGoalWire,
-        Field(discriminator="type", description="What a motion shall reach"),
-    ],
-    BeforeValidator(_known_type),
+    JointGoalWire
+    | ConfigurationGoalWire
+    | PoseGoalWire
+    | RegionGoalWire
+    | RelativeGoalWire
+    | LineGoalWire
+    | PathGoalWire,
+    Field(discriminator="type", description="What a motion shall reach"),
 ]

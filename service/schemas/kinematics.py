@@ -1,15 +1,15 @@
 """Asking where frames are, and which configurations bring them somewhere."""
 
-from typing import Annotated
+from typing import Annotated, Literal
 
 from pydantic import ConfigDict, Field, Strict
 
-from service.schemas.goal import PoseGoalWire
+from service.schemas.goal import PoseGoalWire, RegionGoalWire, RelativeGoalWire
 from service.schemas.numbers import WHOLE, NonNegative, Positions, Real
 from service.schemas.plan import IkWire
 from service.schemas.pose import PoseWire
 from service.schemas.problem import Failure
-from service.schemas.report import FunnelWire
+from service.schemas.report import IkFunnelWire
 from service.schemas.wire import Answer, Name, Wire
 
 
@@ -40,7 +40,7 @@ class FkResponse(Answer):
 
 
 class IkRequest(Wire):
-    """Ask for all configurations that reach a pose."""
+    """Ask for all configurations that reach a pose, a region or a displacement."""
 
     model_config = ConfigDict(
         json_schema_extra={
@@ -58,7 +58,9 @@ class IkRequest(Wire):
     )
 
     group: Name = Field(description="`robot` or `robot::group`")
-    goal: PoseGoalWire = Field(description="Where the tool frame shall be")
+    goal: PoseGoalWire | RegionGoalWire | RelativeGoalWire = Field(
+        discriminator="type", description="Where the tool frame shall be"
+    )
     start: Positions | None = Field(
         default=None,
         description="What `nearest` is measured from [rad or m]; null for the scene's state",
@@ -75,19 +77,47 @@ class IkRequest(Wire):
     )
 
 
+class BranchWire(Answer):
+    """Which way a six-joint arm bends; a sign changes only at its singularity, where it is 0."""
+
+    shoulder: Literal[-1, 0, 1] = Field(description="On which side of the first axis the wrist is")
+    elbow: Literal[-1, 0, 1] = Field(description="To which side the elbow bends")
+    wrist: Literal[-1, 0, 1] = Field(description="To which side the wrist bends")
+
+
 class IkSolutionWire(Answer):
-    """A goal configuration."""
+    """A goal configuration, and how good it is."""
 
     positions: list[float] = Field(description="The group's positions [rad or m]")
     pose_index: int = Field(description="Which of the goal's poses it reaches, from 0")
+    manipulability: float = Field(
+        description="Yoshikawa's sqrt(det(J J^T)) of the tool; it mixes metres and radians, so it "
+        "compares configurations of one arm"
+    )
+    clearance: float | None = Field(
+        description="Smallest signed distance of any two bodies [m]; null if nothing can collide"
+    )
+    pair: tuple[str, str] | None = Field(description="The full names of these two")
+    limit_margin: float | None = Field(
+        description="Smallest distance to a position limit as a share of its range, 0 to 0.5; null "
+        "if nothing is limited"
+    )
+    distance: float = Field(
+        description="From the start, by `ik.joint_weights`; the answers are sorted by it [rad or m]"
+    )
+    branch: BranchWire | None = Field(
+        description="Of six-joint arms with a spherical wrist or one like Universal Robots'; else "
+        "null"
+    )
 
 
 class IkResponse(Answer):
     """All distinct goal configurations, nearest to the start first, or why there are none."""
 
     configurations: list[IkSolutionWire] = Field(description="Free, within limits, distinct")
-    funnel: FunnelWire | None = Field(description="How many samples survived what")
+    funnel: IkFunnelWire | None = Field(description="How many samples survived what")
     failure: Failure | None = Field(
-        description="Why there is none: `goal_unreachable` with the nearest pose, "
-        "`goal_in_collision` with the pairs, `approach_blocked`; null if there is one"
+        description="Why there is none, `goal_unreachable`, `goal_in_collision` or "
+        "`approach_blocked`; the evidence has the `nearest` free pose, and the `relaxation` that "
+        "would do, or what blocks the approaches; null if there is one"
     )

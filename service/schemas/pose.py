@@ -9,6 +9,20 @@ from service.schemas.numbers import Quadruple, Triple
 from service.schemas.wire import Name, Wire
 
 
+def require_one_rotation(quaternion: list[float] | None, rpy: list[float] | None) -> None:
+    """Go on only if a rotation is given once, or not at all, and is one.
+
+    Raises:
+        ValueError: It is not.
+    """
+    if quaternion is not None and rpy is not None:
+        message = "give `quaternion` or `rpy`, not both"
+        raise ValueError(message)
+    if quaternion is not None and not math.hypot(*quaternion) > 1e-9:
+        message = "quaternion [w, x, y, z] must not be zero"
+        raise ValueError(message)
+
+
 class PoseWire(Wire):
     """A rigid transform in a frame; `quaternion` or `rpy`, or neither for no rotation."""
 
@@ -34,10 +48,5 @@ class PoseWire(Wire):
 
     @model_validator(mode="after")
     def _one_rotation(self) -> Self:
-        if self.quaternion is not None and self.rpy is not None:
-            message = "give `quaternion` or `rpy`, not both"
-            raise ValueError(message)
-        if self.quaternion is not None and not math.hypot(*self.quaternion) > 1e-9:
-            message = "quaternion [w, x, y, z] must not be zero"
-            raise ValueError(message)
+        require_one_rotation(self.quaternion, self.rpy)
         return self

@@ -1,8 +1,9 @@
 """What every stage of a plan says about its work."""
 
+from typing import Literal
+
 from pydantic import Field
 
-from service.schemas.pose import PoseWire
 from service.schemas.wire import Answer
 
 
@@ -51,13 +52,26 @@ class FunnelWire(Answer):
     )
 
 
-class NearestPoseWire(Answer):
-    """The nearest pose that the tool frame can take to one that it cannot."""
+class RejectionWire(Answer):
+    """Why some samples are no goal configurations."""
 
-    pose: PoseWire = Field(description="Of the tool frame in world")
-    positions: list[float] = Field(description="The group's positions there [rad or m]")
-    translation_error: float = Field(description="From the target [m]")
-    rotation_error: float = Field(description="From the target [rad]")
+    reason: Literal["not_converged", "outside_limits", "collision", "approach", "duplicate"] = (
+        Field(description="What is wrong with them")
+    )
+    count: int = Field(description="How many; with `distinct` the counts add up to `tried`")
+    share: float = Field(description="Of `tried`, 0 to 1")
+    bodies: tuple[str, str] | None = Field(
+        description="For `collision`, what they hit deepest; null for those that time was short for"
+    )
+    min_depth: float | None = Field(description="Smallest depth among them [m]")
+    max_depth: float | None = Field(description="Largest depth among them [m]")
+
+
+class IkFunnelWire(FunnelWire):
+    """The same, with the reason of every rejected sample."""
+
+    rejected: list[RejectionWire] = Field(description="Why the others are no solutions")
+    summary: str = Field(description="The same as a sentence")
 
 
 class GoalsReportWire(Answer):

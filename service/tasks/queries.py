@@ -5,12 +5,18 @@ from typing import Any
 
 import numpy as np
 
-from planning import Deadline, check_configurations, forward_kinematics, solve_ik
+from planning import (
+    Deadline,
+    assess_configurations,
+    check_configurations,
+    forward_kinematics,
+    funnel_evidence,
+    solve_ik,
+)
 from planning.errors import ApproachBlocked, GoalInCollision, GoalUnreachable, PlanningFailure
 from service.convert.failures import failure_wire
-from service.convert.goals import ik_value, pose_goal_value, pose_wire
-from service.convert.numbers import listed
-from service.convert.plans import funnel_wire
+from service.convert.goals import ik_value, pose_wire, reach_goal_value
+from service.convert.solutions import solution_wire
 from service.convert.verdicts import verdict_wire
 from service.schemas.check import CheckRequest
 from service.schemas.kinematics import FkRequest, IkRequest
@@ -59,12 +65,13 @@ def ik(payload: dict[str, Any], channel: Channel) -> dict[str, Any]:
     request = IkRequest.model_validate(payload["request"])
     start = None if request.start is None else np.array(request.start, dtype=np.float64)
     deadline = Deadline.after(request.allowed_time, time.monotonic, channel.is_canceled)
+    goal = reach_goal_value(request.goal)
     with borrow_world(payload) as world:
         try:
             found = solve_ik(
                 world,
                 request.group,
-                pose_goal_value(request.goal),
+                goal,
                 deadline=deadline,
                 start=start,
                 options=ik_value(request.ik),
@@ -73,12 +80,18 @@ def ik(payload: dict[str, Any], channel: Channel) -> dict[str, Any]:
             )
         except (ApproachBlocked, GoalUnreachable, GoalInCollision) as failure:
             return _no_configuration(failure)
+        qualities = assess_configurations(
+            world,
+            request.group,
+            found.positions,
+            start=start,
+            frame=goal.frame,
+            joint_weights=request.ik.joint_weights,
+        )
+    solutions = zip(found.positions, found.target_indices, qualities, strict=True)
     return {
-        "configurations": [
-            {"positions": listed(q), "pose_index": index}
-            for q, index in zip(found.positions, found.target_indices, strict=True)
-        ],
-        "funnel": funnel_wire(found.funnel),
+        "configurations": [solution_wire(*solution) for solution in solutions],
+        "funnel": funnel_evidence(found.funnel),
         "failure": None,
     }
 

@@ -250,7 +250,7 @@ REFUSED = {
     "pose out of reach": (
         lambda: {"goal": PoseGoal((PoseTarget(Pose.from_parts([2, 0, 1])),), "", EXACT, EXACT)},
         GoalUnreachable,
-        "nearest pose is",
+        "nearest free pose is",
     ),
     "unknown group": (
         lambda: {"group": "amr", "goal": ConfigurationGoal("home")},

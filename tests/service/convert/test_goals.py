@@ -2,7 +2,9 @@
 
 import numpy as np
 
-from planning.domain.goal import ConfigurationGoal, JointGoal, PoseGoal
+from planning.domain.goal import ConfigurationGoal, JointGoal, PoseGoal, RegionGoal, RelativeGoal
+from planning.domain.options import IkOptions, PoseMetric
+from planning.domain.pose import Pose
 from planning.domain.problem import PlanningProblem
 from service.convert.goals import problem_value
 from service.schemas.plan import PlanRequest
@@ -76,3 +78,31 @@ def test_poses_keep_their_frames_and_tolerances():
     np.testing.assert_array_equal(made.targets[0].pose.position, [1, 2, 3])
     np.testing.assert_array_equal(made.position_tolerance, [0.1, 0, 0])
     np.testing.assert_array_equal(made.rotation_tolerance, [0, 0, 4])
+
+
+def test_regions_are_free_where_they_say_so():
+    made = problem(
+        goal={
+            "type": "region",
+            "pose": {"position": [1, 2, 3], "frame": "can"},
+            "tolerance": {"position": [0.1, 0.2, 0.3], "rotation": [0.4, 0.5, 0.6]},
+            "free_axes": ["y", "rz"],
+        }
+    ).goal
+    assert isinstance(made, RegionGoal)
+    assert [target.frame for target in made.targets] == ["can"]
+    np.testing.assert_array_equal(made.position_tolerance, [0.1, np.inf, 0.3])
+    np.testing.assert_array_equal(made.rotation_tolerance, [0.4, 0.5, np.pi])
+
+
+def test_displacements_may_be_only_a_turn():
+    made = problem(
+        goal={"type": "relative", "displacement": {"rpy": [0, 0, 1]}, "reference": "can"}
+    ).goal
+    assert made == RelativeGoal(Pose.from_parts(rpy=[0, 0, 1]), "", "can")
+
+
+def test_weights_and_metric_arrive():
+    ik = {"joint_weights": {"arm::a": 2}, "pose_metric": {"translation": 3, "rotation": 0.5}}
+    made = problem(goal={"type": "configuration", "name": "home"}, ik=ik).ik
+    assert made == IkOptions(joint_weights={"arm::a": 2.0}, pose_metric=PoseMetric(3.0, 0.5))

@@ -86,6 +86,116 @@ def test_an_alias_means_the_same_group(client, scene):
     assert alias == ask(client, scene, "fk", configurations=[[0.1] * 6]).json()
 
 
+DOWN = {"position": [0.4, 0.3, 0.3], "rpy": [np.pi, 0, 0]}
+
+
+def test_ik_solutions_say_how_good_they_are_and_are_sorted_by_the_weights(client, scene):
+    goal = {"type": "pose", "poses": [DOWN]}
+    weights = {"arm::elbow_joint": 5.0, "arm::shoulder_pan_joint": 0.0}
+    found = ask(client, scene, "ik", goal=goal, ik={"joint_weights": weights}).json()
+    solutions = found["configurations"]
+    distances = [solution["distance"] for solution in solutions]
+    assert distances == sorted(distances)
+    verdicts = ask(
+        client, scene, "check", configurations=[one["positions"] for one in solutions]
+    ).json()["results"]
+    for solution, verdict in zip(solutions, verdicts, strict=True):
+        assert solution["clearance"] == pytest.approx(verdict["distance"], abs=1e-9)
+        assert solution["pair"] == verdict["nearest"]["bodies"]
+        assert 0 <= solution["limit_margin"] <= 0.5
+        assert solution["manipulability"] > 0
+        assert set(solution["branch"]) == {"shoulder", "elbow", "wrist"}
+
+
+def test_the_funnel_of_ik_gives_every_rejection_its_reason(client, scene):
+    goal = {"type": "pose", "poses": [{"position": [0.6, 0, 0.09], "rpy": [np.pi, 0, 0]}]}
+    funnel = ask(client, scene, "ik", goal=goal, ik={"max_trials": 100}).json()["funnel"]
+    counts = [entry["count"] for entry in funnel["rejected"]]
+    assert sum(counts) + funnel["distinct"] == funnel["tried"]
+    hits = [entry for entry in funnel["rejected"] if entry["reason"] == "collision"]
+    assert hits
+    for hit in hits:
+        assert len(hit["bodies"]) == 2
+        assert 0 < hit["min_depth"] <= hit["max_depth"]
+    assert funnel["summary"].startswith(f"{funnel['tried']} tried, {funnel['converged']} converged")
+
+
+@pytest.mark.parametrize("poses", [{"pose": DOWN}, {"poses": [DOWN, {**DOWN, "frame": "above"}]}])
+def test_ik_of_a_region(client, scene, poses):
+    goal = {
+        "type": "region",
+        **poses,
+        "tolerance": {"position": [0.05, 0.02, 0]},
+        "free_axes": ["rz"],
+    }
+    found = ask(client, scene, "ik", goal=goal, ik={"max_configurations": 20}).json()
+    rows = [entry["positions"] for entry in found["configurations"]]
+    assert len(rows) == 20
+    poses = ask(client, scene, "fk", configurations=rows, frames=["arm::tcp"]).json()["results"]
+    if "pose" in goal:
+        places = np.array([pose["arm::tcp"]["position"] for pose in poses]) - DOWN["position"]
+        assert (np.abs(places) <= np.array([0.05, 0.02, 0]) + 1e-5).all()
+
+
+def test_ik_of_a_displacement(client, scene, group):
+    goal = {"type": "relative", "displacement": {"position": [0, 0, 0.03]}, "reference": "world"}
+    found = ask(client, scene, "ik", goal=goal).json()
+    rows = [group["positions"], found["configurations"][0]["positions"]]
+    before, after = ask(client, scene, "fk", configurations=rows).json()["results"]
+    moved = np.subtract(after["arm::tcp"]["position"], before["arm::tcp"]["position"])
+    np.testing.assert_allclose(moved, [0, 0, 0.03], atol=1e-5)
+    np.testing.assert_allclose(
+        after["arm::tcp"]["quaternion"], before["arm::tcp"]["quaternion"], atol=1e-5
+    )
+
+
+def test_a_colliding_goal_comes_with_what_is_nearest_and_what_would_do(client, scene):
+    goal = {"type": "pose", "poses": [{"position": [0.6, 0, 0.05], "rpy": [np.pi, 0, 0]}]}
+    found = ask(client, scene, "ik", goal=goal, ik={"max_trials": 60}).json()
+    assert found["failure"]["code"] == "goal_in_collision"
+    evidence = found["failure"]["evidence"]
+    nearest, relaxation = evidence["nearest"], evidence["relaxation"]
+    assert nearest["binding"] == "collision"
+    assert 0.0 < nearest["translation_error"] < 0.2
+    assert {body for one in relaxation["obstacles"] for body in one["bodies"]} >= {"block"}
+    assert max(relaxation["tolerance"]["position"]) > 0
+    verdict = ask(client, scene, "check", configurations=[nearest["positions"]]).json()
+    assert verdict["results"][0]["valid"]
+
+
+@pytest.mark.parametrize(
+    ("body", "status", "word"),
+    [
+        ({"goal": {"type": "region", "pose": DOWN, "free_axes": ["yaw"]}}, 422, "rz"),
+        ({"goal": {"type": "region"}}, 422, "pose"),
+        ({"goal": {"type": "region", "pose": DOWN, "poses": [DOWN]}}, 422, "poses"),
+        ({"goal": {"type": "region", "pose": {**DOWN, "frame": "abov"}}}, 409, "above"),
+        ({"goal": {"type": "relative", "displacement": {}}}, 422, "position"),
+        ({"goal": {"type": "relative", "displacement": {"quaternion": [0] * 4}}}, 422, "zero"),
+        (
+            {"goal": {"type": "relative", "displacement": DOWN, "reference": "blok"}},
+            409,
+            "block",
+        ),
+        ({"goal": {"type": "configuration", "name": "home"}}, 422, "relative"),
+        (
+            {"goal": {"type": "pose", "poses": [DOWN]}, "ik": {"joint_weights": {"elbow": 1}}},
+            409,
+            "arm::elbow_joint",
+        ),
+        (
+            {"goal": {"type": "pose", "poses": [DOWN]}, "ik": {"pose_metric": {"rotation": 0}}},
+            422,
+            "pose_metric",
+        ),
+    ],
+)
+def test_questions_that_cannot_be_meant_are_told_what_can(client, scene, body, status, word):
+    answer = ask(client, scene, "ik", **body)
+    assert answer.status_code == status
+    assert word in answer.json()["detail"]
+
+
 def test_a_line_says_how_far_it_goes_and_what_stops_it(client, scene):
     way = {"vector": [0, 0, 0.1], "frame": "arm::tcp"}
     found = ask(client, scene, "line", displacement=way, poses=True).json()

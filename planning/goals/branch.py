@@ -1,0 +1,87 @@
+"""The branch of a six-joint arm: shoulder, elbow and wrist, as its Jacobian's determinant splits.
+
+Number the joint axes 1 to 6, with unit direction z_i through p_i. Take an arm whose axes 2 and 3
+are parallel, and
+
+- a spherical wrist (axes 4, 5, 6 meet in a point P; C = P), as PUMA-like arms have, or
+- axes 4 parallel to 2 and 3, and axes 5 and 6 that meet in a point P (C is any point of axis 4),
+  as Universal Robots' arms have.
+
+Then the determinant of the tool's Jacobian is, up to sign, the product of three numbers:
+
+    shoulder = (z_1 x (P - p_1)) . z_2           P leaves the plane of axis 1 and z_2
+    elbow    = ((p_3 - p_2) x (C - p_3)) . z_2   the arm is not stretched
+    wrist    = (z_4 x z_5) . z_6                 the wrist does not lose an axis
+
+For the spherical wrist write the twists about P: the last three are pure rotations, so the
+determinant is that of the velocities of P, times the wrist's; columns 2 and 3 are square to z_2, so
+their part is the elbow's, and what is left of column 1 is its component along z_2. For the other
+kind axes 2, 3, 4 span the planar motions square to z_2, which is the elbow's part; modulo those,
+axes 5 and 6 only turn and axis 1 alone moves P along z_2. (Compare Pieper, "The Kinematics of
+Manipulators under Computer Control", 1968, and Hawkins, "Analytic Inverse Kinematics for the
+Universal Robots UR-5/UR-10 Arms", 2013, whose eight solutions these three signs tell apart.)
+
+Each sign changes only where that factor is zero, which is a singularity. It says which of two ways
+an arm bends, not which of them people call left or up.
+"""
+
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float64
+
+from planning.domain.quality import ArmBranch
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
+
+# Axes are parallel, or meet, to within this [rad, m].
+_EXACT = 1e-4
+# A factor smaller than this is a singularity: it has no sign [m, m^2, 1].
+_SINGULAR = 1e-9
+
+
+def branch_of(
+    directions: Float64[np.ndarray, "6 3"], points: Float64[np.ndarray, "6 3"]
+) -> ArmBranch | None:
+    """Return the branch of an arm, None if its axes are not as above.
+
+    Args:
+        directions: z_i of the joints from base to tool, unit vectors in world.
+        points: A point on each axis, in world [m].
+    """
+    z, p = directions, points
+    if not _are_parallel(z[1], z[2]):
+        return None
+    meeting = _meeting(z[4], p[4], z[5], p[5])
+    if meeting is None:
+        return None
+    first = _meeting(z[3], p[3], z[4], p[4])
+    if first is not None and np.linalg.norm(first - meeting) < _EXACT:
+        center = meeting
+    elif _are_parallel(z[2], z[3]):
+        center = p[3]
+    else:
+        return None
+    return ArmBranch(
+        shoulder=_sign(np.cross(z[0], meeting - p[0]) @ z[1]),
+        elbow=_sign(np.cross(p[2] - p[1], center - p[2]) @ z[1]),
+        wrist=_sign(np.cross(z[3], z[4]) @ z[5]),
+    )
+
+
+def _are_parallel(a: Array, b: Array) -> bool:
+    return bool(np.linalg.norm(np.cross(a, b)) < _EXACT)
+
+
+def _meeting(z_a: Array, p_a: Array, z_b: Array, p_b: Array) -> Array | None:
+    """Return the point in which two lines meet, None if they are parallel or pass each other."""
+    normal = np.cross(z_a, z_b)
+    square = float(normal @ normal)
+    gap = p_b - p_a
+    if square < _EXACT**2 or abs(float(gap @ normal)) / np.sqrt(square) > _EXACT:
+        return None
+    return p_a + z_a * float(np.cross(gap, z_b) @ normal) / square
+
+
+def _sign(factor: float) -> int:
+    return 0 if abs(factor) < _SINGULAR else int(np.sign(factor))

@@ -1,0 +1,60 @@
+"""JointMetric: how far configurations are from a start, with a weight per joint."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float64
+
+from planning.domain.joints import JointGroup
+from planning.domain.manifold import Manifold
+from planning.errors import ProblemInvalid, UnknownName
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
+
+
+@dataclass(frozen=True)
+class JointMetric:
+    """d(q) = |w * (q [-] start)|: the Euclidean length of the weighted geodesic.
+
+    Attributes:
+        manifold: Of the group.
+        weights: A factor per velocity coordinate, shape (nv,); None if all are 1.
+    """
+
+    manifold: Manifold
+    weights: Array | None
+
+    @classmethod
+    def from_names(cls, group: JointGroup, by_joint: Mapping[str, float]) -> "JointMetric":
+        """Build from weights by full joint name; joints that are not named weigh 1.
+
+        Raises:
+            UnknownName: The group has no such joint.
+            ProblemInvalid: A weight is negative or not finite.
+        """
+        names = [joint.name for joint in group.joints]
+        for name, weight in by_joint.items():
+            if name not in names:
+                raise UnknownName.among("joint", name, names)
+            if not (np.isfinite(weight) and weight >= 0):
+                message = f"ik.joint_weights.{name} must be finite and not negative, got {weight}"
+                raise ProblemInvalid(message, {"field": f"ik.joint_weights.{name}"})
+        if not by_joint:
+            return cls(Manifold(group.joints), None)
+        weights = [
+            by_joint.get(joint.name, 1.0)
+            for joint in group.joints
+            for _ in range(joint.num_velocities)
+        ]
+        return cls(Manifold(group.joints), np.array(weights, dtype=np.float64))
+
+    def distance(
+        self, rows: Float64[np.ndarray, "n nq"], start: Float64[np.ndarray, " nq"]
+    ) -> Array:
+        """Return the distance of each row from the start (radians and metres weigh the same)."""
+        if self.weights is None:
+            return self.manifold.distance(rows, start[None])
+        delta = self.manifold.minus(rows, start[None])
+        return np.asarray(np.linalg.norm(self.weights * delta, axis=-1))

@@ -1,0 +1,93 @@
+"""Drake's program for the pose nearest to a target: joint limits kept, bodies kept apart."""
+
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float64
+from pydrake.math import RigidTransform, RotationMatrix
+
+from planning.domain.options import PoseMetric
+from planning.domain.pose import Pose
+from planning.goals.goal_query import GoalQuery
+from planning.goals.group_program import GroupProgram
+from planning.goals.region_target import RegionTarget
+from planning.goals.tool_target import ToolTarget
+from planning.world.world import World
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
+type Target = ToolTarget | RegionTarget
+
+_MAJOR_ITERATIONS = 60
+_MAX_ROUNDS = 6
+# Pairs nearer than their margin and this are constrained from the next round on [m].
+_NEAR = 0.02
+# Demanded beyond the margins, so that what the solver may miss does no harm; and how deep a
+# collision may be to be that [m].
+_SLACK, _SMALL = 1e-5, 1e-3
+# A step smaller than this is the last one [rad or m].
+_SETTLED = 1e-6
+# Where the angle's cost is no longer like the cosine's, its weight grows no further [rad].
+_LARGEST_ANGLE = 3.0
+
+
+def pulled(
+    world: World, query: GoalQuery, target: Target, q: Float64[np.ndarray, " nq"]
+) -> Float64[np.ndarray, " nq"]:
+    """Return where sequential quadratic programming (SNOPT) leads q on its way to a target.
+
+    A local minimum of the pose metric if all goes well; whoever asks checks what it is.
+    """
+    limits = world.limits(query.group)
+    pairs: dict[tuple[Any, Any], float] = {}
+    slack = _SLACK
+    for _ in range(_MAX_ROUNDS):
+        known = len(pairs)
+        near, depth = _near_pairs(world, query, q)
+        pairs.update(near)
+        # What the solver leaves is made up for, once it is little.
+        slack += depth + _SLACK if 0 < depth < _SMALL else 0.0
+        program = GroupProgram(world, query.group, _MAJOR_ITERATIONS)
+        reached = world.frame_pose(target.frame, world.embed(query.group, q))
+        _add_cost(world, program, target, reached, query.options.pose_metric)
+        for pair, margin in pairs.items():
+            program.ik.AddDistanceConstraint(pair, margin + slack, np.inf)
+        moved = np.clip(program.solve(q), limits.lower, limits.upper)
+        step = float(np.abs(moved - q).max())
+        q = moved
+        if step < _SETTLED and len(pairs) == known and depth <= 0:
+            break
+    return q
+
+
+def _add_cost(
+    world: World, program: GroupProgram, target: Target, reached: Pose, metric: PoseMetric
+) -> None:
+    """Pull the frame to the pose within tolerance that is closest to where it is.
+
+    Drake's cost of a rotation is c (1 - cos theta); with c = 2 w^2 theta / sin theta at the present
+    theta it has the slope of (w theta)^2 there, so both have the same minima once settled.
+    """
+    frame, origin = world.drake.frames[target.frame], world.drake.plant.world_frame()
+    wanted = target.closest(reached)
+    x_wg = RigidTransform(wanted.matrix)
+    weight = metric.translation**2 * np.eye(3)
+    program.ik.AddPositionCost(origin, x_wg.translation(), frame, np.zeros(3), weight)
+    theta = min(reached.distance(wanted)[1], _LARGEST_ANGLE)
+    slope = 2 * metric.rotation**2 / float(np.sinc(theta / np.pi))
+    program.ik.AddOrientationCost(origin, x_wg.rotation(), frame, RotationMatrix(), slope)
+
+
+def _near_pairs(
+    world: World, query: GoalQuery, q: Array
+) -> tuple[dict[tuple[Any, Any], float], float]:
+    """Return the margins of the pairs of geometries that are near at q, and the largest lack."""
+    margins = query.margins
+    probe = world.distance_probe(margins)
+    found = probe.geometries_within(world.embed(query.group, q), margins.largest + _NEAR)
+    lacks = [margins.of(*bodies) - distance for _, bodies, distance in found]
+    near = {
+        pair: margins.of(*bodies)
+        for (pair, bodies, _), lack in zip(found, lacks, strict=True)
+        if lack > -_NEAR
+    }
+    return near, max(lacks, default=-np.inf)

@@ -1,0 +1,116 @@
+"""How good configurations are: manipulability, clearance, limit margin, distance and branch."""
+
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float64
+from pydrake.multibody.tree import JacobianWrtVariable, RevoluteJoint
+
+from planning.domain.joints import JointGroup, JointLimits
+from planning.domain.quality import ArmBranch, ConfigurationQuality
+from planning.domain.report import BodyPair
+from planning.goals.branch import branch_of
+from planning.goals.joint_metric import JointMetric
+from planning.world.link_tree import link_tree
+from planning.world.world import World
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
+
+# How far to look for the nearest pair: most often it is near, and looking far takes longer [m].
+_HORIZONS = (0.1, 10.0)
+
+
+class QualityProbe:
+    """Measures configurations of a group; one context, one thread."""
+
+    def __init__(self, world: World, group: JointGroup, frame: str, metric: JointMetric) -> None:
+        """Measure the mobility of `frame`, and distances by `metric`."""
+        self._world = world
+        self._group = group
+        self._metric = metric
+        self._limits = world.limits(group)
+        self._plant = world.drake.plant
+        self._frame = world.drake.frames[frame]
+        self._diagram_context = world.drake.diagram.CreateDefaultContext()
+        self._context = self._plant.GetMyMutableContextFromRoot(self._diagram_context)
+        self._distances = world.distance_probe(world.margins())
+        self._axes = _arm_axes(world, group)
+
+    def of(
+        self, q: Float64[np.ndarray, " nq"], start: Float64[np.ndarray, " nq"]
+    ) -> ConfigurationQuality:
+        """Return what there is to say of q, as seen from a start."""
+        full = self._world.embed(self._group, q)
+        self._plant.SetPositions(self._context, full)
+        nearest = self._nearest(full)
+        return ConfigurationQuality(
+            manipulability=manipulability(self._jacobian()),
+            clearance=None if nearest is None else nearest.distance,
+            pair=None if nearest is None else nearest.bodies,
+            limit_margin=limit_margin(self._limits, q),
+            distance=float(self._metric.distance(q[None], start)[0]),
+            branch=self._branch(),
+        )
+
+    def _jacobian(self) -> Array:
+        """Return the tool's spatial velocity per velocity of the group, shape (6, nv)."""
+        world = self._plant.world_frame()
+        full = self._plant.CalcJacobianSpatialVelocity(
+            self._context, JacobianWrtVariable.kV, self._frame, np.zeros(3), world, world
+        )
+        for follower, leader, multiplier in reversed(self._world.drake.mimics):
+            full[:, leader] += multiplier * full[:, follower]
+        return full[:, self._world.drake.velocity_indices(self._group)]
+
+    def _nearest(self, full: Array) -> BodyPair | None:
+        for horizon in _HORIZONS:
+            pairs = self._distances.pairs_within(full, horizon)
+            if pairs:
+                return pairs[0]
+        return None
+
+    def _branch(self) -> ArmBranch | None:
+        if self._axes is None:
+            return None
+        poses = [j.frame_on_child().CalcPoseInWorld(self._context) for j in self._axes]
+        directions = [
+            x.rotation().multiply(j.revolute_axis()) for j, x in zip(self._axes, poses, strict=True)
+        ]
+        return branch_of(np.stack(directions), np.stack([x.translation() for x in poses]))
+
+
+def manipulability(jacobian: Float64[np.ndarray, "6 nv"]) -> float:
+    """Return the product of the Jacobian's singular values.
+
+    It is sqrt(det(J J^T)) where there are six coordinates or more (Yoshikawa, "Manipulability of
+    Robotic Mechanisms", 1985), and sqrt(det(J^T J)) where there are fewer. Zero at a singularity;
+    its unit mixes metres and radians, so it compares configurations of one arm only.
+    """
+    return float(np.prod(np.linalg.svd(jacobian, compute_uv=False)))
+
+
+def limit_margin(limits: JointLimits, q: Float64[np.ndarray, " nq"]) -> float | None:
+    """Return the smallest distance to a position limit, as a share of its range: 0 to 0.5.
+
+    None if no coordinate is limited on both sides.
+    """
+    span = limits.upper - limits.lower
+    bounded = np.isfinite(span) & (span > 0)
+    if not bounded.any():
+        return None
+    gap = np.minimum(q - limits.lower, limits.upper - q)[bounded]
+    return float((gap / span[bounded]).min())
+
+
+def _arm_axes(world: World, group: JointGroup) -> list[Any] | None:
+    """Return the six joints of a group that is a chain of six revolute joints, from the base."""
+    plant, tree = world.drake.plant, link_tree(world.drake)
+    joints: list[Any] = [plant.get_joint(world.drake.joint_indices[j.name]) for j in group.joints]
+    if tree is None or len(joints) != 6:
+        return None
+    if not all(isinstance(joint, RevoluteJoint) for joint in joints):
+        return None
+    numbers = {link.position: i for i, link in enumerate(tree.links)}
+    chain = [numbers[joint.position_start()] for joint in joints]
+    parents = [tree.links[i].parent for i in chain]
+    return joints if parents[1:] == chain[:-1] else None

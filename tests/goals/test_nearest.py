@@ -1,0 +1,180 @@
+"""What is nearest is feasible, and what would do does."""
+
+from dataclasses import replace
+from functools import cache
+from typing import Any
+
+import numpy as np
+import pytest
+
+import planning
+from planning.domain import rotation
+from planning.domain.goal import PoseGoal, PoseTarget, RegionGoal
+from planning.domain.options import IkOptions, PoseMetric
+from planning.domain.pose import Pose
+from planning.errors import GoalInCollision, GoalUnreachable
+from planning.goals.pose_solvers import kernel_pose_solver
+from planning.goals.start import within_limits
+from planning.goals.tool_target import ToolTarget
+from planning.kernel.native import native
+from planning.world.world import World
+from tests.goals.conftest import ENGINES, EXACT, ask, at, world_by
+
+NAME = "ur5e_pickup"
+PLAIN = PoseMetric()
+# In the table, in the box, beyond reach, and where a wrist cannot turn.
+PLACES = ((0.45, 0.25, 0.0), (0.5, 0.02, 0.2), (1.0, 0.3, 0.4), (0.0, 0.0, 0.5))
+
+
+def refused(world: World, goal: PoseGoal | RegionGoal, **options: Any) -> dict[str, Any]:
+    with pytest.raises((GoalInCollision, GoalUnreachable)) as refusal:
+        ask(world, "arm", goal, IkOptions(5, 60, **options))
+    return refusal.value.evidence
+
+
+@cache
+def refused_at(place: tuple[float, ...], metric: PoseMetric = PLAIN) -> dict[str, Any]:
+    """Return what is said of a pose that looks down at a place, asking once only."""
+    return refused(world_by(NAME, "kernel"), at(looking_down(place)), pose_metric=metric)
+
+
+def looking_down(place: tuple[float, ...]) -> Pose:
+    return Pose.from_parts(place, rpy=[np.pi, 0, 0.3])
+
+
+def cost_of(pose: Pose, target: Pose, metric: PoseMetric) -> float:
+    shift, turn = pose.distance(target)
+    return float(np.hypot(metric.translation * shift, metric.rotation * turn))
+
+
+def nearer_tries(target: Pose, cost: float, metric: PoseMetric, seed: int) -> list[Pose]:
+    """Return 2,000 poses that are nearer than a cost."""
+    rng = np.random.default_rng(seed)
+    aside = rng.normal(size=(2000, 6))
+    aside *= (cost * rng.uniform(size=2000) ** (1 / 6) / np.linalg.norm(aside, axis=1))[:, None]
+    return [
+        Pose.from_parts(
+            target.position + row[:3] / metric.translation,
+            rotation.multiply(target.quaternion, rotation.exp(row[3:] / metric.rotation)),
+        )
+        for row in aside
+    ]
+
+
+@pytest.mark.parametrize("place", PLACES)
+@pytest.mark.parametrize("metric", [PLAIN, PoseMetric(1.0, 0.5)])
+def test_the_nearest_pose_is_feasible_and_2000_tries_find_no_nearer_one(
+    place: tuple[float, ...], metric: PoseMetric
+) -> None:
+    if native() is None:
+        pytest.skip("2,000 tries take the kernel")
+    world = world_by(NAME, "kernel")
+    group, margins = world.group("arm"), world.margins()
+    target = looking_down(place)
+    near = refused_at(place, metric)["nearest"]
+    q, limits = np.array(near["positions"]), world.limits(group)
+    assert within_limits(limits, q[None])[0]
+    assert not world.violations(group, q, margins)
+    reached = world.frame_pose("arm::tcp", world.embed(group, q))
+    told = Pose.from_parts(near["position"], near["quaternion"])
+    assert max(reached.distance(told)) < 1e-9
+    assert reached.distance(target) == pytest.approx(
+        (near["translation_error"], near["rotation_error"]), abs=1e-9
+    )
+    cost = cost_of(reached, target, metric)
+    tries = nearer_tries(target, 0.995 * cost, metric, seed=1)
+    solver = kernel_pose_solver(
+        world, group, [ToolTarget("arm::tcp", pose, EXACT, EXACT) for pose in tries]
+    )
+    seeds = np.random.default_rng(2).uniform(limits.lower, limits.upper, (2000, 6))
+    seeds[::2] = q
+    converged, rows = solver.solve(seeds, np.arange(2000), 2000)
+    converged &= within_limits(limits, rows)
+    free = world.collision_oracle(group, margins).are_free(rows[converged])
+    assert not free.any()
+
+
+@ENGINES
+@pytest.mark.parametrize("place", PLACES[:2])
+def test_what_would_do_does(engine: str, place: tuple[float, ...]) -> None:
+    """The nearest pose is within the tolerance that is told, and nothing else is in the way."""
+    world = world_by(NAME, engine)
+    group, margins = world.group("arm"), world.margins()
+    pose = Pose.from_parts(place, rpy=[np.pi, 0.1, 0.3])
+    evidence = refused(world, at(pose))
+    near, relaxation = evidence["nearest"], evidence["relaxation"]
+    tolerance = [np.array(relaxation["tolerance"][name]) for name in ("position", "rotation")]
+    reached = Pose.from_parts(near["position"], near["quaternion"])
+    assert ToolTarget("arm::tcp", pose, *tolerance).is_met_by(reached)
+    q = np.array(relaxation["positions"])
+    there = world.frame_pose("arm::tcp", world.embed(group, q))
+    assert max(there.distance(pose)) < 2e-6
+    hit = world.violations(group, q, margins)
+    assert [list(pair.bodies) for pair in hit] == [one["bodies"] for one in relaxation["obstacles"]]
+
+
+@pytest.mark.parametrize("place", PLACES)
+def test_a_goal_with_the_tolerance_that_is_told_is_solvable(place: tuple[float, ...]) -> None:
+    world = world_by(NAME, "kernel")
+    pose = looking_down(place)
+    told = refused_at(place)["relaxation"]["tolerance"]
+    wide = at(pose, "world", 1.02 * np.array(told["rotation"]) + 1e-3, np.array(told["position"]))
+    wide = replace(wide, position_tolerance=1.02 * wide.position_tolerance + 1e-3)
+    assert len(ask(world, "arm", wide, IkOptions(1, 3000)).positions)
+
+
+def test_allowing_the_pairs_that_are_told_makes_it_solvable() -> None:
+    path = planning.bundled_folder("scenes") / f"{NAME}.scene.yaml"
+    scene = planning.read_scene(path)
+    goal = at(looking_down(PLACES[0]))
+    obstacles = refused_at(PLACES[0])["relaxation"]["obstacles"]
+    pairs = tuple((one["bodies"][0], one["bodies"][1]) for one in obstacles)
+    relaxed = replace(scene, allowed_collisions=scene.allowed_collisions + pairs)
+    found = ask(planning.load_world(relaxed), "arm", goal, IkOptions(5, 200))
+    assert len(found.positions)
+
+
+def test_what_binds_is_named() -> None:
+    world = world_by(NAME, "kernel")
+    table = refused_at(PLACES[0])["nearest"]
+    assert table["binding"] == "collision"
+    assert ["arm::left_finger", "table"] in table["pairs"]
+    assert table["translation_error"] == pytest.approx(0.01, abs=1e-4)
+    # Straight up out of the box; gradients alone end at its side, with the gripper tilted.
+    box = refused(world, at(Pose.from_parts(PLACES[1], rpy=[np.pi, 0, 0])))["nearest"]
+    assert box["translation_error"] == pytest.approx(0.0705, abs=2e-4)
+    high = refused(world, at(Pose.from_parts([0.4, 0.0, 1.6])))["nearest"]
+    assert (high["binding"], high["pairs"], high["joints"]) == ("reach", [], [])
+
+
+def test_margins_are_kept_by_the_nearest_pose() -> None:
+    world = world_by(NAME, "kernel")
+    group = world.group("arm")
+    goal = at(looking_down(PLACES[0]))
+    deadline = planning.Deadline.after(20.0, lambda: 0.0)
+    with pytest.raises(GoalInCollision) as refusal:
+        planning.solve_ik(
+            world, "arm", goal, deadline=deadline, options=IkOptions(5, 60), margin=0.02
+        )
+    near = refusal.value.evidence["nearest"]
+    assert not world.violations(group, np.array(near["positions"]), world.margins(0.02))
+    # 10 mm out of the table, 20 mm above it, and a little aside of the can.
+    assert 0.03 <= near["translation_error"] < 0.032
+
+
+def test_of_many_poses_the_nearest_is_named() -> None:
+    world = world_by(NAME, "kernel")
+    targets = tuple(PoseTarget(Pose.from_parts([x, 0.3, 0.4])) for x in np.linspace(4.0, 1.2, 12))
+    near = refused(world, PoseGoal(targets, "", EXACT, EXACT))["nearest"]
+    assert near["pose_index"] == 11
+
+
+def test_free_bodies_have_nearest_poses_too() -> None:
+    world = world_by("window_3d", "kernel")
+    (group,) = world.groups
+    bodies = [name for name in world.drake.bodies if "::" not in name and name != "world"]
+    inside = world.frame_pose(bodies[0], world.state)
+    with pytest.raises((GoalInCollision, GoalUnreachable)) as refusal:
+        ask(world, group.name, at(inside), IkOptions(5, 20))
+    near = refusal.value.evidence["nearest"]
+    assert not world.violations(group, np.array(near["positions"]), world.margins())
