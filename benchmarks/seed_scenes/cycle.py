@@ -1,4 +1,4 @@
-"""Picking and placing: approach, attach, retreat, transfer, place, let go, retreat."""
+"""Picking and placing: approach, attach, retreat, approach, let go, retreat."""
 
 import numpy as np
 
@@ -6,14 +6,25 @@ import planning
 from benchmarks.seed_scenes.leg import Leg
 from planning.domain.deadline import Deadline
 
+_EXACT = np.zeros(3)
+_FROM_ABOVE = np.array([0.0, 0.0, -0.1])
+
+
+def _down_to(frame: str) -> planning.PoseGoal:
+    target = planning.PoseTarget(planning.Pose.identity(), frame)
+    return planning.PoseGoal((target,), "arm::tcp", _EXACT, _EXACT, approach=_FROM_ABOVE)
+
+
+def _straight_to(frame: str) -> planning.LineGoal:
+    return planning.LineGoal((planning.PoseTarget(planning.Pose.identity(), frame),), "arm::tcp")
+
+
 # Where the tool goes, and what is done there. `above_pick` hangs on the part, in the hand as well.
 STEPS = (
-    ("above_pick", ()),
-    ("pick", (planning.AttachObject("part", "arm::tcp"),)),
-    ("above_pick", ()),
-    ("above_place", ()),
-    ("place", (planning.DetachObject("part"),)),
-    ("above_place", ()),
+    (_down_to("pick"), (planning.AttachObject("part", "arm::tcp"),)),
+    (_straight_to("above_pick"), ()),
+    (_down_to("place"), (planning.DetachObject("part"),)),
+    (_straight_to("above_place"), ()),
 )
 
 
@@ -24,9 +35,7 @@ def pick_and_place(world: planning.World, seed: int, deadline: Deadline) -> tupl
         PlanningFailure: One of the motions was not found.
     """
     legs: list[Leg] = []
-    for frame, operations in STEPS:
-        target = planning.PoseTarget(planning.Pose.identity(), frame)
-        goal = planning.PoseGoal((target,), "arm::tcp", np.zeros(3), np.zeros(3))
+    for goal, operations in STEPS:
         found = planning.plan(
             planning.PlanningProblem("arm", goal, seed=seed), world, deadline=deadline
         )

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -57,24 +58,26 @@ def window(world: planning.World, seed: int, deadline: Deadline) -> tuple[Leg, .
 
 
 def pickup_pose(world: planning.World, seed: int, deadline: Deadline) -> tuple[Leg, ...]:
-    """Reach for a can: 100 configurations wanted of 300 trials, 4 attempts, 400 states."""
-    goal = grasp()
+    """Reach for a can from above: 100 configurations of 300 trials, 4 attempts."""
+    goal = grasp(np.array([0.0, 0.0, -0.1]))
     problem = planning.PlanningProblem("arm", goal, ik=_MANY, search=_SHORTEST_OF_4, seed=seed)
     return _one(world, problem, deadline)
 
 
 def pickup_joint(world: planning.World, seed: int, deadline: Deadline) -> tuple[Leg, ...]:
     """Reach for it again, by configurations: those that inverse kinematics finds for the pose."""
-    found = planning.solve_ik(world, "arm", grasp(), deadline=deadline, options=_MANY, seed=seed)
+    found = planning.solve_ik(
+        world, "arm", grasp(None), deadline=deadline, options=_MANY, seed=seed
+    )
     goal = planning.JointGoal(found.positions)
     problem = planning.PlanningProblem("arm", goal, search=_SHORTEST_OF_4, seed=seed)
     return _one(world, problem, deadline)
 
 
-def grasp() -> planning.PoseGoal:
-    """Return the pose of the gripper about the can, from above."""
+def grasp(approach: np.ndarray[Any, Any] | None) -> planning.PoseGoal:
+    """Return the pose of the gripper about the can; `approach` in its axes [m], shape (3,)."""
     target = planning.PoseTarget(planning.Pose.identity(), frame="pick")
-    return planning.PoseGoal((target,), "arm::tcp", EXACT, EXACT)
+    return planning.PoseGoal((target,), "arm::tcp", EXACT, EXACT, approach=approach)
 
 
 def _one(
@@ -84,7 +87,9 @@ def _one(
 
 
 _MANY = planning.IkOptions(max_configurations=100, max_trials=300)
-_SHORTEST_OF_4 = planning.SearchOptions(attempts=4, num_states=400, allowed_planning_time=10.0)
+_SHORTEST_OF_4 = planning.SearchOptions(
+    attempts=4, num_states=400, approach_states=100, allowed_planning_time=10.0
+)
 
 SEEDS = (
     Seed("maze_2d", "maze_2d", 4.0, maze),
