@@ -1,6 +1,6 @@
 """plan(): the stages in order. Read this first.
 
-    scene -> goals (batched IK, lines) -> search (OMPL) -> refine (Drake trajectory optimisation)
+    scene -> goals (batched IK, lines) -> search (OMPL) -> refine (sequential convex programs)
           -> retime (toppra or ruckig) -> certify (Drake, fresh context) -> MotionPlan
 
 The stages do not know each other. What a stage cannot do better it leaves alone: several candidate
