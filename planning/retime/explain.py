@@ -6,9 +6,9 @@ from typing import Any
 import numpy as np
 
 from planning.domain.curve import JointSpline, TimedTrajectory
+from planning.domain.duration import BindingInterval, DurationExplanation, Saving
 from planning.domain.joints import JointLimits
 from planning.domain.options import RetimeOptions
-from planning.domain.report import BindingInterval, DurationExplanation, Saving
 from planning.errors import RetimingFailed
 from planning.retime.bounds import block_norms
 from planning.retime.retimer import RETIMERS, retime

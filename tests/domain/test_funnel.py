@@ -21,7 +21,8 @@ def drawn(seed: int) -> Funnel:
         if count:
             tallies.append(PairTally((f"a{i}", "b"), count, 0.001, 0.02))
         left -= count
-    return Funnel(*counts, tuple(tallies))
+    approached = int(rng.integers(counts[4], counts[3] + 1))
+    return Funnel(*counts, tuple(tallies), approach_ok=approached)
 
 
 @given(seed=st.integers(0, 2**32 - 1))
@@ -32,17 +33,18 @@ def test_every_sample_is_distinct_or_has_a_reason(seed: int) -> None:
     colliding = sum(one.count for one in rejections(funnel) if one.reason == "collision")
     assert colliding == funnel.within_limits - funnel.collision_free
     evidence = json.loads(json.dumps(funnel_evidence(funnel)))
+    blocked = sum(one.count for one in rejections(funnel) if one.reason == "approach")
+    assert blocked == funnel.collision_free - funnel.approach_ok
     shares = sum(one["share"] for one in evidence["rejected"])
     assert abs(shares + funnel.distinct / funnel.tried - 1) < 1e-9
 
 
 def test_the_sentence_says_what_was_hit_how_often_and_how_deep() -> None:
-    funnel = Funnel(
-        300, 37, 37, 6, 6, (PairTally(("table", "arm::forearm_link"), 31, 0.008, 0.031),)
-    )
+    hits = (PairTally(("table", "arm::forearm_link"), 31, 0.008, 0.031),)
+    funnel = Funnel(300, 37, 37, 6, 4, hits, approach_ok=5)
     assert funnel_summary(funnel) == (
         "300 tried, 37 converged, 31 of them hit table-arm::forearm_link by 8 to 31 mm, "
-        "6 are free, 6 of these distinct"
+        "1 of the free have no free approach or retreat, 6 are free, 4 of these distinct"
     )
 
 

@@ -1,0 +1,52 @@
+"""Why a motion takes as long as it does."""
+
+from dataclasses import dataclass
+
+from planning.domain.value import Value
+
+
+@dataclass(frozen=True, eq=False)
+class BindingInterval(Value):
+    """What keeps a motion from being quicker for a while.
+
+    Attributes:
+        begin: [s].
+        end: [s].
+        limit: velocity, acceleration or jerk; "" where none is used to the full.
+        where: The joint or block whose limit it is, or "".
+    """
+
+    begin: float
+    end: float
+    limit: str
+    where: str
+
+
+@dataclass(frozen=True, eq=False)
+class Saving(Value):
+    """How much shorter a motion would be with one limit relaxed.
+
+    Attributes:
+        limit: velocity, acceleration or jerk.
+        where: The joint or block whose limit it is.
+        seconds: How much shorter [s].
+    """
+
+    limit: str
+    where: str
+    seconds: float
+
+
+@dataclass(frozen=True, eq=False)
+class DurationExplanation(Value):
+    """Why a motion takes as long as it does.
+
+    Attributes:
+        intervals: What binds when; together they cover the motion.
+        relaxed: The factor by which limits were relaxed, one at a time.
+        savings: What that saved, the most first.
+    """
+
+    intervals: tuple[BindingInterval, ...]
+    relaxed: float
+    savings: tuple[Saving, ...]
