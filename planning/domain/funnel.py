@@ -102,10 +102,11 @@ def funnel_summary(funnel: Funnel) -> str:
     others = funnel.within_limits - funnel.collision_free - told
     if others:
         words.append(f"{others} of them collide" + (" otherwise" if told else ""))
-    if funnel.collision_free > funnel.approach_ok:
-        words.append(
-            f"{funnel.collision_free - funnel.approach_ok} have no free approach or retreat"
-        )
     if funnel.collision_free:
-        words.append(f"{funnel.collision_free} are free, {funnel.distinct} of these distinct")
+        words.append(f"{funnel.collision_free} are free")
+    if funnel.collision_free > funnel.approach_ok:
+        blocked = funnel.collision_free - funnel.approach_ok
+        words.append(f"{blocked} of these have no free approach or retreat")
+    if funnel.collision_free:
+        words.append(f"{funnel.distinct} are distinct")
     return ", ".join(words)

@@ -44,7 +44,7 @@ def test_the_sentence_says_what_was_hit_how_often_and_how_deep() -> None:
     funnel = Funnel(300, 37, 37, 6, 4, hits, approach_ok=5)
     assert funnel_summary(funnel) == (
         "300 tried, 37 converged, 31 of them hit table-arm::forearm_link by 8 to 31 mm, "
-        "1 of the free have no free approach or retreat, 6 are free, 4 of these distinct"
+        "6 are free, 1 of these have no free approach or retreat, 4 are distinct"
     )
 
 
