@@ -17,6 +17,7 @@ from planning.world.drake_model import DrakeModel
 from planning.world.groups import RobotGroups, group_limits, robot_groups
 from planning.world.kernel_oracle import KernelCollisionOracle
 from planning.world.kernel_scene import kernel_scene_of
+from planning.world.kernel_tree import kernel_chain
 from planning.world.margins import PairMargins
 from planning.world.model_library import ModelLibrary
 from planning.world.placement import named_configurations, placed_state
@@ -243,6 +244,8 @@ def load_world(scene: Scene, library: ModelLibrary | None = None, *, kernel: boo
         # Now, rather than in the first plan.
         world.limits(group)
         world.collision_oracle(group, world.margins())
+        if group.tool_frames:
+            kernel_chain(drake, group, world.state, group.tool_frames[0])
     for i, entry in enumerate(scene.margins):
         for body in entry.bodies:
             if body not in drake.bodies:
