@@ -271,5 +271,5 @@ def test_a_server_killed_at_work_loses_nothing_and_leaves_no_orphan(tmp_path: Pa
 def _is_zombie(pid: int) -> bool:
     try:
         return ") Z " in Path(f"/proc/{pid}/stat").read_text()
-    except FileNotFoundError:
+    except (FileNotFoundError, ProcessLookupError):  # gone before or while it is read
         return True

@@ -50,7 +50,7 @@ def run_of(task, sink=None, allowed=None, **payload):
 def is_alive(pid):
     try:
         return ") Z " not in Path(f"/proc/{pid}/stat").read_text()
-    except FileNotFoundError:
+    except (FileNotFoundError, ProcessLookupError):  # gone before or while it is read
         return False
 
 
