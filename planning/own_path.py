@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from planning.candidates import candidates
-from planning.certify.refusal import not_certified
+from planning.certify.refusal import failed_checks, not_certified
 from planning.domain.certificate import Certificate
 from planning.domain.curve import TimedTrajectory
 from planning.domain.deadline import Deadline
@@ -106,6 +106,5 @@ def retime_path(
         if certificate.proven:
             return RetimedPath(path, candidate.trajectory, certificate, candidate.retime, report)
         failed = certificate
-        worst = ", ".join(f"{check.name} {check.where}" for check in certificate.failed)
-        refused.append(f"{candidate.name}: {worst}")
+        refused.append(f"{candidate.name}: {failed_checks(certificate)}")
     raise not_certified(failed, refused)

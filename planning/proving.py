@@ -6,7 +6,7 @@ import numpy as np
 
 from planning.candidates import candidates, deadlines
 from planning.certify.certifier import CertifyRequest, certify
-from planning.certify.refusal import not_certified
+from planning.certify.refusal import failed_checks, not_certified
 from planning.clearances import clearances
 from planning.domain.certificate import Certificate
 from planning.domain.deadline import Deadline
@@ -113,8 +113,7 @@ def prove_search(task: PlanTask) -> Proven:
                     found.graph,
                 )
             failed = certificate
-            worst = ", ".join(f"{check.name} {check.where}" for check in certificate.failed)
-            refused.append(f"round {round_ + 1}, {candidate.name}: {worst}")
+            refused.append(f"round {round_ + 1}, {candidate.name}: {failed_checks(certificate)}")
     task.deadline.check("certify")
     raise not_certified(failed, refused)
 

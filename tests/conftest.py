@@ -31,7 +31,7 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 def pytest_configure(config: pytest.Config) -> None:
     if config.getoption("--no-kernel"):
-        sys.modules["planning.kernel._native"] = None  # type: ignore[assignment]  (no such module)
+        sys.modules["planning.kernel._native"] = None
     if "WAYPROOF_NATIVE" in os.environ:  # a build with sanitizers
         (file,) = Path(os.environ["WAYPROOF_NATIVE"]).glob("_native*.so")
         spec = spec_from_file_location("planning.kernel._native", file)

@@ -20,6 +20,11 @@ def not_certified(failed: Certificate | None, refused: Sequence[str]) -> NotCert
     return NotCertified(message, {"refused": list(refused), "checks": _evidence(checks)})
 
 
+def failed_checks(certificate: Certificate) -> str:
+    """Return the failed checks and where they failed, in short."""
+    return ", ".join(f"{check.name} {check.where}" for check in certificate.failed)
+
+
 def describe_check(check: Check) -> str:
     """Return a failed check as words."""
     return (

@@ -124,7 +124,7 @@ void Nearness::look(const MovedPair& moved, double reach, Workspace& w, std::int
   near.distance.push_back(distance);
   near.normal.insert(near.normal.end(), {n.x, n.y, n.z});
   near.gradient.resize(near.gradient.size() + num_velocities(), 0.0);
-  slope(moved, w, n, met.p_W - shift, met.p_W, &*near.gradient.end() - num_velocities());
+  slope(moved, w, n, met.p_W - shift, met.p_W, near.gradient.data() + near.gradient.size() - num_velocities());
 }
 
 Near Nearness::within(const double* qs, std::int64_t count, const double* reach) const {
