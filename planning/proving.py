@@ -14,7 +14,7 @@ from planning.domain.goal import LineGoal
 from planning.domain.plan import Progress
 from planning.domain.planner_graph import PlannerGraph
 from planning.domain.report import CertifyReport, RefineReport, SearchReport
-from planning.errors import DeadlineExceeded, NoPathFound
+from planning.errors import Canceled, DeadlineExceeded, NoPathFound
 from planning.paddings import endpoint_padding
 from planning.parts import (
     NOT_REFINED,
@@ -35,6 +35,8 @@ from planning.search.solver import SearchResult, SearchTask, search
 _MAX_ROUNDS = 4
 # Share of the time for a search that keeps more distance than is demanded.
 _PADDED_SHARE = 0.6
+# What a canceled plan may still search for when its best path so far could not be proven [s].
+_BRIEF = 0.4
 
 
 @dataclass(frozen=True)
@@ -80,11 +82,11 @@ def prove_search(task: PlanTask) -> Proven:
     refused: list[str] = []
     failed: Certificate | None = None
     for round_ in range(_MAX_ROUNDS):
-        if round_ and task.deadline.is_over:
+        if round_ and _is_over(task):
             break
         task.report(Progress("search", SEARCHING, f"searching, round {round_ + 1}"))
         with task.watch.stage("search"):
-            found = _search(task, round_)
+            found = _search(task, 0) if round_ == 0 else _search_again(task, round_)
         with task.watch.stage("retime"):
             legs = named_legs(task.goals.legs[found.goal_row]) if task.goals.legs else []
             end = found.path.waypoints[-1]
@@ -116,6 +118,27 @@ def prove_search(task: PlanTask) -> Proven:
             refused.append(f"round {round_ + 1}, {candidate.name}: {failed_checks(certificate)}")
     task.deadline.check("certify")
     raise not_certified(failed, refused)
+
+
+def _is_over(task: PlanTask) -> bool:
+    """Whether there is no time for another round; who wants the best so far gets a short one."""
+    return deadlines(task.problem, task.deadline)[1].is_over
+
+
+def _search_again(task: PlanTask, round_: int) -> SearchResult:
+    """Search with a finer eye; once and briefly, if a cancel wants the best there was so far."""
+    wants_best = task.problem.search.on_cancel == "best"
+    if not (wants_best and task.deadline.is_canceled()):
+        try:
+            return _search(task, round_)
+        except Canceled:
+            if not wants_best:
+                raise
+    once = replace(task.problem.search, attempts=1)
+    brief = task.deadline.uncancelable.within(_BRIEF)
+    hurried = replace(task, problem=replace(task.problem, search=once), deadline=brief)
+    found = _search(hurried, round_)
+    return replace(found, report=replace(found.report, was_canceled=True))
 
 
 def _search(task: PlanTask, round_: int) -> SearchResult:

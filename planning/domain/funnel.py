@@ -1,13 +1,78 @@
-"""What a funnel says: why every sample that is no solution is none."""
+"""Funnel: how many IK samples survived what, and what that says."""
 
 from dataclasses import dataclass
 from typing import Any
 
-from planning.domain.report import Funnel, PairTally
 from planning.domain.value import Value
 
 # So many pairs of bodies are named in a sentence.
 _TOLD = 3
+
+
+@dataclass(frozen=True, eq=False)
+class PairTally(Value):
+    """How often two bodies were the deepest collision of a rejected configuration.
+
+    Attributes:
+        bodies: Full names.
+        count: Rejected configurations.
+        min_depth: Smallest depth among them [m].
+        max_depth: Largest depth among them [m].
+    """
+
+    bodies: tuple[str, str]
+    count: int
+    min_depth: float
+    max_depth: float
+
+
+@dataclass(frozen=True, eq=False)
+class LegTally(Value):
+    """How often one thing stopped the approach or retreat of a configuration.
+
+    Attributes:
+        leg: "approach" or "retreat".
+        reason: As `LineStop` has it.
+        where: The pair of bodies or the joint, or "".
+        count: Configurations.
+        max_fraction: The most of the line that any of them got, seen from the goal.
+    """
+
+    leg: str
+    reason: str
+    where: str
+    count: int
+    max_fraction: float
+
+
+@dataclass(frozen=True, eq=False)
+class Funnel(Value):
+    """How many IK samples survived what; every number is at most the one before it.
+
+    Attributes:
+        tried: Seeds given to the solver.
+        converged: Reached the target within tolerance.
+        within_limits: Kept the joint limits.
+        collision_free: Touch nothing.
+        distinct: Differ from all others; whole turns of joints do not make them differ here.
+        rejected_by: Which pairs the colliding ones hit; only the first few are measured, more of
+            them if none is free.
+        violating: Configurations, whole turns included, that were dropped because they violate a
+            path constraint.
+        approach_ok: Of the collision-free ones, those whose approach and retreat are free and
+            continuous; all of them if neither is asked for. The distinct ones are among these.
+        blocked_by: What stopped approaches and retreats, most frequent first.
+    """
+
+    tried: int = 0
+    converged: int = 0
+    within_limits: int = 0
+    collision_free: int = 0
+    distinct: int = 0
+    rejected_by: tuple[PairTally, ...] = ()
+    violating: int = 0
+    approach_ok: int = 0
+    blocked_by: tuple[LegTally, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)

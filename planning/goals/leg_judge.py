@@ -12,12 +12,13 @@ from jaxtyping import Bool, Float64, Int64
 
 from planning.domain import rotation
 from planning.domain.deadline import Deadline
+from planning.domain.funnel import Funnel, LegTally
 from planning.domain.goal import PoseGoal
 from planning.domain.joints import JointLimits
 from planning.domain.line import GoalLegs, Leg, ToolLine
 from planning.domain.line_trace import LineStop
 from planning.domain.pose import Pose
-from planning.domain.report import Funnel, GoalConfigurations, LegTally
+from planning.domain.report import GoalConfigurations
 from planning.goals.goal_query import GoalQuery
 from planning.goals.joint_metric import JointMetric
 from planning.goals.line_course import Course

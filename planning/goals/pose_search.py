@@ -5,8 +5,8 @@ from typing import Any
 import numpy as np
 
 from planning.domain.deadline import Deadline
+from planning.domain.funnel import Funnel, PairTally
 from planning.domain.manifold import Manifold
-from planning.domain.report import Funnel, PairTally
 from planning.goals.aims import Aims
 from planning.goals.goal_query import GoalQuery
 from planning.goals.leg_judge import LegJudge

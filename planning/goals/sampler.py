@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from planning.domain.deadline import Deadline
-from planning.domain.funnel import funnel_evidence
+from planning.domain.funnel import Funnel, funnel_evidence
 from planning.domain.goal import (
     ConfigurationGoal,
     GoalPredicate,
@@ -20,7 +20,7 @@ from planning.domain.goal import (
 )
 from planning.domain.joints import JointGroup
 from planning.domain.manifold import Manifold
-from planning.domain.report import BodyPair, Funnel, GoalConfigurations
+from planning.domain.report import BodyPair, GoalConfigurations
 from planning.errors import GoalInCollision, GoalOutOfLimits, ProblemInvalid
 from planning.goals.aims import Aiming, aiming_of
 from planning.goals.goal_query import GoalQuery

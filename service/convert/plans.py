@@ -4,8 +4,8 @@ import dataclasses
 from typing import Any
 
 from planning.domain.certificate import Certificate
+from planning.domain.funnel import Funnel
 from planning.domain.plan import MotionPlan, StageReports
-from planning.domain.report import Funnel
 from service.convert.numbers import finite, listed
 from service.convert.trajectories import sampled_wire
 

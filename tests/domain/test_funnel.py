@@ -6,8 +6,7 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from planning.domain.funnel import funnel_evidence, funnel_summary, rejections
-from planning.domain.report import Funnel, PairTally
+from planning.domain.funnel import Funnel, PairTally, funnel_evidence, funnel_summary, rejections
 
 
 def drawn(seed: int) -> Funnel:

@@ -10,10 +10,10 @@ import pytest
 
 import planning
 from planning.domain.deadline import Deadline
+from planning.domain.funnel import Funnel
 from planning.domain.goal import JointGoal, PoseGoal, PoseTarget
 from planning.domain.options import IkOptions
 from planning.domain.pose import Pose
-from planning.domain.report import Funnel
 from planning.errors import Canceled, DeadlineExceeded, GoalInCollision, GoalUnreachable
 from planning.goals.pose_solvers import KernelPoseSolver
 from planning.goals.sampler import GoalQuery, find_goals

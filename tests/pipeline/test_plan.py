@@ -19,7 +19,6 @@ from planning.domain.plan import MotionPlan, Progress
 from planning.domain.pose import Pose
 from planning.domain.problem import PlanningProblem
 from planning.errors import (
-    Canceled,
     DeadlineExceeded,
     GoalInCollision,
     GoalOutOfLimits,
@@ -346,29 +345,3 @@ def test_the_digest_is_of_the_numbers() -> None:
     slower = replace(found, trajectory=found.trajectory.slowed(1.0 + 1e-15))
     assert slower.digest != found.digest
     assert replace(found, timings={}).digest == found.digest
-
-
-@pytest.mark.parametrize("scene", ["maze_2d", "panda_shelf"])
-def test_a_cancel_leaves_a_proven_plan_to_who_wants_the_best_so_far(scene: str) -> None:
-    world = bundled_world(scene)
-    seen: list[float] = []
-
-    def note(progress: Progress) -> None:
-        seen.extend([] if progress.best_length is None else [progress.best_length])
-
-    goal = to_frame("exit" if scene == "maze_2d" else "lower")
-    options = {"attempts": 50, "allowed_planning_time": 30.0}
-    for on_cancel in ("best", "discard"):
-        seen.clear()
-        deadline = Deadline.after(30.0, time.monotonic, lambda: bool(seen))
-        search = SearchOptions(**options, on_cancel=on_cancel)
-        problem = PlanningProblem(GROUPS[scene], goal, search=search)
-        if on_cancel == "discard":
-            with pytest.raises(Canceled):
-                planning.plan(problem, world, deadline=deadline, on_progress=note)
-            continue
-        found = planning.plan(problem, world, deadline=deadline, on_progress=note)
-        assert found.certificate.proven
-        assert found.stages.search.was_canceled
-        assert found.stages.search.solved == 1
-        assert not found.stages.refine.improved
