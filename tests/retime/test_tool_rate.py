@@ -6,7 +6,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from planning.domain.curve import TimedTrajectory
-from planning.domain.options import RetimeOptions, ToolLimit
+from planning.domain.motion_limits import ToolLimit
+from planning.domain.options import RetimeOptions
 from planning.domain.path import JointPath
 from planning.retime.blend import blend_corners
 from planning.retime.explain import explain_duration
