@@ -5,23 +5,28 @@ from planning.domain.options import RetimeOptions
 from planning.retime.path_limit import PathLimit
 from planning.retime.tool_path import ToolPath
 from planning.retime.tool_rate import ToolRate
+from planning.retime.zone_speed import ZoneSpeed
 from planning.world.tool_kinematics import ToolKinematics
 from planning.world.world import World
 
 
 def path_limits(world: World, group: JointGroup, options: RetimeOptions) -> tuple[PathLimit, ...]:
-    """Return what limits motions of a group besides its joints.
+    """Return what limits motions of a group besides its joints; zones are in world.
 
     Raises:
         UnknownName: A frame does not exist.
     """
-    if not options.tool_limits:
+    frames = [entry.frame for entry in (*options.tool_limits, *options.speed_zones)]
+    if not frames:
         return ()
-    frames = dict.fromkeys(limit.frame for limit in options.tool_limits)
-    paths = {frame: ToolPath(ToolKinematics(world, group, frame)) for frame in frames}
-    return tuple(
+    paths = {
+        frame: ToolPath(ToolKinematics(world, group, frame)) for frame in dict.fromkeys(frames)
+    }
+    rates = [
         ToolRate(limit.frame, paths[limit.frame], order, rate)
         for limit in options.tool_limits
         for order, rate in ((1, limit.speed), (2, limit.acceleration))
         if rate is not None
-    )
+    ]
+    zones = [ZoneSpeed(zone, paths[zone.frame], zone.speed) for zone in options.speed_zones]
+    return (*rates, *zones)
