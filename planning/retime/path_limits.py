@@ -3,6 +3,7 @@
 from planning.domain.joints import JointGroup
 from planning.domain.options import RetimeOptions
 from planning.retime.path_limit import PathLimit
+from planning.retime.signed_acceleration import SignedAcceleration
 from planning.retime.tool_path import ToolPath
 from planning.retime.tool_rate import ToolRate
 from planning.retime.zone_speed import ZoneSpeed
@@ -16,17 +17,20 @@ def path_limits(world: World, group: JointGroup, options: RetimeOptions) -> tupl
     Raises:
         UnknownName: A frame does not exist.
     """
+    found: list[PathLimit] = []
+    if options.acceleration_bounds:
+        columns = dict(group.blocks)
+        chosen = tuple(columns[name][0] for name in options.acceleration_bounds)
+        found.append(SignedAcceleration(options.acceleration_bounds, chosen))
     frames = [entry.frame for entry in (*options.tool_limits, *options.speed_zones)]
-    if not frames:
-        return ()
     paths = {
         frame: ToolPath(ToolKinematics(world, group, frame)) for frame in dict.fromkeys(frames)
     }
-    rates = [
+    found += [
         ToolRate(limit.frame, paths[limit.frame], order, rate)
         for limit in options.tool_limits
         for order, rate in ((1, limit.speed), (2, limit.acceleration))
         if rate is not None
     ]
-    zones = [ZoneSpeed(zone, paths[zone.frame], zone.speed) for zone in options.speed_zones]
-    return (*rates, *zones)
+    found += [ZoneSpeed(zone, paths[zone.frame], zone.speed) for zone in options.speed_zones]
+    return tuple(found)

@@ -38,6 +38,8 @@ _LONGEST, _LEAST_CELLS = 0.06, 32
 _SPLIT, _COST, _ROUNDS = 4, 3e-4, 4
 # Squared speeds beyond this, in toppra's units of order one, are unbounded to it.
 _UNBOUNDED = 1e6
+# Rows smaller than this limit nothing.
+_LEAST_ROW = 1e-300
 # Cells on which r' is this small relative to its largest count as if it were larger.
 _STANDSTILL = 1e-9
 
@@ -79,7 +81,8 @@ def _profile(
     with np.errstate(divide="ignore"):
         speed = (limits.velocity / peaks).min(axis=1)
         acceleration = (limits.acceleration / peaks).min(axis=1)
-    lines = LineLimits(is_line, speed, acceleration)
+    others = [limit.rows(cells) for limit in path_limits]
+    lines = LineLimits(is_line, speed, *_line_pushes(acceleration, others))
     if cells.num_pieces == 1 and is_line[0]:
         return profile_between(cells.breaks, np.zeros(2), lines)
     # In units of the least time that a path as fast as allowed would take, toppra's numbers are
@@ -87,15 +90,24 @@ def _profile(
     unit = float((np.diff(cells.breaks) / speed).sum())
     caps = _at_edges(speed_caps(sizes, limits.velocity) * unit**2)
     a, b = acceleration_rows(cells, limits)
-    for limit in path_limits:
+    for limit, more in zip(path_limits, others, strict=True):
         caps = np.minimum(caps, _at_edges(limit.caps(cells) * unit**2))
-        more = limit.rows(cells)
-        a, b = np.concatenate([a, more[0]], axis=1), np.concatenate([b, more[1]], axis=1)
+        a, b = (np.concatenate(both, axis=1) for both in zip((a, b), more, strict=True))
     x = squared_speeds(cells.breaks, (a / unit**2, b / unit**2), caps) / unit**2
     if not (lines.is_line | (x[:-1] + x[1:] > 0)).all():
         message = "toppra's profile stands still on the way"
         raise RetimingFailed(message, {"method": "toppra", "num_grid_points": len(x)})
     return profile_between(cells.breaks, x, lines)
+
+
+def _line_pushes(acceleration: Array, rows: list[tuple[Array, Array]]) -> tuple[Array, Array]:
+    """Return the largest d2s/dt2 and -d2s/dt2 on cells if they are lines, where all b are zero."""
+    up = down = acceleration
+    for a, _ in rows:
+        most = np.maximum(a.max(axis=1, initial=0.0), _LEAST_ROW)
+        least = np.maximum(-a.min(axis=1, initial=0.0), _LEAST_ROW)
+        up, down = np.minimum(up, 1 / most), np.minimum(down, 1 / least)
+    return up, down
 
 
 def _at_edges(caps: Array) -> Array:
