@@ -35,7 +35,7 @@ _LEAST, _PER_TURN, _MOST = 2, 6, 64
 _LONGEST, _LEAST_CELLS = 0.06, 32
 # Cells in which the acceleration should jump are cut into so many, until that costs less than this
 # share of the duration, or so often.
-_SPLIT, _COST, _ROUNDS = 4, 3e-4, 4
+_SPLIT, _COST, _ROUNDS = 4, 3e-4, 3
 # Squared speeds beyond this, in toppra's units of order one, are unbounded to it.
 _UNBOUNDED = 1e6
 # Rows smaller than this limit nothing.
@@ -58,13 +58,19 @@ def toppra_profile(
         return _profile(cells, is_line[owners], limits, path_limits)
     cells, _ = _in_cells(stretch, np.zeros_like(is_line))
     edges = _short_edges(stretch, cells, path_limits)
+    profile = _curved_profile(cut_at(stretch, edges), limits, path_limits)
     for _ in range(_ROUNDS):
-        cells = cut_at(stretch, edges)
-        profile = _profile(cells, np.zeros(cells.num_pieces, dtype=bool), limits, path_limits)
-        edges = _sharper_edges(profile)
-        if len(edges) == len(cells.breaks):
+        sharper = _sharper_edges(profile)
+        if len(sharper) == len(profile.s):
             break
+        profile = _curved_profile(cut_at(stretch, sharper), limits, path_limits)
     return profile
+
+
+def _curved_profile(
+    cells: JointSpline, limits: JointLimits, path_limits: Sequence[PathLimit]
+) -> SpeedProfile:
+    return _profile(cells, np.zeros(cells.num_pieces, dtype=bool), limits, path_limits)
 
 
 def _profile(

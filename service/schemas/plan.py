@@ -6,6 +6,7 @@ from pydantic import ConfigDict, Field, Strict
 
 from service.schemas.constraint import ConstraintWire
 from service.schemas.goal import GoalWire
+from service.schemas.motion_limit import MotionLimits
 from service.schemas.numbers import (
     WHOLE,
     Coordinate,
@@ -156,7 +157,7 @@ class RefineWire(Wire):
     )
 
 
-class RetimeWire(Wire):
+class RetimeWire(MotionLimits):
     """How to time the path."""
 
     method: Literal["toppra", "ruckig"] = Field(
