@@ -13,8 +13,8 @@ PAIRS = [
     (report.RefineReport, wire.RefineReportWire),
     (report.RetimeReport, wire.RetimeReportWire),
     (report.CertifyReport, wire.CertifyReportWire),
-    (report.Funnel, wire.FunnelWire),
-    (report.PairTally, wire.PairTallyWire),
+    (funnel.Funnel, wire.FunnelWire),
+    (funnel.PairTally, wire.PairTallyWire),
     (certificate.Certificate, result.CertificateWire),
     (certificate.Check, result.CheckWire),
 ]
