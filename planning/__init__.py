@@ -39,12 +39,14 @@ if TYPE_CHECKING:
         PoseMetric,
         RefineOptions,
         RetimeOptions,
+        RoadmapOptions,
         SearchOptions,
     )
     from planning.domain.plan import MotionPlan, Progress
     from planning.domain.pose import Pose
     from planning.domain.problem import PlanningProblem
     from planning.domain.quality import ConfigurationQuality
+    from planning.domain.roadmap import Roadmap
     from planning.domain.scene import Scene
     from planning.domain.scene_operation import (
         AddObject,
@@ -62,6 +64,8 @@ if TYPE_CHECKING:
     from planning.own_path import RetimedPath, retime_path
     from planning.own_trajectory import certify_trajectory
     from planning.pipeline import plan
+    from planning.roadmap_shelf import RoadmapShelf, RoadmapStore
+    from planning.roadmaps import build_roadmap
     from planning.search.planners import PlannerCard, list_planners
     from planning.series import MotionSeries, motion_series
     from planning.world.catalogue import describe_model, list_models
@@ -117,6 +121,10 @@ _DOORS = {
     "RemoveObject": "planning.domain.scene_operation",
     "RetimeOptions": "planning.domain.options",
     "RetimedPath": "planning.own_path",
+    "Roadmap": "planning.domain.roadmap",
+    "RoadmapOptions": "planning.domain.options",
+    "RoadmapShelf": "planning.roadmap_shelf",
+    "RoadmapStore": "planning.roadmap_shelf",
     "Scene": "planning.domain.scene",
     "SceneDocument": "planning.world.scene_document",
     "SearchOptions": "planning.domain.options",
@@ -126,6 +134,7 @@ _DOORS = {
     "TimedTrajectory": "planning.domain.curve",
     "World": "planning.world.world",
     "assess_configurations": "planning.ik",
+    "build_roadmap": "planning.roadmaps",
     "bundled_folder": "planning.world.model_library",
     "certify_trajectory": "planning.own_trajectory",
     "check_configurations": "planning.world.check",
@@ -192,6 +201,10 @@ __all__ = [
     "RemoveObject",
     "RetimeOptions",
     "RetimedPath",
+    "Roadmap",
+    "RoadmapOptions",
+    "RoadmapShelf",
+    "RoadmapStore",
     "Scene",
     "SceneDocument",
     "SearchOptions",
@@ -201,6 +214,7 @@ __all__ = [
     "TimedTrajectory",
     "World",
     "assess_configurations",
+    "build_roadmap",
     "bundled_folder",
     "certify_trajectory",
     "check_configurations",

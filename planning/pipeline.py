@@ -26,10 +26,15 @@ from planning.goals.start import admit_start
 from planning.parts import at_end_of, tool_of
 from planning.plan_task import PlanTask
 from planning.proving import prove_lines, prove_search
+from planning.roadmap_shelf import RoadmapStore
+from planning.roadmaps import roadmap_of
 from planning.ruled import admit_rules, kept_goals
 from planning.stopwatch import Stopwatch
 from planning.world.positions import require_positions
 from planning.world.world import World
+
+# Of the time, what building a roadmap may take.
+_ROADMAP_SHARE = 0.6
 
 
 def ignore_progress(_: Progress) -> None:
@@ -42,6 +47,7 @@ def plan(
     *,
     deadline: Deadline,
     on_progress: Callable[[Progress], None] = ignore_progress,
+    roadmaps: RoadmapStore | None = None,
 ) -> MotionPlan:
     """Plan a certified motion.
 
@@ -52,6 +58,8 @@ def plan(
         world: The scene, loaded.
         deadline: When to give up; also asked whether anybody still wants the answer.
         on_progress: Told of every stage.
+        roadmaps: Where a roadmap is looked for, and left if it had to be built, if the problem asks
+            for one; what is found there changes no byte.
 
     Raises:
         InputError: The problem names what does not exist, or its numbers do not fit.
@@ -74,6 +82,12 @@ def plan(
         if rules is not None:
             goals = kept_goals(rules, goals)
             rules = rules.leaving_room(start, goals.entries)
+    roadmap = None
+    if problem.search.roadmap is not None and not lines:
+        on_progress(Progress("search", 0.1, "looking for the roadmap"))
+        with watch.stage("roadmap"):
+            share = deadline.share(_ROADMAP_SHARE)
+            roadmap = roadmap_of(problem, world, start, roadmaps, share, watch)
     limits = world.limits(group) if rules is None else rules.limits(world.limits(group))
     task = PlanTask(
         world,
@@ -88,6 +102,7 @@ def plan(
         on_progress,
         watch,
         rules,
+        roadmap,
     )
     proven = prove_lines(task) if lines else prove_search(task)
     motion = proven.motion

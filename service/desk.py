@@ -171,6 +171,11 @@ class Desk:
             counts[state][lane] = number
         return counts
 
+    @property
+    def roadmaps(self) -> str:
+        """The folder of roadmaps that outlive a worker."""
+        return str(self._settings.data_dir.resolve() / "roadmaps")
+
     def new_controls(self) -> str:
         """Return the path of a file through which an execution can be steered."""
         folder = self._settings.data_dir.resolve() / "controls"

@@ -6,6 +6,7 @@ solution, and if all have, everybody begins anew with four times as many. Counts
 decide, so that the same seed gives the same path on any machine.
 """
 
+import dataclasses
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
@@ -14,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from planning.domain.planner_graph import PlannerGraph
-from planning.domain.report import AttemptReport
+from planning.domain.report import AttemptReport, RoadmapReport
 from planning.errors import Canceled, DeadlineExceeded
 from planning.search.attempt import Attempt, Query
 from planning.search.planners import own_parameters
@@ -45,6 +46,7 @@ class Tally:
         num_motions: Edges that planners checked.
         num_spent: How many gave up for having checked as many states as they may.
         was_canceled: Whether a cancel ended it all.
+        roadmap: What a roadmap did before any planner was asked, or None.
     """
 
     on_best: Callable[[AttemptReport], None] | None
@@ -60,6 +62,7 @@ class Tally:
     num_motions: int = 0
     num_spent: int = 0
     was_canceled: bool = False
+    roadmap: RoadmapReport | None = None
 
     def __post_init__(self) -> None:
         """Begin with the straight line."""
@@ -78,6 +81,8 @@ class Tally:
             found |= {"status": self.last.status, **self.last.growth}
         if options.approximate:
             found["approximate"] = self.approximate
+        if self.roadmap is not None:
+            found["roadmap"] = dataclasses.asdict(self.roadmap)
         return found
 
     def note_growth(self, growth: dict[str, Any]) -> None:

@@ -10,6 +10,7 @@ from service.convert.plans import plan_wire
 from service.convert.trajectories import polynomial_wire
 from service.schemas.plan import PlanRequest
 from service.tasks.channel import Channel
+from service.tasks.roadmaps import shelf_in
 from service.tasks.worlds import borrow_world
 
 # Events are for people and progress bars: twenty a second are enough.
@@ -59,7 +60,13 @@ def plan_motion(payload: dict[str, Any], channel: Channel) -> dict[str, Any]:
         loaded = time.monotonic() - begun
         allowed = request.search.allowed_planning_time
         deadline = Deadline.after(allowed, time.monotonic, channel.is_canceled)
-        found = plan(problem_value(request), world, deadline=deadline, on_progress=log)
+        found = plan(
+            problem_value(request),
+            world,
+            deadline=deadline,
+            on_progress=log,
+            roadmaps=None if request.search.roadmap is None else shelf_in(payload["roadmaps"]),
+        )
     return {
         "result": plan_wire(found, request.retime.sample_period),
         "polynomial": polynomial_wire(found.trajectory),
