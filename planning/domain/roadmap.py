@@ -4,30 +4,9 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from jaxtyping import Float64, Int32, Int64
+from jaxtyping import Float64, Int32
 
 from planning.domain.value import Value, digest
-
-
-@dataclass(frozen=True)
-class Spokes:
-    """Every edge twice, once from each of its ends, by the row that it leaves.
-
-    Attributes:
-        first: Where those of each row begin; one more at the end, for all.
-        there: The row that each leads to.
-        ends: The rows that it leaves and leads to, shape (2m, 2).
-        edge: Which edge it is, shape (2m,).
-    """
-
-    first: list[int]
-    there: list[int]
-    ends: Int32[np.ndarray, "k 2"]
-    edge: Int64[np.ndarray, " k"]
-
-    def of(self, row: int) -> slice:
-        """Return which of them leave a row."""
-        return slice(self.first[row], self.first[row + 1])
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,11 +38,10 @@ class Roadmap(Value):
         return self.states.nbytes + self.edges.nbytes
 
     @cached_property
-    def spokes(self) -> Spokes:
-        """The edges as seen from their ends."""
-        ends = np.concatenate([self.edges, self.edges[:, ::-1]])
-        order = np.lexsort((ends[:, 1], ends[:, 0]))
-        first = np.searchsorted(ends[order, 0], np.arange(len(self.states) + 1))
-        return Spokes(
-            first.tolist(), ends[order, 1].tolist(), ends[order], order % max(1, len(self.edges))
-        )
+    def neighbours(self) -> tuple[tuple[int, ...], ...]:
+        """The rows that edges join each row with, ascending."""
+        found: list[list[int]] = [[] for _ in self.states]
+        for i, j in self.edges.tolist():
+            found[i].append(j)
+            found[j].append(i)
+        return tuple(tuple(sorted(rows)) for rows in found)

@@ -2,7 +2,7 @@
 
 import heapq
 import math
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -17,7 +17,7 @@ from planning.search.spaces import SearchSpace
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 type Costs = Callable[[Array, Array], Array]
 # What the ways from a row to its neighbours cost, in their order.
-type Steps = Callable[[int, list[int]], Iterable[float]]
+type Steps = Callable[[int, list[int]], Array | list[float]]
 
 # What is kept of a graph for people: more is neither drawn nor sent.
 _MOST_VERTICES = 2_000
@@ -84,7 +84,7 @@ def between(graph: Graph, start: Array, goals: Array, space: SearchSpace) -> Gra
     return Graph(graph.qs, starts, ends, neighbours.__getitem__)
 
 
-def measured(graph: Graph, costs: Costs) -> Steps:
+def measured(graph: Graph, costs: Costs) -> Callable[[int, list[int]], Array]:
     """Return the costs of a graph's edges, each computed when it is asked for."""
     return lambda here, there: costs(graph.qs[there], graph.qs[here])
 

@@ -68,7 +68,7 @@ def way_through(roadmap: Roadmap, query: Query, edges: EdgeChecker) -> Way:
         joined = {row: into for row, into in links.items() if into}
         if not joined:
             continue
-        way = _cheapest(roadmap, _joined_graph(roadmap, query, out, joined), query, list(joined))
+        way = _cheapest(_joined_graph(roadmap, query, out, joined), query, list(joined))
         if not way.reason:
             break
     return way
@@ -91,7 +91,7 @@ def _joined_graph(
     roadmap: Roadmap, query: Query, out: list[int], joined: dict[int, list[int]]
 ) -> Graph:
     """Return the roadmap with the start as its next row, and the goals after it."""
-    start, spokes = len(roadmap.states), roadmap.spokes
+    start = len(roadmap.states)
     into: dict[int, list[int]] = {}
     for place, links in enumerate(joined.values()):
         for row in links:
@@ -99,7 +99,7 @@ def _joined_graph(
 
     def neighbours(row: int) -> list[int]:
         if row < start:
-            return [*spokes.there[spokes.of(row)], *into.get(row, ())]
+            return [*roadmap.neighbours[row], *into.get(row, ())]
         return out if row == start else []
 
     goals = list(range(start + 1, start + 1 + len(joined)))
@@ -107,37 +107,24 @@ def _joined_graph(
     return Graph(qs, [start], goals, neighbours)
 
 
-def _cheapest(roadmap: Roadmap, graph: Graph, query: Query, rows: list[int]) -> Way:
+def _cheapest(graph: Graph, query: Query, rows: list[int]) -> Way:
     goals = set(graph.goals)
-    steps = measured(graph, query.objective.edge_costs)
-    if query.objective.name != "clearance":
-        # Where nothing is near, that costs less than the way is long.
-        steps = _reduced(roadmap, graph, query)
-    for row, came_from in cheapest_ways(graph, steps):
+    for row, came_from in cheapest_ways(graph, _steps(graph, query)):
         if row in goals:
             waypoints = unrolled(graph.qs[traced(came_from, row)], query.space.manifold)
             return Way("", graph, waypoints, rows[row - graph.goals[0]])
     return Way("no_way", graph, np.empty((0, len(query.start))), -1)
 
 
-def _reduced(roadmap: Roadmap, graph: Graph, query: Query) -> Steps:
-    """Return the costs of edges, less by how much nearer they lead to the nearest goal.
-
-    Those of the whole roadmap are computed at once, which takes as long as those of twenty rows.
-    """
+def _steps(graph: Graph, query: Query) -> Steps:
+    """Return the costs of edges, less by how much nearer they lead to the nearest goal."""
     objective, manifold = query.objective, query.space.manifold
+    costs = measured(graph, objective.edge_costs)
+    if objective.name == "clearance":  # where nothing is near, it is less than the length
+        return costs
     left = objective.norm(manifold.minus(graph.qs[graph.goals][:, None], graph.qs)).min(axis=0)
-    spokes = roadmap.spokes
-    lengths = objective.edge_costs(*(roadmap.states[rows] for rows in roadmap.edges.T))
-    here, there = spokes.ends.T
-    own = np.maximum(0.0, lengths[spokes.edge] + left[there] - left[here]).tolist()
 
-    def steps(row: int, neighbours: list[int]) -> list[float]:
-        known = own[spokes.of(row)] if row < len(roadmap.states) else []
-        if len(known) == len(neighbours):
-            return known
-        links = neighbours[len(known) :]
-        costs = objective.edge_costs(graph.qs[links], graph.qs[row]) + left[links] - left[row]
-        return [*known, *np.maximum(0.0, costs).tolist()]
+    def steps(here: int, there: list[int]) -> list[float]:
+        return np.maximum(0.0, costs(here, there) + left[there] - left[here]).tolist()
 
     return steps

@@ -1,4 +1,4 @@
-"""Roadmaps that plans share: the same bytes cold, warm and from disk; rebuilt where worlds differ."""
+"""Roadmaps that plans share: the same bytes cold, warm and from disk; new where worlds differ."""
 
 import os
 import subprocess
@@ -127,7 +127,7 @@ def test_what_a_robot_has_around_it_changes_the_roadmap_and_where_it_stands_does
         return planning.build_roadmap(problem_of(**options), world, deadline=deadline)
 
     moved = maze.scene.objects[-1]
-    shifted = replace(moved.pose, position=moved.pose.position + [0.03, 0.0, 0.0])
+    shifted = replace(moved.pose, position=moved.pose.position + np.array([0.03, 0.0, 0.0]))
     assert built().key == roadmap.key
     away = built(MoveObject(moved.name, shifted))
     assert away.key != roadmap.key
@@ -135,9 +135,7 @@ def test_what_a_robot_has_around_it_changes_the_roadmap_and_where_it_stands_does
     elsewhere = built(SetPositions("body", tuple(float(x) for x in roadmap.states[0])))
     assert elsewhere == roadmap
     deadline = Deadline.after(30.0, time.monotonic)
-    wider = planning.build_roadmap(
-        replace(problem_of(), margin=0.01), maze, deadline=deadline
-    )
+    wider = planning.build_roadmap(replace(problem_of(), margin=0.01), maze, deadline=deadline)
     assert wider.key != roadmap.key
 
 

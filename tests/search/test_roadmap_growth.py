@@ -120,9 +120,7 @@ def test_a_path_through_the_roadmap_needs_few_checks(plane, make_oracle, soon, c
 
 
 @pytest.mark.parametrize("objective", ["length", "weighted_length", "duration", "clearance"])
-def test_the_way_is_the_cheapest_that_the_graph_has(
-    plane, make_oracle, soon, crossing, objective
-):
+def test_the_way_is_the_cheapest_that_the_graph_has(plane, make_oracle, soon, crossing, objective):
     """What A* finds in the roadmap, Bellman and Ford find too."""
     from planning.search import roadmap_way
     from planning.search.solver import _query

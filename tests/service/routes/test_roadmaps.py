@@ -2,10 +2,7 @@
 
 import pytest
 
-from service.app import create_app
-from service.settings import Settings
 from service.tasks.roadmaps import shelf_in
-from tests.service.conftest import TestClient
 from tests.service.routes.test_search_options import MAZE
 
 FEW = {"states": 300, "neighbours": 8}
