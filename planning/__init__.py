@@ -43,6 +43,7 @@ if TYPE_CHECKING:
         SearchOptions,
     )
     from planning.domain.plan import MotionPlan, Progress
+    from planning.domain.pool import AttemptPool
     from planning.domain.pose import Pose
     from planning.domain.problem import PlanningProblem
     from planning.domain.quality import ConfigurationQuality
@@ -58,6 +59,7 @@ if TYPE_CHECKING:
         RemoveObject,
         SetPositions,
     )
+    from planning.fork_pool import ForkPool
     from planning.ik import assess_configurations, solve_ik
     from planning.kernel.native import kernel_name
     from planning.line import Displacement, Fineness, trace_line
@@ -68,6 +70,7 @@ if TYPE_CHECKING:
     from planning.roadmaps import build_roadmap
     from planning.search.planners import PlannerCard, list_planners
     from planning.series import MotionSeries, motion_series
+    from planning.shared_cores import SharedCores
     from planning.world.catalogue import describe_model, list_models
     from planning.world.check import check_configurations
     from planning.world.kinematics import forward_kinematics
@@ -84,6 +87,7 @@ _DOORS = {
     "AddObject": "planning.domain.scene_operation",
     "AllowPair": "planning.domain.scene_operation",
     "AttachObject": "planning.domain.scene_operation",
+    "AttemptPool": "planning.domain.pool",
     "ConfigurationGoal": "planning.domain.goal",
     "ConfigurationQuality": "planning.domain.quality",
     "Deadline": "planning.domain.deadline",
@@ -92,6 +96,7 @@ _DOORS = {
     "DistanceBand": "planning.domain.constraint",
     "Fineness": "planning.line",
     "ForbidPair": "planning.domain.scene_operation",
+    "ForkPool": "planning.fork_pool",
     "GoalPredicate": "planning.domain.goal",
     "IkOptions": "planning.domain.options",
     "JointGoal": "planning.domain.goal",
@@ -129,6 +134,7 @@ _DOORS = {
     "SceneDocument": "planning.world.scene_document",
     "SearchOptions": "planning.domain.options",
     "SetPositions": "planning.domain.scene_operation",
+    "SharedCores": "planning.shared_cores",
     "Simulation": "planning.world.simulation",
     "TightLimits": "planning.domain.constraint",
     "TimedTrajectory": "planning.domain.curve",
@@ -164,6 +170,7 @@ __all__ = [
     "AddObject",
     "AllowPair",
     "AttachObject",
+    "AttemptPool",
     "ConfigurationGoal",
     "ConfigurationQuality",
     "Deadline",
@@ -172,6 +179,7 @@ __all__ = [
     "DistanceBand",
     "Fineness",
     "ForbidPair",
+    "ForkPool",
     "GoalPredicate",
     "IkOptions",
     "JointGoal",
@@ -209,6 +217,7 @@ __all__ = [
     "SceneDocument",
     "SearchOptions",
     "SetPositions",
+    "SharedCores",
     "Simulation",
     "TightLimits",
     "TimedTrajectory",

@@ -17,6 +17,7 @@ from planning.domain.deadline import Deadline
 from planning.domain.goal import LineGoal
 from planning.domain.line import Leg
 from planning.domain.plan import MotionPlan, Progress, StageReports
+from planning.domain.pool import AttemptPool
 from planning.domain.problem import PlanningProblem
 from planning.domain.report import GoalConfigurations
 from planning.errors import ProblemInvalid
@@ -48,6 +49,7 @@ def plan(
     deadline: Deadline,
     on_progress: Callable[[Progress], None] = ignore_progress,
     roadmaps: RoadmapStore | None = None,
+    pool: AttemptPool | None = None,
 ) -> MotionPlan:
     """Plan a certified motion.
 
@@ -60,6 +62,7 @@ def plan(
         on_progress: Told of every stage.
         roadmaps: Where a roadmap is looked for, and left if it had to be built, if the problem asks
             for one; what is found there changes no byte.
+        pool: Makes several attempts of the search at once; that changes no byte either.
 
     Raises:
         InputError: The problem names what does not exist, or its numbers do not fit.
@@ -103,6 +106,7 @@ def plan(
         watch,
         rules,
         roadmap,
+        pool,
     )
     proven = prove_lines(task) if lines else prove_search(task)
     motion = proven.motion

@@ -7,6 +7,7 @@ from planning.domain.deadline import Deadline
 from planning.domain.joints import JointGroup, JointLimits
 from planning.domain.line import Leg
 from planning.domain.plan import Progress
+from planning.domain.pool import AttemptPool
 from planning.domain.problem import PlanningProblem
 from planning.domain.report import AttemptReport, GoalConfigurations
 from planning.domain.roadmap import Roadmap
@@ -37,6 +38,7 @@ class PlanTask:
         watch: Adds up the time of every stage.
         rules: The path constraints, or None.
         roadmap: Where the search looks before it asks a planner, or None.
+        pool: Makes attempts of the search at once, or None.
     """
 
     world: World
@@ -52,6 +54,7 @@ class PlanTask:
     watch: Stopwatch
     rules: PathRules | None
     roadmap: Roadmap | None = None
+    pool: AttemptPool | None = None
 
     def tell_best(self, attempt: AttemptReport) -> None:
         """Report the best path so far."""

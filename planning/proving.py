@@ -171,6 +171,7 @@ def _search_padded(task: PlanTask, round_: int, padding: float, deadline: Deadli
         seed=task.problem.seed + round_,
         clearances=clearances(task.world, task.group),
         on_best=task.tell_best,
+        pool=task.pool,
         roadmap=task.roadmap if round_ < _ROADMAP_ROUNDS else None,
     )
     if task.rules is None:

@@ -4,9 +4,9 @@ from planning.domain.report import RoadmapReport
 from planning.domain.roadmap import Roadmap
 from planning.search.attempt import Attempt, Query
 from planning.search.graph import exported
-from planning.search.race import Tally
 from planning.search.roadmap_way import Way, way_through
 from planning.search.sound import Closeness, SoundPath, coarse_checker, shortened
+from planning.search.tally import Tally
 
 NAME = "roadmap"
 

@@ -24,9 +24,10 @@ from planning.search.objective import Objective
 from planning.search.oracle import CollisionOracle, WatchedOracle
 from planning.search.planners import check_planners
 from planning.search.projected import ProjectedSpace
-from planning.search.race import Tally, race
+from planning.search.race import race
 from planning.search.sound import Closeness, SoundPath, delivered, fine_checker
 from planning.search.spaces import SearchSpace
+from planning.search.tally import Tally
 from planning.search.task import SearchResult, SearchTask
 from planning.stopwatch import Stopwatch
 

@@ -10,6 +10,7 @@ from jaxtyping import Float64
 from planning.domain.options import SearchOptions
 from planning.domain.path import JointPath
 from planning.domain.planner_graph import PlannerGraph
+from planning.domain.pool import AttemptPool
 from planning.domain.report import AttemptReport, SearchReport
 from planning.domain.roadmap import Roadmap
 from planning.domain.value import Value
@@ -37,6 +38,7 @@ class SearchTask(Value):
             objective "clearance".
         on_best: Told of every path that is the best so far.
         roadmap: Where a way is looked for before any planner is asked, or None.
+        pool: Makes attempts at once, or None.
     """
 
     start: Float64[np.ndarray, " nq"]
@@ -49,6 +51,7 @@ class SearchTask(Value):
     clearances: Clearances | None = None
     on_best: Callable[[AttemptReport], None] | None = None
     roadmap: Roadmap | None = None
+    pool: AttemptPool | None = None
 
 
 @dataclass(frozen=True, eq=False)
