@@ -16,7 +16,7 @@ import threading
 import warnings
 from collections.abc import Callable, Generator
 from contextlib import ExitStack, contextmanager, suppress
-from typing import Any, Protocol
+from typing import Any, Protocol, runtime_checkable
 
 from planning.domain.deadline import Deadline
 from planning.errors import WayproofError
@@ -35,6 +35,7 @@ _PR_SET_PDEATHSIG = 1
 type Work = Callable[[int], Any]
 
 
+@runtime_checkable
 class Cores(Protocol):
     """Who says how many processes may work at once."""
 

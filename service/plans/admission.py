@@ -56,6 +56,7 @@ async def submit_plan(request: PlanRequest, key: str | None, scenes: SceneShelf,
         "request": request.model_dump(mode="json"),
         "revision": record.revision,
         "roadmaps": desk.roadmaps,
+        "cores": desk.cores,
     }
     if request.search.on_cancel == "best":
         payload["cancel_grace"] = _BEST_GRACE
