@@ -1,7 +1,8 @@
 """Turns: the attempts of a round, by number; who makes them, and where, changes nothing.
 
 Each has its planner and its seed, and none knows of another. So they may be made in any order, here
-or by a pool in other processes: they are noted in the order of their numbers.
+or by a pool in other processes: they are noted in the order of their numbers. Handing out work
+takes time as well, so the first one is made here, and only what takes long is handed out.
 """
 
 from contextlib import closing
@@ -16,6 +17,9 @@ from planning.search.attempt import Query
 from planning.search.planners import own_parameters
 from planning.search.sound import Closeness, Trial, sound_attempt
 from planning.search.tally import Tally
+
+# If an attempt takes less, the others are made here too [s].
+_WORTH_IT = 0.03
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,13 +67,12 @@ class Turns:
             DeadlineExceeded: The time has run out; the same.
         """
         try:
-            if pool is not None and len(self._seeds) > 1:
-                self._send(pool)
             while self._next < len(self._seeds):
-                self._advance()
-                if self._next < len(self._seeds):
-                    self._next += 1
-                    self._make(self._next - 1)
+                if self._next in self._elsewhere:
+                    self._advance()
+                elif self._make_next() >= _WORTH_IT and pool is not None:
+                    self._send(pool)
+                    pool = None
         except (Canceled, DeadlineExceeded):
             for _, outcome in sorted(self._elsewhere.items()):
                 if isinstance(outcome, Made):
@@ -77,10 +80,16 @@ class Turns:
             raise
 
     def _send(self, pool: AttemptPool) -> None:
-        count, deadline = len(self._seeds), self._query.deadline
-        with closing(pool.each(self._make_elsewhere, count, deadline)) as arrivals:
-            for k, outcome in arrivals:
-                self._elsewhere[k] = outcome
+        """Let the pool make those that are left."""
+        first = self._next
+        count = len(self._seeds) - first
+
+        def make(piece: int) -> Made:
+            return self._make_elsewhere(first + piece)
+
+        with closing(pool.each(make, count, self._query.deadline)) as arrivals:
+            for piece, outcome in arrivals:
+                self._elsewhere[first + piece] = outcome
                 self._advance()
 
     def _advance(self) -> None:
@@ -90,9 +99,10 @@ class Turns:
             self._next += 1
             self._note(outcome)
 
-    def _make(self, k: int) -> None:
-        """Make an attempt here, and note it."""
-        tally, query = self._tally, self._query
+    def _make_next(self) -> float:
+        """Make the next attempt here, note it, and return how long it took [s]."""
+        tally, query, k = self._tally, self._query, self._next
+        self._next += 1
         tally.num_attempts += 1
         if len(self._seeds) == 1:
             made = self._made(k, query)
@@ -100,6 +110,7 @@ class Turns:
             with query.watch.note(f"attempt_{tally.num_attempts}"):
                 made = self._made(k, query)
         tally.note(made.planner, made.trial, made.num_states)
+        return made.seconds
 
     def _make_elsewhere(self, k: int) -> Made:
         """Return an attempt made in another process: a cancel is for the first one to see."""
