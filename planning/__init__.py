@@ -40,12 +40,15 @@ if TYPE_CHECKING:
         PoseMetric,
         RefineOptions,
         RetimeOptions,
+        RoadmapOptions,
         SearchOptions,
     )
     from planning.domain.plan import MotionPlan, Progress
+    from planning.domain.pool import AttemptPool
     from planning.domain.pose import Pose
     from planning.domain.problem import PlanningProblem
     from planning.domain.quality import ConfigurationQuality
+    from planning.domain.roadmap import Roadmap
     from planning.domain.scene import Scene
     from planning.domain.scene_operation import (
         AddObject,
@@ -57,14 +60,18 @@ if TYPE_CHECKING:
         RemoveObject,
         SetPositions,
     )
+    from planning.fork_pool import ForkPool
     from planning.ik import assess_configurations, solve_ik
     from planning.kernel.native import kernel_name
     from planning.line import Displacement, Fineness, trace_line
     from planning.own_path import RetimedPath, retime_path
     from planning.own_trajectory import certify_trajectory
     from planning.pipeline import plan
+    from planning.roadmap_shelf import RoadmapShelf, RoadmapStore
+    from planning.roadmaps import build_roadmap
     from planning.search.planners import PlannerCard, list_planners
     from planning.series import MotionSeries, motion_series
+    from planning.shared_cores import SharedCores
     from planning.world.catalogue import describe_model, list_models
     from planning.world.check import check_configurations
     from planning.world.kinematics import forward_kinematics
@@ -81,6 +88,7 @@ _DOORS = {
     "AddObject": "planning.domain.scene_operation",
     "AllowPair": "planning.domain.scene_operation",
     "AttachObject": "planning.domain.scene_operation",
+    "AttemptPool": "planning.domain.pool",
     "ConfigurationGoal": "planning.domain.goal",
     "ConfigurationQuality": "planning.domain.quality",
     "Deadline": "planning.domain.deadline",
@@ -89,6 +97,7 @@ _DOORS = {
     "DistanceBand": "planning.domain.constraint",
     "Fineness": "planning.line",
     "ForbidPair": "planning.domain.scene_operation",
+    "ForkPool": "planning.fork_pool",
     "GoalPredicate": "planning.domain.goal",
     "IkOptions": "planning.domain.options",
     "JointGoal": "planning.domain.goal",
@@ -118,10 +127,15 @@ _DOORS = {
     "RemoveObject": "planning.domain.scene_operation",
     "RetimeOptions": "planning.domain.options",
     "RetimedPath": "planning.own_path",
+    "Roadmap": "planning.domain.roadmap",
+    "RoadmapOptions": "planning.domain.options",
+    "RoadmapShelf": "planning.roadmap_shelf",
+    "RoadmapStore": "planning.roadmap_shelf",
     "Scene": "planning.domain.scene",
     "SceneDocument": "planning.world.scene_document",
     "SearchOptions": "planning.domain.options",
     "SetPositions": "planning.domain.scene_operation",
+    "SharedCores": "planning.shared_cores",
     "Simulation": "planning.world.simulation",
     "SpeedZone": "planning.domain.motion_limits",
     "TightLimits": "planning.domain.constraint",
@@ -129,6 +143,7 @@ _DOORS = {
     "ToolLimit": "planning.domain.motion_limits",
     "World": "planning.world.world",
     "assess_configurations": "planning.ik",
+    "build_roadmap": "planning.roadmaps",
     "bundled_folder": "planning.world.model_library",
     "certify_trajectory": "planning.own_trajectory",
     "check_configurations": "planning.world.check",
@@ -158,6 +173,7 @@ __all__ = [
     "AddObject",
     "AllowPair",
     "AttachObject",
+    "AttemptPool",
     "ConfigurationGoal",
     "ConfigurationQuality",
     "Deadline",
@@ -166,6 +182,7 @@ __all__ = [
     "DistanceBand",
     "Fineness",
     "ForbidPair",
+    "ForkPool",
     "GoalPredicate",
     "IkOptions",
     "JointGoal",
@@ -195,10 +212,15 @@ __all__ = [
     "RemoveObject",
     "RetimeOptions",
     "RetimedPath",
+    "Roadmap",
+    "RoadmapOptions",
+    "RoadmapShelf",
+    "RoadmapStore",
     "Scene",
     "SceneDocument",
     "SearchOptions",
     "SetPositions",
+    "SharedCores",
     "Simulation",
     "SpeedZone",
     "TightLimits",
@@ -206,6 +228,7 @@ __all__ = [
     "ToolLimit",
     "World",
     "assess_configurations",
+    "build_roadmap",
     "bundled_folder",
     "certify_trajectory",
     "check_configurations",

@@ -31,10 +31,13 @@ from planning.plan_task import SEARCHING, PlanTask
 from planning.retime.path_limit import PathLimit
 from planning.retime.path_limits import path_limits
 from planning.ruled import search_ruled
+from planning.search.mapped import report_of
 from planning.search.solver import SearchResult, SearchTask, search
 
 # How often the search is asked again, each time with half the resolution, before we give up.
 _MAX_ROUNDS = 4
+# In so many of them a roadmap has its say; if that is never proven, another way has to be found.
+_ROADMAP_ROUNDS = 3
 # Share of the time for a search that keeps more distance than is demanded.
 _PADDED_SHARE = 0.6
 # What a canceled plan may still search for when its best path so far could not be proven [s].
@@ -174,11 +177,16 @@ def _search_padded(task: PlanTask, round_: int, padding: float, deadline: Deadli
         seed=task.problem.seed + round_,
         clearances=clearances(task.world, task.group),
         on_best=task.tell_best,
+        pool=task.pool,
+        roadmap=task.roadmap if round_ < _ROADMAP_ROUNDS else None,
     )
     if task.rules is None:
         found = search(task.group, task.limits, oracle, request, deadline, watch=task.watch)
     else:
         found = search_ruled(task.rules, task.limits, oracle, request, deadline, task.watch)
+    if task.roadmap is not None and request.roadmap is None:
+        refused = report_of(task.roadmap, "not_proven")
+        found = replace(found, report=replace(found.report, roadmap=refused))
     return replace(found, path=found.path.continuous, goal_row=int(rows[found.goal_row]))
 
 

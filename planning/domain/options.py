@@ -42,6 +42,21 @@ class IkOptions(Value):
 
 
 @dataclass(frozen=True, eq=False)
+class RoadmapOptions(Value):
+    """A roadmap that many plans share.
+
+    Attributes:
+        states: How many free configurations it has.
+        neighbours: With how many of the nearest others each is joined, where the way is free.
+        seed: Of its samples; a plan's own seed does not change it.
+    """
+
+    states: int = 2_000
+    neighbours: int = 12
+    seed: int = 0
+
+
+@dataclass(frozen=True, eq=False)
 class SearchOptions(Value):
     """How to search for a path.
 
@@ -70,6 +85,8 @@ class SearchOptions(Value):
         on_cancel: What a cancel ends: the plan ("discard"), or only the search where it has a
             solution by then ("best").
         approach_states: Each straight line is interpolated to at least this many.
+        roadmap: If given, paths are looked for in this roadmap first, and the planner is asked
+            only where it has none.
     """
 
     planner: str | tuple[str, ...] = "RRTConnect"
@@ -88,6 +105,7 @@ class SearchOptions(Value):
     keep_graph: bool = False
     on_cancel: Literal["discard", "best"] = "discard"
     approach_states: int = 100
+    roadmap: RoadmapOptions | None = None
 
     @property
     def planners(self) -> tuple[str, ...]:

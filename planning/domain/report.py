@@ -115,11 +115,33 @@ class AttemptReport(Value):
 
 
 @dataclass(frozen=True, eq=False)
+class RoadmapReport(Value):
+    """What a roadmap did for a plan; the same whether it was built for it or there already.
+
+    Attributes:
+        digest: Of its content.
+        num_states: Its configurations.
+        num_edges: The free ways between them.
+        num_states_checked: Configurations checked for collision to build it, whenever that was.
+        used: Whether the path that was kept is one of its.
+        reason: Why not, or "": "straight_line", "start_not_joined", "goal_not_joined", "no_way",
+            "blocked" (on a closer look), "not_proven" (however closely it was looked at).
+    """
+
+    digest: str
+    num_states: int
+    num_edges: int
+    num_states_checked: int
+    used: bool
+    reason: str = ""
+
+
+@dataclass(frozen=True, eq=False)
 class SearchReport(Value):
     """What the search stage did.
 
     Attributes:
-        planner: OMPL's name; of several, whose solution was kept.
+        planner: OMPL's name; of several, whose solution was kept; "roadmap" if it was a roadmap's.
         attempts: Solutions asked for.
         solved: Exact solutions found.
         num_states_checked: Configurations checked for collision, shortcutting included.
@@ -134,6 +156,7 @@ class SearchReport(Value):
         cost: Of the kept solution, by the objective.
         attempts_log: One entry per attempt, the first ones if there are very many.
         was_canceled: Whether a cancel ended the search before all attempts were made.
+        roadmap: What a roadmap did, if one was asked for.
     """
 
     planner: str
@@ -151,6 +174,7 @@ class SearchReport(Value):
     cost: float = 0.0
     attempts_log: tuple[AttemptReport, ...] = ()
     was_canceled: bool = False
+    roadmap: RoadmapReport | None = None
 
 
 @dataclass(frozen=True, eq=False)

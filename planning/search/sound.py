@@ -19,7 +19,7 @@ from planning.search.polyline import path_length, unrolled
 from planning.search.shortcut import shortcut
 
 # How much finer than the search the result is checked, and the halvings that lead there.
-_FINER = 4
+FINER = 4
 _HALVINGS = 2
 # Of the time that is left, what shortcutting may use; the rest is for the final check.
 _SHORTCUT_SHARE = 0.7
@@ -76,13 +76,14 @@ class Trial(Value):
     num_motions: int
 
 
+def coarse_checker(query: Query, resolution: float) -> EdgeChecker:
+    """Return what checks tries, for a search at `resolution`."""
+    return EdgeChecker(query.space.manifold, query.oracle, resolution, query.objective.norm)
+
+
 def fine_checker(query: Query, resolution: float) -> EdgeChecker:
     """Return what checks results, for a search at `resolution`."""
-    return _checker(query, resolution / _FINER)
-
-
-def _checker(query: Query, resolution: float) -> EdgeChecker:
-    return EdgeChecker(query.space.manifold, query.oracle, resolution, query.objective.norm)
+    return coarse_checker(query, resolution / FINER)
 
 
 def sound_attempt(query: Query, closeness: Closeness, seeds: np.random.SeedSequence) -> Trial:
@@ -95,17 +96,17 @@ def sound_attempt(query: Query, closeness: Closeness, seeds: np.random.SeedSeque
     num_motions = halvings = 0
     while True:
         child = seeds.spawn(1)[0]
-        edges = _checker(query, closeness.resolution / 2**halvings)
+        edges = coarse_checker(query, closeness.resolution / 2**halvings)
         seed = max(1, int(child.generate_state(1)[0]))
         found = attempt(query, edges, closeness.fine, seed)
-        path = _shortened(query, found, edges, closeness)
+        path = shortened(query, found, edges, closeness)
         num_motions += edges.num_motions
         if path is not None or not len(found.waypoints) or halvings == _HALVINGS:
             return Trial(found, path, num_motions)
         halvings += 1
 
 
-def _shortened(
+def shortened(
     query: Query, found: Attempt, coarse: EdgeChecker, closeness: Closeness
 ) -> SoundPath | None:
     """Return a shorter path that is free at the fine resolution, if there is one."""

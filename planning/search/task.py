@@ -10,7 +10,9 @@ from jaxtyping import Float64
 from planning.domain.options import SearchOptions
 from planning.domain.path import JointPath
 from planning.domain.planner_graph import PlannerGraph
+from planning.domain.pool import AttemptPool
 from planning.domain.report import AttemptReport, SearchReport
+from planning.domain.roadmap import Roadmap
 from planning.domain.value import Value
 from planning.search.projected import Residual
 
@@ -35,6 +37,8 @@ class SearchTask(Value):
         clearances: Returns for rows of q the distances to what is not the robot [m]; for the
             objective "clearance".
         on_best: Told of every path that is the best so far.
+        roadmap: Where a way is looked for before any planner is asked, or None.
+        pool: Makes attempts at once, or None.
     """
 
     start: Float64[np.ndarray, " nq"]
@@ -46,6 +50,8 @@ class SearchTask(Value):
     residual: Residual | None = None
     clearances: Clearances | None = None
     on_best: Callable[[AttemptReport], None] | None = None
+    roadmap: Roadmap | None = None
+    pool: AttemptPool | None = None
 
 
 @dataclass(frozen=True, eq=False)

@@ -20,6 +20,7 @@ from planning.domain.options import (
     PoseMetric,
     RefineOptions,
     RetimeOptions,
+    RoadmapOptions,
     SearchOptions,
 )
 from planning.domain.pose import Pose
@@ -37,7 +38,7 @@ from service.schemas.goal import (
     RegionGoalWire,
     RelativeGoalWire,
 )
-from service.schemas.plan import IkWire, PlanRequest, RetimeWire, SearchWire
+from service.schemas.plan import IkWire, PlanRequest, RetimeWire, RoadmapWire, SearchWire
 from service.schemas.pose import PoseWire
 
 
@@ -139,6 +140,11 @@ def retime_value(retime: RetimeWire) -> RetimeOptions:
     )
 
 
+def roadmap_value(roadmap: RoadmapWire) -> RoadmapOptions:
+    """Return the domain's options of a roadmap."""
+    return RoadmapOptions(roadmap.states, roadmap.neighbours, roadmap.seed)
+
+
 def search_value(search: SearchWire) -> SearchOptions:
     """Return the domain's search options."""
     return SearchOptions(
@@ -158,6 +164,7 @@ def search_value(search: SearchWire) -> SearchOptions:
         approximate=search.approximate,
         keep_graph=search.keep_graph,
         on_cancel=search.on_cancel,
+        roadmap=None if search.roadmap is None else roadmap_value(search.roadmap),
     )
 
 

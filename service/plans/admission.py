@@ -57,6 +57,8 @@ async def submit_plan(request: PlanRequest, key: str | None, scenes: SceneShelf,
         **await desk.scene_payload(record),
         "request": request.model_dump(mode="json"),
         "revision": record.revision,
+        "roadmaps": desk.roadmaps,
+        "cores": desk.cores,
     }
     if request.search.on_cancel == "best":
         payload["cancel_grace"] = _BEST_GRACE

@@ -101,10 +101,36 @@ class AttemptReportWire(Answer):
     num_states_checked: int = Field(description="Configurations checked for collision")
 
 
+class RoadmapReportWire(Answer):
+    """What a roadmap did; the same whether it was built for this plan or there already."""
+
+    digest: str = Field(description="sha256 of its content")
+    num_states: int = Field(description="Its configurations")
+    num_edges: int = Field(description="Free ways between them")
+    num_states_checked: int = Field(
+        description="Configurations checked for collision to build it, whenever that was"
+    )
+    used: bool = Field(description="Whether the path that was kept is one of its")
+    reason: Literal[
+        "",
+        "straight_line",
+        "start_not_joined",
+        "goal_not_joined",
+        "no_way",
+        "blocked",
+        "not_proven",
+    ] = Field(
+        description="Why not: a straight line is better, no free way leads from the start or to a "
+        "goal, none through it, its path is blocked on a closer look, or was not proven; or empty"
+    )
+
+
 class SearchReportWire(Answer):
     """What the search stage did; lengths are in joint space [rad or m]."""
 
-    planner: str = Field(description="OMPL's name; of several, whose solution was kept")
+    planner: str = Field(
+        description="OMPL's name; of several, whose solution was kept; `roadmap` for a roadmap's"
+    )
     attempts: int = Field(description="Solutions asked for")
     solved: int = Field(description="Exact solutions found")
     num_states_checked: int = Field(description="Configurations checked for collision")
@@ -127,6 +153,9 @@ class SearchReportWire(Answer):
         default=[], description="One entry per attempt, the first hundred"
     )
     was_canceled: bool = Field(default=False, description="Whether a cancel ended the search early")
+    roadmap: RoadmapReportWire | None = Field(
+        default=None, description="What a roadmap did, if one was asked for"
+    )
 
 
 class RefineReportWire(Answer):
