@@ -4,7 +4,7 @@ import dataclasses
 
 import pytest
 
-from planning.domain import certificate, report
+from planning.domain import certificate, funnel, report
 from service.schemas import report as wire
 from service.schemas import result
 
