@@ -35,6 +35,7 @@ if TYPE_CHECKING:
     from planning.domain.interpolation import trajectory_through
     from planning.domain.line_trace import LineTrace
     from planning.domain.options import (
+        CertifyOptions,
         IkOptions,
         PoseMetric,
         RefineOptions,
@@ -80,6 +81,7 @@ _DOORS = {
     "AddObject": "planning.domain.scene_operation",
     "AllowPair": "planning.domain.scene_operation",
     "AttachObject": "planning.domain.scene_operation",
+    "CertifyOptions": "planning.domain.options",
     "ConfigurationGoal": "planning.domain.goal",
     "ConfigurationQuality": "planning.domain.quality",
     "Deadline": "planning.domain.deadline",
@@ -155,6 +157,7 @@ __all__ = [
     "AddObject",
     "AllowPair",
     "AttachObject",
+    "CertifyOptions",
     "ConfigurationGoal",
     "ConfigurationQuality",
     "Deadline",

@@ -102,9 +102,7 @@ def prove_search(task: PlanTask) -> Proven:
                 motion = motion.lasting(task.problem.retime)
                 certificate, report = _certify(task, motion)
             if certificate.proven:
-                seen = CertifyReport(
-                    report.intervals, report.distance_queries, len(refused) + 1, tuple(refused)
-                )
+                seen = replace(report, candidates=len(refused) + 1, refused=tuple(refused))
                 return Proven(
                     found.goal_row,
                     motion,
@@ -192,5 +190,6 @@ def _certify(task: PlanTask, motion: Motion) -> tuple[Certificate, CertifyReport
         jerk=task.problem.retime.method == "ruckig",
         constraints=task.problem.constraints,
         lines=motion.sections(*allowed),
+        options=task.problem.certify,
     )
     return certify(task.world.drake, request, deadlines(task.problem, task.deadline)[1])

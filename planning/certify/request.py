@@ -1,6 +1,6 @@
 """CertifyRequest: a trajectory and everything it shall be held against."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
@@ -12,6 +12,7 @@ from planning.domain.constraint import PathConstraint
 from planning.domain.curve import TimedTrajectory
 from planning.domain.joints import JointGroup, JointLimits
 from planning.domain.line import LineSection
+from planning.domain.options import CertifyOptions
 from planning.domain.value import Value
 from planning.world.margins import PairMargins
 
@@ -33,6 +34,7 @@ class CertifyRequest(Value):
         jerk: Whether jerk is limited (and acceleration hence continuous).
         constraints: What else to keep; names and numbers in them are trusted.
         lines: Parts of the motion that shall follow straight lines.
+        options: What else to find out.
     """
 
     group: JointGroup
@@ -45,6 +47,7 @@ class CertifyRequest(Value):
     jerk: bool
     constraints: tuple[PathConstraint, ...] = ()
     lines: tuple[LineSection, ...] = ()
+    options: CertifyOptions = field(default_factory=CertifyOptions)
 
     @cached_property
     def forms(self) -> tuple[Array, ...]:

@@ -130,6 +130,10 @@ class TimedTrajectory(Curve):
         times[-1] = self.duration
         return times
 
+    def even_times(self, count: int) -> Array:
+        """Return so many instants [s], evenly spaced, from the first to the last; at least two."""
+        return np.linspace(0.0, self.duration, count)
+
     @classmethod
     def joined(cls, parts: Sequence["TimedTrajectory"]) -> "TimedTrajectory":
         """Build the motion that follows the parts one after another."""

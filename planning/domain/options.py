@@ -112,6 +112,22 @@ class RefineOptions(Value):
 
 
 @dataclass(frozen=True, eq=False)
+class CertifyOptions(Value):
+    """What to find out about a motion once it is proven; by default nothing.
+
+    Attributes:
+        stop_anywhere: Whether to bound the longest stop along the path, from any instant.
+        max_stopping_time: No stop may take longer [s]; None for as long as it takes. Only looked at
+            if `stop_anywhere`.
+        robustness: Whether to bound how far off obstacles and joints may be.
+    """
+
+    stop_anywhere: bool = False
+    max_stopping_time: float | None = None
+    robustness: bool = False
+
+
+@dataclass(frozen=True, eq=False)
 class RetimeOptions(Value):
     """How to time the path.
 

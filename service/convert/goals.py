@@ -16,6 +16,7 @@ from planning.domain.goal import (
     RelativeGoal,
 )
 from planning.domain.options import (
+    CertifyOptions,
     IkOptions,
     PoseMetric,
     RefineOptions,
@@ -36,7 +37,7 @@ from service.schemas.goal import (
     RegionGoalWire,
     RelativeGoalWire,
 )
-from service.schemas.plan import IkWire, PlanRequest, RetimeWire, SearchWire
+from service.schemas.plan import CertifyWire, IkWire, PlanRequest, RetimeWire, SearchWire
 from service.schemas.pose import PoseWire
 
 
@@ -137,6 +138,11 @@ def retime_value(retime: RetimeWire) -> RetimeOptions:
     )
 
 
+def certify_value(certify: CertifyWire) -> CertifyOptions:
+    """Return the domain's options of the proof."""
+    return CertifyOptions(certify.stop_anywhere, certify.max_stopping_time, certify.robustness)
+
+
 def search_value(search: SearchWire) -> SearchOptions:
     """Return the domain's search options."""
     return SearchOptions(
@@ -172,4 +178,5 @@ def problem_value(request: PlanRequest) -> PlanningProblem:
         margin=request.margin,
         seed=request.seed,
         constraints=tuple(constraint_value(entry) for entry in request.path_constraints),
+        certify=certify_value(request.certify),
     )

@@ -61,7 +61,7 @@ def plan_motion(payload: dict[str, Any], channel: Channel) -> dict[str, Any]:
         deadline = Deadline.after(allowed, time.monotonic, channel.is_canceled)
         found = plan(problem_value(request), world, deadline=deadline, on_progress=log)
     return {
-        "result": plan_wire(found, request.retime.sample_period),
+        "result": plan_wire(found, request.retime.sample_period, request.retime.num_points),
         "polynomial": polynomial_wire(found.trajectory),
         "timings": {"load": loaded, **found.timings},
         "digest": found.digest,

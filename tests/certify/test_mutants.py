@@ -8,6 +8,7 @@ import time
 from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -215,9 +216,9 @@ def past_a_plate(gap: float, at: float) -> Question:
 
 
 def through_a_plate(_: Sound, rng: Rng, depth: float) -> Question:
-    model, request = past_a_plate(-depth, 0.0)
+    _, request = past_a_plate(-depth, 0.0)
     z = request.trajectory.positions(request.trajectory.sample_times(0.01))[:, 0]
-    gaps = [(a + b) / 2 for a, b in zip(z[:-1], z[1:], strict=True) if b - a > 0.03]
+    gaps = [(a + b) / 2 for a, b in pairwise(z) if b - a > 0.03]
     at = float(rng.choice(gaps))
     assert np.abs(z - at).min() > 0.0115  # no sample touches it
     return past_a_plate(-depth, at)
