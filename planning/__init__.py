@@ -63,6 +63,7 @@ if TYPE_CHECKING:
     from planning.own_path import RetimedPath, retime_path
     from planning.own_trajectory import certify_trajectory
     from planning.pipeline import plan
+    from planning.reverse import reverse_plan
     from planning.search.planners import PlannerCard, list_planners
     from planning.series import MotionSeries, motion_series
     from planning.world.catalogue import describe_model, list_models
@@ -146,6 +147,7 @@ _DOORS = {
     "read_scene": "planning.world.scene_file",
     "replay_html": "planning.world.replay",
     "retime_path": "planning.own_path",
+    "reverse_plan": "planning.reverse",
     "scene_document": "planning.world.scene_writer",
     "solve_ik": "planning.ik",
     "trace_line": "planning.line",
@@ -222,6 +224,7 @@ __all__ = [
     "read_scene",
     "replay_html",
     "retime_path",
+    "reverse_plan",
     "scene_document",
     "solve_ik",
     "trace_line",

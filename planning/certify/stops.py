@@ -7,8 +7,8 @@ free as the trajectory is. With y = s'^2, x = -s'' and, on a cell, constant x,
 
 **Acceleration limits.** On a cell of width h the condition |q'' y - q' x| <= a is asked for at both
 of its values of y, y_0 and y_0 - 2 x h, for every Bernstein coefficient: it then holds on the whole
-cell, being convex in (q', q'') and affine in y. Each is a quadratic inequality in x; where the motion
-comes to a stand within the cell, y = 0 takes the place of the second. The largest x
+cell, being convex in (q', q'') and affine in y. Each is a quadratic inequality in x; where the
+motion comes to a stand within the cell, y = 0 takes the place of the second. The largest x
 that satisfies all of them is taken, or none (x = 0: the trajectory's own acceleration times y <= 1,
 which is within limits, as was shown of it). So each stop brakes as hard as its cells allow.
 

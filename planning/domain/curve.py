@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from math import comb
 from typing import Any
 
 import numpy as np
@@ -152,6 +153,19 @@ class TimedTrajectory(Curve):
             np.concatenate([part.bases for part in parts]),
             np.concatenate(padded),
         )
+
+    @property
+    def reverse(self) -> "TimedTrajectory":
+        """The same motion from its end to its start."""
+        widths, terms = np.diff(self.breaks), self.coefficients.shape[1]
+        turned = np.zeros_like(self.coefficients)
+        # (w - x)^k by the binomial theorem.
+        for k in range(terms):
+            for j in range(k + 1):
+                factors = (-1.0) ** j * comb(k, j) * widths ** (k - j)
+                turned[:, j] += factors[:, None] * self.coefficients[:, k]
+        breaks = self.duration - self.breaks[::-1]
+        return TimedTrajectory(self.joints, breaks, self.bases[::-1], turned[::-1])
 
     def slowed(self, factor: float) -> "TimedTrajectory":
         """Return the same motion taking `factor` times as long."""
