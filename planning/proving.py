@@ -114,8 +114,19 @@ def prove_search(task: PlanTask) -> Proven:
                 )
             failed = certificate
             refused.append(f"round {round_ + 1}, {candidate.name}: {failed_checks(certificate)}")
+            _require_hope(certificate, refused)
     task.deadline.check("certify")
     raise not_certified(failed, refused)
+
+
+def _require_hope(certificate: Certificate, refused: list[str]) -> None:
+    """Go on only if another path may help; how soon a motion stops is for lower scales to change.
+
+    Raises:
+        NotCertified: It would not.
+    """
+    if {check.name for check in certificate.failed} == {"stop"}:
+        raise not_certified(certificate, refused)
 
 
 def _is_over(task: PlanTask) -> bool:

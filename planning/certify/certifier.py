@@ -64,7 +64,7 @@ def _findings(
 ) -> tuple[tuple[Check, ...], CertifyReport]:
     """Return the check on stops, if it is asked for, and the report with all that is asked for."""
     checks: tuple[Check, ...] = ()
-    if request.options.stop_anywhere:
+    if request.options.wants_stops:
         check, stop = stop_check(model, request, deadline)
         checks, report = (check,), replace(report, stop=stop)
     if request.options.robustness:

@@ -197,7 +197,7 @@ class CertifyWire(Wire):
     )
     max_stopping_time: Annotated[Real, Field(gt=0, le=86_400)] | None = Field(
         default=None,
-        description="With `stop_anywhere`: no stop may take longer [s]; null for no bound",
+        description="No stop may take longer [s], and `stop_anywhere` is meant; null for no bound",
     )
     robustness: Annotated[bool, Strict()] = Field(
         default=False,

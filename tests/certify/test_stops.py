@@ -225,3 +225,13 @@ def test_stops_are_a_check_only_where_they_are_asked_for() -> None:
         again, _ = judged(world, replace(request, options=bounded))
         assert again.proven is proven
         assert {failed.name for failed in again.failed} == (set() if proven else {"stop"})
+
+
+@pytest.mark.parametrize("jerk", [False, True])
+def test_a_motion_that_goes_nowhere_stands_already(jerk: bool) -> None:
+    request = replace(slide(0.4), jerk=jerk)
+    still = replace(request.trajectory, coefficients=0 * request.trajectory.coefficients)
+    cells = motion_cells(replace(request, trajectory=still), 50)
+    stops = smooth_stops(cells) if jerk else hardest_stops(cells)
+    assert stops.times.max() <= still.duration + 1e-9
+    assert (stops.times >= 0).all()
