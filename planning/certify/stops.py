@@ -37,6 +37,8 @@ type Array = np.ndarray[Any, np.dtype[np.float64]]
 type Indices = np.ndarray[Any, np.dtype[np.intp]]
 
 _STANDS = 1e-12
+# A squared rate that is none, and moves nothing even with the largest ramp.
+_STILL = 1e-200
 # Any ramp that ends within a cell is larger, and any that means something smaller [1/s].
 _LEAST_RAMP, _MOST_RAMP = 1e-12, 1e9
 # Durations of stops under jerk limits: from this [s], each longer than the one before by so much.
@@ -144,14 +146,12 @@ def _between(begun: Array, part: Array, bound: Array) -> tuple[Array, Array]:
     """Return the x for which |begun - x part|^2 <= bound throughout, as an interval per cell."""
     square, along = (part * part).sum(axis=3), (begun * part).sum(axis=3)
     inner = along**2 + square * (bound - (begun * begun).sum(axis=3))
-    with np.errstate(divide="ignore", invalid="ignore"):
-        root = np.sqrt(inner)
-        least, most = (along - root) / square, (along + root) / square
-    counts = square > 0
-    least, most = np.where(counts, least, -np.inf), np.where(counts, most, np.inf)
-    is_empty = (counts & ~(inner >= 0)).any(axis=(1, 2))
-    most = np.where(is_empty, -np.inf, np.nan_to_num(most, nan=-np.inf).min(axis=(1, 2)))
-    return np.nan_to_num(least, nan=np.inf).max(axis=(1, 2)), most
+    counts = square > _STILL
+    root, divisor = np.sqrt(np.maximum(inner, 0.0)), np.where(counts, square, 1.0)
+    least = np.where(counts, (along - root) / divisor, -np.inf).max(axis=(1, 2))
+    most = np.where(counts, (along + root) / divisor, np.inf).min(axis=(1, 2))
+    is_empty = (counts & (inner < 0)).any(axis=(1, 2))
+    return least, np.where(is_empty, -np.inf, most)
 
 
 def _passes(cells: MotionCells, starts: Indices, lasting: float) -> Any:
