@@ -66,6 +66,7 @@ if TYPE_CHECKING:
     from planning.reverse import reverse_plan
     from planning.search.planners import PlannerCard, list_planners
     from planning.series import MotionSeries, motion_series
+    from planning.splice import ProvenMotion, splice_motion, stop_motion
     from planning.world.catalogue import describe_model, list_models
     from planning.world.check import check_configurations
     from planning.world.kinematics import forward_kinematics
@@ -114,6 +115,7 @@ _DOORS = {
     "PoseTarget": "planning.domain.goal",
     "PositionBand": "planning.domain.constraint",
     "Progress": "planning.domain.plan",
+    "ProvenMotion": "planning.splice",
     "RefineOptions": "planning.domain.options",
     "RegionGoal": "planning.domain.goal",
     "RelativeGoal": "planning.domain.goal",
@@ -150,6 +152,8 @@ _DOORS = {
     "reverse_plan": "planning.reverse",
     "scene_document": "planning.world.scene_writer",
     "solve_ik": "planning.ik",
+    "splice_motion": "planning.splice",
+    "stop_motion": "planning.splice",
     "trace_line": "planning.line",
     "trajectory_through": "planning.domain.interpolation",
     "with_line": "planning.world.scene_file",
@@ -191,6 +195,7 @@ __all__ = [
     "PoseTarget",
     "PositionBand",
     "Progress",
+    "ProvenMotion",
     "RefineOptions",
     "RegionGoal",
     "RelativeGoal",
@@ -227,6 +232,8 @@ __all__ = [
     "reverse_plan",
     "scene_document",
     "solve_ik",
+    "splice_motion",
+    "stop_motion",
     "trace_line",
     "trajectory_through",
     "with_line",

@@ -35,6 +35,7 @@ class CertifyRequest(Value):
         constraints: What else to keep; names and numbers in them are trusted.
         lines: Parts of the motion that shall follow straight lines.
         options: What else to find out.
+        is_under_way: Whether it goes on from a motion, so that it need not begin at rest.
     """
 
     group: JointGroup
@@ -48,6 +49,7 @@ class CertifyRequest(Value):
     constraints: tuple[PathConstraint, ...] = ()
     lines: tuple[LineSection, ...] = ()
     options: CertifyOptions = field(default_factory=CertifyOptions)
+    is_under_way: bool = False
 
     @cached_property
     def forms(self) -> tuple[Array, ...]:

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from math import comb
+from math import comb, factorial
 from typing import Any
 
 import numpy as np
@@ -152,6 +152,18 @@ class TimedTrajectory(Curve):
             np.append(np.concatenate(breaks), starts[-1]),
             np.concatenate([part.bases for part in parts]),
             np.concatenate(padded),
+        )
+
+    def after(self, time: float) -> "TimedTrajectory":
+        """Return what is left of the motion from an instant within it on [s]."""
+        piece = int(self.locate(np.array([time]))[0][0])
+        terms = self.coefficients.shape[1]
+        taylor = [self.tangents(np.array([time]), k)[0] / factorial(k) for k in range(terms)]
+        return TimedTrajectory(
+            self.joints,
+            np.concatenate([[time], self.breaks[piece + 1 :]]) - time,
+            self.bases[piece:],
+            np.concatenate([np.stack(taylor)[None], self.coefficients[piece + 1 :]]),
         )
 
     @property
