@@ -36,6 +36,7 @@ if TYPE_CHECKING:
     from planning.domain.line_trace import LineTrace
     from planning.domain.motion_limits import SpeedZone, ToolLimit
     from planning.domain.options import (
+        CertifyOptions,
         IkOptions,
         PoseMetric,
         RefineOptions,
@@ -67,11 +68,13 @@ if TYPE_CHECKING:
     from planning.own_path import RetimedPath, retime_path
     from planning.own_trajectory import certify_trajectory
     from planning.pipeline import plan
+    from planning.reverse import reverse_plan
     from planning.roadmap_shelf import RoadmapShelf, RoadmapStore
     from planning.roadmaps import build_roadmap
     from planning.search.planners import PlannerCard, list_planners
     from planning.series import MotionSeries, motion_series
     from planning.shared_cores import SharedCores
+    from planning.splice import ProvenMotion, splice_motion, stop_motion
     from planning.world.catalogue import describe_model, list_models
     from planning.world.check import check_configurations
     from planning.world.kinematics import forward_kinematics
@@ -89,6 +92,7 @@ _DOORS = {
     "AllowPair": "planning.domain.scene_operation",
     "AttachObject": "planning.domain.scene_operation",
     "AttemptPool": "planning.domain.pool",
+    "CertifyOptions": "planning.domain.options",
     "ConfigurationGoal": "planning.domain.goal",
     "ConfigurationQuality": "planning.domain.quality",
     "Deadline": "planning.domain.deadline",
@@ -121,6 +125,7 @@ _DOORS = {
     "PoseTarget": "planning.domain.goal",
     "PositionBand": "planning.domain.constraint",
     "Progress": "planning.domain.plan",
+    "ProvenMotion": "planning.splice",
     "RefineOptions": "planning.domain.options",
     "RegionGoal": "planning.domain.goal",
     "RelativeGoal": "planning.domain.goal",
@@ -162,8 +167,11 @@ _DOORS = {
     "read_scene": "planning.world.scene_file",
     "replay_html": "planning.world.replay",
     "retime_path": "planning.own_path",
+    "reverse_plan": "planning.reverse",
     "scene_document": "planning.world.scene_writer",
     "solve_ik": "planning.ik",
+    "splice_motion": "planning.splice",
+    "stop_motion": "planning.splice",
     "trace_line": "planning.line",
     "trajectory_through": "planning.domain.interpolation",
     "with_line": "planning.world.scene_file",
@@ -174,6 +182,7 @@ __all__ = [
     "AllowPair",
     "AttachObject",
     "AttemptPool",
+    "CertifyOptions",
     "ConfigurationGoal",
     "ConfigurationQuality",
     "Deadline",
@@ -206,6 +215,7 @@ __all__ = [
     "PoseTarget",
     "PositionBand",
     "Progress",
+    "ProvenMotion",
     "RefineOptions",
     "RegionGoal",
     "RelativeGoal",
@@ -247,8 +257,11 @@ __all__ = [
     "read_scene",
     "replay_html",
     "retime_path",
+    "reverse_plan",
     "scene_document",
     "solve_ik",
+    "splice_motion",
+    "stop_motion",
     "trace_line",
     "trajectory_through",
     "with_line",

@@ -6,7 +6,7 @@ from planning.certify.certifier import CertifyRequest, certify
 from planning.domain.certificate import Certificate
 from planning.domain.curve import TimedTrajectory
 from planning.domain.deadline import Deadline
-from planning.domain.options import RetimeOptions
+from planning.domain.options import CertifyOptions, RetimeOptions
 from planning.domain.report import CertifyReport
 from planning.errors import ProblemInvalid
 from planning.timing import admit_timing
@@ -24,6 +24,7 @@ def certify_trajectory(  # noqa: PLR0913  (a question in full)
     start: Any = None,
     goal: Any = None,
     margin: float | None = None,
+    wanted: CertifyOptions | None = None,
 ) -> tuple[Certificate, CertifyReport]:
     """Hold a trajectory against limits, ends and margins, on its whole interval.
 
@@ -37,6 +38,7 @@ def certify_trajectory(  # noqa: PLR0913  (a question in full)
         start: Where it shall begin, shape (nq,); None for where it does.
         goal: Where it shall end, shape (nq,); None for where it does.
         margin: Distance to keep [m]; None for the scene's.
+        wanted: What else to find out, if it is proven; None for nothing.
 
     Returns:
         The certificate, `proven` or with failed checks, and what it took.
@@ -74,5 +76,6 @@ def certify_trajectory(  # noqa: PLR0913  (a question in full)
         tool_limits=options.tool_limits,
         speed_zones=options.speed_zones,
         acceleration_bounds=options.acceleration_bounds,
+        options=wanted or CertifyOptions(),
     )
     return certify(world.drake, request, deadline)

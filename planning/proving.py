@@ -107,9 +107,7 @@ def prove_search(task: PlanTask) -> Proven:
                 motion = motion.lasting(task.problem.retime, _path_limits(task))
                 certificate, report = _certify(task, motion)
             if certificate.proven:
-                seen = CertifyReport(
-                    report.intervals, report.distance_queries, len(refused) + 1, tuple(refused)
-                )
+                seen = replace(report, candidates=len(refused) + 1, refused=tuple(refused))
                 return Proven(
                     found.goal_row,
                     motion,
@@ -121,12 +119,23 @@ def prove_search(task: PlanTask) -> Proven:
                 )
             failed = certificate
             refused.append(f"round {round_ + 1}, {candidate.name}: {failed_checks(certificate)}")
+            _require_hope(certificate, refused)
     task.deadline.check("certify")
     raise not_certified(failed, refused)
 
 
 def _path_limits(task: PlanTask) -> tuple[PathLimit, ...]:
     return path_limits(task.world, task.group, task.problem.retime)
+
+
+def _require_hope(certificate: Certificate, refused: list[str]) -> None:
+    """Go on only if another path may help; how soon a motion stops is for lower scales to change.
+
+    Raises:
+        NotCertified: It would not.
+    """
+    if {check.name for check in certificate.failed} == {"stop"}:
+        raise not_certified(certificate, refused)
 
 
 def _is_over(task: PlanTask) -> bool:
@@ -207,5 +216,6 @@ def _certify(task: PlanTask, motion: Motion) -> tuple[Certificate, CertifyReport
         tool_limits=timing.tool_limits,
         speed_zones=timing.speed_zones,
         acceleration_bounds=timing.acceleration_bounds,
+        options=task.problem.certify,
     )
     return certify(task.world.drake, request, deadlines(task.problem, task.deadline)[1])

@@ -29,6 +29,20 @@ _LARGEST_ANGLE = 12.0
 _TERMS = 60
 
 
+def angular_change(
+    tangent: Float64[np.ndarray, "*n"],
+    rate: Float64[np.ndarray, "*n"],
+    change: Float64[np.ndarray, "*n"],
+) -> Float64[np.ndarray, "*n"]:
+    """Bound the size of the angular acceleration by those of delta, delta' and delta''.
+
+    J_r is no longer than 1, and in its series its derivative gains at most sum_k k |delta|^(k-1) /
+    (k+1)! |delta'|^2, that is g(|delta|) |delta'|^2 with g(x) = (e^x (x - 1) + 1) / x^2.
+    """
+    x = np.maximum(tangent, 1e-3)
+    return change + (np.exp(x) * (x - 1) + 1) / x**2 * rate**2
+
+
 def angular_peak(
     coefficients: Float64[np.ndarray, "n k 3"],
     widths: Float64[np.ndarray, " n"],

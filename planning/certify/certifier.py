@@ -1,5 +1,7 @@
 """certify(): every check on one trajectory, and the verdict."""
 
+from dataclasses import replace
+
 from planning.certify.clearance import Clearance, check_clearance
 from planning.certify.constraint_checks import constraint_checks
 from planning.certify.end_checks import continuity_checks, goal_check, rest_check, start_check
@@ -7,6 +9,8 @@ from planning.certify.form_check import form_check
 from planning.certify.limit_checks import position_check, rate_check
 from planning.certify.line_check import line_checks
 from planning.certify.request import CertifyRequest
+from planning.certify.robustness import robustness
+from planning.certify.stop_check import stop_check
 from planning.certify.tool_checks import tool_checks
 from planning.domain.certificate import Certificate, Check
 from planning.domain.deadline import Deadline
@@ -50,7 +54,24 @@ def certify(
     lines = line_checks(model, request, deadline)
     tools = tool_checks(model, request, deadline)
     checks = (form, *_motion_checks(request), *tools, *kept, *lines, clearance.check)
-    return _verdict(checks, clearance), CertifyReport(clearance.intervals, clearance.queries)
+    report = CertifyReport(clearance.intervals, clearance.queries)
+    if all(check.passed for check in checks):
+        stop, report = _findings(model, request, report, deadline)
+        checks += stop
+    return _verdict(checks, clearance), report
+
+
+def _findings(
+    model: DrakeModel, request: CertifyRequest, report: CertifyReport, deadline: Deadline
+) -> tuple[tuple[Check, ...], CertifyReport]:
+    """Return the check on stops, if it is asked for, and the report with all that is asked for."""
+    checks: tuple[Check, ...] = ()
+    if request.options.wants_stops:
+        check, stop = stop_check(model, request, deadline)
+        checks, report = (check,), replace(report, stop=stop)
+    if request.options.robustness:
+        report = replace(report, robustness=robustness(model, request, deadline))
+    return checks, report
 
 
 def _motion_checks(request: CertifyRequest) -> list[Check]:

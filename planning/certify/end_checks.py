@@ -34,10 +34,11 @@ def goal_check(request: CertifyRequest) -> Check:
 
 
 def rest_check(request: CertifyRequest) -> Check:
-    """Return the largest speed at both ends."""
+    """Return the largest speed at both ends; at the last alone, if it begins under way."""
     rates, duration = request.forms[1], request.trajectory.duration
     first, last = float(np.abs(rates[:, 0, 0]).max()), float(np.abs(rates[:, -1, -1]).max())
-    speed, time = (first, 0.0) if first >= last else (last, duration)
+    is_first = first >= last and not request.is_under_way
+    speed, time = (first, 0.0) if is_first else (last, duration)
     return Check("rest", speed, _SLOW, "rad/s or m/s", 0.0, speed <= _SLOW, "", time)
 
 
@@ -45,7 +46,7 @@ def continuity_checks(request: CertifyRequest) -> list[Check]:
     """Return the largest jumps of position and velocity between pieces.
 
     If jerk is limited, those of acceleration as well, from and to rest included: a step there would
-    be an infinite jerk.
+    be an infinite jerk. What begins under way has whatever acceleration it begins with.
     """
     curve = request.trajectory
     between = curve.breaks[1:-1]
@@ -56,7 +57,8 @@ def continuity_checks(request: CertifyRequest) -> list[Check]:
     checks.append(_jump("velocity continuity", shares, _RATE_JUMP, "1", between))
     if request.jerk:
         after, before = _at_begins(request, 2), _at_ends(request, 2)
-        steps = np.concatenate([after[:1], after[1:] - before[:-1], before[-1:]])
+        first = np.zeros_like(after[:1]) if request.is_under_way else after[:1]
+        steps = np.concatenate([first, after[1:] - before[:-1], before[-1:]])
         shares = _shares(request, steps, request.limits.acceleration)
         name = "acceleration continuity"
         checks.append(_jump(name, shares, _ACCELERATION_JUMP, "1", curve.breaks))

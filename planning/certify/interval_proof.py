@@ -94,6 +94,33 @@ def bounded(
     return _Bisection(quantity, bound, request, deadline).run()
 
 
+@dataclass(frozen=True)
+class Fineness:
+    """How well a largest value is to be known, and what that may cost.
+
+    Attributes:
+        share: Of the value, or
+        least: of its unit, whichever is larger.
+        looks: Segments at most.
+    """
+
+    share: float
+    least: float
+    looks: int
+
+
+def highest(
+    quantity: Quantity, fineness: Fineness, request: CertifyRequest, deadline: Deadline
+) -> Finding:
+    """Return how large a quantity becomes, whatever that is; `top` is a bound on it always.
+
+    Raises:
+        DeadlineExceeded: Time ran out.
+        Canceled: Somebody asked for the end.
+    """
+    return _Bisection(quantity, np.inf, request, deadline).highest(fineness)
+
+
 class _Bisection:
     """One proof."""
 
@@ -120,14 +147,22 @@ class _Bisection:
             else:
                 for half in self._segments.halves(node.segment):
                     heappush(heap, self._node(half))
-        return self._finding(self._tightened(leaves), passed=True)
+        fineness = Fineness(0.0, max(_RESOLUTION * abs(self._bound), _LEAST), _TIGHTENING)
+        return self._finding(self._tightened(leaves, fineness), passed=True)
 
-    def _tightened(self, leaves: list[_Node]) -> float:
+    def highest(self, fineness: Fineness) -> Finding:
+        whole = self._node(self._segments.whole)
+        return self._finding(self._tightened([whole], fineness), passed=True)
+
+    def _tightened(self, leaves: list[_Node], fineness: Fineness) -> float:
         """Halve the segments that may hide a larger value than was seen; return a bound on all."""
         heapify(leaves)
-        fine = max(_RESOLUTION * abs(self._bound), _LEAST)
-        last = self._count + _TIGHTENING
-        while -leaves[0].rank > self._worst.value + fine and self._count < last:
+        last = self._count + fineness.looks
+        while self._count < last:
+            seen = self._worst.value
+            fine = max(fineness.least, fineness.share * abs(seen)) if np.isfinite(seen) else 0.0
+            if not -leaves[0].rank > seen + fine:
+                break
             node = heappop(leaves)
             for half in self._segments.halves(node.segment):
                 child = self._node(half)

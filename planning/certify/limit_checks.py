@@ -17,6 +17,8 @@ type Array = np.ndarray[Any, np.dtype[np.float64]]
 MAX_UTILISATION = 1 + 1e-6
 DUST = 1e-6
 _RELATIVE_GAP = 1e-8
+# Attributes of `JointLimits`, by order of derivative from 1.
+RATES = ("velocity", "acceleration", "jerk")
 
 
 def position_check(request: CertifyRequest) -> Check:
@@ -77,7 +79,7 @@ def _utilisations(
         top, row, fraction = bernstein.peak(np.concatenate([shares, -shares]), _RELATIVE_GAP)
         which, piece = divmod(row % len(shares), request.trajectory.num_pieces)
         yield max(top, 0.0), scalar[which][0], piece, fraction
-    turning = _turning_blocks(request)
+    turning = turning_blocks(request)
     for block, indices, limit in limited:
         if len(indices) > 1:
             bound_of = _angular_bound if block in turning else _norm_bound
@@ -121,14 +123,15 @@ def _angular_bound(
 
     Where every piece turns about one axis, the tangent's own derivatives are the rates.
     """
-    if _has_fixed_axes(request, indices):
+    if has_fixed_axes(request, indices):
         return _norm_bound(request, indices, order, limit)
     coefficients = request.trajectory.coefficients[:, :, indices]
     widths = np.diff(request.trajectory.breaks)
     return angular_peak(coefficients, widths, order, 10 * _RELATIVE_GAP * limit)
 
 
-def _has_fixed_axes(request: CertifyRequest, indices: list[int]) -> bool:
+def has_fixed_axes(request: CertifyRequest, indices: list[int]) -> bool:
+    """Return whether every piece turns a floating joint, of these coordinates, about one axis."""
     coefficients = request.trajectory.coefficients[:, :, indices]
     sizes = np.linalg.norm(coefficients, axis=2)
     longest = coefficients[np.arange(len(coefficients)), np.argmax(sizes, axis=1)]
@@ -137,7 +140,7 @@ def _has_fixed_axes(request: CertifyRequest, indices: list[int]) -> bool:
     return bool((across.max(axis=1) <= 1e-12 * scale).all())
 
 
-def _turning_blocks(request: CertifyRequest) -> set[str]:
+def turning_blocks(request: CertifyRequest) -> set[str]:
     """Return the names of the blocks that are angular velocities in space."""
     floating = [joint for joint in request.group.joints if joint.type is JointType.FLOATING]
     return {name for joint in floating for name, indices in joint.blocks if indices[0] == 0}

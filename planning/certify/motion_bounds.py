@@ -30,11 +30,21 @@ from pydrake.multibody.tree import (
 )
 
 from planning.certify.collision_shapes import CollisionShapes
-from planning.domain.joints import JointGroup
+from planning.domain.joints import JointGroup, JointType
 from planning.errors import ModelInvalid
 from planning.world.drake_model import DrakeModel
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
+
+
+# In what a joint can be off: in turn, in shift.
+_ERRORS = {
+    JointType.REVOLUTE: (1.0, 0.0),
+    JointType.CONTINUOUS: (1.0, 0.0),
+    JointType.PRISMATIC: (0.0, 1.0),
+    JointType.PLANAR: (1.0, 1.0),
+    JointType.FLOATING: (1.0, 1.0),
+}
 
 
 @dataclass(frozen=True)
@@ -79,6 +89,7 @@ class MotionBounds:
         )
         self._members = np.array([m.member for m in self._joints], dtype=np.intp)
         self._to_turn, self._to_shift = _scales(self._joints)
+        self._errors = np.array([_ERRORS[joint.type] for joint in group.joints])
 
     def reaches(
         self,
@@ -102,6 +113,18 @@ class MotionBounds:
         arms = self._lever_arms(R_WB, p_wb)
         turned = np.where(chords > 0, arms, 0.0) * chords
         return np.where(self.carries, turned + shifts, 0.0)
+
+    def sensitivities(
+        self, R_WB: Float64[np.ndarray, "num_bodies 3 3"], p_wb: Float64[np.ndarray, "num_bodies 3"]
+    ) -> Float64[np.ndarray, "num_shapes num_moving"]:
+        """Return by how much more each joint moves each shape's points per error of it.
+
+        If every joint of the group turns, shifts, or does both, by e more than was said, no entry
+        of `reaches` grows by more than e times this [m per rad or m].
+        """
+        turns = np.einsum("kd,kd->k", self._to_turn, self._errors[self._members])
+        shifts = np.einsum("kd,kd->k", self._to_shift, self._errors[self._members])
+        return np.where(self.carries, self._lever_arms(R_WB, p_wb) * turns + shifts, 0.0)
 
     def rotation(
         self,

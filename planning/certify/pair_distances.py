@@ -94,13 +94,27 @@ class PairDistances:
 
         The centre is where the group must be.
         """
-        placed, carries = self._placed, self._bounds.carries
-        reaches = self._bounds.reaches(
-            placed.rotations, placed.positions, segment.turn, segment.shift
+        placed = self._placed
+        return self._between(
+            self._bounds.reaches(placed.rotations, placed.positions, segment.turn, segment.shift),
+            pairs,
         )
+
+    def sensitivities(self, pairs: Indices) -> Float64[np.ndarray, " n"]:
+        """Return how much nearer some pairs come at most per error of every joint.
+
+        That is by how much `approaches` grows if every joint turns and shifts by so much more
+        [m per rad or m].
+        """
+        placed = self._placed
+        return self._between(self._bounds.sensitivities(placed.rotations, placed.positions), pairs)
+
+    def _between(self, moved: Array, pairs: Indices) -> Array:
+        """Return the sum over the joints that move one shape of a pair relative to the other."""
+        carries = self._bounds.carries
         a, b = self.pairs.rows[pairs].T
         relative = carries[a] != carries[b]
-        return np.where(relative, reaches[a] + reaches[b], 0.0).sum(axis=1)
+        return np.where(relative, moved[a] + moved[b], 0.0).sum(axis=1)
 
     def measure(self, pairs: Indices, wanted: Float64[np.ndarray, " n"]) -> Measured:
         """Bound distances here until each bound is as large as wanted, or as good as can be.

@@ -13,6 +13,7 @@ from planning.domain.curve import TimedTrajectory
 from planning.domain.joints import JointGroup, JointLimits
 from planning.domain.line import LineSection
 from planning.domain.motion_limits import AccelerationBounds, SpeedZone, ToolLimit
+from planning.domain.options import CertifyOptions
 from planning.domain.value import Value
 from planning.world.margins import PairMargins
 
@@ -38,6 +39,8 @@ class CertifyRequest(Value):
         speed_zones: Boxes in which frames are slower; what moves with the group counts where the
             start puts it.
         acceleration_bounds: Lowest and highest accelerations of joints.
+        options: What else to find out.
+        is_under_way: Whether it goes on from a motion, so that it need not begin at rest.
     """
 
     group: JointGroup
@@ -53,6 +56,8 @@ class CertifyRequest(Value):
     tool_limits: tuple[ToolLimit, ...] = ()
     speed_zones: tuple[SpeedZone, ...] = ()
     acceleration_bounds: AccelerationBounds = field(default_factory=dict)
+    options: CertifyOptions = field(default_factory=CertifyOptions)
+    is_under_way: bool = False
 
     @cached_property
     def forms(self) -> tuple[Array, ...]:

@@ -19,6 +19,7 @@ import numpy as np
 from jaxtyping import Float64
 from pydrake.multibody.tree import JacobianWrtVariable
 
+from planning.certify.angular_rates import angular_change
 from planning.certify.request import CertifyRequest
 from planning.domain.deadline import Deadline
 from planning.domain.joints import JointType
@@ -150,9 +151,7 @@ def _moving(model: DrakeModel, request: CertifyRequest) -> tuple[Indices, Indice
 def _joint_rates(request: CertifyRequest, pieces: Any) -> tuple[Array, Array]:
     """Bound each coordinate's rate and its derivative on pieces, shape (pieces, nv).
 
-    Of a joint that floats, omega = J_r(delta) delta' is no longer than delta'; in its series the
-    derivative of J_r gains at most sum_k k |delta|^(k-1) / (k+1)! |delta'|^2, that is g(|delta|)
-    times |delta'|^2 with g(x) = (e^x (x - 1) + 1) / x^2.
+    Of a joint that floats, omega = J_r(delta) delta' is no longer than delta'.
     """
     forms = [form[:, pieces] for form in request.forms[:3]]
     rates, changes = (np.abs(form).max(axis=2).T for form in forms[1:])
@@ -163,9 +162,7 @@ def _joint_rates(request: CertifyRequest, pieces: Any) -> tuple[Array, Array]:
             tangent, rate, change = (
                 np.linalg.norm(form[turn], axis=0).max(axis=1) for form in forms
             )
-            x = np.maximum(tangent, 1e-3)
-            gain = (np.exp(x) * (x - 1) + 1) / x**2
             rates[:, turn] = rate[:, None]
-            changes[:, turn] = (change + gain * rate**2)[:, None]
+            changes[:, turn] = angular_change(tangent, rate, change)[:, None]
         begin += joint.num_velocities
     return rates, changes

@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from math import comb, factorial
 from typing import Any
 
 import numpy as np
@@ -130,6 +131,10 @@ class TimedTrajectory(Curve):
         times[-1] = self.duration
         return times
 
+    def even_times(self, count: int) -> Array:
+        """Return so many instants [s], evenly spaced, from the first to the last; at least two."""
+        return np.linspace(0.0, self.duration, count)
+
     @classmethod
     def joined(cls, parts: Sequence["TimedTrajectory"]) -> "TimedTrajectory":
         """Build the motion that follows the parts one after another."""
@@ -148,6 +153,31 @@ class TimedTrajectory(Curve):
             np.concatenate([part.bases for part in parts]),
             np.concatenate(padded),
         )
+
+    def after(self, time: float) -> "TimedTrajectory":
+        """Return what is left of the motion from an instant within it on [s]."""
+        piece = int(self.locate(np.array([time]))[0][0])
+        terms = self.coefficients.shape[1]
+        taylor = [self.tangents(np.array([time]), k)[0] / factorial(k) for k in range(terms)]
+        return TimedTrajectory(
+            self.joints,
+            np.concatenate([[time], self.breaks[piece + 1 :]]) - time,
+            self.bases[piece:],
+            np.concatenate([np.stack(taylor)[None], self.coefficients[piece + 1 :]]),
+        )
+
+    @property
+    def reverse(self) -> "TimedTrajectory":
+        """The same motion from its end to its start."""
+        widths, terms = np.diff(self.breaks), self.coefficients.shape[1]
+        turned = np.zeros_like(self.coefficients)
+        # (w - x)^k by the binomial theorem.
+        for k in range(terms):
+            for j in range(k + 1):
+                factors = (-1.0) ** j * comb(k, j) * widths ** (k - j)
+                turned[:, j] += factors[:, None] * self.coefficients[:, k]
+        breaks = self.duration - self.breaks[::-1]
+        return TimedTrajectory(self.joints, breaks, self.bases[::-1], turned[::-1])
 
     def slowed(self, factor: float) -> "TimedTrajectory":
         """Return the same motion taking `factor` times as long."""

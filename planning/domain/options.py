@@ -131,6 +131,27 @@ class RefineOptions(Value):
 
 
 @dataclass(frozen=True, eq=False)
+class CertifyOptions(Value):
+    """What to find out about a motion once it is proven; by default nothing.
+
+    Attributes:
+        stop_anywhere: Whether to bound the longest stop along the path, from any instant.
+        max_stopping_time: No stop may take longer [s], which asks for their bound as well; None for
+            as long as it takes.
+        robustness: Whether to bound how far off obstacles and joints may be.
+    """
+
+    stop_anywhere: bool = False
+    max_stopping_time: float | None = None
+    robustness: bool = False
+
+    @property
+    def wants_stops(self) -> bool:
+        """Whether stops are to be looked at."""
+        return self.stop_anywhere or self.max_stopping_time is not None
+
+
+@dataclass(frozen=True, eq=False)
 class RetimeOptions(Value):
     """How to time the path.
 

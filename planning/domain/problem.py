@@ -7,7 +7,13 @@ from jaxtyping import Float64
 
 from planning.domain.constraint import PathConstraint
 from planning.domain.goal import Goal
-from planning.domain.options import IkOptions, RefineOptions, RetimeOptions, SearchOptions
+from planning.domain.options import (
+    CertifyOptions,
+    IkOptions,
+    RefineOptions,
+    RetimeOptions,
+    SearchOptions,
+)
 from planning.domain.value import Value
 
 
@@ -26,6 +32,7 @@ class PlanningProblem(Value):
         margin: Distance that everything keeps [m]; None for the scene's.
         seed: Of all randomness.
         constraints: What the motion shall keep on its whole way, all of them.
+        certify: What to find out about the motion once it is proven.
     """
 
     group: str
@@ -38,3 +45,4 @@ class PlanningProblem(Value):
     margin: float | None = None
     seed: int = 0
     constraints: tuple[PathConstraint, ...] = ()
+    certify: CertifyOptions = field(default_factory=CertifyOptions)

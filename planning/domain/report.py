@@ -10,6 +10,8 @@ from planning.domain.duration import DurationExplanation
 from planning.domain.funnel import Funnel
 from planning.domain.line import GoalLegs
 from planning.domain.pose import Pose
+from planning.domain.robustness import Robustness
+from planning.domain.stop_report import StopReport
 from planning.domain.value import Value
 
 
@@ -240,9 +242,13 @@ class CertifyReport(Value):
         distance_queries: Configurations at which distances were measured.
         candidates: How many candidate motions were looked at, this one included.
         refused: What was wrong with those before it, a line each.
+        stop: How the motion can be stopped anywhere, if that was asked.
+        robustness: How wrong world and robot may be, if that was asked.
     """
 
     intervals: int
     distance_queries: int
     candidates: int = 1
     refused: tuple[str, ...] = ()
+    stop: StopReport | None = None
+    robustness: Robustness | None = None

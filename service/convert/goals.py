@@ -16,6 +16,7 @@ from planning.domain.goal import (
     RelativeGoal,
 )
 from planning.domain.options import (
+    CertifyOptions,
     IkOptions,
     PoseMetric,
     RefineOptions,
@@ -38,7 +39,14 @@ from service.schemas.goal import (
     RegionGoalWire,
     RelativeGoalWire,
 )
-from service.schemas.plan import IkWire, PlanRequest, RetimeWire, RoadmapWire, SearchWire
+from service.schemas.plan import (
+    CertifyWire,
+    IkWire,
+    PlanRequest,
+    RetimeWire,
+    RoadmapWire,
+    SearchWire,
+)
 from service.schemas.pose import PoseWire
 
 
@@ -145,6 +153,11 @@ def roadmap_value(roadmap: RoadmapWire) -> RoadmapOptions:
     return RoadmapOptions(roadmap.states, roadmap.neighbours, roadmap.seed)
 
 
+def certify_value(certify: CertifyWire) -> CertifyOptions:
+    """Return the domain's options of the proof."""
+    return CertifyOptions(certify.stop_anywhere, certify.max_stopping_time, certify.robustness)
+
+
 def search_value(search: SearchWire) -> SearchOptions:
     """Return the domain's search options."""
     return SearchOptions(
@@ -181,4 +194,5 @@ def problem_value(request: PlanRequest) -> PlanningProblem:
         margin=request.margin,
         seed=request.seed,
         constraints=tuple(constraint_value(entry) for entry in request.path_constraints),
+        certify=certify_value(request.certify),
     )

@@ -10,12 +10,13 @@ from service.convert.numbers import finite, listed
 from service.convert.trajectories import sampled_wire
 
 
-def plan_wire(plan: MotionPlan, period: float) -> dict[str, Any]:
+def plan_wire(plan: MotionPlan, period: float, num_points: int | None) -> dict[str, Any]:
     """Return the `result` of a job.
 
     Args:
         plan: What was found.
         period: Between samples of the trajectory [s].
+        num_points: How many samples there are instead; None for one every period.
     """
     return {
         "goal_configuration": listed(plan.goal_configuration),
@@ -24,7 +25,7 @@ def plan_wire(plan: MotionPlan, period: float) -> dict[str, Any]:
         "start_clipped": listed(plan.start_clipped),
         "path": listed(plan.path.waypoints),
         "parts": [dataclasses.asdict(part) for part in plan.parts],
-        "trajectory": sampled_wire(plan.trajectory, period),
+        "trajectory": sampled_wire(plan.trajectory, period, num_points),
         "certificate": certificate_wire(plan.certificate),
         "stages": stages_wire(plan.stages),
         "digest": plan.digest,

@@ -9,14 +9,18 @@ from planning.domain.joints import Joint, JointType
 from service.convert.numbers import listed
 
 
-def sampled_wire(trajectory: TimedTrajectory, period: float) -> dict[str, Any]:
+def sampled_wire(
+    trajectory: TimedTrajectory, period: float, num_points: int | None = None
+) -> dict[str, Any]:
     """Return the samples of a trajectory.
 
     Args:
         trajectory: What to sample.
         period: Between samples [s].
+        num_points: How many samples instead, evenly in time; None for one every period.
     """
-    times = trajectory.sample_times(period)
+    even = num_points is not None
+    times = trajectory.even_times(num_points) if even else trajectory.sample_times(period)
     return {
         "joint_names": [name for joint in trajectory.joints for name in joint.position_names],
         "velocity_names": [name for joint in trajectory.joints for name in joint.velocity_names],

@@ -21,7 +21,7 @@ from service.schemas.plan import PlanRequest, SearchWire
 TASK = "service.tasks.plan:plan_motion"
 
 # A plan minds its deadline by itself; a process that is this much too late hangs [s].
-_SLACK = 15.0
+SLACK = 15.0
 # To time and prove the best path so far after a cancel [s].
 _BEST_GRACE = 0.9
 
@@ -62,7 +62,7 @@ async def submit_plan(request: PlanRequest, key: str | None, scenes: SceneShelf,
     }
     if request.search.on_cancel == "best":
         payload["cancel_grace"] = _BEST_GRACE
-    allowed = request.search.allowed_planning_time + _SLACK
+    allowed = request.search.allowed_planning_time + SLACK
     return desk.submit(spec_of("plan", TASK, payload, scene=record, key=key, allowed=allowed))
 
 

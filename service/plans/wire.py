@@ -2,6 +2,7 @@
 
 from typing import Any
 
+from planning.errors import ProblemInvalid
 from service.errors import NotFinished
 from service.jobs.records import Job
 from service.plans.versions import versions
@@ -44,6 +45,21 @@ def polynomial_of(job: Job) -> dict[str, Any]:
         raise NotFinished(f"plan {job.id} is {job.state}: it has no trajectory", evidence)
     polynomial: dict[str, Any] = job.result["polynomial"]
     return polynomial
+
+
+def sampling_of(job: Job, period: float | None, num_points: int | None) -> dict[str, Any]:
+    """Return the `period` [s] and `num_points` to sample a plan by: as asked for, or as it has it.
+
+    Raises:
+        ProblemInvalid: Both are asked for.
+    """
+    if period is not None and num_points is not None:
+        message = "`period` and `points` cannot both be given: one follows from the other"
+        raise ProblemInvalid(message, {"field": "points"})
+    own = job.payload["request"]["retime"]
+    if period is None and num_points is None:
+        num_points = own.get("num_points")
+    return {"period": period or own["sample_period"], "num_points": num_points}
 
 
 def graph_of(job: Job) -> dict[str, Any]:

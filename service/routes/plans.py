@@ -9,7 +9,10 @@ from fastapi import APIRouter, Query, Response
 from fastapi.sse import EventSourceResponse, ServerSentEvent
 
 from service.dependencies import DeskDep, PlanJob, ScenesDep, SettingsDep
+from service.desk import Desk
+from service.jobs.records import Job as Queued
 from service.plans.admission import submit_plan
+from service.plans.reversal import submit_reversal
 from service.plans.wire import graph_of, job_brief, job_resource
 from service.routes.answers import Cursor, LastEventId, Limit, problems
 from service.routes.streaming import EVENTS, server_sent
@@ -52,11 +55,7 @@ async def create_plan(  # noqa: PLR0913  (one parameter per header)
 ) -> Any:
     """Ask for a plan: a job that is polled, streamed or waited for."""
     job = await submit_plan(request, idempotency_key, scenes, desk)
-    job = await desk.wait(job, seconds_to_wait(wait, prefer, settings.max_wait))
-    response.headers["Location"] = f"/v1/plans/{job.id}"
-    if job.state.is_final:
-        response.status_code = 200
-    return job_resource(job)
+    return await _awaited(job, response, desk, seconds_to_wait(wait, prefer, settings.max_wait))
 
 
 @router.get("", operation_id="listPlans", response_model=JobPage, responses=problems(422))
@@ -104,8 +103,44 @@ async def get_planner_graph(job: PlanJob) -> Any:
 
 
 @router.post(
+    "/{plan}/reverse",
+    operation_id="reversePlan",
+    status_code=202,
+    response_model=Job,
+    responses={
+        200: {"model": Job, "description": "Finished within the time that was waited"},
+        202: _ACCEPTED,
+        **problems(404, 409, 422, 429, 503),
+    },
+)
+async def reverse_plan(  # noqa: PLR0913  (one parameter per header)
+    job: PlanJob,
+    response: Response,
+    desk: DeskDep,
+    scenes: ScenesDep,
+    settings: SettingsDep,
+    *,
+    wait: Wait = None,
+    prefer: Prefer = None,
+    idempotency_key: IdempotencyKey = None,
+) -> Any:
+    """Ask for the same motion from its end to its start: a plan of its own, proven anew."""
+    back = await submit_reversal(job, idempotency_key, scenes, desk)
+    return await _awaited(back, response, desk, seconds_to_wait(wait, prefer, settings.max_wait))
+
+
+@router.post(
     "/{plan}/cancel", operation_id="cancelPlan", response_model=Job, responses=problems(404, 422)
 )
 async def cancel_plan(job: PlanJob, desk: DeskDep) -> Any:
     """End a plan, in whatever state it is; asking again changes nothing."""
     return job_resource(desk.cancel(job))
+
+
+async def _awaited(job: Queued, response: Response, desk: Desk, seconds: float) -> Any:
+    """Return a plan when it has ended, or as it is after so many seconds."""
+    job = await desk.wait(job, seconds)
+    response.headers["Location"] = f"/v1/plans/{job.id}"
+    if job.state.is_final:
+        response.status_code = 200
+    return job_resource(job)

@@ -6,7 +6,7 @@ from fastapi import APIRouter, Path, Query, Response
 from fastapi.responses import HTMLResponse
 
 from service.dependencies import DeskDep, PlanJob
-from service.plans.wire import polynomial_of
+from service.plans.wire import polynomial_of, sampling_of
 from service.routes.answers import problems
 from service.schemas.trajectory import TrajectoryWire
 
@@ -20,6 +20,15 @@ type Period = Annotated[
         le=10,
         allow_inf_nan=False,
         description="Between samples [s]; none for the plan's `sample_period`",
+    ),
+]
+type Points = Annotated[
+    int | None,
+    Query(
+        ge=2,
+        le=200_000,
+        description="How many samples, evenly in time, first and last instants included; not "
+        "together with `period`",
     ),
 ]
 type Slowness = Annotated[
@@ -49,19 +58,20 @@ _HTML = {"schema": {"type": "string", "description": "A page that needs nothing 
     response_model=TrajectoryWire,
     responses={200: {"content": {"text/csv": _CSV}}, **problems(404, 409, 422, 429, 503)},
 )
-async def get_trajectory(
+async def get_trajectory(  # noqa: PLR0913  (one parameter per query)
     job: PlanJob,
     desk: DeskDep,
     *,
     format: Format = "json",  # noqa: A002  (the contract's name)
     period: Period = None,
+    points: Points = None,
     scale: Slowness = 1.0,
     polynomial: Exact = False,
 ) -> Any:
     """Sample the motion of a plan anew, slowed down if asked for."""
     payload = {
         "trajectory": polynomial_of(job),
-        "period": period or job.payload["request"]["retime"]["sample_period"],
+        **sampling_of(job, period, points),
         "scale": scale,
         "polynomial": polynomial,
     }

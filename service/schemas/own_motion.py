@@ -6,7 +6,7 @@ from pydantic import ConfigDict, Field, Strict
 
 from service.schemas.motion_limit import MotionLimits
 from service.schemas.numbers import WHOLE, Coordinate, NonNegative, Positions, Real, Scale
-from service.schemas.plan import RetimeWire
+from service.schemas.plan import CertifyWire, RetimeWire
 from service.schemas.problem import Failure
 from service.schemas.report import CertifyReportWire, RetimeReportWire
 from service.schemas.result import CertificateWire
@@ -141,6 +141,9 @@ class CertifyMotionRequest(_InScene, MotionLimits):
     velocity_scale: Scale = Field(default=1.0, description="Factor on every velocity limit, 0..1")
     acceleration_scale: Scale = Field(
         default=1.0, description="Factor on every acceleration and jerk limit, 0..1"
+    )
+    certify: CertifyWire = Field(
+        default_factory=CertifyWire, description="What to find out besides the proof"
     )
 
 

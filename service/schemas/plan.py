@@ -191,6 +191,11 @@ class RetimeWire(MotionLimits):
     sample_period: Annotated[Real, Field(ge=1e-3, le=10)] = Field(
         default=0.01, description="Of the delivered samples [s]"
     )
+    num_points: Annotated[int, Strict(), Field(ge=2, le=200_000), WHOLE] | None = Field(
+        default=None,
+        description="Deliver so many samples, evenly in time, first and last instants included; "
+        "null for one every `sample_period`",
+    )
     duration: Annotated[Real, Field(gt=0, le=86_400)] | None = Field(
         default=None,
         description="How long the motion shall take [s]; null for the least that the limits allow, "
@@ -200,6 +205,25 @@ class RetimeWire(MotionLimits):
         default=False,
         description="Say which limit binds when, and what relaxing it would save "
         "(`stages.retime.explanation`); takes some 20 ms",
+    )
+
+
+class CertifyWire(Wire):
+    """What to find out about the motion once it is proven; told in the report on `certify`."""
+
+    stop_anywhere: Annotated[bool, Strict()] = Field(
+        default=False,
+        description="Bound the longest stop along the path, from any instant: a check `stop`, and "
+        "`stop` in the report; takes some 0.1 s, 0.5 s with jerk limits",
+    )
+    max_stopping_time: Annotated[Real, Field(gt=0, le=86_400)] | None = Field(
+        default=None,
+        description="No stop may take longer [s], and `stop_anywhere` is meant; null for no bound",
+    )
+    robustness: Annotated[bool, Strict()] = Field(
+        default=False,
+        description="Bound how far off obstacles and joints may be: `robustness` in the report; "
+        "takes some 0.2 s",
     )
 
 
@@ -227,6 +251,9 @@ class PlanRequest(Wire):
     search: SearchWire = Field(default_factory=SearchWire, description="Options of the search")
     refine: RefineWire = Field(default_factory=RefineWire, description="Options of the refinement")
     retime: RetimeWire = Field(default_factory=RetimeWire, description="Options of the timing")
+    certify: CertifyWire = Field(
+        default_factory=CertifyWire, description="What to find out besides the proof"
+    )
     margin: Annotated[NonNegative, Field(le=10)] | None = Field(
         default=None, description="Distance that everything keeps [m]; null for the scene's"
     )

@@ -220,6 +220,35 @@ class RetimeReportWire(Answer):
     )
 
 
+class StopReportWire(Answer):
+    """Stops along the path within limits, from every instant: guaranteed upper bounds."""
+
+    time: float = Field(description="Of the longest stop [s]")
+    begin: float = Field(description="When it begins [s]")
+    distance: float = Field(description="A joint's longest way until it stands [rad or m]")
+    joint: str = Field(description="Which joint, or block of a planar or floating one")
+    tool_distance: float | None = Field(
+        description="The tool frame's longest way until it stands [m]; null without a tool frame"
+    )
+    frame: str = Field(description="The tool frame, or empty")
+
+
+class RobustnessWire(Answer):
+    """What the proof of clearance survives: guaranteed lower bounds, each by itself."""
+
+    obstacle_displacement: float = Field(
+        description="How far all points of all obstacles may be from where the scene has them, at "
+        "most 1 [m]"
+    )
+    obstacle_pair: tuple[str, str] = Field(description="The two bodies that allow no more")
+    obstacle_time: float = Field(description="When they do [s]")
+    joint_error: float = Field(
+        description="How far off every joint may be at once, at most 0.5 [rad or m]"
+    )
+    joint_pair: tuple[str, str] = Field(description="The two bodies that allow no more")
+    joint_time: float = Field(description="When they do [s]")
+
+
 class CertifyReportWire(Answer):
     """What the certify stage did."""
 
@@ -227,6 +256,12 @@ class CertifyReportWire(Answer):
     distance_queries: int = Field(description="Configurations at which distances were measured")
     candidates: int = Field(description="Candidate motions that were looked at")
     refused: list[str] = Field(description="What was wrong with those before the delivered one")
+    stop: StopReportWire | None = Field(
+        default=None, description="How it can be stopped; null if nobody asked"
+    )
+    robustness: RobustnessWire | None = Field(
+        default=None, description="How wrong world and robot may be; null if nobody asked"
+    )
 
 
 class StagesWire(Answer):

@@ -9,7 +9,7 @@ import numpy as np
 from planning import Deadline, RetimeOptions, certify_trajectory, retime_path
 from planning.errors import PlanningFailure
 from service.convert.failures import failure_wire
-from service.convert.goals import retime_value
+from service.convert.goals import certify_value, retime_value
 from service.convert.motion_limits import motion_limits
 from service.convert.own_motion import own_trajectory
 from service.convert.plans import certificate_wire
@@ -40,7 +40,8 @@ def retime(payload: dict[str, Any], channel: Channel) -> dict[str, Any]:
         except PlanningFailure as failure:
             nothing = dict.fromkeys(("trajectory", "certificate", "stages"))
             return {**nothing, "failure": failure_wire(failure)}
-    sampled = sampled_wire(found.trajectory, request.retime.sample_period)
+    timing = request.retime
+    sampled = sampled_wire(found.trajectory, timing.sample_period, timing.num_points)
     exact = polynomial_wire(found.trajectory) if request.polynomial else None
     return {
         "trajectory": {**sampled, "polynomial": exact},
@@ -78,6 +79,7 @@ def certify(payload: dict[str, Any], channel: Channel) -> dict[str, Any]:
             start=request.start,
             goal=request.goal,
             margin=request.margin,
+            wanted=certify_value(request.certify),
         )
     return {
         "certificate": certificate_wire(certificate),

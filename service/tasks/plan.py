@@ -4,7 +4,7 @@ import time
 from typing import Any
 
 from planning import Deadline, plan
-from planning.domain.plan import Progress
+from planning.domain.plan import MotionPlan, Progress
 from service.convert.goals import problem_value
 from service.convert.plans import plan_wire
 from service.convert.trajectories import polynomial_wire
@@ -69,8 +69,13 @@ def plan_motion(payload: dict[str, Any], channel: Channel) -> dict[str, Any]:
             roadmaps=None if request.search.roadmap is None else shelf_in(payload["roadmaps"]),
             pool=pool,
         )
+    return delivered(found, request, loaded)
+
+
+def delivered(found: MotionPlan, request: PlanRequest, loaded: float) -> dict[str, Any]:
+    """Return what a job keeps of a plan; loading the scene took `loaded` [s]."""
     return {
-        "result": plan_wire(found, request.retime.sample_period),
+        "result": plan_wire(found, request.retime.sample_period, request.retime.num_points),
         "polynomial": polynomial_wire(found.trajectory),
         "timings": {"load": loaded, **found.timings},
         "digest": found.digest,

@@ -15,13 +15,15 @@ MAX_SAMPLES = 200_000
 
 
 def sample(payload: dict[str, Any], _: Channel) -> dict[str, Any]:
-    """Return a trajectory sampled at `period` [s] and slowed to `scale` of its speed.
+    """Return a trajectory slowed to `scale` of its speed, a sample every `period` [s].
+
+    Or as many samples as `num_points` says, evenly in time.
 
     Raises:
         ProblemInvalid: That would be too many samples.
     """
     trajectory = _scaled(payload)
-    sampled = sampled_wire(trajectory, payload["period"])
+    sampled = sampled_wire(trajectory, payload["period"], payload["num_points"])
     exact = polynomial_wire(trajectory) if payload["polynomial"] else None
     return {**sampled, "polynomial": exact}
 
@@ -32,7 +34,7 @@ def sample_csv(payload: dict[str, Any], _: Channel) -> dict[str, Any]:
     Raises:
         ProblemInvalid: That would be too many samples.
     """
-    sampled = sampled_wire(_scaled(payload), payload["period"])
+    sampled = sampled_wire(_scaled(payload), payload["period"], payload["num_points"])
     header = [
         "time",
         *(f"position:{name}" for name in sampled["joint_names"]),
@@ -61,7 +63,7 @@ def replay(payload: dict[str, Any], _: Channel) -> dict[str, Any]:
 
 def _scaled(payload: dict[str, Any]) -> TimedTrajectory:
     trajectory = trajectory_value(payload["trajectory"]).slowed(1 / payload["scale"])
-    count = trajectory.duration / payload["period"]
+    count = payload["num_points"] or trajectory.duration / payload["period"]
     if count > MAX_SAMPLES:
         message = f"{count:.0f} samples are more than {MAX_SAMPLES}; take a longer period"
         raise ProblemInvalid(message, {"field": "period", "bound": MAX_SAMPLES})

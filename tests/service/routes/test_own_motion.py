@@ -105,6 +105,25 @@ def test_a_path_through_an_obstacle_is_refused_with_reasons(client, scene, exact
     assert "clearance" in {check["name"] for check in checks}
 
 
+def test_stops_and_robustness_are_told_where_they_are_asked_for(client, scene, exact):
+    silent = post(client, scene, "certify", trajectory=exact).json()
+    assert (silent["stage"]["stop"], silent["stage"]["robustness"]) == (None, None)
+    wanted = {"stop_anywhere": True, "robustness": True}
+    answer = post(client, scene, "certify", trajectory=exact, certify=wanted).json()
+    assert answer["certificate"]["proven"]
+    stop, robustness = answer["stage"]["stop"], answer["stage"]["robustness"]
+    check = answer["certificate"]["checks"][-1]
+    assert (check["name"], check["value"], check["bound"]) == ("stop", stop["time"], None)
+    assert 0 < stop["time"] < exact["duration"]
+    assert stop["frame"] == "arm::tcp"
+    assert 0 < robustness["joint_error"] < robustness["obstacle_displacement"]
+    assert {"block", "post"} & set(robustness["obstacle_pair"])
+    hasty = {"stop_anywhere": True, "max_stopping_time": stop["time"] / 2}
+    refused = post(client, scene, "certify", trajectory=exact, certify=hasty).json()
+    assert not refused["certificate"]["proven"]
+    assert refused["certificate"]["checks"][-1]["passed"] is False
+
+
 BAD = {
     "times that do not increase": {"times": [0, 0], "positions": [[0] * 6] * 2},
     "times that begin late": {"times": [1, 2], "positions": [[0] * 6] * 2},

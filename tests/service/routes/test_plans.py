@@ -189,3 +189,36 @@ def test_a_blocked_line_is_a_failure_with_its_evidence(client, scene):
     assert (failure["code"], failure["stage"]) == ("line_blocked", "goals")
     assert 0 <= failure["evidence"]["fraction"] < 1
     assert failure["evidence"]["stopped_by"]["reason"] in {"collision", "limit", "singularity"}
+
+
+def test_a_plan_backwards_is_a_plan(client, solved):
+    answer = client.post(f"/v1/plans/{solved['id']}/reverse?wait=40")
+    assert answer.status_code == 200, answer.text
+    back = answer.json()
+    assert answer.headers["location"] == f"/v1/plans/{back['id']}"
+    assert back["id"] != solved["id"]
+    assert back["state"] == "succeeded"
+    there, result = solved["result"], back["result"]
+    assert result["certificate"]["proven"]
+    motion = result["trajectory"]
+    assert motion["duration"] == there["trajectory"]["duration"]
+    np.testing.assert_allclose(motion["positions"][0], there["trajectory"]["positions"][-1])
+    np.testing.assert_allclose(motion["positions"][-1], there["trajectory"]["positions"][0])
+    assert back["request"]["start"] == there["trajectory"]["positions"][-1]
+    assert back["request"]["goal"]["positions"] == there["trajectory"]["positions"][0]
+    assert result["path"] == there["path"][::-1]
+    assert client.get(f"/v1/plans/{back['id']}/trajectory").json() == motion
+    assert back["id"] in {job["id"] for job in client.get("/v1/plans").json()["items"]}
+    again = client.post(f"/v1/plans/{back['id']}/reverse?wait=40").json()
+    np.testing.assert_allclose(
+        again["result"]["trajectory"]["positions"], there["trajectory"]["positions"], atol=1e-9
+    )
+
+
+def test_there_is_no_way_back_from_nowhere(client, request_of):
+    assert client.post("/v1/plans/pln_nobody/reverse").status_code == 404
+    goal = {"type": "joint", "positions": [9.0] * 6}
+    failed = client.post("/v1/plans?wait=20", json=request_of(goal=goal)).json()
+    answer = client.post(f"/v1/plans/{failed['id']}/reverse")
+    assert answer.status_code == 409
+    assert answer.json()["code"] == "no_trajectory"

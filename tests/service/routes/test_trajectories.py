@@ -31,6 +31,25 @@ def test_scale_slows_the_same_motion(client, solved, scale):
     np.testing.assert_allclose(slow["accelerations"], peaks, atol=1e-6)
 
 
+@pytest.mark.parametrize("count", [2, 3, 101])
+def test_as_many_points_as_asked_for_evenly_in_time(client, solved, count):
+    motion = trajectory(client, solved, f"?points={count}&scale=0.5").json()
+    duration = solved["result"]["trajectory"]["duration"] / 0.5
+    assert motion["duration"] == pytest.approx(duration)
+    np.testing.assert_allclose(motion["times"], np.linspace(0, duration, count))
+    whole = solved["result"]["trajectory"]["positions"]
+    np.testing.assert_allclose(motion["positions"][0], whole[0], atol=1e-9)
+    np.testing.assert_allclose(motion["positions"][-1], whole[-1], atol=1e-9)
+    table = trajectory(client, solved, f"?points={count}&format=csv").text
+    assert len(table.splitlines()) == count + 1
+
+
+@pytest.mark.parametrize("query", ["points=5&period=0.1", "points=1", "points=200001"])
+def test_points_that_cannot_be_meant_are_refused(client, solved, query):
+    answer = client.get(f"/v1/plans/{solved['id']}/trajectory?{query}")
+    assert answer.status_code == 422
+
+
 def test_csv_has_the_same_numbers(client, solved):
     answer = trajectory(client, solved, "?format=csv&period=0.1")
     assert answer.headers["content-type"].startswith("text/csv")

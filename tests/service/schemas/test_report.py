@@ -4,7 +4,7 @@ import dataclasses
 
 import pytest
 
-from planning.domain import certificate, funnel, report
+from planning.domain import certificate, funnel, report, robustness, stop_report
 from service.schemas import report as wire
 from service.schemas import result
 
@@ -15,6 +15,8 @@ PAIRS = [
     (report.CertifyReport, wire.CertifyReportWire),
     (funnel.Funnel, wire.FunnelWire),
     (funnel.PairTally, wire.PairTallyWire),
+    (stop_report.StopReport, wire.StopReportWire),
+    (robustness.Robustness, wire.RobustnessWire),
     (certificate.Certificate, result.CertificateWire),
     (certificate.Check, result.CheckWire),
 ]

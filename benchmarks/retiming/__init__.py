@@ -1,0 +1,1 @@
+"""Retiming compared: the same random paths, timed by us and by others, judged alike."""

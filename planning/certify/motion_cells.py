@@ -1,0 +1,126 @@
+"""MotionCells: a trajectory in short cells, with bounds on its rates that hold all over each.
+
+Rates are Bernstein coefficients of one degree: what a convex bound says of all coefficients of a
+sum, it says of the sum itself at every instant of the cell.
+"""
+
+from dataclasses import dataclass
+from math import factorial
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float64
+
+from planning.certify import bernstein
+from planning.certify.angular_rates import angular_change
+from planning.certify.limit_checks import RATES, has_fixed_axes, turning_blocks
+from planning.certify.request import CertifyRequest
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
+
+# Stands for a rate that nothing is known of.
+_UNKNOWN = 1e30
+
+
+@dataclass(frozen=True)
+class BlockRates:
+    """Rates of some blocks of as many coordinates each.
+
+    Attributes:
+        names: Of the blocks.
+        forms: By order of derivative, the first first: coefficients, shape (n, k, blocks, size).
+        limits: By order: what the norm of each block is limited to, shape (blocks,).
+        is_turning: Whether these are bounds on the size of an angular rate, and of its derivative:
+            of any direction, and one coordinate each.
+    """
+
+    names: tuple[str, ...]
+    forms: tuple[Float64[np.ndarray, "n k blocks size"], ...]
+    limits: tuple[Float64[np.ndarray, " blocks"], ...]
+    is_turning: bool = False
+
+
+@dataclass(frozen=True)
+class MotionCells:
+    """Cells of a trajectory.
+
+    Attributes:
+        begins: First instants [s], shape (n,).
+        widths: Durations [s], shape (n,).
+        rates: Of all blocks, those of one coordinate together.
+    """
+
+    begins: Float64[np.ndarray, " n"]
+    widths: Float64[np.ndarray, " n"]
+    rates: tuple[BlockRates, ...]
+
+    @property
+    def end(self) -> float:
+        """When the motion ends [s]."""
+        return float(self.begins[-1] + self.widths[-1])
+
+    def ways(self) -> tuple[tuple[str, ...], Float64[np.ndarray, "n blocks"]]:
+        """Return the blocks, and bounds on how far each goes in each cell [rad or m].
+
+        A norm is convex, and each polynomial of the basis covers the same share of a cell.
+        """
+        names = tuple(name for rates in self.rates for name in rates.names)
+        sizes = [np.linalg.norm(rates.forms[0], axis=3).mean(axis=1) for rates in self.rates]
+        return names, np.concatenate(sizes, axis=1) * self.widths[:, None]
+
+
+def motion_cells(request: CertifyRequest, count: int) -> MotionCells:
+    """Cut a trajectory into about so many cells, and at least one for each of its pieces."""
+    curve = request.trajectory
+    pieces = np.diff(curve.breaks)
+    counts = np.maximum(1, np.ceil(pieces / (curve.duration / count))).astype(np.int64)
+    owners = np.repeat(np.arange(len(pieces)), counts)
+    widths = np.repeat(pieces / counts, counts)
+    within = np.arange(len(owners)) - np.repeat(np.cumsum(counts) - counts, counts)
+    begins = curve.breaks[owners] + within * widths
+    terms = curve.coefficients.shape[1]
+    powers = [curve.tangents(begins, k) / factorial(k) for k in range(terms)]
+    taylor = np.stack(powers, axis=1)
+    forms = [_form(taylor, order, widths) for order in range(4 if request.jerk else 3)]
+    return MotionCells(begins, widths, tuple(_by_size(request, forms)))
+
+
+def _form(taylor: Array, order: int, widths: Array) -> Array:
+    """Return the coefficients of a derivative, all orders in the degree of the tangent's."""
+    power = bernstein.derivative(taylor, order)
+    padding = ((0, 0), (0, taylor.shape[1] - power.shape[1]), (0, 0))
+    return bernstein.from_power(np.pad(power, padding), widths)
+
+
+def _by_size(request: CertifyRequest, forms: list[Array]) -> list[BlockRates]:
+    """Return the rates of all scalar blocks together, and of each other block."""
+    limits = [getattr(request.limits, name) for name in RATES[: len(forms) - 1]]
+    blocks = [(name, list(indices)) for name, indices in request.group.blocks]
+    scalar = [i for i, (_, indices) in enumerate(blocks) if len(indices) == 1]
+    found: list[BlockRates] = []
+    if scalar:
+        columns = [blocks[i][1][0] for i in scalar]
+        found.append(
+            BlockRates(
+                tuple(blocks[i][0] for i in scalar),
+                tuple(form[:, :, columns, None] for form in forms[1:]),
+                tuple(limit[scalar] for limit in limits),
+            )
+        )
+    turning = turning_blocks(request)
+    for i, (name, indices) in enumerate(blocks):
+        if len(indices) > 1:
+            own = [form[:, :, None, indices] for form in forms]
+            is_turning = name in turning and not has_fixed_axes(request, indices)
+            rates = _turning(own) if is_turning else own[1:]
+            bounds = tuple(limit[i : i + 1] for limit in limits)
+            found.append(BlockRates((name,), tuple(rates), bounds, is_turning))
+    return found
+
+
+def _turning(forms: list[Array]) -> list[Array]:
+    """Return bounds on the size of an angular velocity and acceleration; of jerk there is none."""
+    tangent, rate, change = (np.linalg.norm(form, axis=3).max(axis=1) for form in forms[:3])
+    sizes = [rate, angular_change(tangent, rate, change)]
+    sizes += [np.full_like(rate, _UNKNOWN)] * (len(forms) - 3)
+    return [size[:, None, :, None] for size in sizes]

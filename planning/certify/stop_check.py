@@ -1,0 +1,91 @@
+"""Whether a motion can be stopped anywhere, how long that takes, and how far it goes on."""
+
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float64
+
+from planning.certify.motion_cells import MotionCells, motion_cells
+from planning.certify.request import CertifyRequest
+from planning.certify.stops import Stops, hardest_stops, smooth_stops
+from planning.certify.tool_rates import ToolRates
+from planning.domain.certificate import Check
+from planning.domain.deadline import Deadline
+from planning.domain.stop_report import StopReport
+from planning.world.drake_model import DrakeModel
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
+
+# Cells that a motion is cut into: with jerk limits each is looked at more often.
+_CELLS, _SMOOTH_CELLS = 600, 300
+
+
+def stop_check(
+    model: DrakeModel, request: CertifyRequest, deadline: Deadline
+) -> tuple[Check, StopReport]:
+    """Return the longest stop along the path of a proven trajectory; see `stops`.
+
+    Everything else that was proven of the trajectory is true of a stop: it is the same path, and no
+    velocity is larger.
+
+    Raises:
+        DeadlineExceeded: Time ran out.
+        Canceled: Somebody asked for the end.
+    """
+    deadline.check("certify")
+    cells = motion_cells(request, _SMOOTH_CELLS if request.jerk else _CELLS)
+    stops = smooth_stops(cells) if request.jerk else hardest_stops(cells)
+    # From within a cell the motion goes on to its end, and stops from there.
+    times = cells.widths + stops.times[1:]
+    longest = int(np.argmax(times))
+    report = _report(model, request, cells, stops, deadline)
+    report = StopReport(float(times[longest]), float(cells.begins[longest]), *report)
+    most = request.options.max_stopping_time
+    bound = np.inf if most is None else most
+    passed = report.time <= bound
+    return Check("stop", report.time, bound, "s", 0.0, passed, "", report.begin), report
+
+
+def _report(
+    model: DrakeModel,
+    request: CertifyRequest,
+    cells: MotionCells,
+    stops: Stops,
+    deadline: Deadline,
+) -> tuple[float, str, float | None, str]:
+    """Return the longest way of a joint, which joint, the tool's longest way, and its frame."""
+    names, ways = cells.ways()
+    longest = _longest(ways, stops)
+    joint = int(np.argmax(longest))
+    frame = next(iter(request.group.tool_frames), "")
+    if not frame:
+        return float(longest[joint]), names[joint], None, ""
+    tool = _tool_ways(ToolRates(model, request, frame), cells, deadline)
+    return float(longest[joint]), names[joint], float(_longest(tool[:, None], stops)[0]), frame
+
+
+def _longest(ways: Float64[np.ndarray, "n m"], stops: Stops) -> Float64[np.ndarray, " m"]:
+    """Return the longest sums from a cell to where a stop from its end stands."""
+    gone = np.concatenate([np.zeros((1, ways.shape[1])), np.cumsum(ways, axis=0)])
+    return (gone[stops.ends[1:]] - gone[:-1]).max(axis=0)
+
+
+def _tool_ways(
+    tool: ToolRates, cells: MotionCells, deadline: Deadline
+) -> Float64[np.ndarray, " n"]:
+    """Bound how far the tool's origin goes in each cell [m].
+
+    On a cell of width h with |p''| <= a, velocity differs from its mean by no more than
+    a (t^2 + (h - t)^2) / (2 h): the way is longer than the chord by a h^2 / 3 at most.
+    """
+    coarse = tool.cells(0.0, cells.end)
+    edges = np.append(cells.begins, cells.end)
+    _, origins = tool.poses(edges, deadline)
+    chords = np.linalg.norm(np.diff(origins, axis=0), axis=1)
+    first = np.searchsorted(coarse.begins, edges[:-1], side="right") - 1
+    last = np.searchsorted(coarse.begins, edges[1:], side="left") - 1
+    worst = np.array([
+        coarse.acceleration[max(i, 0) : max(i, j, 0) + 1].max()
+        for i, j in zip(first, last, strict=True)
+    ])
+    return chords + worst * cells.widths**2 / 3

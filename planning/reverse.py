@@ -1,0 +1,143 @@
+"""reverse_plan(): the same motion from its end to its start, proven anew."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from planning.certify.certifier import CertifyRequest, certify
+from planning.certify.refusal import not_certified
+from planning.domain.certificate import Certificate
+from planning.domain.curve import TimedTrajectory
+from planning.domain.deadline import Deadline
+from planning.domain.funnel import Funnel
+from planning.domain.goal import LineGoal
+from planning.domain.joints import JointGroup
+from planning.domain.line import MAX_SHIFT, MAX_TURN, LineSection, ToolLine
+from planning.domain.path import JointPath
+from planning.domain.plan import MotionPlan, PlanPart, StageReports
+from planning.domain.problem import PlanningProblem
+from planning.domain.report import GoalConfigurations, RefineReport, RetimeReport
+from planning.parts import no_search, tool_of
+from planning.stopwatch import Stopwatch
+from planning.world.world import World
+
+_KINDS = {"approach": "retreat", "retreat": "approach"}
+_RATES = ("velocity", "acceleration", "jerk")
+
+
+def reverse_plan(
+    world: World,
+    problem: PlanningProblem,
+    path: JointPath,
+    trajectory: TimedTrajectory,
+    parts: Sequence[PlanPart],
+    deadline: Deadline,
+) -> MotionPlan:
+    """Return the motion of a plan backwards, as a plan of its own.
+
+    It is held against the same limits, margins, lines and path constraints, by the same scene as it
+    is: what a robot holds, it holds on the way back. Constraints that speak of the start speak of
+    the start of this motion.
+
+    Args:
+        world: The scene, loaded.
+        problem: What the motion solved.
+        path: Its waypoints.
+        trajectory: The motion.
+        parts: What it is made of.
+        deadline: When to give up.
+
+    Raises:
+        UnknownName: The scene has no such group.
+        NotCertified: The motion backwards cannot be proven; evidence has the failed checks.
+        DeadlineExceeded: Time ran out.
+        Canceled: Somebody asked for the end.
+    """
+    watch = Stopwatch(deadline.clock)
+    group, back = world.group(problem.group), trajectory.reverse
+    turned = tuple(
+        replace(
+            part,
+            kind=_KINDS.get(part.kind, part.kind),
+            begin=trajectory.duration - part.end,
+            end=trajectory.duration - part.begin,
+        )
+        for part in reversed(parts)
+    )
+    options = problem.retime
+    request = CertifyRequest(
+        group=group,
+        trajectory=back,
+        state=world.state,
+        start=back.start,
+        goals=back.end[None],
+        limits=world.limits(group).scaled(options.velocity_scale, options.acceleration_scale),
+        margins=world.margins(problem.margin),
+        jerk=options.method == "ruckig",
+        constraints=problem.constraints,
+        lines=_lines(world, group, problem, back, turned),
+        options=problem.certify,
+    )
+    with watch.stage("certify"):
+        certificate, report = certify(world.drake, request, deadline)
+    if not certificate.proven:
+        raise not_certified(certificate, ["the motion backwards"])
+    way = JointPath(group, path.waypoints[::-1])
+    stages = StageReports(
+        GoalConfigurations(back.end[None], (0,), Funnel(1, 1, 1, 1, 1)),
+        no_search(way),
+        RefineReport("none", improved=False, reason="the motion of another plan, backwards"),
+        _timing(options.method, back, certificate, turned),
+        report,
+    )
+    return MotionPlan(
+        group=group,
+        start=back.start,
+        start_clipped=np.zeros(group.num_positions),
+        goal_configuration=back.end,
+        goal_index=0,
+        path=way,
+        trajectory=back,
+        certificate=certificate,
+        stages=stages,
+        timings=watch.seconds,
+        parts=turned,
+    )
+
+
+def _lines(
+    world: World,
+    group: JointGroup,
+    problem: PlanningProblem,
+    back: TimedTrajectory,
+    parts: Sequence[PlanPart],
+) -> tuple[LineSection, ...]:
+    """Return the lines that straight parts follow: from where the tool is to where it will be."""
+    goal, frame = problem.goal, tool_of(group, problem.goal)
+    allowed = (goal.max_shift, goal.max_turn) if isinstance(goal, LineGoal) else ()
+    sections: list[LineSection] = []
+    for part in parts:
+        if part.kind != "free":
+            ends = world.embed(group, back.positions(np.array([part.begin, part.end])))
+            begin, end = (world.frame_pose(frame, q) for q in ends)
+            line = ToolLine(frame, begin, end)
+            sections.append(
+                LineSection(line, part.begin, part.end, *(allowed or (MAX_SHIFT, MAX_TURN)))
+            )
+    return tuple(sections)
+
+
+def _timing(
+    method: str, back: TimedTrajectory, certificate: Certificate, parts: Sequence[PlanPart]
+) -> RetimeReport:
+    """Return what the certificate says of the timing, which nobody chose anew."""
+    rates = [check for check in certificate.checks if check.name in _RATES]
+    return RetimeReport(
+        method=method,
+        duration=back.duration,
+        slowed=1.0,
+        binding={check.name: check.where for check in rates},
+        utilisation={check.name: check.value for check in rates},
+        stops=max(0, len(parts) - 1),
+    )

@@ -1,0 +1,43 @@
+"""A plan's motion backwards, as a job."""
+
+import time
+from typing import Any
+
+import numpy as np
+
+from planning import Deadline, reverse_plan
+from planning.domain.path import JointPath
+from planning.domain.plan import PlanPart, Progress
+from service.convert.goals import problem_value
+from service.convert.trajectories import trajectory_value
+from service.schemas.plan import PlanRequest
+from service.tasks.channel import Channel
+from service.tasks.plan import StageLog, delivered
+from service.tasks.worlds import borrow_world
+
+
+def reverse_motion(payload: dict[str, Any], channel: Channel) -> dict[str, Any]:
+    """Return what `plan_motion` returns, for the motion backwards.
+
+    Raises:
+        WayproofError: It cannot be proven; the error says why.
+    """
+    request = PlanRequest.model_validate(payload["request"])
+    problem = problem_value(PlanRequest.model_validate(payload["origin"]))
+    motion = payload["motion"]
+    log = StageLog(channel)
+    log(Progress("load", 0.0))
+    begun = time.monotonic()
+    with borrow_world(payload) as world:
+        loaded = time.monotonic() - begun
+        log(Progress("certify", 0.5, "certifying the motion backwards"))
+        allowed = request.search.allowed_planning_time
+        found = reverse_plan(
+            world,
+            problem,
+            JointPath(world.group(problem.group), np.array(motion["path"], dtype=np.float64)),
+            trajectory_value(motion["polynomial"]),
+            [PlanPart(**part) for part in motion["parts"]],
+            Deadline.after(allowed, time.monotonic, channel.is_canceled),
+        )
+    return delivered(found, request, loaded)
