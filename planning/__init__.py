@@ -41,6 +41,7 @@ if TYPE_CHECKING:
         RetimeOptions,
         SearchOptions,
     )
+    from planning.domain.payload import Payload
     from planning.domain.plan import MotionPlan, Progress
     from planning.domain.pose import Pose
     from planning.domain.problem import PlanningProblem
@@ -102,6 +103,7 @@ _DOORS = {
     "MoveObject": "planning.domain.scene_operation",
     "OrientationCone": "planning.domain.constraint",
     "PathPredicate": "planning.domain.constraint",
+    "Payload": "planning.domain.payload",
     "PlacedBox": "planning.domain.constraint",
     "PlannerCard": "planning.search.planners",
     "PlanningProblem": "planning.domain.problem",
@@ -177,6 +179,7 @@ __all__ = [
     "MoveObject",
     "OrientationCone",
     "PathPredicate",
+    "Payload",
     "PlacedBox",
     "PlannerCard",
     "PlanningProblem",

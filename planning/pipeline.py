@@ -28,6 +28,7 @@ from planning.plan_task import PlanTask
 from planning.proving import prove_lines, prove_search
 from planning.ruled import admit_rules, kept_goals
 from planning.stopwatch import Stopwatch
+from planning.world.dynamics import require_burden
 from planning.world.positions import require_positions
 from planning.world.world import World
 
@@ -65,6 +66,8 @@ def plan(
     if problem.search.allowed_planning_time <= 0:
         message = "search.allowed_planning_time must be positive"
         raise ProblemInvalid(message, {"field": "search.allowed_planning_time"})
+    if problem.retime.payload is not None:
+        require_burden(world, group, problem.retime.payload)
     on_progress(Progress("goals", 0.02, "looking for goal configurations"))
     with watch.stage("goals"):
         start, clipped = admit_start(world, group, given, margins)

@@ -192,5 +192,7 @@ def _certify(task: PlanTask, motion: Motion) -> tuple[Certificate, CertifyReport
         jerk=task.problem.retime.method == "ruckig",
         constraints=task.problem.constraints,
         lines=motion.sections(*allowed),
+        effort=task.problem.retime.effort,
+        payload=task.problem.retime.payload,
     )
     return certify(task.world.drake, request, deadlines(task.problem, task.deadline)[1])

@@ -12,6 +12,7 @@ from planning.domain.constraint import PathConstraint
 from planning.domain.curve import TimedTrajectory
 from planning.domain.joints import JointGroup, JointLimits
 from planning.domain.line import LineSection
+from planning.domain.payload import Payload
 from planning.domain.value import Value
 from planning.world.margins import PairMargins
 
@@ -33,6 +34,8 @@ class CertifyRequest(Value):
         jerk: Whether jerk is limited (and acceleration hence continuous).
         constraints: What else to keep; names and numbers in them are trusted.
         lines: Parts of the motion that shall follow straight lines.
+        effort: Whether joint torques and forces are limited.
+        payload: What the group carries that the scene does not show.
     """
 
     group: JointGroup
@@ -45,6 +48,8 @@ class CertifyRequest(Value):
     jerk: bool
     constraints: tuple[PathConstraint, ...] = ()
     lines: tuple[LineSection, ...] = ()
+    effort: bool = False
+    payload: Payload | None = None
 
     @cached_property
     def forms(self) -> tuple[Array, ...]:

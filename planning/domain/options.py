@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Literal
 
+from planning.domain.payload import Payload
 from planning.domain.value import Value
 
 
@@ -123,6 +124,8 @@ class RetimeOptions(Value):
         duration: How long the motion shall take [s], no less than the least that the limits allow;
             None for that.
         explain: Whether to say which limit binds when, and what relaxing it would save.
+        effort: Whether the limits on joint torques and forces are kept, and proven.
+        payload: What the group carries that the scene does not show; it counts for efforts.
     """
 
     method: Literal["toppra", "ruckig"] = "toppra"
@@ -131,3 +134,5 @@ class RetimeOptions(Value):
     sample_period: float = 0.01
     duration: float | None = None
     explain: bool = False
+    effort: bool = False
+    payload: Payload | None = None
