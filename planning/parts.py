@@ -24,6 +24,7 @@ from planning.domain.problem import PlanningProblem
 from planning.domain.report import GoalConfigurations, RefineReport, RetimeReport, SearchReport
 from planning.errors import RetimingFailed
 from planning.retime.audit import RATES
+from planning.retime.path_limits import path_limits
 from planning.retime.retimer import retime
 from planning.world.tool_kinematics import ToolKinematics
 from planning.world.world import Array, World
@@ -132,11 +133,12 @@ def timed_legs(
         RetimingFailed: A leg cannot be timed.
     """
     limits, parts = world.limits(group), list[Part]()
+    others = path_limits(world, group, problem.retime) if legs else ()
     for kind, leg in legs:
         rows = np.concatenate([begin[None], leg.positions])
         positions = JointPath(group, rows).continuous.waypoints[1:]
         curve = cubic_through(group.joints, leg.fractions, positions)
-        trajectory, report = retime(curve, limits, freely_timed(problem).retime)
+        trajectory, report = retime(curve, limits, freely_timed(problem).retime, others)
         count = max(problem.search.approach_states, len(positions))
         waypoints = curve.manifold.normalized(curve.positions(np.linspace(0.0, 1.0, count)))
         parts.append(Part(kind, JointPath(group, waypoints), trajectory, leg, report))

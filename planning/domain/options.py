@@ -113,6 +113,21 @@ class RefineOptions(Value):
 
 
 @dataclass(frozen=True, eq=False)
+class ToolLimit(Value):
+    """How fast the origin of a frame may move.
+
+    Attributes:
+        frame: Full name, any frame of the scene.
+        speed: At most [m/s]; None for any.
+        acceleration: At most [m/s^2], in any direction; None for any.
+    """
+
+    frame: str
+    speed: float | None = None
+    acceleration: float | None = None
+
+
+@dataclass(frozen=True, eq=False)
 class RetimeOptions(Value):
     """How to time the path.
 
@@ -124,6 +139,7 @@ class RetimeOptions(Value):
         duration: How long the motion shall take [s], no less than the least that the limits allow;
             None for that.
         explain: Whether to say which limit binds when, and what relaxing it would save.
+        tool_limits: Of frames, besides the limits of joints; the scales do not change them.
         effort: Whether the limits on joint torques and forces are kept, and proven.
         payload: What the group carries that the scene does not show; it counts for efforts.
     """
@@ -134,5 +150,6 @@ class RetimeOptions(Value):
     sample_period: float = 0.01
     duration: float | None = None
     explain: bool = False
+    tool_limits: tuple[ToolLimit, ...] = ()
     effort: bool = False
     payload: Payload | None = None

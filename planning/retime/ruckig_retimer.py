@@ -7,6 +7,7 @@ exact and time-optimal. Where the path bends, `speed_plan` says at which places 
 zero, how fast to be there, and which bounds on sdot, sddot and sdddot keep the limits in between.
 """
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -16,7 +17,8 @@ from planning.domain.curve import JointSpline
 from planning.domain.joints import JointLimits
 from planning.errors import RetimingFailed
 from planning.retime.bounds import block_peaks
-from planning.retime.compose import shifted
+from planning.retime.cells import cut_at, even_edges
+from planning.retime.path_limit import PathLimit
 from planning.retime.profile import SpeedProfile
 from planning.retime.speed_plan import Cells, Hop, plan_speeds
 
@@ -33,8 +35,14 @@ _BRIEF = 1e-12
 _DONE = {str(ruckig.Result.Working), str(ruckig.Result.Finished)}
 
 
-def ruckig_profile(stretch: JointSpline, limits: JointLimits) -> SpeedProfile:
+def ruckig_profile(
+    stretch: JointSpline,
+    limits: JointLimits,
+    path_limits: Sequence[PathLimit] = (),  # noqa: ARG001  (the audit slows the whole)
+) -> SpeedProfile:
     """Return a rest-to-rest profile along a stretch, the quickest if it is straight.
+
+    It knows no path limits; slowed as a whole it keeps them.
 
     Raises:
         RetimingFailed: No profile is found.
@@ -58,15 +66,7 @@ def _in_cells(stretch: JointSpline) -> tuple[JointSpline, Any]:
     counts = np.ceil(_NUM_CELLS * widths / widths.sum()).astype(int)
     counts = np.maximum(counts, _LEAST_PER_PIECE)
     pieces = np.repeat(np.arange(stretch.num_pieces), counts)
-    edges = np.append(
-        np.concatenate([
-            np.linspace(a, b, n + 1)[:-1]
-            for a, b, n in zip(stretch.breaks[:-1], stretch.breaks[1:], counts, strict=True)
-        ]),
-        stretch.breaks[-1],
-    )
-    local = shifted(stretch.coefficients[pieces], edges[:-1] - stretch.breaks[pieces])
-    cut = JointSpline(stretch.joints, edges, stretch.bases[pieces], local)
+    cut = cut_at(stretch, even_edges(stretch.breaks, counts))
     return cut, ~stretch.coefficients[pieces, 2:].any(axis=(1, 2))
 
 

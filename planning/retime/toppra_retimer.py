@@ -6,6 +6,7 @@ both ends that one acceleration can connect are all that toppra must find, and w
 between has a closed form. q(t) = r(s(t)) is composed exactly: the motion never leaves the path.
 """
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -14,8 +15,10 @@ from planning.domain.curve import JointSpline
 from planning.domain.joints import JointLimits
 from planning.errors import RetimingFailed
 from planning.retime.bounds import block_sizes
+from planning.retime.cells import cut_at, even_edges, num_short, ways, with_cuts
 from planning.retime.compose import shifted
 from planning.retime.line_profile import LineLimits, profile_between
+from planning.retime.path_limit import PathLimit
 from planning.retime.path_rows import acceleration_rows
 from planning.retime.polynomials import norms
 from planning.retime.profile import SpeedProfile
@@ -27,20 +30,28 @@ type Array = np.ndarray[Any, np.dtype[np.float64]]
 # Cells of a curve, and how many more if it turns by one radian. Durations are within 0.5 % of what
 # many more cells give, and nearer than that on paths of several corners.
 _LEAST, _PER_TURN, _MOST = 2, 6, 64
+# Limits that change along a line are demanded on cells no longer than this (joint-space length), so
+# many at least.
+_LONGEST, _LEAST_CELLS = 0.06, 32
 # Squared speeds beyond this, in toppra's units of order one, are unbounded to it.
 _UNBOUNDED = 1e6
 # Cells on which r' is this small relative to its largest count as if it were larger.
 _STANDSTILL = 1e-9
 
 
-def toppra_profile(stretch: JointSpline, limits: JointLimits) -> SpeedProfile:
+def toppra_profile(
+    stretch: JointSpline, limits: JointLimits, path_limits: Sequence[PathLimit] = ()
+) -> SpeedProfile:
     """Return the quickest rest-to-rest profile along a smooth stretch.
 
     Raises:
-        RetimingFailed: toppra finds none.
+        RetimingFailed: toppra finds none, or a path limit does not allow to stand still.
     """
     is_line = ~stretch.coefficients[:, 2:].any(axis=(1, 2))
+    is_line &= all(limit.is_uniform for limit in path_limits)
     cells, owners = _in_cells(stretch, is_line)
+    if not all(limit.is_uniform for limit in path_limits):
+        cells, owners = _in_short_cells(stretch, cells, path_limits)
     sizes = block_sizes(cells, limits, 1)
     peaks = sizes.max(axis=1)
     peaks = np.maximum(peaks, _STANDSTILL * peaks.max())
@@ -54,13 +65,34 @@ def toppra_profile(stretch: JointSpline, limits: JointLimits) -> SpeedProfile:
     # of order one, as its absolute tolerances want them.
     unit = float((np.diff(cells.breaks) / speed).sum())
     caps = speed_caps(sizes, limits.velocity) * unit**2
-    caps = np.minimum(np.append(caps[:, 0], _UNBOUNDED), np.insert(caps[:, 1], 0, _UNBOUNDED))
+    caps = _at_edges(caps)
     a, b = acceleration_rows(cells, limits)
+    for limit in path_limits:
+        caps = np.minimum(caps, _at_edges(limit.caps(cells) * unit**2))
+        a, b = (
+            np.concatenate(both, axis=1) for both in zip((a, b), limit.rows(cells), strict=True)
+        )
     x = squared_speeds(cells.breaks, (a / unit**2, b / unit**2), caps) / unit**2
     if not (lines.is_line | (x[:-1] + x[1:] > 0)).all():
         message = "toppra's profile stands still on the way"
         raise RetimingFailed(message, {"method": "toppra", "num_grid_points": len(x)})
     return profile_between(cells.breaks, x, lines)
+
+
+def _at_edges(caps: Array) -> Array:
+    """Return the least of bounds at both ends of cells, at their edges."""
+    return np.minimum(np.append(caps[:, 0], _UNBOUNDED), np.insert(caps[:, 1], 0, _UNBOUNDED))
+
+
+def _in_short_cells(
+    stretch: JointSpline, cells: JointSpline, path_limits: Sequence[PathLimit]
+) -> tuple[JointSpline, Any]:
+    """Return cells cut so that limits change little on each, and whose piece each is."""
+    longest = min(_LONGEST, float(ways(cells).sum()) / _LEAST_CELLS)
+    edges = even_edges(cells.breaks, num_short(cells, longest))
+    edges = with_cuts(edges, [limit.cuts(stretch) for limit in path_limits])
+    owners, _ = stretch.locate((edges[:-1] + edges[1:]) / 2)
+    return cut_at(stretch, edges), owners
 
 
 def _in_cells(stretch: JointSpline, is_line: Any) -> tuple[JointSpline, Any]:
