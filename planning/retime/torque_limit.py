@@ -143,8 +143,7 @@ def _between(values: Array) -> Array:
     """Return values at both ends and in the middle of pieces, and in between, by parabolas."""
     begin, middle, end = np.split(values, 3)
     early, late = (
-        0.375 * first + 0.75 * middle - 0.125 * last
-        for first, last in ((begin, end), (end, begin))
+        0.375 * first + 0.75 * middle - 0.125 * last for first, last in ((begin, end), (end, begin))
     )
     return np.concatenate([begin, middle, end, early, late])
 
@@ -156,9 +155,7 @@ def _factor(held: Array, moving: Array, bound: float) -> float:
     room = bound**2 - np.einsum("ij,ij->i", held, held)
     # The positive root y of |held + y moving| = bound; y = 1 / k^2, in a form that never cancels.
     root = np.sqrt(along**2 + square * room)
-    inverse = np.where(
-        along > 0, (along + root) / room, square / np.maximum(root - along, _TINY)
-    )
+    inverse = np.where(along > 0, (along + root) / room, square / np.maximum(root - along, _TINY))
     return float(np.sqrt(inverse.max(initial=0.0)))
 
 
