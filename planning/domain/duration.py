@@ -12,7 +12,7 @@ class BindingInterval(Value):
     Attributes:
         begin: [s].
         end: [s].
-        limit: velocity, acceleration or jerk; "" where none is used to the full.
+        limit: velocity, acceleration, jerk or torque; "" where none is used to the full.
         where: The joint or block whose limit it is, or "".
     """
 
@@ -27,7 +27,7 @@ class Saving(Value):
     """How much shorter a motion would be with one limit relaxed.
 
     Attributes:
-        limit: velocity, acceleration or jerk.
+        limit: velocity, acceleration, jerk or torque.
         where: The joint or block whose limit it is.
         seconds: How much shorter [s].
     """

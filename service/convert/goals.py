@@ -134,6 +134,8 @@ def retime_value(retime: RetimeWire) -> RetimeOptions:
         sample_period=retime.sample_period,
         duration=retime.duration,
         explain=retime.explain,
+        effort=retime.effort,
+        payload=None if retime.payload is None else retime.payload.value(),
     )
 
 

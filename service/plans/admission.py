@@ -8,8 +8,10 @@ from service.desk import Desk, spec_of
 from service.jobs.records import Job
 from service.scenes.preflight import (
     Group,
+    frames_of_timing,
     require_constraints,
     require_count,
+    require_frames,
     require_goal,
     require_group,
     require_joints,
@@ -51,6 +53,7 @@ async def submit_plan(request: PlanRequest, key: str | None, scenes: SceneShelf,
     require_joints(group, request.ik.joint_weights)
     require_planner(await desk.planners(), request.search)
     require_search_names(group, request.search)
+    require_frames(record, frames_of_timing(request.retime))
     payload = {
         **await desk.scene_payload(record),
         "request": request.model_dump(mode="json"),

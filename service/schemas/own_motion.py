@@ -5,6 +5,7 @@ from typing import Annotated, Any, Literal
 from pydantic import ConfigDict, Field, Strict
 
 from service.schemas.numbers import WHOLE, Coordinate, NonNegative, Positions, Real, Scale
+from service.schemas.payload import PayloadWire
 from service.schemas.plan import RetimeWire
 from service.schemas.problem import Failure
 from service.schemas.report import CertifyReportWire, RetimeReportWire
@@ -140,6 +141,13 @@ class CertifyMotionRequest(_InScene):
     velocity_scale: Scale = Field(default=1.0, description="Factor on every velocity limit, 0..1")
     acceleration_scale: Scale = Field(
         default=1.0, description="Factor on every acceleration and jerk limit, 0..1"
+    )
+    limit_effort: Annotated[bool, Strict()] = Field(
+        default=False, description="Hold it against the limits on joint torques and forces as well"
+    )
+    payload: PayloadWire | None = Field(
+        default=None,
+        description="What the group carries that the scene does not show; it counts for torques",
     )
 
 

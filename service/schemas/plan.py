@@ -15,6 +15,7 @@ from service.schemas.numbers import (
     Real,
     Scale,
 )
+from service.schemas.payload import PayloadWire
 from service.schemas.wire import Identifier, Name, Wire
 
 type Interval = Annotated[list[Coordinate], Field(min_length=2, max_length=2)]
@@ -179,6 +180,15 @@ class RetimeWire(Wire):
         default=False,
         description="Say which limit binds when, and what relaxing it would save "
         "(`stages.retime.explanation`); takes some 20 ms",
+    )
+    effort: Annotated[bool, Strict()] = Field(
+        default=False,
+        description="Keep the limits on joint torques and forces as well, with what is held and "
+        "carried, and prove it: check `torque` of the certificate",
+    )
+    payload: PayloadWire | None = Field(
+        default=None,
+        description="What the group carries that the scene does not show; it counts for torques",
     )
 
 

@@ -142,14 +142,16 @@ class BindingIntervalWire(Answer):
 
     begin: float = Field(description="[s]")
     end: float = Field(description="[s]")
-    limit: str = Field(description="velocity, acceleration or jerk; empty where none is used up")
+    limit: str = Field(
+        description="velocity, acceleration, jerk or torque; empty where none is used up"
+    )
     where: str = Field(description="The joint or block whose limit it is, or empty")
 
 
 class SavingWire(Answer):
     """How much shorter the motion would be with one limit relaxed."""
 
-    limit: str = Field(description="velocity, acceleration or jerk")
+    limit: str = Field(description="velocity, acceleration, jerk or torque")
     where: str = Field(description="The joint or block whose limit it is")
     seconds: float = Field(description="How much shorter [s]")
 

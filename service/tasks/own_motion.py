@@ -72,6 +72,8 @@ def certify(payload: dict[str, Any], channel: Channel) -> dict[str, Any]:
                 method="ruckig" if request.limit_jerk else "toppra",
                 velocity_scale=request.velocity_scale,
                 acceleration_scale=request.acceleration_scale,
+                effort=request.limit_effort,
+                payload=None if request.payload is None else request.payload.value(),
             ),
             start=request.start,
             goal=request.goal,
