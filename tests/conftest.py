@@ -65,9 +65,7 @@ def urdf_world(tmp_path: Path) -> Callable[..., World]:
         file = tmp_path / "robot.urdf"
         file.write_text(urdf)
         robot = {"name": "r", "model": str(file)}
-        return planning.load_world(
-            planning.parse_scene({"name": "t", "robots": [robot], **more})
-        )
+        return planning.load_world(planning.parse_scene({"name": "t", "robots": [robot], **more}))
 
     return build
 

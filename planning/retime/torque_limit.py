@@ -17,6 +17,7 @@ from jaxtyping import Float64
 from planning.domain.curve import Curve, JointSpline, TimedTrajectory
 from planning.domain.joints import JointGroup
 from planning.errors import RetimingFailed
+from planning.retime.cells import cut_at, even_edges, num_short
 from planning.retime.path_limit import HEADROOM, PathUse
 from planning.retime.path_rows import CellPlaces
 from planning.retime.polynomials import norms
@@ -29,8 +30,10 @@ type Array = np.ndarray[Any, np.dtype[np.float64]]
 _SPARE = 2 * HEADROOM
 # What is left for motion where gravity is held, at least, as a share of the limit.
 _LEAST = 1e-3
-# Where a piece of a motion is looked at, in fractions of it.
-_LOOKS = np.array([0.0, 0.5, 1.0])
+# A motion is looked at twice on so long a way (joint-space length).
+_STEP = 0.1
+# A motion that is damped is not made quicker than this by the audit, in 1 / k.
+_QUICKEST, _BISECTIONS = 2.0, 50
 _TINY = 1e-300
 
 
@@ -89,26 +92,26 @@ class TorqueLimit:
         return places.by_cell(np.concatenate(ahead, axis=1), np.concatenate(bend, axis=1))
 
     def uses(self, trajectory: TimedTrajectory) -> tuple[PathUse, ...]:
-        """Return how much of each limit a motion uses, looked at five times on every piece.
+        """Return how much of each limit a motion uses, looked at in small steps.
 
         Raises:
             RetimingFailed: Gravity alone is too much somewhere.
         """
-        pieces = np.tile(np.arange(trajectory.num_pieces), len(_LOOKS))
-        local = (_LOOKS[:, None] * np.diff(trajectory.breaks)).ravel()
-        q = _positions(trajectory, pieces, local)
-        v, vdot = path_derivatives(trajectory, pieces, local)
+        steps = cut_at(trajectory, even_edges(trajectory.breaks, num_short(trajectory, _STEP)))
+        pieces = np.tile(np.arange(steps.num_pieces), 3)
+        local = (np.array([[0.0], [0.5], [1.0]]) * np.diff(steps.breaks)).ravel()
+        q = _positions(steps, pieces, local)
+        v, vdot = path_derivatives(steps, pieces, local)
         held = self.dynamics.efforts(q, np.zeros_like(v), np.zeros_like(v))
-        moving = _between(self.dynamics.efforts(q, v, vdot) - held)
-        held = _between(held)
-        fractions = _between((trajectory.breaks[pieces] + local) / trajectory.duration)
+        dragged = self.dynamics.damping * v
+        pushed = self.dynamics.efforts(q, v, vdot) - held - dragged
+        at = (steps.breaks[pieces] + local) / trajectory.duration
         uses: list[PathUse] = []
         for name, indices, limit in self._limited:
-            pulls, pushes = held[:, indices], moving[:, indices]
+            h, d, p = (_between(part[:, indices]) for part in (held, dragged, pushed))
             bound = limit * (1 - HEADROOM)
-            _require_held(name, norms(pulls), bound, fractions)
-            factor = _factor(pulls, pushes, bound)
-            uses.append(PathUse(name, factor, _share(pulls, pushes, limit)))
+            _require_held(name, norms(h), bound, _between(at))
+            uses.append(PathUse(name, _factor(h, d, p, bound), _share(h, d, p, limit)))
         return tuple(uses)
 
     def shares(self, curve: Curve, times: Float64[np.ndarray, " m"]) -> Mapping[str, Array]:
@@ -140,7 +143,7 @@ def _positions(curve: Curve, pieces: Any, local: Array) -> Array:
 
 
 def _between(values: Array) -> Array:
-    """Return values at both ends and in the middle of pieces, and in between, by parabolas."""
+    """Return values at the beginnings, middles and ends of steps, and in between, by parabolas."""
     begin, middle, end = np.split(values, 3)
     early, late = (
         0.375 * first + 0.75 * middle - 0.125 * last for first, last in ((begin, end), (end, begin))
@@ -148,20 +151,31 @@ def _between(values: Array) -> Array:
     return np.concatenate([begin, middle, end, early, late])
 
 
-def _factor(held: Array, moving: Array, bound: float) -> float:
-    """Return the least k with |held + moving / k^2| <= bound at every instant, 0 if all rests."""
-    square = np.einsum("ij,ij->i", moving, moving)
-    along = np.einsum("ij,ij->i", held, moving)
-    room = bound**2 - np.einsum("ij,ij->i", held, held)
-    # The positive root y of |held + y moving| = bound; y = 1 / k^2, in a form that never cancels.
-    root = np.sqrt(along**2 + square * room)
-    inverse = np.where(along > 0, (along + root) / room, square / np.maximum(root - along, _TINY))
-    return float(np.sqrt(inverse.max(initial=0.0)))
+def _factor(held: Array, dragged: Array, pushed: Array, bound: float) -> float:
+    """Return a k from which on |held + dragged / k + pushed / k^2| <= bound at every instant.
+
+    Without damping the least: the positive root y = 1 / k^2 of |held + y pushed| = bound, in a form
+    that never cancels. With damping slower is not always less; the quadratic in z = 1 / k keeps the
+    bound on all of [0, z] if its Bernstein coefficients there do.
+    """
+    if not dragged.any():
+        square, along = (np.einsum("ij,ij->i", part, pushed) for part in (pushed, held))
+        room = bound**2 - np.einsum("ij,ij->i", held, held)
+        root = np.sqrt(along**2 + square * room)
+        by_room, by_root = (along + root) / room, square / np.maximum(root - along, _TINY)
+        return float(np.sqrt(np.where(along > 0, by_room, by_root).max(initial=0.0)))
+    low, high = 0.0, _QUICKEST
+    for _ in range(_BISECTIONS):
+        z = (low + high) / 2
+        middle, end = held + z / 2 * dragged, held + z * dragged + z**2 * pushed
+        is_kept = max(norms(middle).max(), norms(end).max()) <= bound
+        low, high = (z, high) if is_kept else (low, z)
+    return 1 / low
 
 
-def _share(held: Array, moving: Array, limit: float) -> Callable[[float], float]:
+def _share(held: Array, dragged: Array, pushed: Array, limit: float) -> Callable[[float], float]:
     def share(slower: float) -> float:
-        return float(norms(held + moving / slower**2).max()) / limit
+        return float(norms(held + dragged / slower + pushed / slower**2).max()) / limit
 
     return share
 
@@ -199,4 +213,4 @@ def _directions(dimensions: int) -> tuple[Array, float]:
     normals = signs[np.abs(signs).any(axis=1)]
     # The direction that is as far from a face's normal as from an edge's and a corner's.
     farthest = np.array([1.0, np.sqrt(2) - 1, np.sqrt(3) - np.sqrt(2)])
-    return normals / norms(normals)[:, None], float(1 / norms(farthest))
+    return normals / norms(normals)[:, None], float(1 / np.linalg.norm(farthest))

@@ -16,9 +16,7 @@ def test_any_cloud_of_points_is_a_payload(masses: list[float], seed: int) -> Non
     points = np.random.default_rng(seed).normal(size=(len(masses), 3))
     weights = np.array(masses) + 0.01
     points -= weights @ points / weights.sum()
-    i = sum(
-        m * (p @ p * np.eye(3) - np.outer(p, p)) for m, p in zip(weights, points, strict=True)
-    )
+    i = sum(m * (p @ p * np.eye(3) - np.outer(p, p)) for m, p in zip(weights, points, strict=True))
     six = (i[0, 0], i[1, 1], i[2, 2], i[0, 1], i[0, 2], i[1, 2])
     payload = Payload.from_parts("tool", float(weights.sum()), (0.1, 0.0, 0.2), six)
     np.testing.assert_allclose(payload.inertia, i, atol=1e-12)
