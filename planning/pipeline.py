@@ -10,6 +10,7 @@ to the goals: what the search finds leads to where they begin.
 """
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 
@@ -28,7 +29,7 @@ from planning.plan_task import PlanTask
 from planning.proving import prove_lines, prove_search
 from planning.ruled import admit_rules, kept_goals
 from planning.stopwatch import Stopwatch
-from planning.world.dynamics import require_burden
+from planning.timing import admit_timing
 from planning.world.positions import require_positions
 from planning.world.world import World
 
@@ -66,11 +67,10 @@ def plan(
     if problem.search.allowed_planning_time <= 0:
         message = "search.allowed_planning_time must be positive"
         raise ProblemInvalid(message, {"field": "search.allowed_planning_time"})
-    if problem.retime.payload is not None:
-        require_burden(world, group, problem.retime.payload)
     on_progress(Progress("goals", 0.02, "looking for goal configurations"))
     with watch.stage("goals"):
         start, clipped = admit_start(world, group, given, margins)
+        problem = replace(problem, retime=admit_timing(world, group, problem.retime, start))
         rules = admit_rules(world, group, problem.constraints, start)
         query = GoalQuery(group, problem.goal, start, margins, problem.ik)
         goals, lines = _goals(world, query, problem.seed, deadline.share(0.5))

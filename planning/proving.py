@@ -177,7 +177,7 @@ def _search_padded(task: PlanTask, round_: int, padding: float, deadline: Deadli
 
 
 def _certify(task: PlanTask, motion: Motion) -> tuple[Certificate, CertifyReport]:
-    goal = task.problem.goal
+    goal, timing = task.problem.goal, task.problem.retime
     allowed = (goal.max_shift, goal.max_turn) if isinstance(goal, LineGoal) else ()
     request = CertifyRequest(
         group=task.group,
@@ -185,14 +185,15 @@ def _certify(task: PlanTask, motion: Motion) -> tuple[Certificate, CertifyReport
         state=task.world.state,
         start=task.start,
         goals=ends_of(task.goals),
-        limits=task.limits.scaled(
-            task.problem.retime.velocity_scale, task.problem.retime.acceleration_scale
-        ),
+        limits=task.limits.scaled(timing.velocity_scale, timing.acceleration_scale),
         margins=task.margins,
-        jerk=task.problem.retime.method == "ruckig",
+        jerk=timing.method == "ruckig",
         constraints=task.problem.constraints,
         lines=motion.sections(*allowed),
-        effort=task.problem.retime.effort,
-        payload=task.problem.retime.payload,
+        effort=timing.effort,
+        payload=timing.payload,
+        tool_limits=timing.tool_limits,
+        speed_zones=timing.speed_zones,
+        acceleration_bounds=timing.acceleration_bounds,
     )
     return certify(task.world.drake, request, deadlines(task.problem, task.deadline)[1])

@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Literal
 
+from planning.domain.motion_limits import AccelerationBounds, SpeedZone, ToolLimit
 from planning.domain.payload import Payload
 from planning.domain.value import Value
 
@@ -113,21 +114,6 @@ class RefineOptions(Value):
 
 
 @dataclass(frozen=True, eq=False)
-class ToolLimit(Value):
-    """How fast the origin of a frame may move.
-
-    Attributes:
-        frame: Full name, any frame of the scene.
-        speed: At most [m/s]; None for any.
-        acceleration: At most [m/s^2], in any direction; None for any.
-    """
-
-    frame: str
-    speed: float | None = None
-    acceleration: float | None = None
-
-
-@dataclass(frozen=True, eq=False)
 class RetimeOptions(Value):
     """How to time the path.
 
@@ -139,6 +125,11 @@ class RetimeOptions(Value):
         duration: How long the motion shall take [s], no less than the least that the limits allow;
             None for that.
         explain: Whether to say which limit binds when, and what relaxing it would save.
+        tool_limits: Of frames, besides the limits of joints, one a frame at most.
+        speed_zones: Boxes in which frames are slower.
+        acceleration_bounds: Besides the limits of joints, lowest (negative) and highest
+            acceleration [rad/s^2 or m/s^2], by name of a scalar joint or of a block of one
+            coordinate (`JointGroup.blocks`). The scales change none of these three.
         tool_limits: Of frames, besides the limits of joints; the scales do not change them.
         effort: Whether the limits on joint torques and forces are kept, and proven.
         payload: What the group carries that the scene does not show; it counts for efforts.
@@ -151,5 +142,7 @@ class RetimeOptions(Value):
     duration: float | None = None
     explain: bool = False
     tool_limits: tuple[ToolLimit, ...] = ()
+    speed_zones: tuple[SpeedZone, ...] = ()
+    acceleration_bounds: AccelerationBounds = field(default_factory=dict)
     effort: bool = False
     payload: Payload | None = None

@@ -6,33 +6,43 @@ from planning.retime.path_limit import PathLimit
 from planning.retime.tool_path import ToolPath
 from planning.retime.tool_rate import ToolRate
 from planning.retime.torque_limit import TorqueLimit
+from planning.retime.zone_speed import ZoneSpeed
 from planning.world.dynamics import GroupDynamics
 from planning.world.tool_kinematics import ToolKinematics
 from planning.world.world import World
 
 
 def path_limits(world: World, group: JointGroup, options: RetimeOptions) -> tuple[PathLimit, ...]:
-    """Return what limits motions of a group besides its joints.
+    """Return what limits motions of a group besides its joints; zones are in world.
 
     Raises:
         UnknownName: A frame does not exist.
         ProblemInvalid: The group does not move the payload.
     """
-    found: list[PathLimit] = []
-    if options.tool_limits:
-        found += _tool_rates(world, group, options)
-    if options.effort:
-        dynamics = GroupDynamics(world, group, options.payload)
-        found.append(TorqueLimit(group, dynamics, world.limits(group).effort))
-    return tuple(found)
+    return (*_of_frames(world, group, options), *_of_efforts(world, group, options))
 
 
-def _tool_rates(world: World, group: JointGroup, options: RetimeOptions) -> list[PathLimit]:
-    frames = dict.fromkeys(limit.frame for limit in options.tool_limits)
-    paths = {frame: ToolPath(ToolKinematics(world, group, frame)) for frame in frames}
-    return [
+def _of_efforts(world: World, group: JointGroup, options: RetimeOptions) -> tuple[TorqueLimit, ...]:
+    if not options.effort:
+        return ()
+    dynamics = GroupDynamics(world, group, options.payload)
+    return (TorqueLimit(group, dynamics, world.limits(group).effort),)
+
+
+def _of_frames(
+    world: World, group: JointGroup, options: RetimeOptions
+) -> tuple[ToolRate | ZoneSpeed, ...]:
+    frames = [entry.frame for entry in (*options.tool_limits, *options.speed_zones)]
+    if not frames:
+        return ()
+    paths = {
+        frame: ToolPath(ToolKinematics(world, group, frame)) for frame in dict.fromkeys(frames)
+    }
+    rates = [
         ToolRate(limit.frame, paths[limit.frame], order, rate)
         for limit in options.tool_limits
         for order, rate in ((1, limit.speed), (2, limit.acceleration))
         if rate is not None
     ]
+    zones = [ZoneSpeed(zone, paths[zone.frame], zone.speed) for zone in options.speed_zones]
+    return (*rates, *zones)
