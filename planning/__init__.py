@@ -34,6 +34,7 @@ if TYPE_CHECKING:
     )
     from planning.domain.interpolation import trajectory_through
     from planning.domain.line_trace import LineTrace
+    from planning.domain.motion_limits import SpeedZone, ToolLimit
     from planning.domain.options import (
         IkOptions,
         PoseMetric,
@@ -124,8 +125,10 @@ _DOORS = {
     "SearchOptions": "planning.domain.options",
     "SetPositions": "planning.domain.scene_operation",
     "Simulation": "planning.world.simulation",
+    "SpeedZone": "planning.domain.motion_limits",
     "TightLimits": "planning.domain.constraint",
     "TimedTrajectory": "planning.domain.curve",
+    "ToolLimit": "planning.domain.motion_limits",
     "World": "planning.world.world",
     "assess_configurations": "planning.ik",
     "bundled_folder": "planning.world.model_library",
@@ -200,8 +203,10 @@ __all__ = [
     "SearchOptions",
     "SetPositions",
     "Simulation",
+    "SpeedZone",
     "TightLimits",
     "TimedTrajectory",
+    "ToolLimit",
     "World",
     "assess_configurations",
     "bundled_folder",

@@ -28,6 +28,8 @@ from planning.parts import (
     timed_legs,
 )
 from planning.plan_task import SEARCHING, PlanTask
+from planning.retime.path_limit import PathLimit
+from planning.retime.path_limits import path_limits
 from planning.ruled import search_ruled
 from planning.search.solver import SearchResult, SearchTask, search
 
@@ -68,7 +70,7 @@ def prove_lines(task: PlanTask) -> Proven:
     with task.watch.stage("retime"):
         motion = Motion(
             timed_legs(task.world, task.group, named_lines(task.lines), task.problem, task.start)
-        ).lasting(task.problem.retime)
+        ).lasting(task.problem.retime, _path_limits(task))
     task.report(Progress("certify", 0.8, "certifying the lines"))
     with task.watch.stage("certify"):
         certificate, report = _certify(task, motion)
@@ -99,7 +101,7 @@ def prove_search(task: PlanTask) -> Proven:
             task.report(Progress("certify", 0.8, f"certifying the {candidate.name}"))
             with task.watch.stage("certify"):
                 motion = Motion((free_part(found.path, candidate), *tail))
-                motion = motion.lasting(task.problem.retime)
+                motion = motion.lasting(task.problem.retime, _path_limits(task))
                 certificate, report = _certify(task, motion)
             if certificate.proven:
                 seen = CertifyReport(
@@ -118,6 +120,10 @@ def prove_search(task: PlanTask) -> Proven:
             refused.append(f"round {round_ + 1}, {candidate.name}: {failed_checks(certificate)}")
     task.deadline.check("certify")
     raise not_certified(failed, refused)
+
+
+def _path_limits(task: PlanTask) -> tuple[PathLimit, ...]:
+    return path_limits(task.world, task.group, task.problem.retime)
 
 
 def _is_over(task: PlanTask) -> bool:

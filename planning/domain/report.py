@@ -190,7 +190,7 @@ class RetimeReport(Value):
         method: "toppra" or "ruckig".
         duration: Of the trajectory [s].
         slowed: Factor by which the audit stretched the retimer's own answer (1 is not at all).
-        binding: Name of the coordinate and limit that is nearest its bound, per limit kind.
+        binding: Name of the coordinate, frame or zone that is nearest its bound, per limit kind.
         utilisation: Peak over limit, per limit kind.
         stops: Instants of rest between start and goal.
         blend_deviation: How far corners were rounded (joint-space length); 0 for none.

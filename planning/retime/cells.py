@@ -1,6 +1,6 @@
 """Cut a curve into pieces of its own choosing."""
 
-from collections.abc import Iterable
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -36,7 +36,7 @@ def even_edges(
 
 
 def with_cuts(
-    edges: Float64[np.ndarray, " n_plus_1"], cuts: Iterable[Float64[np.ndarray, " m"]]
+    edges: Float64[np.ndarray, " n_plus_1"], cuts: Sequence[Array]
 ) -> Float64[np.ndarray, " k_plus_1"]:
     """Return the edges with more of them, but for those that have one right beside them."""
     more = np.concatenate([np.zeros(0), *cuts])

@@ -37,9 +37,11 @@ class PathUse:
     share: Callable[[float], float]
 
     @classmethod
-    def of_rate(cls, where: str, fraction: float, order: int) -> "PathUse":
+    def of_rate(
+        cls, where: str, fraction: float, order: int, headroom: float = HEADROOM
+    ) -> "PathUse":
         """Build from peak over limit of something that falls with a power of the duration."""
-        factor = (fraction * (1 + HEADROOM)) ** (1 / order)
+        factor = (fraction * (1 + headroom)) ** (1 / order)
         return cls(where, factor, lambda slower: fraction / slower**order)
 
     def slowed(self, factor: float) -> "PathUse":

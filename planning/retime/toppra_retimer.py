@@ -35,9 +35,11 @@ _LEAST, _PER_TURN, _MOST = 2, 6, 64
 _LONGEST, _LEAST_CELLS = 0.06, 32
 # Cells in which the acceleration should jump are cut into so many, until that costs less than this
 # share of the duration, or so often.
-_SPLIT, _COST, _ROUNDS = 4, 3e-4, 4
+_SPLIT, _COST, _ROUNDS = 4, 3e-4, 3
 # Squared speeds beyond this, in toppra's units of order one, are unbounded to it.
 _UNBOUNDED = 1e6
+# Rows smaller than this limit nothing.
+_LEAST_ROW = 1e-300
 # Cells on which r' is this small relative to its largest count as if it were larger.
 _STANDSTILL = 1e-9
 
@@ -56,13 +58,19 @@ def toppra_profile(
         return _profile(cells, is_line[owners], limits, path_limits)
     cells, _ = _in_cells(stretch, np.zeros_like(is_line))
     edges = _short_edges(stretch, cells, path_limits)
+    profile = _curved_profile(cut_at(stretch, edges), limits, path_limits)
     for _ in range(_ROUNDS):
-        cells = cut_at(stretch, edges)
-        profile = _profile(cells, np.zeros(cells.num_pieces, dtype=bool), limits, path_limits)
-        edges = _sharper_edges(profile)
-        if len(edges) == len(cells.breaks):
+        sharper = _sharper_edges(profile)
+        if len(sharper) == len(profile.s):
             break
+        profile = _curved_profile(cut_at(stretch, sharper), limits, path_limits)
     return profile
+
+
+def _curved_profile(
+    cells: JointSpline, limits: JointLimits, path_limits: Sequence[PathLimit]
+) -> SpeedProfile:
+    return _profile(cells, np.zeros(cells.num_pieces, dtype=bool), limits, path_limits)
 
 
 def _profile(
@@ -79,7 +87,8 @@ def _profile(
     with np.errstate(divide="ignore"):
         speed = (limits.velocity / peaks).min(axis=1)
         acceleration = (limits.acceleration / peaks).min(axis=1)
-    lines = LineLimits(is_line, speed, acceleration)
+    others = [limit.rows(cells) for limit in path_limits]
+    lines = LineLimits(is_line, speed, *_line_pushes(acceleration, others))
     if cells.num_pieces == 1 and is_line[0]:
         return profile_between(cells.breaks, np.zeros(2), lines)
     # In units of the least time that a path as fast as allowed would take, toppra's numbers are
@@ -87,15 +96,24 @@ def _profile(
     unit = float((np.diff(cells.breaks) / speed).sum())
     caps = _at_edges(speed_caps(sizes, limits.velocity) * unit**2)
     a, b = acceleration_rows(cells, limits)
-    for limit in path_limits:
+    for limit, more in zip(path_limits, others, strict=True):
         caps = np.minimum(caps, _at_edges(limit.caps(cells) * unit**2))
-        more = limit.rows(cells)
-        a, b = np.concatenate([a, more[0]], axis=1), np.concatenate([b, more[1]], axis=1)
+        a, b = (np.concatenate(both, axis=1) for both in zip((a, b), more, strict=True))
     x = squared_speeds(cells.breaks, (a / unit**2, b / unit**2), caps) / unit**2
     if not (lines.is_line | (x[:-1] + x[1:] > 0)).all():
         message = "toppra's profile stands still on the way"
         raise RetimingFailed(message, {"method": "toppra", "num_grid_points": len(x)})
     return profile_between(cells.breaks, x, lines)
+
+
+def _line_pushes(acceleration: Array, rows: list[tuple[Array, Array]]) -> tuple[Array, Array]:
+    """Return the largest d2s/dt2 and -d2s/dt2 on cells if they are lines, where all b are zero."""
+    up = down = acceleration
+    for a, _ in rows:
+        most = np.maximum(a.max(axis=1, initial=0.0), _LEAST_ROW)
+        least = np.maximum(-a.min(axis=1, initial=0.0), _LEAST_ROW)
+        up, down = np.minimum(up, 1 / most), np.minimum(down, 1 / least)
+    return up, down
 
 
 def _at_edges(caps: Array) -> Array:

@@ -25,6 +25,7 @@ from planning.domain.options import (
 from planning.domain.pose import Pose
 from planning.domain.problem import PlanningProblem
 from service.convert.constraints import constraint_value
+from service.convert.motion_limits import motion_limits
 from service.schemas.goal import (
     ConfigurationGoalWire,
     DeviationWire,
@@ -134,8 +135,7 @@ def retime_value(retime: RetimeWire) -> RetimeOptions:
         sample_period=retime.sample_period,
         duration=retime.duration,
         explain=retime.explain,
-        effort=retime.effort,
-        payload=None if retime.payload is None else retime.payload.value(),
+        **motion_limits(retime),
     )
 
 

@@ -8,15 +8,14 @@ from service.desk import Desk, spec_of
 from service.jobs.records import Job
 from service.scenes.preflight import (
     Group,
-    frames_of_timing,
     require_constraints,
     require_count,
-    require_frames,
     require_goal,
     require_group,
     require_joints,
 )
 from service.scenes.shelf import SceneShelf
+from service.scenes.timing import require_motion_limits
 from service.schemas.plan import PlanRequest, SearchWire
 
 TASK = "service.tasks.plan:plan_motion"
@@ -50,10 +49,10 @@ async def submit_plan(request: PlanRequest, key: str | None, scenes: SceneShelf,
         require_count(group, request.start, "start")
     require_goal(record, group, request.goal)
     require_constraints(record, group, request.path_constraints)
+    require_motion_limits(record, group, request.retime)
     require_joints(group, request.ik.joint_weights)
     require_planner(await desk.planners(), request.search)
     require_search_names(group, request.search)
-    require_frames(record, frames_of_timing(request.retime))
     payload = {
         **await desk.scene_payload(record),
         "request": request.model_dump(mode="json"),

@@ -4,7 +4,8 @@ from fastapi import APIRouter
 
 from service.dependencies import DeskDep, ScenesDep
 from service.routes.answers import problems
-from service.scenes.preflight import frames_of_timing, require_count, require_frames, require_group
+from service.scenes.preflight import require_count, require_group
+from service.scenes.timing import require_motion_limits
 from service.schemas.own_motion import (
     CertifyMotionRequest,
     CertifyMotionResponse,
@@ -24,9 +25,9 @@ async def retime(request: RetimeRequest, scenes: ScenesDep, desk: DeskDep) -> ob
     """Time a path of your own as quickly as the limits allow, and prove the motion."""
     record = await scenes.get(request.scene, request.revision)
     group = require_group(record, request.group)
-    require_frames(record, frames_of_timing(request.retime))
     for i, q in enumerate(request.waypoints):
         require_count(group, q, f"waypoints.{i}")
+    require_motion_limits(record, group, request.retime)
     return await desk.ask_scene("service.tasks.own_motion:retime", record, request)
 
 
@@ -35,9 +36,8 @@ async def certify(request: CertifyMotionRequest, scenes: ScenesDep, desk: DeskDe
     """Hold a trajectory of your own against limits and obstacles, between its samples too."""
     record = await scenes.get(request.scene, request.revision)
     group = require_group(record, request.group)
-    if request.payload is not None:
-        require_frames(record, [request.payload.frame])
     for field, q in (("start", request.start), ("goal", request.goal)):
         if q is not None:
             require_count(group, q, field)
+    require_motion_limits(record, group, request)
     return await desk.ask_scene("service.tasks.own_motion:certify", record, request)

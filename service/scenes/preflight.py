@@ -26,7 +26,6 @@ from service.schemas.goal import (
     RegionGoalWire,
     RelativeGoalWire,
 )
-from service.schemas.plan import RetimeWire
 
 type Group = dict[str, Any]
 
@@ -103,11 +102,6 @@ def frames_of(
         case PathGoalWire():
             named = [pose.frame for pose in goal.poses]
     return [name for name in [goal.frame, *named] if name is not None]
-
-
-def frames_of_timing(retime: RetimeWire) -> list[str]:
-    """Return the frames that options of the timing name."""
-    return [] if retime.payload is None else [retime.payload.frame]
 
 
 def require_joints(group: Group, names: Iterable[str]) -> None:

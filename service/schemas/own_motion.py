@@ -4,8 +4,8 @@ from typing import Annotated, Any, Literal
 
 from pydantic import ConfigDict, Field, Strict
 
+from service.schemas.motion_limit import MotionLimits
 from service.schemas.numbers import WHOLE, Coordinate, NonNegative, Positions, Real, Scale
-from service.schemas.payload import PayloadWire
 from service.schemas.plan import RetimeWire
 from service.schemas.problem import Failure
 from service.schemas.report import CertifyReportWire, RetimeReportWire
@@ -119,7 +119,7 @@ class OwnTrajectory(Wire):
     )
 
 
-class CertifyMotionRequest(_InScene):
+class CertifyMotionRequest(_InScene, MotionLimits):
     """Prove a trajectory of your own."""
 
     model_config = ConfigDict(json_schema_extra={"examples": [_MOTION]})
@@ -141,13 +141,6 @@ class CertifyMotionRequest(_InScene):
     velocity_scale: Scale = Field(default=1.0, description="Factor on every velocity limit, 0..1")
     acceleration_scale: Scale = Field(
         default=1.0, description="Factor on every acceleration and jerk limit, 0..1"
-    )
-    limit_effort: Annotated[bool, Strict()] = Field(
-        default=False, description="Hold it against the limits on joint torques and forces as well"
-    )
-    payload: PayloadWire | None = Field(
-        default=None,
-        description="What the group carries that the scene does not show; it counts for torques",
     )
 
 

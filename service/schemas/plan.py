@@ -6,6 +6,7 @@ from pydantic import ConfigDict, Field, Strict
 
 from service.schemas.constraint import ConstraintWire
 from service.schemas.goal import GoalWire
+from service.schemas.motion_limit import MotionLimits
 from service.schemas.numbers import (
     WHOLE,
     Coordinate,
@@ -15,7 +16,6 @@ from service.schemas.numbers import (
     Real,
     Scale,
 )
-from service.schemas.payload import PayloadWire
 from service.schemas.wire import Identifier, Name, Wire
 
 type Interval = Annotated[list[Coordinate], Field(min_length=2, max_length=2)]
@@ -157,7 +157,7 @@ class RefineWire(Wire):
     )
 
 
-class RetimeWire(Wire):
+class RetimeWire(MotionLimits):
     """How to time the path."""
 
     method: Literal["toppra", "ruckig"] = Field(
@@ -180,15 +180,6 @@ class RetimeWire(Wire):
         default=False,
         description="Say which limit binds when, and what relaxing it would save "
         "(`stages.retime.explanation`); takes some 20 ms",
-    )
-    effort: Annotated[bool, Strict()] = Field(
-        default=False,
-        description="Keep the limits on joint torques and forces as well, with what is held and "
-        "carried, and prove it: check `torque` of the certificate",
-    )
-    payload: PayloadWire | None = Field(
-        default=None,
-        description="What the group carries that the scene does not show; it counts for torques",
     )
 
 

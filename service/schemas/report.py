@@ -143,16 +143,17 @@ class BindingIntervalWire(Answer):
     begin: float = Field(description="[s]")
     end: float = Field(description="[s]")
     limit: str = Field(
-        description="velocity, acceleration, jerk or torque; empty where none is used up"
+        description="velocity, acceleration, jerk, torque, tool_speed, tool_acceleration, "
+        "speed_zone or acceleration_bounds; empty where none is used up"
     )
-    where: str = Field(description="The joint or block whose limit it is, or empty")
+    where: str = Field(description="The joint, block, frame or zone whose limit it is, or empty")
 
 
 class SavingWire(Answer):
     """How much shorter the motion would be with one limit relaxed."""
 
-    limit: str = Field(description="velocity, acceleration, jerk or torque")
-    where: str = Field(description="The joint or block whose limit it is")
+    limit: str = Field(description="Which, as in the intervals")
+    where: str = Field(description="The joint, block, frame or zone whose limit it is")
     seconds: float = Field(description="How much shorter [s]")
 
 
@@ -172,7 +173,7 @@ class RetimeReportWire(Answer):
     method: str = Field(description="`toppra` or `ruckig`")
     duration: float = Field(description="Of the trajectory [s]")
     slowed: float = Field(description="Factor by which the audit stretched it; 1 is not at all")
-    binding: dict[str, str] = Field(description="The coordinate nearest its bound, per limit")
+    binding: dict[str, str] = Field(description="What is nearest its bound, per limit")
     utilisation: dict[str, float] = Field(description="Peak over limit, per limit [1]")
     stops: int = Field(description="Instants of rest between start and goal")
     blend_deviation: float = Field(description="How far corners were rounded [rad or m]")

@@ -29,7 +29,7 @@ def test_a_plan_a_path_and_a_trajectory_are_proven_to_keep_torques(client, scene
     timed = post(client, scene, "retime", waypoints=path, retime=retime, polynomial=True).json()
     assert torque(timed["certificate"])["passed"]
     motion = timed["trajectory"]
-    asked = {"trajectory": motion, "limit_effort": True}
+    asked = {"trajectory": motion, "effort": True}
     light, heavy = (
         torque(post(client, scene, "certify", **asked, payload=load).json()["certificate"])
         for load in (None, {**PAYLOAD, "mass": 60.0})
