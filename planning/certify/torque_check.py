@@ -87,7 +87,11 @@ class _Search:
     def run(self) -> Check:
         if not self._limited:
             return self._verdict(0.0)
-        segments, settled, count = self._first(), 0.0, 0
+        counts = self._counts()
+        count, budget = 0, _MOST_SEGMENTS + 2 * len(counts)
+        if not counts.sum() <= budget:
+            return self._verdict(float("inf"))
+        segments, settled = self._first(counts.astype(np.int64)), 0.0
         while True:
             uses = self._uses(segments)
             count += len(segments.halves)
@@ -97,15 +101,19 @@ class _Search:
             settled = max(settled, self._seen, float(uses.upper[~is_open].max(initial=0.0)))
             if not is_open.any() or self._seen > MAX_UTILISATION:
                 return self._verdict(settled)
-            if count + 2 * int(is_open.sum()) > _MOST_SEGMENTS:
+            if count + 2 * int(is_open.sum()) > budget:
                 return self._verdict(float(uses.upper.max()))
             segments = segments.only(is_open).halved
 
-    def _first(self) -> _Segments:
-        """Return segments of the whole motion on which no joint moves far."""
+    def _counts(self) -> Array:
+        """Return into how many segments to cut each piece, so that no joint moves far on any."""
         widths = np.diff(self._request.trajectory.breaks)
         rates = np.abs(self._request.forms[1]).max(axis=2).sum(axis=0)
-        counts = np.maximum(1, np.ceil(rates * widths / _FAR)).astype(np.int64)
+        return np.maximum(1.0, np.ceil(rates * widths / _FAR))
+
+    def _first(self, counts: Any) -> _Segments:
+        """Return segments of the whole motion."""
+        widths = np.diff(self._request.trajectory.breaks)
         pieces = np.repeat(np.arange(len(widths)), counts)
         halves = (widths / counts)[pieces] / 2
         within = np.arange(len(pieces)) - np.repeat(np.cumsum(counts) - counts, counts)
@@ -116,14 +124,18 @@ class _Search:
         for begin in range(0, len(segments.halves), _AT_ONCE):
             self._deadline.check("certify")
             chosen = segments.only(slice(begin, begin + _AT_ONCE))
-            found = torque_series(
-                self._links,
-                self._gravity,
-                self._request.trajectory,
-                (chosen.pieces, chosen.middles, chosen.halves),
-            )
-            parts.append(self._shares(found, chosen.halves))
-        upper, seen = (np.concatenate(part) for part in zip(*parts, strict=True))
+            # What overflows is not a number, and refused as such.
+            with np.errstate(over="ignore", invalid="ignore"):
+                found = torque_series(
+                    self._links,
+                    self._gravity,
+                    self._request.trajectory,
+                    (chosen.pieces, chosen.middles, chosen.halves),
+                )
+                parts.append(self._shares(found, chosen.halves))
+        upper, seen = (
+            np.nan_to_num(np.concatenate(part), nan=np.inf) for part in zip(*parts, strict=True)
+        )
         blocks = seen.argmax(axis=1)
         return _Uses(upper.max(axis=1), seen.max(axis=1), blocks)
 

@@ -14,6 +14,7 @@ from planning.certify.certifier import CertifyRequest
 from planning.domain.certificate import Check
 from planning.domain.curve import TimedTrajectory
 from planning.domain.deadline import Deadline
+from planning.domain.interpolation import trajectory_through
 from planning.domain.payload import Payload
 from planning.errors import DeadlineExceeded, ModelInvalid
 from planning.world.margins import PairMargins
@@ -150,3 +151,36 @@ def test_time_that_is_over_and_bodies_of_no_weight_are_refused() -> None:
     weightless = random_trajectory(rng, robot.group, 1, spread=0.1)
     with pytest.raises(ModelInvalid, match="weighs"):
         judged(robot.model, with_efforts(robot, weightless, 1.0))
+
+
+@pytest.mark.parametrize("size", [1e5, 1e60, 1e200])
+def test_motions_beyond_all_numbers_are_refused(size: float) -> None:
+    world = bundled_world("ur5e_pickup")
+    group = world.group("arm")
+    q = world.positions(group)
+    wild = quintic(group, q, q + 1e-3, 1.0)
+    coefficients = np.array(wild.coefficients)
+    coefficients[0, 3:] *= size
+    check = judged(world.drake, request_for(world, "arm", replace(wild, coefficients=coefficients)))
+    assert not check.passed
+    assert not check.value <= 1
+
+
+def test_many_short_pieces_leave_a_budget_for_halving(monkeypatch: pytest.MonkeyPatch) -> None:
+    world = bundled_world("ur5e_pickup")
+    group = world.group("arm")
+    q = world.positions(group)
+    times = np.linspace(0, 1, 61)
+    smooth = quintic(group, q, q + 0.5, 1.0)
+    motion = trajectory_through(
+        group.joints,
+        times,
+        smooth.positions(times),
+        smooth.velocities(times),
+        smooth.accelerations(times),
+    )
+    whole = judged(world.drake, request_for(world, "arm", smooth))
+    monkeypatch.setattr(torque_check, "_MOST_SEGMENTS", 20)
+    check = judged(world.drake, request_for(world, "arm", motion))
+    assert check.passed
+    assert check.value == pytest.approx(whole.value, rel=2e-3)
