@@ -107,3 +107,16 @@ class PathLimit(Protocol):
     def relaxed(self, where: str, factor: float) -> "PathLimit":
         """Return the limit with so many times as much allowed there, if it limits that."""
         ...
+
+
+@runtime_checkable
+class PeakLimit(Protocol):
+    """A path limit that bounds the norm of some rate, so that ruckig can be told of it as well."""
+
+    def peaks(self, cells: JointSpline) -> Float64[np.ndarray, "6 cells rates"]:
+        """Return on every cell what `speed_plan` wants of each rate.
+
+        The largest |r'| over the limits of velocity, acceleration and jerk, |r''| over those of
+        acceleration and jerk, |r'''| over that of jerk; zero where there is no such limit.
+        """
+        ...

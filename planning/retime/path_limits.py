@@ -20,23 +20,42 @@ def path_limits(world: World, group: JointGroup, options: RetimeOptions) -> tupl
         UnknownName: A frame does not exist.
         ProblemInvalid: The group does not move the payload.
     """
-    found: list[PathLimit] = []
-    if options.acceleration_bounds:
-        columns = dict(group.blocks)
-        chosen = tuple(columns[name][0] for name in options.acceleration_bounds)
-        found.append(SignedAcceleration(options.acceleration_bounds, chosen))
-    if options.effort:
-        dynamics = GroupDynamics(world, group, options.payload)
-        found.append(TorqueLimit(group, dynamics, world.limits(group).effort))
+    return (
+        *_of_joints(group, options),
+        *_of_efforts(world, group, options),
+        *_of_frames(world, group, options),
+    )
+
+
+def _of_joints(group: JointGroup, options: RetimeOptions) -> tuple[SignedAcceleration, ...]:
+    if not options.acceleration_bounds:
+        return ()
+    columns = dict(group.blocks)
+    chosen = tuple(columns[name][0] for name in options.acceleration_bounds)
+    return (SignedAcceleration(options.acceleration_bounds, chosen),)
+
+
+def _of_efforts(world: World, group: JointGroup, options: RetimeOptions) -> tuple[TorqueLimit, ...]:
+    if not options.effort:
+        return ()
+    dynamics = GroupDynamics(world, group, options.payload)
+    return (TorqueLimit(group, dynamics, world.limits(group).effort),)
+
+
+def _of_frames(
+    world: World, group: JointGroup, options: RetimeOptions
+) -> tuple[ToolRate | ZoneSpeed, ...]:
     frames = [entry.frame for entry in (*options.tool_limits, *options.speed_zones)]
+    if not frames:
+        return ()
     paths = {
         frame: ToolPath(ToolKinematics(world, group, frame)) for frame in dict.fromkeys(frames)
     }
-    found += [
+    rates = [
         ToolRate(limit.frame, paths[limit.frame], order, rate)
         for limit in options.tool_limits
         for order, rate in ((1, limit.speed), (2, limit.acceleration))
         if rate is not None
     ]
-    found += [ZoneSpeed(zone, paths[zone.frame], zone.speed) for zone in options.speed_zones]
-    return tuple(found)
+    zones = [ZoneSpeed(zone, paths[zone.frame], zone.speed) for zone in options.speed_zones]
+    return (*rates, *zones)

@@ -74,6 +74,9 @@ def acceleration_rows(cells: JointSpline, limits: JointLimits) -> tuple[Array, A
     places = CellPlaces.of(cells)
     rate, curvature = places.derivatives
     rows = _scalar_rows(rate, curvature, cells, limits) + _disc_rows(rate, curvature, cells, limits)
+    if not rows:
+        nothing = np.zeros((cells.num_pieces, 0))
+        return nothing, nothing
     ahead = np.concatenate([row for row, _ in rows], axis=1)
     bend = np.concatenate([row for _, row in rows], axis=1)
     return places.by_cell(ahead, bend)

@@ -84,8 +84,8 @@ def retime(
         spline: The path; at corners the motion rests.
         limits: Unscaled; the options' factors apply to velocity, and to acceleration and jerk.
         options: Method and factors.
-        path_limits: What else limits the motion. toppra is the quickest under them; ruckig's motion
-            between two rests is slowed as a whole.
+        path_limits: What else limits the motion. toppra is the quickest under them, ruckig keeps
+            what it can be told of as it goes; the rest slows its motion between two rests down.
 
     Raises:
         RetimingFailed: The method finds no timing, a joint that must move may not, or the duration

@@ -52,6 +52,16 @@ class SignedAcceleration:
         """Return none."""
         return np.full((cells.num_pieces, 2), np.inf)
 
+    def peaks(self, cells: JointSpline) -> Array:
+        """Return the largest derivatives over the smaller of both bounds, which has no sign."""
+        found = np.zeros((6, cells.num_pieces, len(self.columns)))
+        widths = np.diff(cells.breaks)
+        for row, order in ((1, 1), (3, 2)):
+            forms = to_bernstein(self._shares(derivative(cells.coefficients, order)), widths)
+            sizes = np.abs(forms).max(axis=1)
+            found[row] = sizes.reshape(cells.num_pieces, -1, 2).max(axis=2)
+        return found
+
     def uses(self, trajectory: TimedTrajectory) -> tuple[PathUse, ...]:
         """Return the largest acceleration over its bound, by branch and bound."""
         changes = derivative(trajectory.coefficients, 2)

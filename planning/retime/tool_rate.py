@@ -13,7 +13,7 @@ import numpy as np
 from planning.domain.curve import Curve, JointSpline, TimedTrajectory
 from planning.domain.joints import JointLimits
 from planning.retime.audit import largest_use
-from planning.retime.bounds import block_sizes
+from planning.retime.bounds import block_peaks, block_sizes
 from planning.retime.path_limit import HEADROOM, PathUse
 from planning.retime.path_rows import acceleration_rows
 from planning.retime.polynomials import norms
@@ -66,6 +66,16 @@ class ToolRate:
             return np.full((cells.num_pieces, 2), np.inf)
         limits = self._limits
         return speed_caps(block_sizes(self.path.along(cells), limits, 1), limits.velocity)
+
+    def peaks(self, cells: JointSpline) -> Array:
+        """Return the largest first derivative over the limit, and second if that is limited."""
+        limits = self._limits
+        found = np.zeros((6, cells.num_pieces, 1))
+        along = self.path.along(cells)
+        found[self.order - 1] = block_peaks(along, limits, 1) / limits.velocity
+        if self.order == 2:
+            found[3] = block_peaks(along, limits, 2) / limits.acceleration
+        return found
 
     def uses(self, trajectory: TimedTrajectory) -> tuple[PathUse, ...]:
         """Return the largest rate over the limit, by branch and bound."""

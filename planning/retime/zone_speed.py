@@ -10,7 +10,7 @@ from planning.domain import rotation
 from planning.domain.curve import Curve, JointSpline, TimedTrajectory
 from planning.domain.motion_limits import SpeedZone
 from planning.retime.audit import largest_use
-from planning.retime.bounds import block_sizes
+from planning.retime.bounds import block_peaks, block_sizes
 from planning.retime.compose import shifted
 from planning.retime.path_limit import HEADROOM, PathUse
 from planning.retime.polynomials import halved, norms, to_bernstein
@@ -69,9 +69,21 @@ class ZoneSpeed:
         """Return the caps on the cells that are in the box, if only partly."""
         along, limits = self.path.along(cells), together(self.speed / (1 + HEADROOM))
         caps = speed_caps(block_sizes(along, limits, 1), limits.velocity)
-        is_in = np.zeros(cells.num_pieces, dtype=bool)
+        return np.where(self._are_in(along)[:, None], caps, np.inf)
+
+    def peaks(self, cells: JointSpline) -> Array:
+        """Return the largest first derivative over the limit on the cells that are in the box."""
+        along, limits = self.path.along(cells), together(self.speed / (1 + HEADROOM))
+        found = np.zeros((6, cells.num_pieces, 1))
+        peaks = block_peaks(along, limits, 1) / limits.velocity
+        found[0] = np.where(self._are_in(along)[:, None], peaks, 0.0)
+        return found
+
+    def _are_in(self, along: JointSpline) -> Any:
+        """Return whether each piece is in the box, if only partly."""
+        is_in = np.zeros(along.num_pieces, dtype=bool)
         is_in[_visits(self.zone, along, _CAPPED * _BEFORE).pieces] = True
-        return np.where(is_in[:, None], caps, np.inf)
+        return is_in
 
     def uses(self, trajectory: TimedTrajectory) -> tuple[PathUse, ...]:
         """Return the largest speed over the limit on all that may be in the box."""

@@ -153,7 +153,7 @@ def test_time_that_is_over_and_bodies_of_no_weight_are_refused() -> None:
         judged(robot.model, with_efforts(robot, weightless, 1.0))
 
 
-@pytest.mark.parametrize("size", [1e5, 1e60, 1e200])
+@pytest.mark.parametrize("size", [3e4, 1e60, 1e200])
 def test_motions_beyond_all_numbers_are_refused(size: float) -> None:
     world = bundled_world("ur5e_pickup")
     group = world.group("arm")

@@ -112,3 +112,21 @@ def test_a_limit_that_does_not_bind_costs_no_time_worth_naming() -> None:
     free, _ = retime(spline, limits, RetimeOptions())
     bound, _ = retime(spline, limits, options, path_limits(world, group, options))
     assert bound.duration <= 1.01 * free.duration
+
+
+@pytest.mark.parametrize("frame", ["world", "arm::base_link", "arm::tcp"])
+@pytest.mark.parametrize("method", sorted(RETIMERS))
+def test_a_frame_that_hardly_moves_is_no_limit(frame: str, method: str) -> None:
+    """The last joint turns alone, about the axis on which the tool's origin lies."""
+    world = bundled_world("ur5e_pickup")
+    group = world.group("arm")
+    limits = world.limits(group)
+    q0 = world.positions(group)
+    q1 = np.array(q0)
+    q1[5] += 1.0
+    options = RetimeOptions(method=method, tool_limits=(ToolLimit(frame, 0.001, 0.001),))
+    spline = JointPath(group, np.stack([q0, q1])).spline
+    plain, _ = retime(spline, limits, RetimeOptions(method=method))
+    bound, report = retime(spline, limits, options, path_limits(world, group, options))
+    assert bound.duration <= 1.003 * plain.duration
+    assert report.utilisation["tool_speed"] < 1e-6
