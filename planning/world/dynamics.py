@@ -56,6 +56,7 @@ class GroupDynamics:
         self._context: Any = self._plant.CreateDefaultContext()
         self._forces = MultibodyForces(self._plant)
         self._members = self._model.velocity_indices(group)
+        self._mimics = self._model.mimics
         self.damping = self._without_damping()
         if payload is not None:
             require_burden(world, group, payload)
@@ -74,11 +75,14 @@ class GroupDynamics:
             v: Drake's velocities [rad/s or m/s].
             vdot: And accelerations [rad/s^2 or m/s^2].
         """
-        found = np.empty_like(v)
+        found = np.empty((len(v), self._plant.num_velocities()))
+        full_v, full_vdot = self._followed(v), self._followed(vdot)
         for i, full in enumerate(self._world.embed(self._group, q)):
             self._plant.SetPositions(self._context, full)
-            found[i] = self._effort(v[i], vdot[i])
-        return found + self.damping * v
+            self._plant.SetVelocities(self._context, full_v[i])
+            self._plant.CalcForceElementsContribution(self._context, self._forces)
+            found[i] = self._solved(full_vdot[i])
+        return self._borne(found) + self.damping * v
 
     def along(
         self,
@@ -93,23 +97,29 @@ class GroupDynamics:
             rate: r' as Drake's velocity.
             curvature: r'' as Drake's acceleration.
         """
-        found = np.empty((3, *rate.shape))
-        still = np.zeros(rate.shape[1])
+        found = np.empty((3, len(rate), self._plant.num_velocities()))
+        still = np.zeros(self._plant.num_velocities())
+        full_rate, full_curvature = self._followed(rate), self._followed(curvature)
         for i, full in enumerate(self._world.embed(self._group, q)):
             self._plant.SetPositions(self._context, full)
-            found[2, i] = held = self._effort(still, still)
-            found[0, i] = self._effort(still, rate[i]) - held
-            found[1, i] = self._effort(rate[i], curvature[i]) - held
-        return PathEfforts(found[0], found[1], found[2])
+            self._plant.SetVelocities(self._context, still)
+            self._plant.CalcForceElementsContribution(self._context, self._forces)
+            found[2, i] = self._solved(still)
+            found[0, i] = self._solved(full_rate[i])
+            self._plant.SetVelocities(self._context, full_rate[i])
+            found[1, i] = self._solved(full_curvature[i])
+        ahead, bend, held = (self._borne(part) for part in found)
+        return PathEfforts(ahead - held, bend - held, held)
 
-    def _effort(self, v: Array, vdot: Array) -> Array:
-        plant, context, forces = self._plant, self._context, self._forces
-        plant.SetVelocities(context, self._followed(v))
-        plant.CalcForceElementsContribution(context, forces)
-        full = plant.CalcInverseDynamics(context, self._followed(vdot), forces)
-        for follower, leader, multiplier in reversed(self._model.mimics):
-            full[leader] += multiplier * full[follower]
-        return full[self._members]
+    def _solved(self, vdot: Array) -> Array:
+        """Return the plant's generalized forces at the context's state, for all joints alone."""
+        return self._plant.CalcInverseDynamics(self._context, vdot, self._forces)
+
+    def _borne(self, full: Float64[np.ndarray, "m num_velocities"]) -> Array:
+        """Return the group's part of the plant's forces, with that of all that follows it."""
+        for follower, leader, multiplier in reversed(self._mimics):
+            full[:, leader] += multiplier * full[:, follower]
+        return full[:, self._members]
 
     def _without_damping(self) -> Array:
         """Take the damping out of the context, and return it."""
@@ -120,16 +130,16 @@ class GroupDynamics:
             if count:
                 full[begin : begin + count] = joint.GetDampingVector(self._context)
                 joint.SetDampingVector(self._context, np.zeros(count))
-        for follower, leader, multiplier in reversed(self._model.mimics):
+        for follower, leader, multiplier in reversed(self._mimics):
             full[leader] += multiplier**2 * full[follower]
         return full[self._members]
 
-    def _followed(self, rates: Array) -> Array:
+    def _followed(self, rates: Float64[np.ndarray, "m nv"]) -> Array:
         """Return the plant's rates: those of the group, and of what follows it."""
-        full = np.zeros(self._plant.num_velocities())
-        full[self._members] = rates
-        for follower, leader, multiplier in self._model.mimics:
-            full[follower] = multiplier * full[leader]
+        full = np.zeros((len(rates), self._plant.num_velocities()))
+        full[:, self._members] = rates
+        for follower, leader, multiplier in self._mimics:
+            full[:, follower] = multiplier * full[:, leader]
         return full
 
 
