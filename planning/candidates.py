@@ -9,7 +9,7 @@ import numpy as np
 from planning.domain.curve import JointSpline, TimedTrajectory
 from planning.domain.deadline import Deadline
 from planning.domain.joints import JointLimits
-from planning.domain.options import RefineOptions, RetimeOptions
+from planning.domain.options import RetimeOptions
 from planning.domain.path import JointPath
 from planning.domain.problem import PlanningProblem
 from planning.domain.report import RefineReport, RetimeReport
@@ -83,13 +83,16 @@ def candidates(
     timing = _Timing(limits, path_limits(world, group, retime_options), retime_options, watch)
     with watch.stage("refine"):
         scaled = limits.scaled(retime_options.velocity_scale, retime_options.acceleration_scale)
-        options = RefineOptions("none") if problem.constraints else problem.refine
+        rules = _rules(world, path, problem)
         request = RefineRequest(
-            path, scaled, margins, options, jerk=retime_options.method == "ruckig"
+            path,
+            scaled,
+            margins,
+            problem.refine,
+            jerk=retime_options.method == "ruckig",
+            rules=rules and rules.leaving_room(path.waypoints[0], path.waypoints[-1:]),
         )
         refined, report = refine(world, request, hasty)
-        if problem.constraints and problem.refine.method != "none":
-            report = replace(report, reason="it does not know path constraints")
     first: list[Candidate] = []
     if refined is not None:
         with suppress(RetimingFailed):
@@ -103,7 +106,7 @@ def candidates(
             lower_bound=report.lower_bound,
         )
     # With jerk limits a wide corner may well be slower than a rest: all of them are compared.
-    clear = _clear_deviations(world, path, problem, margins)
+    clear = _clear_deviations(world, path, problem, margins, rules)
     with watch.stage("retime"):
         compared = list(clear) if problem.retime.method == "ruckig" else [next(clear)]
     for deviation in compared:
@@ -117,19 +120,30 @@ def candidates(
             yield made
 
 
+def _rules(world: World, path: JointPath, problem: PlanningProblem) -> PathRules | None:
+    if not problem.constraints:
+        return None
+    group = world.group(problem.group)
+    return PathRules.compiled(world, group, problem.constraints, path.waypoints[0])
+
+
 def _clear_deviations(
-    world: World, path: JointPath, problem: PlanningProblem, margins: PairMargins
+    world: World,
+    path: JointPath,
+    problem: PlanningProblem,
+    margins: PairMargins,
+    rules: PathRules | None,
 ) -> Iterator[float]:
     """Yield the deviations that do not collide at a glance; what does is not worth timing."""
     group = world.group(problem.group)
     oracle = world.collision_oracle(group, margins)
-    rules = PathRules.compiled(world, group, problem.constraints, path.waypoints[0])
     smoothness = 2 if problem.retime.method == "ruckig" else 1
     count = int(path.length / _GLANCE) + 2
     for deviation in _DEVIATIONS[:-1]:
         curve = blend_corners(path, deviation, smoothness)
         glances = curve.positions(np.linspace(0.0, 1.0, count))
-        if oracle.are_free(glances).all() and rules.are_kept(glances).all():
+        is_kept = rules is None or bool(rules.are_kept(glances).all())
+        if is_kept and oracle.are_free(glances).all():
             yield deviation
     yield _DEVIATIONS[-1]
 

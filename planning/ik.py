@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float64
 
+from planning.domain.constraint import PathConstraint
 from planning.domain.deadline import Deadline
 from planning.domain.goal import Goal
 from planning.domain.options import IkOptions
@@ -14,7 +15,9 @@ from planning.domain.report import GoalConfigurations
 from planning.goals.joint_metric import JointMetric
 from planning.goals.quality import QualityProbe
 from planning.goals.sampler import GoalQuery, find_goals
+from planning.ruled import kept_goals
 from planning.world.positions import require_positions
+from planning.world.rules.path_rules import PathRules
 from planning.world.world import World
 
 
@@ -27,6 +30,7 @@ def solve_ik(  # noqa: PLR0913  (a question in full)
     start: Any = None,
     options: IkOptions | None = None,
     margin: float | None = None,
+    constraints: tuple[PathConstraint, ...] = (),
     seed: int = 0,
 ) -> GoalConfigurations:
     """Return every distinct free configuration that reaches a goal, nearest first.
@@ -42,9 +46,12 @@ def solve_ik(  # noqa: PLR0913  (a question in full)
         start: The group's q to be near to, shape (nq,); None for the scene's state.
         options: How hard to look, and what is near.
         margin: Distance to keep [m]; None for the scene's.
+        constraints: Path constraints, which solutions shall keep; joints are locked where the start
+            has them.
         seed: Of the random seeds.
 
     Raises:
+        GoalViolatesConstraint: Every configuration that reaches the goal does.
         GoalInCollision: Configurations reach the goal and all collide.
         GoalUnreachable: No configuration reaches the goal.
         GoalOutOfLimits: Every given configuration violates position limits.
@@ -55,8 +62,10 @@ def solve_ik(  # noqa: PLR0913  (a question in full)
     given = world.positions(joints) if start is None else start
     q = require_positions(joints, given, "start")
     chosen = options or IkOptions()
-    query = GoalQuery(joints, goal, q, world.margins(margin), chosen, chosen.max_trials)
-    return find_goals(world, query, np.random.default_rng(seed), deadline)
+    rules = PathRules.compiled(world, joints, constraints, q) if constraints else None
+    query = GoalQuery(joints, goal, q, world.margins(margin), chosen, chosen.max_trials, rules)
+    found = find_goals(world, query, np.random.default_rng(seed), deadline)
+    return found if rules is None else kept_goals(rules, found)
 
 
 def assess_configurations(

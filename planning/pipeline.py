@@ -72,7 +72,7 @@ def plan(
         start, clipped = admit_start(world, group, given, margins)
         problem = replace(problem, retime=admit_timing(world, group, problem.retime, start))
         rules = admit_rules(world, group, problem.constraints, start)
-        query = GoalQuery(group, problem.goal, start, margins, problem.ik)
+        query = GoalQuery(group, problem.goal, start, margins, problem.ik, rules=rules)
         goals, lines = _goals(world, query, problem.seed, deadline.share(0.5))
         if rules is not None:
             goals = kept_goals(rules, goals)

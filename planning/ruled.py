@@ -62,7 +62,7 @@ def kept_goals(rules: PathRules, goals: GoalConfigurations) -> GoalConfiguration
     return GoalConfigurations(
         goals.positions[rows],
         tuple(goals.target_indices[row] for row in rows),
-        replace(goals.funnel, violating=len(found) - len(rows)),
+        replace(goals.funnel, violating=goals.funnel.violating + len(found) - len(rows)),
         tuple(goals.legs[row] for row in rows if goals.legs),
     )
 

@@ -57,10 +57,12 @@ class Funnel(Value):
         distinct: Differ from all others; whole turns of joints do not make them differ here.
         rejected_by: Which pairs the colliding ones hit; only the first few are measured, more of
             them if none is free.
-        violating: Configurations, whole turns included, that were dropped because they violate a
-            path constraint.
-        approach_ok: Of the collision-free ones, those whose approach and retreat are free and
-            continuous; all of them if neither is asked for. The distinct ones are among these.
+        violating: Goal configurations, whole turns included, that were dropped because they or
+            their lines violate a path constraint.
+        approach_ok: Of the collision-free ones, but for the breaking ones, those whose approach and
+            retreat are free and continuous; all of them if neither is asked for. The distinct ones
+            are among these.
+        breaking: Of the collision-free ones, those that violate a path constraint.
         blocked_by: What stopped approaches and retreats, most frequent first.
     """
 
@@ -73,6 +75,7 @@ class Funnel(Value):
     violating: int = 0
     approach_ok: int = 0
     blocked_by: tuple[LegTally, ...] = ()
+    breaking: int = 0
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,8 +83,8 @@ class Rejection(Value):
     """Why some samples are no goal configurations.
 
     Attributes:
-        reason: "not_converged", "outside_limits", "collision", "approach" (or retreat) or
-            "duplicate".
+        reason: "not_converged", "outside_limits", "collision", "path_constraint", "approach" (or
+            retreat) or "duplicate".
         count: How many.
         pair: What they hit, if that is the reason and it was measured.
     """
@@ -104,7 +107,8 @@ def rejections(funnel: Funnel) -> tuple[Rejection, ...]:
         Rejection("outside_limits", funnel.converged - funnel.within_limits),
         *(Rejection("collision", tally.count, tally) for tally in funnel.rejected_by),
         Rejection("collision", colliding - measured),
-        Rejection("approach", funnel.collision_free - funnel.approach_ok),
+        Rejection("path_constraint", funnel.breaking),
+        Rejection("approach", funnel.collision_free - funnel.breaking - funnel.approach_ok),
         Rejection("duplicate", funnel.approach_ok - funnel.distinct),
     )
     return tuple(reason for reason in reasons if reason.count > 0)
@@ -117,6 +121,7 @@ def funnel_evidence(funnel: Funnel) -> dict[str, Any]:
         "converged": funnel.converged,
         "within_limits": funnel.within_limits,
         "collision_free": funnel.collision_free,
+        "breaking": funnel.breaking,
         "approach_ok": funnel.approach_ok,
         "distinct": funnel.distinct,
         "rejected_by": [
@@ -169,8 +174,10 @@ def funnel_summary(funnel: Funnel) -> str:
         words.append(f"{others} of them collide" + (" otherwise" if told else ""))
     if funnel.collision_free:
         words.append(f"{funnel.collision_free} are free")
-    if funnel.collision_free > funnel.approach_ok:
-        blocked = funnel.collision_free - funnel.approach_ok
+    if funnel.breaking:
+        words.append(f"{funnel.breaking} of these violate a path constraint")
+    blocked = funnel.collision_free - funnel.breaking - funnel.approach_ok
+    if blocked > 0:
         words.append(f"{blocked} of these have no free approach or retreat")
     if funnel.collision_free:
         words.append(f"{funnel.distinct} are distinct")

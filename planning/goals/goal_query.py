@@ -9,6 +9,7 @@ from planning.domain.goal import Goal
 from planning.domain.joints import JointGroup
 from planning.domain.options import IkOptions
 from planning.world.margins import PairMargins
+from planning.world.rules.path_rules import PathRules
 
 
 @dataclass(frozen=True)
@@ -23,6 +24,7 @@ class GoalQuery:
         options: How hard to look.
         num_measured: Of so many of the solutions that collide it is measured with what, and how
             deep. That takes longer than finding them: plans do with few.
+        rules: Path constraints that configurations which reach a pose shall keep; None for none.
     """
 
     group: JointGroup
@@ -31,3 +33,4 @@ class GoalQuery:
     margins: PairMargins
     options: IkOptions
     num_measured: int = 2
+    rules: PathRules | None = None

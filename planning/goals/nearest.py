@@ -6,15 +6,12 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float64
 
-from planning.domain import rotation
 from planning.domain.deadline import Deadline
 from planning.domain.pose import Pose
 from planning.domain.report import NearestPose
 from planning.goals.goal_query import GoalQuery
 from planning.goals.nearest_program import Target, pulled
-from planning.goals.pose_solvers import DrakePoseSolver, PoseSolver, kernel_pose_solver
-from planning.goals.seeds import Seeds
-from planning.goals.start import within_limits
+from planning.goals.pose_tries import PoseTries
 from planning.goals.tool_target import ToolTarget
 from planning.world.world import World
 
@@ -25,10 +22,8 @@ _NUM_RANDOM = 64
 _NUM_PULLED = 3
 # Of many poses, so many are looked at more closely.
 _MAX_TARGETS = 4
-# Poses near the target that are then tried, each time nearer than the best so far, and how many of
-# those that are free are looked at.
-_NUM_TRIES, _NUM_KEPT = 320, 4
-_NUM_TRIES_BY_DRAKE = 24
+# Poses near the target that are then tried, each time nearer than the best so far.
+_NUM_TRIES = 320
 _MAX_ROUNDS = 8
 # What is nearer by less than this share is no news.
 _NEWS = 0.999
@@ -67,10 +62,8 @@ class NearestSearch:
         self._rng = rng
         self._deadline = deadline
         self._limits = world.limits(query.group)
-        self._oracle = world.collision_oracle(query.group, query.margins)
-        self._seeds = Seeds(query.group, self._limits, query.start, rng)
+        self._tries = PoseTries(world, query, self._targets[0].frame, rng, deadline)
         self._best: _Found | None = None
-        self._hints: Array = np.zeros((0, query.group.num_positions))
 
     def run(self, hints: Float64[np.ndarray, "n nq"]) -> NearestPose | None:
         """Return the nearest pose, None if no configuration was found free.
@@ -78,8 +71,8 @@ class NearestSearch:
         Args:
             hints: Configurations that reach the goal, or nearly, but collide.
         """
-        self._hints = self._rng.permutation(hints)
-        rows = np.concatenate([hints, self._seeds.take(_NUM_RANDOM)])
+        self._tries.hints = self._rng.permutation(hints)
+        rows = np.concatenate([hints, self._tries.random(_NUM_RANDOM)])
         begun = self._begin(rows, len(hints))
         for i, q in begun:
             if self._deadline.is_over and self._best is not None:
@@ -96,7 +89,7 @@ class NearestSearch:
         reached = [Pose.from_matrix(x) for x in self._frame_poses(full)]
         targets = self._promising(reached)
         costs = np.array([[self._cost(pose, i) for i in targets] for pose in reached])
-        free = self._are_feasible(rows)
+        free = self._tries.are_feasible(rows)
         nearest = costs.argmin(axis=1)
         costs = costs.min(axis=1)
         order = np.argsort(costs, kind="stable")
@@ -123,21 +116,7 @@ class NearestSearch:
     def _nearer(self, best: _Found) -> bool:
         """Try random poses that are nearer than the best; return whether any is to be had."""
         target = self._targets[best.index]
-        base = target.closest(best.pose)
-        exact = np.zeros(3)
-        moves = best.cost * self._moves()
-        poses = self._moved(base, moves)
-        targets = [ToolTarget(target.frame, pose, exact, exact) for pose in poses]
-        solver = kernel_pose_solver(self._world, self._query.group, targets)
-        if solver is None:
-            group = self._query.group
-            targets = targets[:_NUM_TRIES_BY_DRAKE]
-            solver = DrakePoseSolver(self._world, group, self._deadline, targets)
-        seeds = self._seeds.take(len(targets)).copy()
-        seeds[::4] = best.q
-        if len(self._hints):
-            seeds[1::2] = np.resize(self._hints, seeds[1::2].shape)
-        rows = self._solved(solver, seeds, np.linalg.norm(moves, axis=1))
+        rows = self._tries.reach(target.closest(best.pose), best.cost * self._moves(), best.q)
         self._consider(rows, [best.index] * len(rows))
         if self._best is None or self._best.cost >= _NEWS * best.cost:
             return False
@@ -145,15 +124,8 @@ class NearestSearch:
         self._consider(q[None], [best.index])
         return True
 
-    def _solved(self, solver: PoseSolver, seeds: Array, distances: Array) -> Array:
-        """Return the free configurations that reach the nearest of the solver's targets."""
-        converged, rows = solver.solve(seeds, np.arange(len(seeds)), len(seeds))
-        converged = converged[: len(rows)]
-        rows = rows[converged][np.argsort(distances[: len(converged)][converged], kind="stable")]
-        return rows[self._are_feasible(rows)][:_NUM_KEPT]
-
     def _moves(self) -> Array:
-        """Return weighted displacements of length 1 at most: along axes, aside, and turned.
+        """Return displacements of cost 1 at most: along axes, aside, and turned.
 
         Those along axes, where obstacles have their sides, lie denser near length 1.
         """
@@ -166,20 +138,13 @@ class NearestSearch:
         aside[:third, 3:] = 0.0
         aside /= np.linalg.norm(aside, axis=1, keepdims=True)
         aside *= self._rng.uniform(size=(len(aside), 1)) ** (1 / 6)
-        return np.asarray(self._rng.permutation(np.concatenate([along, aside])))
-
-    def _moved(self, base: Pose, moves: Array) -> list[Pose]:
-        """Return a pose displaced in its own axes; the metric's weights are taken off."""
         metric = self._query.options.pose_metric
-        shifts, turns = moves[:, :3] / metric.translation, moves[:, 3:] / metric.rotation
-        turns *= np.minimum(1.0, np.pi / np.maximum(np.linalg.norm(turns, axis=1), 1e-12))[:, None]
-        positions = base.position + rotation.rotate(base.quaternion, shifts)
-        quaternions = rotation.multiply(base.quaternion, rotation.exp(turns))
-        return [Pose(p, a) for p, a in zip(positions, quaternions, strict=True)]
+        weights = np.repeat([metric.translation, metric.rotation], 3)
+        return np.asarray(self._rng.permutation(np.concatenate([along, aside]))) / weights
 
     def _consider(self, rows: Array, indices: list[int]) -> None:
         """Keep the nearest of some configurations, if it is free and nearer than the best."""
-        free = self._are_feasible(rows)
+        free = self._tries.are_feasible(rows)
         reached = self._frame_poses(self._world.embed(self._query.group, rows[free]))
         kept = [i for i, is_free in zip(indices, free, strict=True) if is_free]
         for q, x_wt, i in zip(rows[free], reached, kept, strict=True):
@@ -187,11 +152,6 @@ class NearestSearch:
             cost = self._cost(pose, i)
             if self._best is None or cost < self._best.cost:
                 self._best = _Found(cost, np.array(q), pose, i)
-
-    def _are_feasible(self, rows: Array) -> Any:
-        feasible = within_limits(self._limits, rows)
-        feasible[feasible] = self._oracle.are_free(rows[feasible])
-        return feasible
 
     def _frame_poses(self, full: Array) -> Array:
         return self._world.frame_poses(self._targets[0].frame, full)

@@ -50,7 +50,7 @@ class PoseSearch:
         self._seeds = Seeds(query.group, self._limits, query.start, rng)
         self._drawn = self._seeds.take(0)
         self._tried = self._converged = self._within = self._free = self._repeats = 0
-        self._approached = 0
+        self._approached = self._breaking = 0
         self.judge = judge
         self._manifold = Manifold(query.group.joints)
         self.found = Distinct(query.group, self._manifold)
@@ -82,6 +82,7 @@ class PoseSearch:
             self._free,
             len(self.found),
             rejected_by,
+            breaking=self._breaking,
             approach_ok=self._approached,
             blocked_by=self.judge.blocked_by if self.judge else (),
         )
@@ -107,17 +108,26 @@ class PoseSearch:
         within = converged & within_limits(self._limits, q)
         free, is_new = np.zeros_like(within), np.zeros_like(within)
         free[within] = self._oracle.are_free(q[within])
-        is_new[free] = self.found.are_new(q[free], poses[free])
-        good = free if self.judge is None else self._approachable(q, poses, free, is_new)
+        kept = self._kept(q, free)
+        is_new[kept] = self.found.are_new(q[kept], poses[kept])
+        good = kept if self.judge is None else self._approachable(q, poses, kept, is_new)
         end = self._end(good, is_new)
         self._tried += end
         self._converged += int(converged[:end].sum())
         self._within += int(within[:end].sum())
         self._free += int(free[:end].sum())
+        self._breaking += int((free & ~kept)[:end].sum())
         self._approached += int(good[:end].sum())
         self.colliding += list(q[:end][(within & ~free)[:end]])
-        kept = is_new[:end]
-        self.found.add(q[:end][kept], poses[:end][kept])
+        is_added = is_new[:end]
+        self.found.add(q[:end][is_added], poses[:end][is_added])
+
+    def _kept(self, q: Array, free: Flags) -> Flags:
+        """Return which of the free rows keep the query's rules."""
+        kept = np.array(free)
+        if self._query.rules is not None:
+            kept[free] = self._query.rules.are_kept(q[free])
+        return kept
 
     def _approachable(self, q: Array, targets: Indices, free: Flags, is_new: Flags) -> Flags:
         """Return which of the free rows have approach and retreat; strike the others as new."""

@@ -16,7 +16,7 @@ from planning.goals.goal_query import GoalQuery
 from planning.goals.nearest import NearestSearch
 from planning.goals.pose_search import PoseSearch
 from planning.goals.ranking import Distinct
-from planning.goals.relaxation import least_deep, tolerance_that_does
+from planning.goals.relaxation import alone_that_does, least_deep, tolerance_that_does
 from planning.goals.start import describe_pairs, pair_evidence
 from planning.goals.tally import tallied
 from planning.world.world import World
@@ -45,10 +45,17 @@ def refusal(
         return _blocked(search.funnel(()))
     hints = _distinct(query, search)
     found = NearestSearch(world, query, aiming.accepted, rng, deadline).run(hints)
-    relaxation: dict[str, Any] = {"tolerance": None, "obstacles": [], "positions": None}
+    relaxation: dict[str, Any] = {
+        "tolerance": None,
+        "position": None,
+        "rotation": None,
+        "obstacles": [],
+        "positions": None,
+    }
     if found is not None:
         target = aiming.accepted[found.pose_index]
         relaxation["tolerance"] = tolerance_that_does(target, found)
+        relaxation |= alone_that_does(world, query, target, found, (rng, deadline.share(0.5)))
     evidence = {"nearest": found and found.evidence, "relaxation": relaxation}
     words = _describe(found)
     if search.colliding:

@@ -5,9 +5,12 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float64
 
+from planning.domain.deadline import Deadline
 from planning.domain.report import BodyPair, NearestPose
 from planning.goals.goal_query import GoalQuery
+from planning.goals.nearest_alone import AloneSearch, Freedom
 from planning.goals.nearest_program import Target
+from planning.goals.pose_tries import PoseTries
 from planning.world.world import World
 
 
@@ -19,6 +22,48 @@ def tolerance_that_does(target: Target, nearest: NearestPose) -> dict[str, Any]:
         "position": position.tolist(),
         "rotation": turn.tolist(),
     }
+
+
+def alone_that_does(
+    world: World,
+    query: GoalQuery,
+    target: Target,
+    nearest: NearestPose,
+    search: tuple[np.random.Generator, Deadline],
+) -> dict[str, Any]:
+    """Return tolerances of which each would do, of the position and of the rotation alone.
+
+    They are at least the errors of the nearest pose in the pose metric: nothing nearer is free.
+
+    Args:
+        world: The scene.
+        query: The goal.
+        target: Which of its poses.
+        nearest: The nearest feasible pose to that.
+        search: Of the tries, and when to stop with what there is.
+    """
+    rng, deadline = search
+    metric = query.options.pose_metric
+    cost = float(
+        np.hypot(
+            metric.translation * nearest.translation_error, metric.rotation * nearest.rotation_error
+        )
+    )
+    goal = target.closest(nearest.pose)
+    tries = PoseTries(world, query, target.frame, rng, deadline)
+    tries.hints = nearest.positions[None]
+    found: dict[str, Any] = {}
+    for freedom, weight in (
+        (Freedom.POSITION, metric.translation),
+        (Freedom.ROTATION, metric.rotation),
+    ):
+        alone = AloneSearch(tries, goal, freedom).run(cost / weight, rng, deadline.share(0.5))
+        found[freedom.name.lower()] = alone and {
+            "error": alone.error,
+            "pose_index": nearest.pose_index,
+            "positions": alone.q.tolist(),
+        }
+    return found
 
 
 def least_deep(

@@ -2,6 +2,7 @@
 
 import logging
 from collections.abc import Callable
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
@@ -44,6 +45,9 @@ from planning.world.positions import require_positions
 from planning.world.world import World
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
+
+# Of the time for goals under rules, what the search for those that keep them may take.
+_RULED_SHARE = 0.5
 
 _LOG = logging.getLogger(__name__)
 
@@ -117,12 +121,33 @@ def _given(world: World, query: GoalQuery, rows: Array) -> GoalConfigurations:
 def _reaching(
     world: World, query: GoalQuery, rng: np.random.Generator, deadline: Deadline
 ) -> GoalConfigurations:
-    """Sample configurations that reach a pose, by the kernel if there is one, and let Drake verify.
+    """Sample configurations that reach a pose.
+
+    Under rules those that keep them are looked for first, within the limits that the rules leave.
+    If there is none, the answer is that without rules, so that it can be said what they violate.
+    """
+    if query.rules is not None:
+        tight = world.limited(query.group, query.rules.fixing(world.limits(query.group)))
+        _, search = _searched(tight, query, rng, deadline.share(_RULED_SHARE))
+        if len(search.found):
+            return _ranked(tight, query, search, deadline)
+        deadline.check("goals")
+        query = replace(query, rules=None)
+    aiming, search = _searched(world, query, rng, deadline)
+    if not len(search.found):
+        deadline.check("goals")
+        raise refusal(world, query, aiming, search, rng, deadline)
+    return _ranked(world, query, search, deadline)
+
+
+def _searched(
+    world: World, query: GoalQuery, rng: np.random.Generator, deadline: Deadline
+) -> tuple[Aiming, PoseSearch]:
+    """Search, by the kernel if there is one, and let Drake verify what it finds.
 
     Drake answers alone if it refutes a single one of the kernel's.
     """
-    group, options = query.group, query.options
-    metric = JointMetric.from_names(group, options.joint_weights)
+    group = query.group
     aiming = aiming_of(world, query, rng)
     state = rng.bit_generator.state
     solve = partial(kernel_pose_solver, world, group)
@@ -134,9 +159,15 @@ def _reaching(
         drake = partial(DrakePoseSolver, world, group, deadline)
         search = _followed(world, query, aiming, drake, rng, deadline)
     assert search is not None  # noqa: S101  (Drake always has a solver)
-    if not len(search.found):
-        deadline.check("goals")
-        raise refusal(world, query, aiming, search, rng, deadline)
+    return aiming, search
+
+
+def _ranked(
+    world: World, query: GoalQuery, search: PoseSearch, deadline: Deadline
+) -> GoalConfigurations:
+    """Return what was found, whole turns included, nearest first."""
+    group, options = query.group, query.options
+    metric = JointMetric.from_names(group, options.joint_weights)
     tally = tallied(world, query, search.colliding[: query.num_measured], deadline)
     rows, index = equivalents(group, world.limits(group), search.found.rows)
     turned = search.found.targets[index]

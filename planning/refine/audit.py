@@ -7,6 +7,7 @@ import numpy as np
 from planning.domain.curve import JointSpline
 from planning.domain.joints import JointGroup, JointLimits
 from planning.refine.buffers import Buffers
+from planning.world.rules.path_rules import PathRules
 from planning.world.world import World
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
@@ -24,15 +25,18 @@ class Auditor:
     It samples, so it promises nothing between its samples; that is the certifier's office.
     """
 
-    def __init__(self, world: World, group: JointGroup, buffers: Buffers) -> None:
+    def __init__(
+        self, world: World, group: JointGroup, buffers: Buffers, rules: PathRules | None = None
+    ) -> None:
         """Make the oracles: one for the ends, one that also wants a part of the buffers."""
+        self._rules = rules
         self._exact = world.collision_oracle(group, buffers.margins)
         self._padded = world.collision_oracle(group, buffers.audited)
 
     def violated(self, curve: JointSpline) -> Array:
         """Return the middle of every stretch of s on which the curve is too near, shape (m,).
 
-        Stretches come in order; none means that every sample is free.
+        Or breaks a rule. Stretches come in order; none means that every sample is free.
         """
         count = int(np.clip(np.ceil(length_of(curve) / _STEP), _FEWEST, _MOST))
         s = np.linspace(0.0, 1.0, count + 1)
@@ -40,6 +44,8 @@ class Auditor:
         free = self._padded.are_free(positions)
         free[0] = self._exact.is_free(positions[0])
         free[-1] = self._exact.is_free(positions[-1])
+        if self._rules is not None:
+            free &= self._rules.are_kept(positions)
         taken = np.flatnonzero(~free)
         stretches = np.split(taken, np.flatnonzero(np.diff(taken) > 1) + 1)
         return np.array([s[stretch[len(stretch) // 2]] for stretch in stretches if len(stretch)])

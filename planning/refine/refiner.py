@@ -26,8 +26,10 @@ from planning.refine.fit import fit_control_points, unwrapped
 from planning.refine.nearness import Nearness, nearness_of
 from planning.refine.pace import Bounds, Rates, duration_of, fastest_pace, grid_of
 from planning.refine.power_basis import joint_spline
+from planning.refine.ruled_nearness import RuledNearness, unknown_rules
 from planning.refine.soft_rows import solver_name
 from planning.world.margins import PairMargins
+from planning.world.rules.path_rules import PathRules
 from planning.world.world import Array, World
 
 # Iterations, not seconds, decide when to give up, so that the same request gives the same bytes.
@@ -57,6 +59,8 @@ class RefineRequest(Value):
         margins: Distances to keep.
         options: Whether to refine at all.
         jerk: Whether the retimer will bound jerk, so that it counts here too.
+        rules: Path constraints, or None. Boxes and cones count as distances do, locked joints and
+            tighter limits as limits; a path under others is left alone.
     """
 
     path: JointPath
@@ -64,6 +68,7 @@ class RefineRequest(Value):
     margins: PairMargins
     options: RefineOptions
     jerk: bool = False
+    rules: PathRules | None = None
 
 
 def refine(
@@ -130,6 +135,9 @@ def _refusal(request: RefineRequest, share: Deadline) -> str:
         )
     if len(unwrapped(request.path)) < 2:
         return "the path does not move"
+    unknown = () if request.rules is None else unknown_rules(request.rules)
+    if unknown:
+        return f"it does not know {', '.join(unknown)}"
     if request.options.method == "auto" and share.remaining < _SHARE * _AMPLE:
         return f"less than {_AMPLE:g} s were left"
     return "no time was left" if share.is_over else ""
@@ -141,12 +149,14 @@ class _Task:
 
     Attributes:
         waypoints: Of the path, without jumps by whole turns.
+        limits: The request's, as tight as its rules make them.
         least: The duration that no motion beats [s].
     """
 
     request: RefineRequest
     share: Deadline
     waypoints: Array
+    limits: JointLimits
     bounds: Bounds
     least: float
     nearness: Nearness
@@ -155,19 +165,21 @@ class _Task:
     @classmethod
     def of(cls, world: World, request: RefineRequest, share: Deadline) -> "_Task":
         """Prepare."""
-        group = request.path.group
+        group, rules, limits = request.path.group, request.rules, request.limits
         waypoints = unwrapped(request.path)
         ends = world.embed(group, waypoints[[0, -1]])
         buffers = Buffers.between(world, request.margins, ends)
-        bounds = Bounds.of(request.limits, jerk=request.jerk)
+        bounds = Bounds.of(limits, jerk=request.jerk)
+        nearness = nearness_of(world, group, buffers)
         return cls(
             request,
             share,
             waypoints,
+            limits if rules is None else rules.fixing(limits),
             bounds,
             bounds.least_duration(waypoints[-1] - waypoints[0]),
-            nearness_of(world, group, buffers),
-            Auditor(world, group, buffers),
+            nearness if rules is None else RuledNearness(nearness, rules),
+            Auditor(world, group, buffers, rules),
         )
 
     def curve_of(self, seen: Look) -> JointSpline:
@@ -176,7 +188,7 @@ class _Task:
 
     def fitted(self, closeness: float) -> Array:
         """Return the control points of a curve near the path."""
-        limits = self.request.limits
+        limits = self.limits
         guess = fit_control_points(self.waypoints, self.bounds.velocity, closeness)
         guess[1:-1] = np.clip(guess[1:-1], limits.lower, limits.upper)
         return guess
@@ -194,7 +206,7 @@ class _Task:
         length = float(np.linalg.norm(np.diff(self.waypoints, axis=0), axis=1).sum())
         count = int(np.clip(length / _APART, _FEWEST, _MOST))
         instants = np.linspace(0.0, 1.0, count + 2)[1:-1]
-        model = CurveModel(self.nearness, self.request.limits, self.bounds, len(guess), instants)
+        model = CurveModel(self.nearness, self.limits, self.bounds, len(guess), instants)
         descent = Descent(model, guess)
         best: Look | None = None
         reason = "no time was left"
@@ -215,7 +227,9 @@ class _Task:
         violated = self.auditor.violated(curve)
         if len(violated):
             where = ", ".join(f"{s:.3f}" for s in violated[:5])
-            return f"the optimised curve is too near to something at s = {where}", violated
-        if not within_limits(curve, self.request.limits):
+            what = "is too near to something"
+            what += "" if self.request.rules is None else " or breaks a path constraint"
+            return f"the optimised curve {what} at s = {where}", violated
+        if not within_limits(curve, self.limits):
             return "the optimised curve leaves the position limits", violated
         return "", violated

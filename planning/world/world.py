@@ -1,5 +1,6 @@
 """World: a scene loaded into Drake, and the door to it for every stage."""
 
+from copy import copy
 from typing import Any
 
 import numpy as np
@@ -90,10 +91,16 @@ class World:
 
     def limits(self, group: JointGroup) -> JointLimits:
         """Return what the group may do."""
-        key = tuple(joint.name for joint in group.joints)
+        key = _key_of(group)
         if key not in self._limits:
             self._limits[key] = group_limits(self.drake, group, list(self._robots))
         return self._limits[key]
+
+    def limited(self, group: JointGroup, limits: JointLimits) -> "World":
+        """Return this world with other limits of a group; all that is loaded is shared."""
+        other = copy(self)
+        other._limits = {**self._limits, _key_of(group): limits}  # noqa: SLF001  (one of its own)
+        return other
 
     def configurations(self, group: JointGroup) -> dict[str, Array]:
         """Return the group's named configurations, each shape (nq,)."""
@@ -220,6 +227,10 @@ class World:
     def robot_groups(self) -> list[RobotGroups]:
         """The groups of each robot, in order."""
         return self._robot_groups
+
+
+def _key_of(group: JointGroup) -> tuple[str, ...]:
+    return tuple(joint.name for joint in group.joints)
 
 
 def load_world(scene: Scene, library: ModelLibrary | None = None, *, kernel: bool = True) -> World:

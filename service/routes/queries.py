@@ -5,6 +5,7 @@ from fastapi import APIRouter
 from service.dependencies import DeskDep, ScenesDep
 from service.routes.answers import SceneId, problems
 from service.scenes.preflight import (
+    require_constraints,
     require_count,
     require_frames,
     require_goal,
@@ -49,6 +50,7 @@ async def ik(scene: SceneId, request: IkRequest, scenes: ScenesDep, desk: DeskDe
     record = await scenes.get(scene)
     group = require_group(record, request.group)
     require_goal(record, group, request.goal)
+    require_constraints(record, group, request.path_constraints)
     require_joints(group, request.ik.joint_weights)
     if request.start is not None:
         require_count(group, request.start, "start")

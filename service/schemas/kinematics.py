@@ -4,6 +4,7 @@ from typing import Annotated, Literal
 
 from pydantic import ConfigDict, Field, Strict
 
+from service.schemas.constraint import ConstraintWire
 from service.schemas.goal import PoseGoalWire, RegionGoalWire, RelativeGoalWire
 from service.schemas.numbers import WHOLE, NonNegative, Positions, Real
 from service.schemas.plan import IkWire
@@ -65,6 +66,10 @@ class IkRequest(Wire):
         default=None,
         description="What `nearest` is measured from [rad or m]; null for the scene's state",
     )
+    path_constraints: Annotated[list[ConstraintWire], Field(max_length=64)] = Field(
+        default=[],
+        description="What solutions shall keep; joints are locked where `start` has them",
+    )
     ik: IkWire = Field(default_factory=IkWire, description="How hard to look")
     margin: Annotated[NonNegative, Field(le=10)] | None = Field(
         default=None, description="Distance that everything keeps [m]; null for the scene's"
@@ -117,7 +122,8 @@ class IkResponse(Answer):
     configurations: list[IkSolutionWire] = Field(description="Free, within limits, distinct")
     funnel: IkFunnelWire | None = Field(description="How many samples survived what")
     failure: Failure | None = Field(
-        description="Why there is none, `goal_unreachable`, `goal_in_collision` or "
-        "`approach_blocked`; the evidence has the `nearest` free pose, and the `relaxation` that "
-        "would do, or what blocks the approaches; null if there is one"
+        description="Why there is none, `goal_unreachable`, `goal_in_collision`, "
+        "`approach_blocked` or `goal_violates_constraint`; the evidence has the `nearest` free "
+        "pose, and the `relaxation` that would do, or what blocks the approaches, or what is "
+        "violated; null if there is one"
     )

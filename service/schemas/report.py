@@ -48,16 +48,25 @@ class FunnelWire(Answer):
     )
     violating: int = Field(
         default=0,
-        description="Dropped because they violate a path constraint, whole turns included",
+        description="Goal configurations, whole turns included, that were dropped because they or "
+        "their lines violate a path constraint",
+    )
+    breaking: int = Field(
+        default=0, description="Of the collision-free samples, those that violate a path constraint"
     )
 
 
 class RejectionWire(Answer):
     """Why some samples are no goal configurations."""
 
-    reason: Literal["not_converged", "outside_limits", "collision", "approach", "duplicate"] = (
-        Field(description="What is wrong with them")
-    )
+    reason: Literal[
+        "not_converged",
+        "outside_limits",
+        "collision",
+        "path_constraint",
+        "approach",
+        "duplicate",
+    ] = Field(description="What is wrong with them")
     count: int = Field(description="How many; with `distinct` the counts add up to `tried`")
     share: float = Field(description="Of `tried`, 0 to 1")
     bodies: tuple[str, str] | None = Field(

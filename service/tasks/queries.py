@@ -13,7 +13,14 @@ from planning import (
     funnel_evidence,
     solve_ik,
 )
-from planning.errors import ApproachBlocked, GoalInCollision, GoalUnreachable, PlanningFailure
+from planning.errors import (
+    ApproachBlocked,
+    GoalInCollision,
+    GoalUnreachable,
+    GoalViolatesConstraint,
+    PlanningFailure,
+)
+from service.convert.constraints import constraint_value
 from service.convert.failures import failure_wire
 from service.convert.goals import ik_value, pose_wire, reach_goal_value
 from service.convert.solutions import solution_wire
@@ -22,6 +29,8 @@ from service.schemas.check import CheckRequest
 from service.schemas.kinematics import FkRequest, IkRequest
 from service.tasks.channel import Channel
 from service.tasks.worlds import borrow_world
+
+_NO_SOLUTION = (ApproachBlocked, GoalInCollision, GoalUnreachable, GoalViolatesConstraint)
 
 
 def check(payload: dict[str, Any], _: Channel) -> dict[str, Any]:
@@ -76,9 +85,10 @@ def ik(payload: dict[str, Any], channel: Channel) -> dict[str, Any]:
                 start=start,
                 options=ik_value(request.ik),
                 margin=request.margin,
+                constraints=tuple(constraint_value(entry) for entry in request.path_constraints),
                 seed=request.seed,
             )
-        except (ApproachBlocked, GoalUnreachable, GoalInCollision) as failure:
+        except _NO_SOLUTION as failure:
             return _no_configuration(failure)
         qualities = assess_configurations(
             world,

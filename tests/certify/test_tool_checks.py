@@ -8,6 +8,8 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from pydrake.geometry import Sphere
+from pydrake.math import RigidTransform
 
 from planning.certify.certifier import CertifyRequest
 from planning.certify.frame_chain import derivative_bounds
@@ -15,12 +17,14 @@ from planning.certify.frame_states import FrameStates
 from planning.certify.tool_checks import tool_checks
 from planning.domain.certificate import Check
 from planning.domain.constraint import PlacedBox
+from planning.domain.curve import TimedTrajectory
 from planning.domain.deadline import Deadline
 from planning.domain.joints import JointType
 from planning.domain.motion_limits import SpeedZone, ToolLimit
 from planning.domain.pose import Pose
+from planning.world.margins import PairMargins
 from planning.world.world import World
-from tests.certify.chains import random_trajectory
+from tests.certify.chains import Builder, random_trajectory
 from tests.certify.conftest import judged, quintic, request_for
 from tests.conftest import bundled_world
 
@@ -87,6 +91,24 @@ def test_bounds_on_derivatives_hold_at_every_instant(
             # A difference of some order is a derivative of that order somewhere in between.
             seen = np.linalg.norm(np.diff(p, order, axis=0), axis=1).max() / h**order
             assert seen <= bounds[piece, order - 1] * (1 + 1e-6) + 1e-6
+
+
+@given(rate=st.floats(0.1, 5.0), arm=st.floats(0.05, 1.0))
+@settings(max_examples=5)
+def test_of_one_arm_that_turns_evenly_the_bounds_are_exact(rate: float, arm: float) -> None:
+    """|p^(m)| = rate^m arm."""
+    builder = Builder()
+    builder.link(JointType.REVOLUTE, Sphere(0.1), x_bm=RigidTransform(np.array([arm, 0, 0])))
+    robot = builder.build()
+    body = robot.model.plant.get_body(robot.model.bodies["robot::link0"])
+    model = replace(robot.model, frames={"tip": body.body_frame()})
+    coefficients = np.array([[[0.0], [rate]]])
+    motion = TimedTrajectory(
+        robot.group.joints, np.array([0.0, 1.0]), np.zeros((1, 1)), coefficients
+    )
+    margins = PairMargins(0.0, {}, {})
+    found = derivative_bounds(model, robot.request(motion, margins), "tip")
+    np.testing.assert_allclose(found[0], arm * rate ** np.arange(1.0, 5.0), rtol=1e-9)
 
 
 def test_states_are_the_derivatives_of_positions() -> None:

@@ -114,6 +114,51 @@ def test_what_would_do_does(engine: str, place: tuple[float, ...]) -> None:
 
 
 @pytest.mark.parametrize("place", PLACES)
+@pytest.mark.parametrize("kind", ["position", "rotation"])
+def test_what_would_do_alone_does_and_nothing_nearer(place: tuple[float, ...], kind: str) -> None:
+    world = world_by(NAME, "kernel")
+    group, target = world.group("arm"), looking_down(place)
+    evidence = refused_at(place)
+    near, told = evidence["nearest"], evidence["relaxation"][kind]
+    # Out of the table, or back into reach, no turn helps.
+    if told is None:
+        assert kind == "rotation"
+        return
+    q = np.array(told["positions"])
+    assert not world.violations(group, q, world.margins())
+    reached = world.frame_pose("arm::tcp", world.embed(group, q))
+    shift, turn = reached.distance(target)
+    error, rest = (shift, turn) if kind == "position" else (turn, shift)
+    assert error == pytest.approx(told["error"], abs=1e-9)
+    assert rest < 2e-6
+    cost = np.hypot(near["translation_error"], 0.1 * near["rotation_error"])
+    assert cost_of(reached, target, PLAIN) >= 0.995 * cost
+    tries = alone_tries(target, 0.97 * error, kind)
+    solver = kernel_pose_solver(
+        world, group, [ToolTarget("arm::tcp", pose, EXACT, EXACT) for pose in tries]
+    )
+    limits = world.limits(group)
+    seeds = np.random.default_rng(2).uniform(limits.lower, limits.upper, (2000, 6))
+    seeds[::2] = q
+    converged, rows = solver.solve(seeds, np.arange(2000), 2000)
+    converged &= within_limits(limits, rows)
+    assert not world.collision_oracle(group, world.margins()).are_free(rows[converged]).any()
+
+
+def alone_tries(target: Pose, radius: float, kind: str) -> list[Pose]:
+    """Return 2,000 poses that are only shifted by less than a radius, or only turned."""
+    rng = np.random.default_rng(5)
+    aside = rng.normal(size=(2000, 3))
+    aside *= (radius * rng.uniform(size=2000) ** (1 / 3) / np.linalg.norm(aside, axis=1))[:, None]
+    if kind == "position":
+        return [Pose(target.position + row, target.quaternion) for row in aside]
+    return [
+        Pose(target.position, rotation.multiply(target.quaternion, rotation.exp(row)))
+        for row in aside
+    ]
+
+
+@pytest.mark.parametrize("place", PLACES)
 def test_a_goal_with_the_tolerance_that_is_told_is_solvable(place: tuple[float, ...]) -> None:
     world = world_by(NAME, "kernel")
     pose = looking_down(place)

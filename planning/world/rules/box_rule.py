@@ -61,11 +61,11 @@ class BoxRule:
 
     def reading(self, q: Float64[np.ndarray, " nq"]) -> Reading:
         """Return the signed distance [m] beyond the faces, or inside them for `keep_out`."""
-        return Reading(-float(self._spares(q[None])[0]), 0.0, "m")
+        return Reading(-float(self.spares(q[None])[0]), 0.0, "m")
 
     def are_kept(self, qs: Float64[np.ndarray, "m nq"]) -> Bool[np.ndarray, " m"]:
         """Return whether each row is on the right side and leaves the room."""
-        return self._spares(qs) >= self.room - DUST
+        return self.spares(qs) >= self.room - DUST
 
     def residual(self, q: Float64[np.ndarray, " nq"]) -> Float64[np.ndarray, "3"]:
         """Return by how much the origin misses the box, less the room, along its axes [m]."""
@@ -84,7 +84,8 @@ class BoxRule:
     def _local(self, qs: Array) -> Array:
         return (self.motion.poses(qs)[1] - self.pose.position) @ self._rotation
 
-    def _spares(self, qs: Array) -> Array:
+    def spares(self, qs: Float64[np.ndarray, "m nq"]) -> Float64[np.ndarray, " m"]:
+        """Return how far each row's origin is from the faces, on the right side [m]."""
         beyond = np.abs(self._local(qs)) - self.half
         worst = beyond.max(axis=1)
         if self.is_inside:

@@ -66,7 +66,11 @@ class ConeRule:
 
     def are_kept(self, qs: Float64[np.ndarray, "m nq"]) -> Bool[np.ndarray, " m"]:
         """Return whether each row's angle is small enough and leaves the room."""
-        return self._angles(self._axes(qs)) <= self.tolerance - self.room + DUST
+        return self.spares(qs) >= self.room - DUST
+
+    def spares(self, qs: Float64[np.ndarray, "m nq"]) -> Float64[np.ndarray, " m"]:
+        """Return by how much each row's angle is smaller than the tolerance [rad]."""
+        return self.tolerance - self._angles(self._axes(qs))
 
     def residual(self, q: Float64[np.ndarray, " nq"]) -> Float64[np.ndarray, "1"]:
         """Return by how much the angle is too large, the room counted twice [rad]."""

@@ -20,7 +20,7 @@ from planning.domain.constraint import (
     TightLimits,
     constraint_label,
 )
-from planning.domain.joints import JointGroup, JointLimits
+from planning.domain.joints import JointGroup, JointLimits, JointType
 from planning.domain.manifold import Manifold
 from planning.domain.pose import Pose
 from planning.errors import ProblemInvalid
@@ -137,6 +137,22 @@ class PathRules:
             raise ProblemInvalid(message, {"field": "path_constraints", "joints": empty})
         return replace(limits, lower=lower, upper=upper)
 
+    def fixing(self, limits: JointLimits) -> JointLimits:
+        """Return `limits` of these rules in which locked joints have but one position.
+
+        Joints that float are left free: bounds on a quaternion's numbers say nothing of a rotation.
+
+        Raises:
+            ProblemInvalid: Nothing is left between the limits.
+        """
+        tight = self.limits(limits)
+        lower, upper = np.array(tight.lower), np.array(tight.upper)
+        for rule in self.rules:
+            if isinstance(rule, LockRule):
+                fixed = _positions_of(self.group, self.locked)
+                lower[fixed] = upper[fixed] = rule.start[fixed]
+        return replace(tight, lower=lower, upper=upper)
+
     @property
     def stride(self) -> float:
         """How far a planner should step at once, the thinnest band considered [rad or m]."""
@@ -151,6 +167,18 @@ class PathRules:
         """
         thin = [r for r in self.rules if isinstance(r, BoxRule | ConeRule) and r.is_thin]
         return RuleResidual(tuple(thin)) if thin and Manifold(self.group.joints).is_vector else None
+
+
+def _positions_of(group: JointGroup, names: frozenset[str]) -> Any:
+    """Return which coordinates of q are those of some joints, but for joints that float."""
+    return np.array(
+        [
+            joint.name in names and joint.type is not JointType.FLOATING
+            for joint in group.joints
+            for _ in range(joint.num_positions)
+        ],
+        dtype=bool,
+    )
 
 
 @dataclass(frozen=True)

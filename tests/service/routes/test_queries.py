@@ -230,3 +230,26 @@ def test_a_bad_line_names_what_is_wrong(client, scene, body, status, word):
     answer = ask(client, scene, "line", **body)
     assert answer.status_code == status
     assert word in answer.json()["detail"]
+
+
+def test_ik_keeps_path_constraints(client, scene, group):
+    home = group["configurations"]["home"]
+    joint = group["joints"][0]["name"]
+    pose = {"position": [0, 0, 0], "rpy": [np.pi, 0, 0], "frame": "above"}
+    goal = {"type": "pose", "poses": [pose]}
+    free = ask(client, scene, "ik", goal=goal).json()["configurations"]
+    held = home[0] - 1.5, home[0] + 1.5
+    assert not all(held[0] <= one["positions"][0] <= held[1] for one in free)
+    limits = {"type": "joint_limits", "limits": {joint: held}}
+    kept = ask(client, scene, "ik", goal=goal, path_constraints=[limits]).json()
+    assert kept["configurations"]
+    assert all(held[0] <= one["positions"][0] <= held[1] for one in kept["configurations"])
+    box = {"size": [0.01, 0.01, 0.01], "pose": {"position": [9, 9, 9]}}
+    inside = {"type": "keep_in", "frame": "arm::tool0", "box": box}
+    refused = ask(client, scene, "ik", goal=goal, path_constraints=[inside]).json()
+    assert refused["configurations"] == []
+    assert refused["failure"]["code"] == "goal_violates_constraint"
+    unknown = {"type": "locked_joints", "joints": ["elbow"]}
+    problem = ask(client, scene, "ik", goal=goal, path_constraints=[unknown])
+    assert problem.status_code == 409
+    assert "arm::elbow_joint" in str(problem.json()["evidence"])

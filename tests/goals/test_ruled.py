@@ -1,0 +1,121 @@
+"""Inverse kinematics under path constraints."""
+
+import time
+from typing import Any
+
+import numpy as np
+import pytest
+
+import planning
+from planning.domain.constraint import (
+    KeepIn,
+    LockedJoints,
+    OrientationCone,
+    PathConstraint,
+    PathPredicate,
+    PlacedBox,
+    TightLimits,
+)
+from planning.domain.deadline import Deadline
+from planning.domain.funnel import Funnel, rejections
+from planning.domain.goal import PoseGoal, PoseTarget, RegionGoal
+from planning.domain.options import IkOptions
+from planning.domain.pose import Pose
+from planning.domain.report import GoalConfigurations
+from planning.errors import GoalInCollision, GoalViolatesConstraint
+from planning.world.world import World
+from tests.goals.conftest import ENGINES, EXACT, at, world_by
+
+GOAL = PoseGoal((PoseTarget(Pose.identity(), "upper"),), "", EXACT, EXACT)
+UP = np.array([0.0, 0.0, 1.0])
+
+
+def solve(world: World, *constraints: PathConstraint, **arguments: Any) -> GoalConfigurations:
+    goal = arguments.pop("goal", GOAL)
+    deadline = Deadline.after(60, time.monotonic)
+    name = world.groups[0].name
+    return planning.solve_ik(
+        world, name, goal, deadline=deadline, constraints=constraints, **arguments
+    )
+
+
+def adds_up(funnel: Funnel) -> bool:
+    return funnel.tried == funnel.distinct + sum(one.count for one in rejections(funnel))
+
+
+@ENGINES
+@pytest.mark.parametrize("joint", [0, 2, 4])
+def test_locked_joints_stay_where_they_are_locked(engine: str, joint: int) -> None:
+    world = world_by("panda_shelf", engine)
+    group = world.group("panda")
+    start = world.positions(group)
+    found = solve(world, LockedJoints((group.joints[joint].name,)))
+    assert np.abs(found.positions[:, joint] - start[joint]).max() == 0.0
+    reached = world.frame_poses(group.tool_frames[0], world.embed(group, found.positions))
+    wanted = world.frame_pose("upper", world.state)
+    assert all(max(Pose.from_matrix(x).distance(wanted)) < 2e-6 for x in reached)
+    assert adds_up(found.funnel)
+
+
+@ENGINES
+def test_tightened_limits_are_kept(engine: str) -> None:
+    world = world_by("panda_shelf", engine)
+    group = world.group("panda")
+    free = solve(world).positions[:, 4]
+    middle = float(np.median(free))
+    kept = solve(world, TightLimits({group.joints[4].name: (middle - 0.1, middle + 0.1)}))
+    assert np.abs(free - middle).max() > 0.1
+    assert np.abs(kept.positions[:, 4] - middle).max() <= 0.1 + 1e-9
+
+
+def test_what_breaks_a_constraint_is_counted_and_made_up_for() -> None:
+    world = world_by("panda_shelf", "kernel")
+    group = world.group("panda")
+    start = world.positions(group)
+    options = IkOptions(max_configurations=6, max_trials=2000)
+    rule = PathPredicate(lambda q: bool(q[4] >= start[4] - 0.5), 0.01, "half")
+    usual, kept = solve(world, options=options), solve(world, rule, options=options)
+    assert not (usual.positions[:, 4] >= start[4] - 0.5).all()
+    assert (kept.positions[:, 4] >= start[4] - 0.5).all()
+    assert kept.funnel.distinct >= options.max_configurations == len(kept.positions)
+    assert kept.funnel.breaking > 0
+    assert adds_up(kept.funnel)
+    assert "violate a path constraint" in planning.funnel_evidence(kept.funnel)["summary"]
+
+
+def test_a_region_is_reached_where_a_cone_allows() -> None:
+    world = world_by("panda_shelf", "kernel")
+    group = world.group("panda")
+    frame = group.tool_frames[0]
+    target = Pose.from_parts(world.frame_pose("upper", world.state).position)
+    goal = RegionGoal((PoseTarget(target),), "", np.full(3, 0.05), np.full(3, np.inf))
+    wanted = world.frame_pose("upper", world.state).matrix[:3, :3]
+    cone = OrientationCone(frame, wanted.T @ UP, UP, 0.6)
+    options = IkOptions(max_configurations=10, max_trials=3000)
+    found = solve(world, cone, goal=goal, options=options)
+    reached = world.frame_poses(frame, world.embed(group, found.positions))
+    axes = reached[:, :3, :3] @ wanted.T @ UP
+    assert np.arccos(np.clip(axes @ UP, -1, 1)).max() <= 0.6 + 1e-9
+    assert len(found.positions) == 10
+
+
+def test_what_no_configuration_keeps_is_named() -> None:
+    world = world_by("panda_shelf", "kernel")
+    frame = world.group("panda").tool_frames[0]
+    here = world.frame_pose(frame, world.state).position
+    box = PlacedBox(np.full(3, 0.05), Pose.from_parts(here))
+    with pytest.raises(GoalViolatesConstraint) as refusal:
+        solve(world, KeepIn(frame, box))
+    (entry,) = refusal.value.evidence["violations"]
+    assert entry["constraint"].startswith("constraint 0: keep_in")
+    assert entry["count"] > 1
+
+
+def test_a_goal_that_fails_without_constraints_fails_as_it_does_without() -> None:
+    world = world_by("ur5e_pickup", "kernel")
+    goal = at(Pose.from_parts([0.45, 0.25, 0.0], rpy=[np.pi, 0, 0.3]))
+    with pytest.raises(GoalInCollision) as plain:
+        solve(world, goal=goal)
+    with pytest.raises(GoalInCollision) as ruled:
+        solve(world, TightLimits({}), goal=goal)
+    assert ruled.value.evidence.keys() == plain.value.evidence.keys()
