@@ -50,13 +50,15 @@ def derivative_bounds(
     links = _links(model, request, frame)
     count = request.trajectory.num_pieces
     total, turned = np.zeros((count, _ORDER + 1)), np.zeros((count, _ORDER + 1))
-    for link in links:
-        turn, shift = _series(model, request, link.moving)
-        turned += turn
-        reach = np.array(shift)
-        reach[:, 0] += link.length
-        total += _product(_exponential(turned), reach)
-    return (total * _FACTORIALS)[:, 1:]
+    with np.errstate(over="ignore", invalid="ignore"):
+        for link in links:
+            turn, shift = _series(model, request, link.moving)
+            turned += turn
+            reach = np.array(shift)
+            reach[:, 0] += link.length
+            total += _product(_exponential(turned), reach)
+    # Not a number is what overflow leaves behind: no bound.
+    return np.where(np.isnan(total), np.inf, total * _FACTORIALS)[:, 1:]
 
 
 @dataclass(frozen=True)

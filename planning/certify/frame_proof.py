@@ -97,22 +97,27 @@ class FrameProof:
             DeadlineExceeded: Time ran out.
             Canceled: Somebody asked for the end.
         """
+        with np.errstate(over="ignore", invalid="ignore"):
+            self._bisect(deadline)
+        return [self._check(i, quantity) for i, quantity in enumerate(self._quantities)]
+
+    def _bisect(self, deadline: Deadline) -> None:
         pieces = np.arange(len(self._widths))
+        most = max(_MOST_PLACES, 4 * len(pieces))
         ends = [self._states.at(pieces, at, deadline) for at in (0 * self._widths, self._widths)]
         spans, width, looked = self._spans(pieces, 0.0 * self._widths, 1.0, *ends), 1.0, 0
         while len(spans.pieces):
-            is_last = looked > _MOST_PLACES or width < _NARROWEST
+            is_last = looked > most or width < _NARROWEST
             spans = self._undecided(spans, width, is_last=is_last)
             looked += len(spans.pieces)
             width /= 2
             spans = self._halved(spans, width, deadline)
-        return [self._check(i, quantity) for i, quantity in enumerate(self._quantities)]
 
     def _undecided(self, spans: Spans, width: float, *, is_last: bool) -> Spans:
         """Take note of what is seen; return the intervals that must be looked at more closely."""
         keep = np.zeros(len(spans.pieces), dtype=bool)
         for i, quantity in enumerate(self._quantities):
-            upper, seen = (part / quantity.limit for part in quantity.look(spans))
+            upper, seen = (_known(part) / quantity.limit for part in quantity.look(spans))
             end, worst = divmod(int(np.argmax(seen)), len(upper))
             if seen[end, worst] > self._seen[i]:
                 self._seen[i] = seen[end, worst]
@@ -172,3 +177,8 @@ class FrameProof:
             where=self._frame,
             time=float(self._times[i]),
         )
+
+
+def _known(values: Array) -> Array:
+    """Return values with those that overflow gave no number as infinite."""
+    return np.where(np.isnan(values), np.inf, values)

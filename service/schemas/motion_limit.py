@@ -9,7 +9,7 @@ from service.schemas.numbers import Coordinate, Real
 from service.schemas.payload import PayloadWire
 from service.schemas.wire import Name, Wire
 
-type Speed = Annotated[Real, Field(ge=1e-4, le=1e3)]
+type Speed = Annotated[Real, Field(ge=1e-3, le=1e3)]
 type AccelerationPair = Annotated[list[Coordinate], Field(min_length=2, max_length=2)]
 
 
@@ -22,7 +22,7 @@ class ToolLimitWire(Wire):
 
     frame: Name = Field(description="Any frame of the scene; each is limited once")
     speed: Speed | None = Field(default=None, description="At most [m/s]; null for any")
-    acceleration: Annotated[Real, Field(ge=1e-3, le=1e4)] | None = Field(
+    acceleration: Annotated[Real, Field(ge=1e-2, le=1e4)] | None = Field(
         default=None, description="At most, in any direction [m/s^2]; null for any"
     )
 

@@ -111,6 +111,19 @@ def test_of_one_arm_that_turns_evenly_the_bounds_are_exact(rate: float, arm: flo
     np.testing.assert_allclose(found[0], arm * rate ** np.arange(1.0, 5.0), rtol=1e-9)
 
 
+@pytest.mark.parametrize("size", [1e30, 1e100, 1e200])
+def test_monstrous_motions_are_refused_and_raise_nothing(size: float) -> None:
+    world, request = moving("ur5e_pickup", "arm", 3)
+    motion = replace(request.trajectory, coefficients=request.trajectory.coefficients * size)
+    asked = replace(
+        request,
+        trajectory=motion,
+        tool_limits=(ToolLimit("arm::tcp", 1.0, 1.0),),
+        speed_zones=(SpeedZone("slow", "arm::tcp", PlacedBox(np.full(3, 9.0)), 1.0),),
+    )
+    assert not any(check.passed for check in checks_of(world, asked).values())
+
+
 def test_states_are_the_derivatives_of_positions() -> None:
     world, request = moving("panda_shelf", "panda", 3)
     states = FrameStates(world.drake, request, "panda::panda_hand_tcp")
