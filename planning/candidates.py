@@ -8,13 +8,14 @@ import numpy as np
 
 from planning.domain.curve import JointSpline, TimedTrajectory
 from planning.domain.deadline import Deadline
-from planning.domain.joints import JointLimits
-from planning.domain.options import RetimeOptions
+from planning.domain.joints import JointGroup, JointLimits
+from planning.domain.options import RetimeOptions, SearchOptions
 from planning.domain.path import JointPath
 from planning.domain.problem import PlanningProblem
 from planning.domain.report import RefineReport, RetimeReport
 from planning.errors import RetimingFailed
-from planning.refine.refiner import RefineRequest, refine
+from planning.refine.refiner import refine
+from planning.refine.request import RefineRequest
 from planning.retime.blend import blend_corners
 from planning.retime.explain import explain_duration
 from planning.retime.path_limit import PathLimit
@@ -90,6 +91,7 @@ def candidates(
             margins,
             problem.refine,
             jerk=retime_options.method == "ruckig",
+            held=_held(group, problem.search),
             rules=rules and rules.leaving_room(path.waypoints[0], path.waypoints[-1:]),
         )
         refined, report = refine(world, request, hasty)
@@ -118,6 +120,12 @@ def candidates(
         made = _rounded(path, deviation, timing, unrefined)
         if made is not None:
             yield made
+
+
+def _held(group: JointGroup, search: SearchOptions) -> tuple[int, ...]:
+    """Return the coordinates of rotations that the search was told to keep."""
+    kept = {f"{name}.angular" for name, space in search.spaces.items() if space == "position"}
+    return tuple(i for name, indices in group.blocks if name in kept for i in indices)
 
 
 def _rules(world: World, path: JointPath, problem: PlanningProblem) -> PathRules | None:
