@@ -44,6 +44,7 @@ if TYPE_CHECKING:
         RoadmapOptions,
         SearchOptions,
     )
+    from planning.domain.payload import Payload
     from planning.domain.plan import MotionPlan, Progress
     from planning.domain.pool import AttemptPool
     from planning.domain.pose import Pose
@@ -116,6 +117,7 @@ _DOORS = {
     "MoveObject": "planning.domain.scene_operation",
     "OrientationCone": "planning.domain.constraint",
     "PathPredicate": "planning.domain.constraint",
+    "Payload": "planning.domain.payload",
     "PlacedBox": "planning.domain.constraint",
     "PlannerCard": "planning.search.planners",
     "PlanningProblem": "planning.domain.problem",
@@ -206,6 +208,7 @@ __all__ = [
     "MoveObject",
     "OrientationCone",
     "PathPredicate",
+    "Payload",
     "PlacedBox",
     "PlannerCard",
     "PlanningProblem",

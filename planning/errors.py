@@ -213,7 +213,7 @@ class Canceled(PlanningFailure):
 
 
 class RetimingFailed(PlanningFailure):
-    """No timing of the path keeps the limits; evidence: `method`."""
+    """No timing of the path keeps the limits; evidence: `method`, or the `limit` and `where`."""
 
     code = "retiming_failed"
     stage = "retime"

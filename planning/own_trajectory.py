@@ -73,6 +73,8 @@ def certify_trajectory(  # noqa: PLR0913  (a question in full)
         limits=limits,
         margins=world.margins(margin),
         jerk=options.method == "ruckig",
+        effort=options.effort,
+        payload=options.payload,
         tool_limits=options.tool_limits,
         speed_zones=options.speed_zones,
         acceleration_bounds=options.acceleration_bounds,

@@ -213,6 +213,8 @@ def _certify(task: PlanTask, motion: Motion) -> tuple[Certificate, CertifyReport
         jerk=timing.method == "ruckig",
         constraints=task.problem.constraints,
         lines=motion.sections(*allowed),
+        effort=timing.effort,
+        payload=timing.payload,
         tool_limits=timing.tool_limits,
         speed_zones=timing.speed_zones,
         acceleration_bounds=timing.acceleration_bounds,

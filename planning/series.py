@@ -8,8 +8,9 @@ from jaxtyping import Float64
 
 from planning.domain.curve import TimedTrajectory
 from planning.domain.joints import JointGroup, JointLimits
+from planning.domain.payload import Payload
 from planning.domain.value import Value
-from planning.world.dynamics import joint_efforts
+from planning.world.dynamics import GroupDynamics
 from planning.world.world import World
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
@@ -64,7 +65,11 @@ class MotionSeries(Value):
 
 
 def motion_series(
-    world: World, group: str, trajectory: TimedTrajectory, count: int = 201
+    world: World,
+    group: str,
+    trajectory: TimedTrajectory,
+    count: int = 201,
+    payload: Payload | None = None,
 ) -> MotionSeries:
     """Return a motion's numbers at evenly spread instants.
 
@@ -76,11 +81,14 @@ def motion_series(
         group: What moves.
         trajectory: The motion, one of the group's joints.
         count: Of instants, at least 2.
+        payload: What the group carries that the scene does not show.
 
     Raises:
-        UnknownName: There is no such group.
+        UnknownName: There is no such group, or no such frame as the payload's.
+        ProblemInvalid: The group does not move the payload.
     """
     joints = world.group(group)
+    dynamics = GroupDynamics(world, joints, payload)
     times = np.linspace(0.0, trajectory.duration, count)
     q = trajectory.positions(times)
     probe = world.distance_probe(world.margins())
@@ -91,9 +99,7 @@ def motion_series(
         times=times,
         positions=q,
         rates=np.stack([trajectory.tangents(times, order) for order in (1, 2, 3)]),
-        efforts=joint_efforts(
-            world, joints, q, trajectory.velocities(times), trajectory.accelerations(times)
-        ),
+        efforts=dynamics.efforts(q, trajectory.velocities(times), trajectory.accelerations(times)),
         clearance=np.array([pairs[0].distance if pairs else _FARTHEST for pairs in nearest]),
         pairs=tuple(pairs[0].bodies if pairs else ("", "") for pairs in nearest),
     )

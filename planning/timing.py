@@ -8,6 +8,7 @@ from planning.domain.joints import JointGroup
 from planning.domain.motion_limits import SpeedZone
 from planning.domain.options import RetimeOptions
 from planning.errors import ProblemInvalid, UnknownName
+from planning.world.dynamics import require_burden
 from planning.world.world import Array, World
 
 
@@ -29,6 +30,8 @@ def admit_timing(
     _require_tool_limits(world, options)
     _require_zones(world, options.speed_zones)
     _require_bounds(group, options)
+    if options.payload is not None:
+        require_burden(world, group, options.payload)
     if not options.speed_zones:
         return options
     full = world.embed(group, start)

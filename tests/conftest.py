@@ -58,6 +58,19 @@ def pickup() -> World:
 
 
 @pytest.fixture
+def urdf_world(tmp_path: Path) -> Callable[..., World]:
+    """Return what loads a robot `r` from the text of a URDF, with more of a scene around it."""
+
+    def build(urdf: str, **more: object) -> World:
+        file = tmp_path / "robot.urdf"
+        file.write_text(urdf)
+        robot = {"name": "r", "model": str(file)}
+        return planning.load_world(planning.parse_scene({"name": "t", "robots": [robot], **more}))
+
+    return build
+
+
+@pytest.fixture
 def deadline() -> Deadline:
     return Deadline.after(60.0, time.monotonic)
 

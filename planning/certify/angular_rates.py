@@ -101,8 +101,8 @@ def _model(tangents: list[Array], half: Array, order: int) -> tuple[Array, Array
     middle = np.stack([bernstein.halves(part)[0][:, -1] for part in tangents], axis=1)
     lengths = [np.linalg.norm(part, axis=2).max(axis=1) for part in tangents]
     bounds = np.stack(lengths, axis=1)[:, :, None]
-    omega = _velocity_series(_cross_products(middle), middle, -1.0)
-    majorant = _velocity_series(bounds[..., None], bounds, 1.0)
+    omega = velocity_series(cross_products(middle), middle, -1.0)
+    majorant = velocity_series(bounds[..., None], bounds, 1.0)
     lag = order - 1
     falling = np.array([factorial(j + lag) / factorial(j) for j in range(_ORDER + 2)])
     taylor = omega[:, lag : lag + _ORDER + 1] * falling[None, : _ORDER + 1, None]
@@ -110,7 +110,7 @@ def _model(tangents: list[Array], half: Array, order: int) -> tuple[Array, Array
     return taylor, beyond * half ** (_ORDER + 1)
 
 
-def _velocity_series(adjoint: Array, delta: Array, sign: float) -> Array:
+def velocity_series(adjoint: Array, delta: Array, sign: float) -> Array:
     """Return Taylor coefficients of omega from those of delta, or of the majorant.
 
     Args:
@@ -135,7 +135,7 @@ def _velocity_series(adjoint: Array, delta: Array, sign: float) -> Array:
     return total.reshape(count, length, width)
 
 
-def _cross_products(vectors: Array) -> Array:
+def cross_products(vectors: Array) -> Array:
     """Return the matrices that multiply with vectors by the cross product, shape (*n, 3, 3)."""
     x, y, z = np.moveaxis(vectors, -1, 0)
     zero = np.zeros_like(x)

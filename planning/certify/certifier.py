@@ -12,6 +12,7 @@ from planning.certify.request import CertifyRequest
 from planning.certify.robustness import robustness
 from planning.certify.stop_check import stop_check
 from planning.certify.tool_checks import tool_checks
+from planning.certify.torque_check import torque_check
 from planning.domain.certificate import Certificate, Check
 from planning.domain.deadline import Deadline
 from planning.domain.report import CertifyReport
@@ -52,8 +53,9 @@ def certify(
     kept = constraint_checks(model, request, deadline)
     clearance = check_clearance(model, request, deadline)
     lines = line_checks(model, request, deadline)
+    torque = [torque_check(model, request, deadline)] if request.effort else []
     tools = tool_checks(model, request, deadline)
-    checks = (form, *_motion_checks(request), *tools, *kept, *lines, clearance.check)
+    checks = (form, *_motion_checks(request), *torque, *tools, *kept, *lines, clearance.check)
     report = CertifyReport(clearance.intervals, clearance.queries)
     if all(check.passed for check in checks):
         stop, report = _findings(model, request, report, deadline)

@@ -14,6 +14,7 @@ from planning.domain.joints import JointGroup, JointLimits
 from planning.domain.line import LineSection
 from planning.domain.motion_limits import AccelerationBounds, SpeedZone, ToolLimit
 from planning.domain.options import CertifyOptions
+from planning.domain.payload import Payload
 from planning.domain.value import Value
 from planning.world.margins import PairMargins
 
@@ -41,6 +42,8 @@ class CertifyRequest(Value):
         acceleration_bounds: Lowest and highest accelerations of joints.
         options: What else to find out.
         is_under_way: Whether it goes on from a motion, so that it need not begin at rest.
+        effort: Whether joint torques and forces are limited.
+        payload: What the group carries that the scene does not show.
     """
 
     group: JointGroup
@@ -58,6 +61,8 @@ class CertifyRequest(Value):
     acceleration_bounds: AccelerationBounds = field(default_factory=dict)
     options: CertifyOptions = field(default_factory=CertifyOptions)
     is_under_way: bool = False
+    effort: bool = False
+    payload: Payload | None = None
 
     @cached_property
     def forms(self) -> tuple[Array, ...]:

@@ -36,7 +36,7 @@ class Certificate(Value):
     """The verdict on a timed trajectory, between its samples too.
 
     Not promised: anything about obstacles that are not in the scene, tracking error of the robot,
-    or forces; clearance is measured on Drake's geometry (a `Mesh` counts as its convex hull).
+    or contact forces. Clearance is measured on Drake's geometry (a `Mesh` counts as its hull).
 
     Attributes:
         proven: Every check passed and clearance was bounded on the whole interval.

@@ -12,7 +12,7 @@ class BindingInterval(Value):
     Attributes:
         begin: [s].
         end: [s].
-        limit: velocity, acceleration, jerk or the name of a path limit (tool_speed,
+        limit: velocity, acceleration, jerk or the name of a path limit (torque, tool_speed,
             tool_acceleration, speed_zone, acceleration_bounds); "" where none is used to the full.
         where: The joint, block, frame or zone whose limit it is, or "".
     """

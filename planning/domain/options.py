@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 from typing import Literal
 
 from planning.domain.motion_limits import AccelerationBounds, SpeedZone, ToolLimit
+from planning.domain.payload import Payload
 from planning.domain.value import Value
 
 
@@ -168,6 +169,9 @@ class RetimeOptions(Value):
         acceleration_bounds: Besides the limits of joints, lowest (negative) and highest
             acceleration [rad/s^2 or m/s^2], by name of a scalar joint or of a block of one
             coordinate (`JointGroup.blocks`). The scales change none of these three.
+        tool_limits: Of frames, besides the limits of joints; the scales do not change them.
+        effort: Whether the limits on joint torques and forces are kept, and proven.
+        payload: What the group carries that the scene does not show; it counts for efforts.
     """
 
     method: Literal["toppra", "ruckig"] = "toppra"
@@ -179,3 +183,5 @@ class RetimeOptions(Value):
     tool_limits: tuple[ToolLimit, ...] = ()
     speed_zones: tuple[SpeedZone, ...] = ()
     acceleration_bounds: AccelerationBounds = field(default_factory=dict)
+    effort: bool = False
+    payload: Payload | None = None

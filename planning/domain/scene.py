@@ -53,6 +53,8 @@ class SceneObject(Value):
         movable: Whether it may be attached.
         color: RGBA in 0..1, or None for a default, shape (4,).
         attached: The robot's hold on it, or None if it stands in the world.
+        mass: What it weighs when it is held [kg]; None for nothing.
+        center_of_mass: In its frame [m], None for that of the shape, shape (3,).
     """
 
     name: str
@@ -61,6 +63,8 @@ class SceneObject(Value):
     movable: bool = False
     color: Float64[np.ndarray, "4"] | None = None
     attached: Attachment | None = None
+    mass: float | None = None
+    center_of_mass: Float64[np.ndarray, "3"] | None = None
 
 
 @dataclass(frozen=True, eq=False)

@@ -6,7 +6,9 @@ from planning.retime.path_limit import PathLimit
 from planning.retime.signed_acceleration import SignedAcceleration
 from planning.retime.tool_path import ToolPath
 from planning.retime.tool_rate import ToolRate
+from planning.retime.torque_limit import TorqueLimit
 from planning.retime.zone_speed import ZoneSpeed
+from planning.world.dynamics import GroupDynamics
 from planning.world.tool_kinematics import ToolKinematics
 from planning.world.world import World
 
@@ -16,8 +18,13 @@ def path_limits(world: World, group: JointGroup, options: RetimeOptions) -> tupl
 
     Raises:
         UnknownName: A frame does not exist.
+        ProblemInvalid: The group does not move the payload.
     """
-    return (*_of_joints(group, options), *_of_frames(world, group, options))
+    return (
+        *_of_joints(group, options),
+        *_of_efforts(world, group, options),
+        *_of_frames(world, group, options),
+    )
 
 
 def _of_joints(group: JointGroup, options: RetimeOptions) -> tuple[SignedAcceleration, ...]:
@@ -26,6 +33,13 @@ def _of_joints(group: JointGroup, options: RetimeOptions) -> tuple[SignedAcceler
     columns = dict(group.blocks)
     chosen = tuple(columns[name][0] for name in options.acceleration_bounds)
     return (SignedAcceleration(options.acceleration_bounds, chosen),)
+
+
+def _of_efforts(world: World, group: JointGroup, options: RetimeOptions) -> tuple[TorqueLimit, ...]:
+    if not options.effort:
+        return ()
+    dynamics = GroupDynamics(world, group, options.payload)
+    return (TorqueLimit(group, dynamics, world.limits(group).effort),)
 
 
 def _of_frames(

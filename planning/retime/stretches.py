@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float64
 
-from planning.domain.curve import JointSpline, derivative
+from planning.domain.curve import Curve, JointSpline, derivative
 from planning.retime.polynomials import norms
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
@@ -36,7 +36,7 @@ def smooth_stretches(spline: JointSpline, smoothness: int) -> list[JointSpline]:
 
 
 def path_derivatives(
-    curve: JointSpline, pieces: Any, local: Float64[np.ndarray, " n"]
+    curve: Curve, pieces: Any, local: Float64[np.ndarray, " n"]
 ) -> tuple[Float64[np.ndarray, "n nv"], Float64[np.ndarray, "n nv"]]:
     """Return dq/ds and d2q/ds2, as Drake's v and vdot, from given pieces.
 
@@ -47,10 +47,10 @@ def path_derivatives(
     """
     coefficients = curve.coefficients[pieces]
     slopes = derivative(coefficients, 1)
-    rate, curvature = _evaluated(slopes, local), _evaluated(derivative(slopes, 1), local)
+    rate, curvature = evaluated(slopes, local), evaluated(derivative(slopes, 1), local)
     if curve.manifold.is_flat:
         return rate, curvature
-    delta = _evaluated(coefficients, local)
+    delta = evaluated(coefficients, local)
     q = curve.manifold.plus(curve.bases[pieces], delta)
     return (
         curve.manifold.generalized_velocity(q, delta, rate),
@@ -74,7 +74,9 @@ def _jumps(spline: JointSpline, smoothness: int) -> Any:
     return jumps
 
 
-def _evaluated(coefficients: Array, local: Array) -> Array:
+def evaluated(
+    coefficients: Float64[np.ndarray, "n k nv"], local: Float64[np.ndarray, " n"]
+) -> Float64[np.ndarray, "n nv"]:
     """Return each row's polynomial at its own argument, by Horner's rule."""
     total = np.array(coefficients[:, -1])
     for k in range(coefficients.shape[1] - 2, -1, -1):

@@ -29,6 +29,7 @@ from planning.errors import ModelInvalid, SceneInvalid, UnknownName
 from planning.world.couplings import couplings, joint_indices
 from planning.world.drake_model import DrakeModel
 from planning.world.holding import may_touch, require_owners
+from planning.world.mass import spatial_inertia
 from planning.world.model_file import ModelFile, inspect_model
 from planning.world.model_library import ModelLibrary, RobotSource
 from planning.world.shapes import drake_shape
@@ -178,8 +179,8 @@ def _add_object(build: _Build, thing: SceneObject, path: str) -> None:
     try:
         shape, x_og = drake_shape(thing.shape)
         instance = build.plant.AddModelInstance(thing.name)
-        # Nobody says what it weighs: whoever holds it feels nothing of it.
-        inertia = SpatialInertia.Zero() if thing.attached else SpatialInertia.NaN()
+        # What stands in the world burdens nobody.
+        inertia = spatial_inertia(thing) if thing.attached else SpatialInertia.NaN()
         body = build.plant.AddRigidBody(thing.name, instance, inertia)
         color = DEFAULT_COLOR if thing.color is None else thing.color
         build.plant.RegisterCollisionGeometry(

@@ -20,8 +20,9 @@ from planning.domain.scene import (
     SceneObject,
     SceneRobot,
 )
+from planning.domain.shapes import HalfSpace
 from planning.world.shape_document import ShapeDocument
-from planning.world.strict import Distance, Number, Strictest
+from planning.world.strict import Distance, Number, Positive, Strictest
 
 type Name = Annotated[
     str, StringConstraints(min_length=1, max_length=128, pattern=r"^[A-Za-z0-9_.\-]+$")
@@ -119,6 +120,24 @@ class ObjectDocument(Strictest):
     attached: AttachmentDocument | None = Field(
         default=None, description="The robot's hold on it; none if it stands in the world"
     )
+    mass: Positive | None = Field(
+        default=None,
+        description="What it weighs when a robot holds it [kg]; none for nothing. Its inertia is "
+        "that of the shape at uniform density; a mesh counts as its convex hull",
+    )
+    center_of_mass: Triple | None = Field(
+        default=None, description="In its frame [m]; none for that of the shape; only with `mass`"
+    )
+
+    @model_validator(mode="after")
+    def _can_weigh(self) -> "ObjectDocument":
+        if self.center_of_mass is not None and self.mass is None:
+            message = "`center_of_mass` means nothing without a `mass`"
+            raise ValueError(message)
+        if self.mass is not None and isinstance(self.shape.value(), HalfSpace):
+            message = "a half space has no volume that a `mass` could be in"
+            raise ValueError(message)
+        return self
 
     def value(self) -> SceneObject:
         """Return the domain's object."""
@@ -129,6 +148,8 @@ class ObjectDocument(Strictest):
             movable=self.movable,
             color=None if self.color is None else np.array([*self.color, 1.0][:4]),
             attached=None if self.attached is None else self.attached.value(),
+            mass=self.mass,
+            center_of_mass=None if self.center_of_mass is None else np.array(self.center_of_mass),
         )
 
 

@@ -83,6 +83,8 @@ def _object(thing: SceneObject) -> dict[str, Any]:
         "movable": thing.movable,
         "color": None if thing.color is None else thing.color.tolist(),
         "attached": attached,
+        "mass": thing.mass,
+        "center_of_mass": None if thing.center_of_mass is None else thing.center_of_mass.tolist(),
     }
 
 

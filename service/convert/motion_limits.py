@@ -3,6 +3,7 @@
 from typing import TypedDict
 
 from planning.domain.motion_limits import AccelerationBounds, SpeedZone, ToolLimit
+from planning.domain.payload import Payload
 from service.convert.constraints import box_value
 from service.schemas.motion_limit import MotionLimits
 
@@ -13,6 +14,8 @@ class Limits(TypedDict):
     tool_limits: tuple[ToolLimit, ...]
     speed_zones: tuple[SpeedZone, ...]
     acceleration_bounds: AccelerationBounds
+    effort: bool
+    payload: Payload | None
 
 
 def motion_limits(wire: MotionLimits) -> Limits:
@@ -28,4 +31,6 @@ def motion_limits(wire: MotionLimits) -> Limits:
         acceleration_bounds={
             name: (low, high) for name, (low, high) in wire.acceleration_bounds.items()
         },
+        effort=wire.effort,
+        payload=None if wire.payload is None else wire.payload.value(),
     )

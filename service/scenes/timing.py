@@ -15,6 +15,8 @@ def require_motion_limits(scene: SceneRecord, group: Group, limits: MotionLimits
     require_frames(scene, [limit.frame for limit in limits.tool_limits])
     for zone in limits.speed_zones:
         require_frames(scene, [zone.frame, zone.box.pose.frame])
+    if limits.payload is not None:
+        require_frames(scene, [limits.payload.frame])
     known = [
         f"{joint['name']}.angular" if joint["type"] == "planar" else joint["name"]
         for joint in group["joints"]

@@ -181,8 +181,8 @@ class BindingIntervalWire(Answer):
     begin: float = Field(description="[s]")
     end: float = Field(description="[s]")
     limit: str = Field(
-        description="velocity, acceleration, jerk, tool_speed, tool_acceleration, speed_zone or "
-        "acceleration_bounds; empty where none is used up"
+        description="velocity, acceleration, jerk, torque, tool_speed, tool_acceleration, "
+        "speed_zone or acceleration_bounds; empty where none is used up"
     )
     where: str = Field(description="The joint, block, frame or zone whose limit it is, or empty")
 

@@ -81,6 +81,7 @@ class Builder:
     types: list[JointType] = field(default_factory=list)
     links: list[Any] = field(default_factory=list)
     followers: list[tuple[int, int, float]] = field(default_factory=list)
+    mass: float = np.nan
 
     def __post_init__(self) -> None:
         self.builder: Any = RobotDiagramBuilder(time_step=0.0)
@@ -88,7 +89,10 @@ class Builder:
         self.filtered: list[tuple[Any, Any]] = []
 
     def body(self, name: str, shape: Shape, x_bg: RigidTransform | None = None) -> Any:
-        link = self.plant.AddRigidBody(name, SpatialInertia.NaN())
+        inertia = SpatialInertia.NaN()
+        if np.isfinite(self.mass):
+            inertia = SpatialInertia.SolidBoxWithMass(self.mass, 0.1, 0.2, 0.3)
+        link = self.plant.AddRigidBody(name, inertia)
         self.names[int(link.index())] = name
         at = x_bg or RigidTransform()
         self.plant.RegisterCollisionGeometry(link, at, shape, name, CoulombFriction(1.0, 1.0))
@@ -184,9 +188,11 @@ def random_shape(rng: np.random.Generator, size: float) -> Shape:
     return shapes[choice] if choice < len(shapes) else Convex(points, "hull")
 
 
-def random_robot(rng: np.random.Generator, num_links: int, num_obstacles: int) -> Robot:
+def random_robot(
+    rng: np.random.Generator, num_links: int, num_obstacles: int, mass: float = np.nan
+) -> Robot:
     """Return a tree of random joints among random obstacles; a mimic joint may be in it."""
-    builder = Builder()
+    builder = Builder(mass=mass)
     for i in range(num_links):
         parent = None if i == 0 else int(rng.integers(i))
         axis = rng.normal(size=3)
@@ -202,6 +208,10 @@ def random_robot(rng: np.random.Generator, num_links: int, num_obstacles: int) -
     scalar = [i for i, kind in enumerate(builder.types) if kind in (R, P)]
     if len(scalar) > 1:
         builder.followers.append((scalar[-1], scalar[0], -1.5))
+    for joint in [] if np.isnan(mass) else [builder.joints[i] for i in scalar]:
+        joint.set_default_damping(float(rng.uniform(0.0, 2.0)))
+        drive = builder.plant.AddJointActuator(f"drive of {joint.name()}", joint)
+        drive.set_default_rotor_inertia(float(rng.uniform(0.0, 0.1)))
     for i in range(num_obstacles):
         builder.obstacle(f"obstacle{i}", random_shape(rng, 0.15), random_pose(rng, 0.6))
     return builder.build()

@@ -6,7 +6,7 @@ import pytest
 import planning
 from planning.domain.interpolation import trajectory_through
 from planning.domain.joints import JointGroup
-from planning.world.dynamics import joint_efforts
+from planning.world.dynamics import GroupDynamics
 from planning.world.world import World
 from tests.conftest import bundled_world
 
@@ -33,7 +33,7 @@ def test_the_work_that_efforts_do_is_the_gain_of_energy(scene: str, name: str) -
     )
     times = np.linspace(0.0, motion.duration, 401)
     q, v = motion.positions(times), motion.velocities(times)
-    efforts = joint_efforts(world, group, q, v, motion.accelerations(times))
+    efforts = GroupDynamics(world, group).efforts(q, v, motion.accelerations(times))
     work = float(np.trapezoid((efforts * v).sum(axis=1), times))
     gained = potential(world, group, q[-1]) - potential(world, group, q[0])
     assert work == pytest.approx(gained, abs=2e-3 * np.abs(work) + 2e-3)
@@ -45,7 +45,7 @@ def test_at_rest_efforts_are_the_slope_of_potential_energy() -> None:
     group = world.group("arm")
     q, step = world.positions(group), 1e-5
     still = np.zeros((1, group.num_velocities))
-    held = joint_efforts(world, group, q[None], still, still)[0]
+    held = GroupDynamics(world, group).efforts(q[None], still, still)[0]
     slopes = [
         (potential(world, group, q + step * e) - potential(world, group, q - step * e)) / (2 * step)
         for e in np.eye(len(q))

@@ -1,7 +1,6 @@
 """The simulation, against closed forms, and under an execution."""
 
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -37,18 +36,6 @@ SLIDE = """<robot name="s"><link name="base"/><link name="cart"><inertial>
 MASSLESS = SLIDE.replace('<mass value="3"/>', '<mass value="0"/>').replace('"0.1" i', '"0" i')
 
 
-@pytest.fixture
-def world_of(tmp_path: Path) -> Callable[..., World]:
-    def build(urdf: str, **more: Any) -> World:
-        file = tmp_path / "robot.urdf"
-        file.write_text(urdf)
-        return load_world(
-            parse_scene({"name": "t", "robots": [{"name": "r", "model": str(file)}], **more})
-        )
-
-    return build
-
-
 def bundled(scene: str) -> World:
     return load_world(parse_scene((bundled_folder("scenes") / f"{scene}.scene.yaml").read_text()))
 
@@ -79,9 +66,9 @@ def run(runner: Runner, until: float) -> list[Any]:
 
 
 def test_without_effort_a_pendulum_swings_as_a_pendulum_does(
-    world_of: Callable[..., World],
+    urdf_world: Callable[..., World],
 ) -> None:
-    world = world_of(PENDULUM.format(effort=1e-9))
+    world = urdf_world(PENDULUM.format(effort=1e-9))
     start = np.array([0.02])
     simulation = Simulation(world, world.group("r"), start)
     frequency = np.sqrt(9.81 / 0.5)
@@ -91,16 +78,16 @@ def test_without_effort_a_pendulum_swings_as_a_pendulum_does(
     assert world.positions(world.group("r"))[0] == 0.0  # the world itself stands still
 
 
-def test_with_effort_it_is_held_against_gravity(world_of: Callable[..., World]) -> None:
-    world = world_of(PENDULUM.format(effort=100))
+def test_with_effort_it_is_held_against_gravity(urdf_world: Callable[..., World]) -> None:
+    world = urdf_world(PENDULUM.format(effort=100))
     simulation = Simulation(world, world.group("r"), np.array([1.5]))
     simulation.command(np.array([1.5]), np.zeros(1), np.zeros(1))
     simulation.advance_to(0.5)
     assert abs(simulation.q[0] - 1.5) < 1e-6
 
 
-def test_an_error_dies_out_as_a_critically_damped_one(world_of: Callable[..., World]) -> None:
-    world, bandwidth, offset = world_of(SLIDE), 20.0, 0.01
+def test_an_error_dies_out_as_a_critically_damped_one(urdf_world: Callable[..., World]) -> None:
+    world, bandwidth, offset = urdf_world(SLIDE), 20.0, 0.01
     simulation = Simulation(world, world.group("r"), np.zeros(1), bandwidth=bandwidth)
     simulation.command(np.array([offset]), np.zeros(1), np.zeros(1))
     for time in (0.05, 0.1, 0.2, 0.4):
@@ -109,8 +96,8 @@ def test_an_error_dies_out_as_a_critically_damped_one(world_of: Callable[..., Wo
         assert abs((offset - simulation.q[0]) - offset * (1 + x) * np.exp(-x)) < 0.02 * offset
 
 
-def test_joints_that_follow_do_follow(world_of: Callable[..., World]) -> None:
-    world = world_of(SLIDE)
+def test_joints_that_follow_do_follow(urdf_world: Callable[..., World]) -> None:
+    world = urdf_world(SLIDE)
     runner = execute(world, "r", quintic(world, "r", [0.4], 1.0))
     run(runner, 3.0)
     assert runner.status.state == "succeeded"
@@ -154,17 +141,17 @@ def test_what_does_not_belong_to_the_group_is_held() -> None:
     np.testing.assert_allclose(q[others], world.state[others], atol=1e-5)
 
 
-def test_what_the_efforts_cannot_do_is_lost(world_of: Callable[..., World]) -> None:
-    world = world_of(PENDULUM.format(effort=5))  # half a turn in 0.2 s takes 230 N m
+def test_what_the_efforts_cannot_do_is_lost(urdf_world: Callable[..., World]) -> None:
+    world = urdf_world(PENDULUM.format(effort=5))  # half a turn in 0.2 s takes 230 N m
     runner = execute(world, "r", quintic(world, "r", [2.5], 0.2))
     run(runner, 3.0)
     assert runner.status.state == "aborted"
     assert isinstance(runner.status.failure, TrackingLost)
 
 
-def test_a_wall_in_the_way_is_touched_and_named(world_of: Callable[..., World]) -> None:
+def test_a_wall_in_the_way_is_touched_and_named(urdf_world: Callable[..., World]) -> None:
     wall = {"name": "lid", "shape": {"box": [1, 1, 0.1]}, "pose": {"position": [0, 0, 0.35]}}
-    world = world_of(SLIDE, objects=[wall])
+    world = urdf_world(SLIDE, objects=[wall])
     runner = execute(world, "r", quintic(world, "r", [0.5], 1.0))
     run(runner, 3.0)
     failure, contact = runner.status.failure, runner.status.contacts[0]
@@ -198,7 +185,7 @@ def test_a_cancel_ends_at_rest_within_the_acceleration_limits() -> None:
     assert runner.status.tracking_error < 1e-3
 
 
-def test_what_moves_no_mass_is_refused(world_of: Callable[..., World]) -> None:
-    world = world_of(MASSLESS)
+def test_what_moves_no_mass_is_refused(urdf_world: Callable[..., World]) -> None:
+    world = urdf_world(MASSLESS)
     with pytest.raises(ModelInvalid, match="'r'"):
         Simulation(world, world.group("r"), np.zeros(1))

@@ -1,0 +1,74 @@
+"""Payload: what a robot carries that the scene does not show."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float64
+
+from planning.domain.value import Value
+from planning.errors import ProblemInvalid
+
+# Principal moments may break what bodies obey by this share, for rounding.
+_SLACK = 1e-9
+
+
+@dataclass(frozen=True, eq=False)
+class Payload(Value):
+    """A rigid mass that follows a frame F and burdens every joint that carries it.
+
+    Attributes:
+        frame: Full name of F.
+        mass: [kg], positive.
+        center_of_mass: In F [m], shape (3,).
+        inertia: About the centre of mass, along the axes of F [kg m^2], shape (3, 3); zero for a
+            point mass.
+    """
+
+    frame: str
+    mass: float
+    center_of_mass: Float64[np.ndarray, "3"] = field(default_factory=lambda: np.zeros(3))
+    inertia: Float64[np.ndarray, "3 3"] = field(default_factory=lambda: np.zeros((3, 3)))
+
+    @classmethod
+    def from_parts(
+        cls,
+        frame: str,
+        mass: float,
+        center_of_mass: Sequence[float] = (0.0, 0.0, 0.0),
+        inertia: Sequence[float] = (0.0,) * 6,
+    ) -> "Payload":
+        """Build a payload that could be a body.
+
+        Args:
+            frame: Full name of the frame that it follows.
+            mass: [kg].
+            center_of_mass: In that frame [m], 3 numbers.
+            inertia: Ixx, Iyy, Izz, Ixy, Ixz, Iyz about the centre of mass [kg m^2].
+
+        Raises:
+            ProblemInvalid: A number is not finite, the mass is not positive, or no body has such
+                an inertia: a principal moment is negative, or greater than the two others together.
+        """
+        center = np.array(center_of_mass, dtype=np.float64)
+        moments = np.array(inertia, dtype=np.float64)
+        if not (np.isfinite(mass) and mass > 0):
+            raise _fault("mass", f"it must be positive and finite, got {mass}")
+        if center.shape != (3,) or not np.isfinite(center).all():
+            raise _fault("center_of_mass", "3 finite numbers are needed")
+        if moments.shape != (6,) or not np.isfinite(moments).all():
+            raise _fault("inertia", "6 finite numbers are needed: Ixx, Iyy, Izz, Ixy, Ixz, Iyz")
+        xx, yy, zz, xy, xz, yz = moments
+        matrix = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+        principal: Any = np.linalg.eigvalsh(matrix)
+        slack = _SLACK * np.abs(principal).max()
+        if principal[0] < -slack or principal[2] > principal[0] + principal[1] + slack:
+            words = "no body has these principal moments: none is negative, nor greater than the "
+            raise _fault("inertia", f"{words}two others together; got {principal.tolist()}")
+        return cls(frame, float(mass), center, matrix)
+
+
+def _fault(part: str, message: str) -> ProblemInvalid:
+    field_name = f"retime.payload.{part}"
+    return ProblemInvalid(f"{field_name}: {message}", {"field": field_name})
