@@ -27,6 +27,7 @@ from planning.parts import at_end_of, tool_of
 from planning.plan_task import PlanTask
 from planning.proving import prove_lines, prove_search
 from planning.ruled import admit_rules, kept_goals
+from planning.search.demands import driven
 from planning.stopwatch import Stopwatch
 from planning.world.positions import require_positions
 from planning.world.world import World
@@ -58,7 +59,7 @@ def plan(
         PlanningFailure: There is no motion to give; code, stage and evidence say why.
     """
     watch = Stopwatch(deadline.clock)
-    group = world.group(problem.group)
+    group = driven(world.group(problem.group), problem.search.spaces)
     given = world.positions(group) if problem.start is None else problem.start
     given = require_positions(group, given, "start")
     margins = world.margins(problem.margin)

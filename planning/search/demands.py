@@ -8,12 +8,15 @@ import numpy as np
 from jaxtyping import Float64
 
 from planning.domain.joints import JointGroup, JointLimits, JointType
+from planning.domain.steering import Steering, steered, steering_of
 from planning.errors import ProblemInvalid, UnknownName
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 _WEIGHTS = (1e-3, 1e3)
 _SPACES = ("full", "position")
+# Of turning radii [m].
+_LEAST_RADIUS, _LARGEST_RADIUS = 1e-3, 1e3
 _ROTATES = (JointType.PLANAR, JointType.FLOATING)
 
 
@@ -69,11 +72,37 @@ def bounded(
     return replace(limits, lower=lower, upper=upper)
 
 
-def held_rotations(group: JointGroup, spaces: Mapping[str, str]) -> list[int]:
+def driven(group: JointGroup, spaces: Mapping[str, str | Steering]) -> JointGroup:
+    """Return the group with the bases steered that a request says are cars.
+
+    Raises:
+        UnknownName: There is no such planar joint.
+        ProblemInvalid: A turning radius makes no sense, or the robot itself cannot drive so.
+    """
+    asked = {name: how for name, how in spaces.items() if isinstance(how, Steering)}
+    if not asked:
+        return group
+    own = steering_of(group)
+    planar = [joint.name for joint in group.joints if joint.type is JointType.PLANAR]
+    for name, how in asked.items():
+        if name not in planar:
+            raise UnknownName.among("planar joint", name, planar)
+        if not _LEAST_RADIUS <= how.turning_radius <= _LARGEST_RADIUS:
+            reason = f"its turning radius must be between {_LEAST_RADIUS} and {_LARGEST_RADIUS} m"
+            raise _bad_space(name, reason)
+        car = own.get(name, how)
+        if how.turning_radius < car.turning_radius or (how.reverse and not car.reverse):
+            reason = f"the robot's own turning radius is {car.turning_radius} m"
+            raise _bad_space(name, reason if car.reverse else f"{reason}, and it has no reverse")
+    return steered(group, {**own, **asked})
+
+
+def held_rotations(group: JointGroup, spaces: Mapping[str, str | Steering]) -> list[int]:
     """Return the coordinates of q that a search keeps as they are at the start.
 
     Raises:
         UnknownName: There is no such planar or floating joint, or no such space.
+        ProblemInvalid: A car is to keep its rotation.
     """
     offsets: dict[str, list[int]] = {}
     iq = 0
@@ -86,10 +115,19 @@ def held_rotations(group: JointGroup, spaces: Mapping[str, str]) -> list[int]:
     for name, space in spaces.items():
         if name not in offsets:
             raise UnknownName.among("planar or floating joint", name, offsets)
+        if isinstance(space, Steering):
+            continue
         if space not in _SPACES:
             raise UnknownName.among("space", space, _SPACES)
+        if space == "position" and name in steering_of(group):
+            raise _bad_space(name, "a car cannot keep its rotation")
         held += offsets[name] if space == "position" else []
     return sorted(held)
+
+
+def _bad_space(name: str, reason: str) -> ProblemInvalid:
+    field = "search.spaces"
+    return ProblemInvalid(f"{field}: {name!r}: {reason}", {"field": field, "name": name})
 
 
 def _bad_bounds(name: str, reason: str) -> ProblemInvalid:

@@ -12,7 +12,9 @@ from jaxtyping import Float64
 
 from planning.domain.value import Value
 from planning.search.attempt import Array, Attempt, Query, attempt
+from planning.search.car_space import CarSpace
 from planning.search.densify import densified
+from planning.search.drive_shortcut import shortened_drive
 from planning.search.edges import EdgeChecker
 from planning.search.objective import Objective
 from planning.search.polyline import path_length, unrolled
@@ -78,11 +80,7 @@ class Trial(Value):
 
 def fine_checker(query: Query, resolution: float) -> EdgeChecker:
     """Return what checks results, for a search at `resolution`."""
-    return _checker(query, resolution / _FINER)
-
-
-def _checker(query: Query, resolution: float) -> EdgeChecker:
-    return EdgeChecker(query.space.manifold, query.oracle, resolution, query.objective.norm)
+    return query.space.checker(query.oracle, resolution / _FINER, query.objective.norm)
 
 
 def sound_attempt(query: Query, closeness: Closeness, seeds: np.random.SeedSequence) -> Trial:
@@ -95,7 +93,8 @@ def sound_attempt(query: Query, closeness: Closeness, seeds: np.random.SeedSeque
     num_motions = halvings = 0
     while True:
         child = seeds.spawn(1)[0]
-        edges = _checker(query, closeness.resolution / 2**halvings)
+        resolution = closeness.resolution / 2**halvings
+        edges = query.space.checker(query.oracle, resolution, query.objective.norm)
         seed = max(1, int(child.generate_state(1)[0]))
         found = attempt(query, edges, closeness.fine, seed)
         path = _shortened(query, found, edges, closeness)
@@ -114,7 +113,10 @@ def _shortened(
     time = query.deadline.share(_SHORTCUT_SHARE).within(query.options.shortcut_time)
     raw, fine = found.waypoints, closeness.fine
     with query.watch.stage("shortcut"):
-        shorter = shortcut(raw, coarse, fine, lambda: time.is_over)
+        if isinstance(query.space, CarSpace):
+            shorter = shortened_drive(raw, fine, lambda: time.is_over)
+        else:
+            shorter = shortcut(raw, coarse, fine, lambda: time.is_over)
         if shorter is None:
             return None
         path = unrolled(shorter, query.space.manifold)
