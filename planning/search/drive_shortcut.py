@@ -86,14 +86,13 @@ def _best_chain(
         chain = _cheapest(costs)
         if chain is None:
             return None
-        is_free = True
         for i, j in zip(chain, chain[1:], strict=False):
             if not is_known[i, j]:
                 is_known[i, j] = True
                 if not edges.is_free(points[i], points[j]):
                     costs[i, j] = np.inf
-                    is_free = False
-        if is_free:
+                    break
+        else:
             ways = [
                 edges.way(points[i], points[j])[1:] for i, j in zip(chain, chain[1:], strict=False)
             ]

@@ -25,57 +25,50 @@ def dubins_words(goals: Float64[np.ndarray, "m 3"]) -> Words:
     x, y, yaw = goals.T
     d, course = np.hypot(x, y), np.arctan2(y, x)
     a, b = -course, yaw - course
-    sa, sb, ca, cb, cab = np.sin(a), np.sin(b), np.cos(a), np.cos(b), np.cos(a - b)
+    left = d + np.sin(a) - np.sin(b), np.cos(a) - np.cos(b)
+    right = d - np.sin(a) + np.sin(b), np.cos(a) - np.cos(b)
     with np.errstate(invalid="ignore"):
         words = [
-            *_outer(a, b, (d + sa - sb, cb - ca), (d - sa + sb, ca - cb)),
-            *_inner(a, b, d, (ca + cb, sa + sb), cab),
-            _three_turns(a, b, (d - sa + sb, ca - cb), d),
+            _outer(a, b, right),
             # What turns left first is the mirror image of what turns right first.
-            _mirrored(_three_turns(-a, -b, (d + sa - sb, ca - cb), d)),
+            _outer(-a, -b, left),
+            _inner(a, b, d),
+            _inner(-a, -b, d),
+            _three_turns(a, b, d, right),
+            _three_turns(-a, -b, d, left),
         ]
-    return shortest(words, goals)
+    return shortest(np.stack(words), _TURNS, goals)
 
 
-def _outer(
-    a: Array, b: Array, left: tuple[Array, Array], right: tuple[Array, Array]
-) -> list[Words]:
-    """Return LSL and RSR; given are x and y of the line between the circles' centres."""
-    course, other = np.arctan2(left[1], left[0]), np.arctan2(right[1], right[0])
-    return [
-        _word((course - a, b - course), np.hypot(*left), (1, 0, 1)),
-        _word((a - other, other - b), np.hypot(*right), (-1, 0, -1)),
-    ]
+_RIGHT_FIRST = np.array([[-1.0, 0.0, -1.0], [-1.0, 0.0, 1.0], [-1.0, 1.0, -1.0]])
+_TURNS = np.stack([_RIGHT_FIRST, -_RIGHT_FIRST], axis=1).reshape(6, 3)
 
 
-def _inner(a: Array, b: Array, d: Array, sums: tuple[Array, Array], cab: Array) -> list[Words]:
-    """Return LSR and RSL, whose line crosses the one between the circles' centres."""
-    cosines, sines = sums
-    left = np.sqrt(d**2 - 2 + 2 * cab + 2 * d * sines)
-    right = np.sqrt(d**2 - 2 + 2 * cab - 2 * d * sines)
-    course = np.arctan2(-cosines, d + sines) - np.arctan2(-2.0, left)
-    other = np.arctan2(cosines, d - sines) - np.arctan2(2.0, right)
-    return [
-        _word((course - a, course - b), left, (1, 0, -1)),
-        _word((a - other, b - other), right, (-1, 0, 1)),
-    ]
+def _outer(a: Array, b: Array, centres: tuple[Array, Array]) -> Array:
+    """Return RSR; given are x and y of the line between the circles' centres."""
+    course = np.arctan2(centres[1], centres[0])
+    return _word(a - course, np.hypot(*centres), course - b)
 
 
-def _three_turns(a: Array, b: Array, centres: tuple[Array, Array], d: Array) -> Words:
+def _inner(a: Array, b: Array, d: Array) -> Array:
+    """Return RSL, whose line crosses the one between the circles' centres."""
+    cosines, ahead = np.cos(a) + np.cos(b), d - np.sin(a) - np.sin(b)
+    line = np.sqrt(cosines**2 + ahead**2 - 4)
+    course = np.arctan2(cosines, ahead) - np.arctan2(2.0, line)
+    return _word(a - course, line, b - course)
+
+
+def _three_turns(a: Array, b: Array, d: Array, centres: tuple[Array, Array]) -> Array:
     """Return RLR; given are x and y of the line between the outer circles' centres."""
     cosine = (6 - d**2 + 2 * np.cos(a - b) + 2 * d * (np.sin(a) - np.sin(b))) / 8
     middle = 2 * np.pi - np.arccos(cosine)
     first = a - np.arctan2(centres[1], centres[0]) + middle / 2
-    return _word((first, a - b - first + middle), middle, (-1, 1, -1))
+    return _word(first, middle, a - b - first + middle)
 
 
-def _mirrored(word: Words) -> Words:
-    return Words(word.lengths, -word.turns)
-
-
-def _word(ends: tuple[Array, Array], middle: Array, turns: tuple[int, int, int]) -> Words:
-    lengths = np.stack([_turn(ends[0]), middle, _turn(ends[1])], axis=1)
-    return Words(np.where(np.isnan(middle)[:, None], np.inf, lengths), np.array(turns, float))
+def _word(first: Array, middle: Array, last: Array) -> Array:
+    """Return the lengths of three letters, shape (m, 3); those of arcs at the ends are wrapped."""
+    return np.stack([_turn(first), middle, _turn(last)], axis=1)
 
 
 def _turn(angle: Array) -> Array:

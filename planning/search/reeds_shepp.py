@@ -23,7 +23,6 @@ _QUARTER = np.pi / 2
 # Lengths that are less than zero by so much are zero.
 _NOTHING = 1e-11
 _L, _S, _R = 1, 0, -1
-_NONE = 0
 
 
 def reeds_shepp_words(goals: Float64[np.ndarray, "m 3"]) -> Words:
@@ -35,34 +34,17 @@ def reeds_shepp_words(goals: Float64[np.ndarray, "m 3"]) -> Words:
         np.concatenate([y, y, -y, -y]),
         np.concatenate([yaw, -yaw, -yaw, yaw]),
     )
-    backwards = (
-        seen[0] * np.cos(seen[2]) + seen[1] * np.sin(seen[2]),
-        seen[0] * np.sin(seen[2]) - seen[1] * np.cos(seen[2]),
-        seen[2],
-    )
-    words: list[Words] = []
-    with np.errstate(invalid="ignore", divide="ignore"):
-        for formula, turns, is_one_way in _FORMULAS:
-            words += _four(formula(*seen), turns)
-            if not is_one_way:
-                letters, exists = formula(*backwards)
-                words += _four((letters[::-1], exists), turns[::-1])
-    return shortest(words, goals)
-
-
-def _four(found: tuple[list[Array], Any], turns: tuple[int, ...]) -> list[Words]:
-    """Return the words of the four symmetric goals, as words to the goal itself."""
-    letters, exists = found
-    lengths = np.stack([*letters, *[np.zeros_like(letters[0])] * (5 - len(letters))], axis=1)
-    lengths = np.where(exists[:, None], lengths, np.inf)
-    padded = np.array([*turns, *[_NONE] * (5 - len(turns))], dtype=np.float64)
-    same, flipped, mirrored, both = np.split(lengths, 4)
-    return [
-        Words(same, padded),
-        Words(-flipped, padded),
-        Words(mirrored, -padded),
-        Words(-both, -padded),
-    ]
+    c, s = np.cos(seen[2]), np.sin(seen[2])
+    backwards = seen[0] * c + seen[1] * s, seen[0] * s - seen[1] * c, seen[2]
+    lengths = np.zeros((len(_WORDS), 4, len(goals), 5))
+    with np.errstate(invalid="ignore"):
+        for word, (formula, _, is_from_goal) in zip(lengths, _WORDS, strict=True):
+            letters, exists = formula(*(backwards if is_from_goal else seen))
+            for k, letter in enumerate(letters[::-1] if is_from_goal else letters):
+                word[:, :, k] = letter.reshape(4, -1)
+            word[~exists.reshape(4, -1)] = np.inf
+    lengths *= _DRIVEN[:, None, None]
+    return shortest(lengths.reshape(-1, len(goals), 5), _TURNS, goals)
 
 
 def _lp_sp_lp(x: Array, y: Array, yaw: Array) -> tuple[list[Array], Any]:
@@ -135,16 +117,25 @@ def _lp_rm_s_lm_rp(x: Array, y: Array, yaw: Array) -> tuple[list[Array], Any]:
     return [t, _back(t), u, _back(t), v], exists
 
 
-_FORMULAS: tuple[tuple[Formula, tuple[int, ...], bool], ...] = (
-    (_lp_sp_lp, (_L, _S, _L), True),
-    (_lp_sp_rp, (_L, _S, _R), True),
+# Each formula, its turns, and whether it is driven from the goal to the start.
+_WORDS: tuple[tuple[Formula, tuple[int, ...], bool], ...] = (
+    (_lp_sp_lp, (_L, _S, _L), False),
+    (_lp_sp_rp, (_L, _S, _R), False),
     (_lp_rm_l, (_L, _R, _L), False),
-    (_lp_rup_lum_rm, (_L, _R, _L, _R), True),
-    (_lp_rum_lum_rp, (_L, _R, _L, _R), True),
+    (_lp_rm_l, (_L, _R, _L), True),
+    (_lp_rup_lum_rm, (_L, _R, _L, _R), False),
+    (_lp_rum_lum_rp, (_L, _R, _L, _R), False),
     (_lp_rm_sm_lm, (_L, _R, _S, _L), False),
+    (_lp_rm_sm_lm, (_L, _S, _R, _L), True),
     (_lp_rm_sm_rm, (_L, _R, _S, _R), False),
-    (_lp_rm_s_lm_rp, (_L, _R, _S, _L, _R), True),
+    (_lp_rm_sm_rm, (_R, _S, _R, _L), True),
+    (_lp_rm_s_lm_rp, (_L, _R, _S, _L, _R), False),
 )
+# Of the four symmetric goals: which way their words are driven, and to which side they turn.
+_DRIVEN = np.array([1.0, -1.0, 1.0, -1.0])
+_TURNED = np.array([1.0, 1.0, -1.0, -1.0])
+_PADDED = np.array([[*turns, *[_S] * (5 - len(turns))] for _, turns, _ in _WORDS], dtype=float)
+_TURNS = (_TURNED[:, None] * _PADDED[:, None]).reshape(-1, 5)
 
 
 def _tau_omega(u: Array, v: Array, goal: tuple[Array, Array, Array]) -> tuple[Array, Array]:

@@ -5,7 +5,6 @@ arc that is its angle too, negative for backwards, and a turn: 1 to the left, -1
 straight ahead.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -25,7 +24,7 @@ class Words:
     """One word for each of several goals.
 
     Attributes:
-        lengths: Of each letter [radii], infinite where there is no such word, shape (m, k).
+        lengths: Of each letter [radii], shape (m, k).
         turns: Of each letter, shape (m, k).
     """
 
@@ -33,25 +32,31 @@ class Words:
     turns: Float64[np.ndarray, "m k"]
 
 
-def shortest(words: Sequence[Words], goals: Float64[np.ndarray, "m 3"]) -> Words:
+def shortest(
+    lengths: Float64[np.ndarray, "w m k"],
+    turns: Float64[np.ndarray, "w k"],
+    goals: Float64[np.ndarray, "m 3"],
+) -> Words:
     """Return the shortest word to each goal of those that lead there, the first of equals.
 
     Args:
-        words: Some for each goal, all with the same number of letters.
+        lengths: Of w words to each goal, infinite where a word is none [radii].
+        turns: Of the letters of each of the w.
         goals: x, y [radii] and yaw.
     """
-    lengths = np.stack([word.lengths for word in words])
-    turns = np.stack([np.broadcast_to(word.turns, word.lengths.shape) for word in words])
-    exists = np.isfinite(lengths).all(axis=2)
-    lengths = np.where(exists[:, :, None], lengths, 0.0)
-    x, y, yaw = end_of(lengths, turns)
-    turn = np.remainder(yaw - goals[:, 2] + np.pi, 2 * np.pi) - np.pi
-    miss = np.hypot(x - goals[:, 0], y - goals[:, 1]) + np.abs(turn)
     totals = np.abs(lengths).sum(axis=2)
-    totals[~exists | (miss > _MISS * (1 + totals))] = np.inf
-    best = np.argmax(totals <= totals.min(axis=0) + _EQUAL, axis=0)
+    totals[np.isnan(totals)] = np.inf
     rows = np.arange(len(goals))
-    return Words(lengths[best, rows], turns[best, rows])
+    while True:
+        best = np.argmax(totals <= totals.min(axis=0) + _EQUAL, axis=0)
+        chosen = Words(lengths[best, rows], turns[best])
+        x, y, yaw = end_of(chosen.lengths, chosen.turns)
+        turn = np.remainder(yaw - goals[:, 2] + np.pi, 2 * np.pi) - np.pi
+        miss = np.hypot(x - goals[:, 0], y - goals[:, 1]) + np.abs(turn)
+        lost = np.flatnonzero(miss > _MISS * (1 + totals[best, rows]))
+        if not len(lost):
+            return chosen
+        totals[best[lost], lost] = np.inf
 
 
 def end_of(lengths: Array, turns: Array) -> tuple[Array, Array, Array]:
