@@ -1,15 +1,18 @@
 """CarSpace: the search space of a group with a car in it."""
 
-from typing import override
+from collections.abc import Callable
+from typing import Any, override
 
 import numpy as np
 from jaxtyping import Float64
 
 from planning.domain.joints import JointGroup, JointLimits
-from planning.search.drives import Drives, Norm
+from planning.search.drives import Drives
 from planning.search.driven_edges import DrivenEdges
 from planning.search.oracle import WatchedOracle
 from planning.search.spaces import SearchSpace
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 
 class CarSpace(SearchSpace):
@@ -39,6 +42,8 @@ class CarSpace(SearchSpace):
         super().__init__(group, limits, anchors, weights)
 
     @override
-    def checker(self, oracle: WatchedOracle, resolution: float, norm: Norm) -> DrivenEdges:
+    def checker(
+        self, oracle: WatchedOracle, resolution: float, norm: Callable[[Array], Array]
+    ) -> DrivenEdges:
         """Return what checks drives at a resolution."""
         return DrivenEdges(self.drives, oracle, resolution, norm, (self.lower, self.upper))

@@ -2,8 +2,8 @@
 
 A straight line between two of its configurations is none that a car could follow. So the path is
 cut into points, and of all ways along them in order, each step a drive from one point to a later
-one, the shortest whose steps are all free is looked for. It is guessed as if all were free, and
-guessed again without those that turn out blocked (Dellin and Srinivasa, "A unifying formalism for
+one, the shortest whose steps are all free is looked for. It is guessed as if all that seem free at a glance
+were, and guessed again without those that turn out blocked (Dellin and Srinivasa, "A unifying formalism for
 shortest path problems with expensive edge evaluations via lazy best-first search", ICAPS 2016).
 Nothing is random, and what is delivered was checked, every step of it.
 """
@@ -15,7 +15,7 @@ import numpy as np
 from jaxtyping import Float64
 
 from planning.errors import DeadlineExceeded
-from planning.search.edges import EdgeChecker
+from planning.search.driven_edges import DrivenEdges
 from planning.search.polyline import path_measure, points_on
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
@@ -31,7 +31,7 @@ _PER_STEP = 1e-6
 
 
 def shortened_drive(
-    waypoints: Float64[np.ndarray, "n nq"], edges: EdgeChecker, is_over: Callable[[], bool]
+    waypoints: Float64[np.ndarray, "n nq"], edges: DrivenEdges, is_over: Callable[[], bool]
 ) -> Array | None:
     """Return a drive that is no longer, with the same ends, shape (m, nq), every step free.
 
@@ -65,7 +65,7 @@ def shortened_drive(
 
 
 def _best_chain(
-    points: Array, edges: EdgeChecker, is_over: Callable[[], bool]
+    points: Array, edges: DrivenEdges, is_over: Callable[[], bool]
 ) -> Array | None:
     """Return the waypoints of the shortest free way along some of the points, in their order."""
     begins, ends = np.triu_indices(len(points), 1)
@@ -74,8 +74,9 @@ def _best_chain(
     is_next = ends == begins + 1
     tried = is_next | ((begins % stride == 0) & (ends % stride == 0))
     begins, ends, is_next = begins[tried], ends[tried], is_next[tried]
+    lengths, seem_free = edges.at_a_glance(points[begins], points[ends])
     costs = np.full((len(points), len(points)), np.inf)
-    costs[begins, ends] = edges.lengths(points[begins], points[ends]) + _PER_STEP
+    costs[begins, ends] = np.where(seem_free, lengths + _PER_STEP, np.inf)
     is_known = np.zeros(costs.shape, dtype=bool)
     is_known[np.tril_indices(len(points))] = True
     while True:

@@ -1,12 +1,13 @@
 """DrivenEdges: edges of a group with a car in it, which are drives and no straight lines."""
 
+from collections.abc import Callable
 from typing import Any, override
 
 import numpy as np
 from jaxtyping import Bool, Float64
 
 from planning.domain.motion_samples import fraction_batches, steps_of
-from planning.search.drives import Drives, Norm
+from planning.search.drives import Drives
 from planning.search.edges import EdgeChecker
 from planning.search.oracle import WatchedOracle
 
@@ -28,7 +29,7 @@ class DrivenEdges(EdgeChecker):
         drives: Drives,
         oracle: WatchedOracle,
         resolution: float,
-        norm: Norm,
+        norm: Callable[[Array], Array],
         bounds: tuple[Float64[np.ndarray, " nq"], Float64[np.ndarray, " nq"]],
     ) -> None:
         """Make a checker that has checked nothing yet; `bounds` are those of q."""
@@ -80,8 +81,27 @@ class DrivenEdges(EdgeChecker):
         """Return the measures of the drives between rows, by `norm`."""
         q0s, q1s = np.broadcast_arrays(q0s, q1s)
         nq = q0s.shape[-1]
-        found = self._drives.lengths(q0s.reshape(-1, nq), q1s.reshape(-1, nq), self.norm)
-        return found.reshape(q0s.shape[:-1])
+        tangents = self._drives.tangents(q0s.reshape(-1, nq), q1s.reshape(-1, nq))
+        return self.norm(tangents).sum(axis=1).reshape(q0s.shape[:-1])
+
+    def at_a_glance(
+        self, q0s: Float64[np.ndarray, "m nq"], q1s: Float64[np.ndarray, "m nq"]
+    ) -> tuple[Float64[np.ndarray, " m"], Bool[np.ndarray, " m"]]:
+        """Return the measures of the drives between rows, and which of them seem to be free.
+
+        Those are looked at in the middle and at the end of every arc and line of theirs.
+        """
+        tangents = self._drives.tangents(q0s, q1s)
+        looks: list[Array] = []
+        q = q0s
+        for half in np.repeat(tangents, 2, axis=1).transpose(1, 0, 2) / 2:
+            q = self.manifold.plus(q, half)
+            looks.append(q)
+        qs = np.concatenate(looks)
+        spots = qs[:, self._drives.iq : self._drives.iq + 2]
+        free = ((spots >= self._lower - _DUST) & (spots <= self._upper + _DUST)).all(axis=1)
+        free[free] = self._oracle.are_free(qs[free])
+        return self.norm(tangents).sum(axis=1), free.reshape(len(looks), -1).all(axis=0)
 
     def _samples(self, way: Array) -> Array:
         """Return configurations on a drive that are near enough to one another, but its first."""

@@ -4,7 +4,6 @@ The car follows its shortest curve, the other joints go straight, each as far al
 A drive is waypoints joined by arcs and lines of constant velocity (`SteeredManifold`).
 """
 
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -18,7 +17,6 @@ from planning.search.reeds_shepp import reeds_shepp_words
 from planning.search.words import Words
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
-type Norm = Callable[[Array], Array]
 
 # How far one arc turns at most, well below half a turn, at which it could be one to either side.
 _MOST_TURN = 2.0
@@ -67,15 +65,15 @@ class Drives:
         ways = [self.way(q0, q1)[1:] for q0, q1 in zip(waypoints, waypoints[1:], strict=False)]
         return np.concatenate([waypoints[:1], *ways])
 
-    def lengths(
-        self, q0s: Float64[np.ndarray, "m nq"], q1s: Float64[np.ndarray, "m nq"], norm: Norm
-    ) -> Float64[np.ndarray, " m"]:
-        """Return the measures of the ways between rows."""
+    def tangents(
+        self, q0s: Float64[np.ndarray, "m nq"], q1s: Float64[np.ndarray, "m nq"]
+    ) -> Float64[np.ndarray, "m k nv"]:
+        """Return the tangents of the arcs and lines, one after another, of ways between rows."""
         deltas = self.manifold.minus(q1s, q0s)
-        found = np.array(norm(deltas))
-        rest = np.flatnonzero(~self._are_arcs(deltas))
-        if len(rest):
-            found[rest] = norm(self._letters(q0s[rest], q1s[rest], deltas[rest])).sum(axis=1)
+        is_arc = self._are_arcs(deltas)
+        found = self._letters(q0s, q1s, deltas)
+        found[is_arc] = 0.0
+        found[is_arc, 0] = deltas[is_arc]
         return found
 
     def _way(self, q0: Array, q1: Array) -> Array:

@@ -12,9 +12,9 @@ from jaxtyping import Float64
 
 from planning.domain.value import Value
 from planning.search.attempt import Array, Attempt, Query, attempt
-from planning.search.car_space import CarSpace
 from planning.search.densify import densified
 from planning.search.drive_shortcut import shortened_drive
+from planning.search.driven_edges import DrivenEdges
 from planning.search.edges import EdgeChecker
 from planning.search.objective import Objective
 from planning.search.polyline import path_length, unrolled
@@ -113,7 +113,7 @@ def _shortened(
     time = query.deadline.share(_SHORTCUT_SHARE).within(query.options.shortcut_time)
     raw, fine = found.waypoints, closeness.fine
     with query.watch.stage("shortcut"):
-        if isinstance(query.space, CarSpace):
+        if isinstance(fine, DrivenEdges):
             shorter = shortened_drive(raw, fine, lambda: time.is_over)
         else:
             shorter = shortcut(raw, coarse, fine, lambda: time.is_over)
