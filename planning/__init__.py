@@ -56,6 +56,7 @@ if TYPE_CHECKING:
         RemoveObject,
         SetPositions,
     )
+    from planning.domain.steering import Steering
     from planning.ik import assess_configurations, solve_ik
     from planning.kernel.native import kernel_name
     from planning.line import Displacement, Fineness, trace_line
@@ -122,6 +123,7 @@ _DOORS = {
     "SearchOptions": "planning.domain.options",
     "SetPositions": "planning.domain.scene_operation",
     "Simulation": "planning.world.simulation",
+    "Steering": "planning.domain.steering",
     "TightLimits": "planning.domain.constraint",
     "TimedTrajectory": "planning.domain.curve",
     "World": "planning.world.world",
@@ -197,6 +199,7 @@ __all__ = [
     "SearchOptions",
     "SetPositions",
     "Simulation",
+    "Steering",
     "TightLimits",
     "TimedTrajectory",
     "World",

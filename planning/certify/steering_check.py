@@ -7,10 +7,10 @@ every piece, between all samples:
     curvature   (r psi')^2 <= (1 + delta)^2 v_x^2
     reverse     v_x >= 0, unless the car drives backwards
 
-All but the sine and the cosine are polynomials. Pieces are halved until psi = psi_m + eta with |eta|
-at most 1/8; then Taylor's series 1 - eta^2 / 2 + eta^4 / 24 and eta - eta^3 / 6 are wrong by less
-than 3e-7 together, which the first bound makes room for. Both sides are homogeneous in speed, so
-that slow motion is held to the same as fast; only what is slower than a micrometre per second
+All but the sine and the cosine are polynomials. Pieces are halved until psi = psi_m + eta with
+|eta| at most 1/8; then Taylor's series 1 - eta^2 / 2 + eta^4 / 24 and eta - eta^3 / 6 are wrong by
+less than 3e-7 together, which the first bound makes room for. Both sides are homogeneous in speed,
+so that slow motion is held to the same as fast; only what is slower than a micrometre per second
 (sideways and in reverse, a nanometre) is not looked at.
 """
 

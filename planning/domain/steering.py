@@ -116,7 +116,7 @@ class SteeredManifold(Manifold):
 
     @override
     def minus(self, q1: Float64[np.ndarray, "*#n nq"], q0: Float64[np.ndarray, "*#n nq"]) -> Array:
-        """Return the constant velocity that leads from q0 to q1; it turns by half a turn at most."""
+        """Return the constant velocity that leads from q0 to q1, by half a turn at most."""
         delta = super().minus(q1, q0)
         for iq, iv in self.offsets:
             x, y = (q1[..., iq + i] - q0[..., iq + i] for i in range(2))

@@ -7,8 +7,8 @@ import numpy as np
 from jaxtyping import Float64
 
 from planning.domain.joints import JointGroup, JointLimits
-from planning.search.drives import Drives
 from planning.search.driven_edges import DrivenEdges
+from planning.search.drives import Drives
 from planning.search.oracle import WatchedOracle
 from planning.search.spaces import SearchSpace
 

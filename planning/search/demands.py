@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float64
 
+from planning.domain.car_request import agreed_steering, bad_space
 from planning.domain.joints import JointGroup, JointLimits, JointType
 from planning.domain.steering import Steering, steered, steering_of
 from planning.errors import ProblemInvalid, UnknownName
@@ -15,8 +16,6 @@ type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 _WEIGHTS = (1e-3, 1e3)
 _SPACES = ("full", "position")
-# Of turning radii [m].
-_LEAST_RADIUS, _LARGEST_RADIUS = 1e-3, 1e3
 _ROTATES = (JointType.PLANAR, JointType.FLOATING)
 
 
@@ -82,19 +81,8 @@ def driven(group: JointGroup, spaces: Mapping[str, str | Steering]) -> JointGrou
     asked = {name: how for name, how in spaces.items() if isinstance(how, Steering)}
     if not asked:
         return group
-    own = steering_of(group)
     planar = [joint.name for joint in group.joints if joint.type is JointType.PLANAR]
-    for name, how in asked.items():
-        if name not in planar:
-            raise UnknownName.among("planar joint", name, planar)
-        if not _LEAST_RADIUS <= how.turning_radius <= _LARGEST_RADIUS:
-            reason = f"its turning radius must be between {_LEAST_RADIUS} and {_LARGEST_RADIUS} m"
-            raise _bad_space(name, reason)
-        car = own.get(name, how)
-        if how.turning_radius < car.turning_radius or (how.reverse and not car.reverse):
-            reason = f"the robot's own turning radius is {car.turning_radius} m"
-            raise _bad_space(name, reason if car.reverse else f"{reason}, and it has no reverse")
-    return steered(group, {**own, **asked})
+    return steered(group, agreed_steering(steering_of(group), asked, planar))
 
 
 def held_rotations(group: JointGroup, spaces: Mapping[str, str | Steering]) -> list[int]:
@@ -120,14 +108,9 @@ def held_rotations(group: JointGroup, spaces: Mapping[str, str | Steering]) -> l
         if space not in _SPACES:
             raise UnknownName.among("space", space, _SPACES)
         if space == "position" and name in steering_of(group):
-            raise _bad_space(name, "a car cannot keep its rotation")
+            raise bad_space(name, "a car cannot keep its rotation")
         held += offsets[name] if space == "position" else []
     return sorted(held)
-
-
-def _bad_space(name: str, reason: str) -> ProblemInvalid:
-    field = "search.spaces"
-    return ProblemInvalid(f"{field}: {name!r}: {reason}", {"field": field, "name": name})
 
 
 def _bad_bounds(name: str, reason: str) -> ProblemInvalid:

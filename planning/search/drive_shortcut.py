@@ -2,13 +2,14 @@
 
 A straight line between two of its configurations is none that a car could follow. So the path is
 cut into points, and of all ways along them in order, each step a drive from one point to a later
-one, the shortest whose steps are all free is looked for. It is guessed as if all that seem free at a glance
-were, and guessed again without those that turn out blocked (Dellin and Srinivasa, "A unifying formalism for
-shortest path problems with expensive edge evaluations via lazy best-first search", ICAPS 2016).
-Nothing is random, and what is delivered was checked, every step of it.
+one, the shortest whose steps are all free is looked for. It is guessed as if all that seem free at
+a glance were, and guessed again without those that turn out blocked (Dellin and Srinivasa, "A
+unifying formalism for shortest path problems with expensive edge evaluations via lazy best-first
+search", ICAPS 2016). Nothing is random, and of what is delivered every step was checked.
 """
 
 from collections.abc import Callable
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -64,9 +65,7 @@ def shortened_drive(
     return path
 
 
-def _best_chain(
-    points: Array, edges: DrivenEdges, is_over: Callable[[], bool]
-) -> Array | None:
+def _best_chain(points: Array, edges: DrivenEdges, is_over: Callable[[], bool]) -> Array | None:
     """Return the waypoints of the shortest free way along some of the points, in their order."""
     begins, ends = np.triu_indices(len(points), 1)
     # Of very many points every one is tried from the one before, but not from all before.
@@ -87,16 +86,14 @@ def _best_chain(
         chain = _cheapest(costs)
         if chain is None:
             return None
-        for i, j in zip(chain, chain[1:], strict=False):
+        for i, j in pairwise(chain):
             if not is_known[i, j]:
                 is_known[i, j] = True
                 if not edges.is_free(points[i], points[j]):
                     costs[i, j] = np.inf
                     break
         else:
-            ways = [
-                edges.way(points[i], points[j])[1:] for i, j in zip(chain, chain[1:], strict=False)
-            ]
+            ways = [edges.way(points[i], points[j])[1:] for i, j in pairwise(chain)]
             return np.concatenate([points[:1], *ways])
 
 

@@ -4,6 +4,7 @@ The car follows its shortest curve, the other joints go straight, each as far al
 A drive is waypoints joined by arcs and lines of constant velocity (`SteeredManifold`).
 """
 
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -62,7 +63,7 @@ class Drives:
 
     def threaded(self, waypoints: Float64[np.ndarray, "n nq"]) -> Array:
         """Return the waypoints of all ways between given ones, the given ones among them."""
-        ways = [self.way(q0, q1)[1:] for q0, q1 in zip(waypoints, waypoints[1:], strict=False)]
+        ways = [self.way(q0, q1)[1:] for q0, q1 in pairwise(waypoints)]
         return np.concatenate([waypoints[:1], *ways])
 
     def tangents(

@@ -13,10 +13,8 @@ from ompl import geometric as og
 from ompl import util as ou
 
 from planning.domain.foreign_planners import unknown_planner
-from planning.domain.joints import JointGroup
-from planning.domain.steering import steering_of
 from planning.domain.value import Value
-from planning.errors import ProblemInvalid, UnknownName
+from planning.errors import UnknownName
 from planning.search.parameters import (
     Scalar,
     declared,
@@ -32,10 +30,6 @@ from planning.search.parameters import (
 # of that length are blocked, in narrow places nearly all. On MotionBenchMaker's Panda problems 0.5
 # took a sixth of the checks, 0.3 and 0.8 a few more than 0.5.
 _RANGE = 0.5
-
-# Planners all of whose edges were checked from the start towards the goal, which matters only where
-# the way back is another one. A test tells which these are.
-_DIRECTED = ("InformedRRTstar", "KPIECE1", "RRT", "RRTConnect", "RRTstar", "SORRTstar")
 
 # OMPL logs to the terminal by default; what it has to say is in our reports and errors.
 ou.setLogLevel(ou.LogLevel.LOG_NONE)
@@ -104,24 +98,6 @@ def check_planners(names: Sequence[str], parameters: Mapping[str, Scalar]) -> No
             raise UnknownName.among("parameter", parameter, known)
     for name in names:
         check_planner(name, own_parameters(name, parameters))
-
-
-def check_directed(names: Sequence[str], group: JointGroup) -> None:
-    """Return if every planner can search for a group with this steering.
-
-    Raises:
-        ProblemInvalid: It checks edges against the direction of motion, and the car has no reverse.
-    """
-    if all(car.reverse for car in steering_of(group).values()):
-        return
-    for name in names:
-        if name not in _DIRECTED:
-            message = (
-                f"planner {name!r} checks motions backwards, and this car has no reverse; planners "
-                f"that check them in the direction of motion: {list(_DIRECTED)}"
-            )
-            field = "search.planner"
-            raise ProblemInvalid(message, {"field": field, "known": list(_DIRECTED)})
 
 
 def own_parameters(name: str, parameters: Mapping[str, Scalar]) -> dict[str, Scalar]:

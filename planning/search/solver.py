@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from planning.domain.car_request import require_directed
 from planning.domain.deadline import Deadline
 from planning.domain.joints import JointGroup, JointLimits
 from planning.domain.path import JointPath
@@ -23,7 +24,7 @@ from planning.search.demands import block_weights, bounded, driven, held_rotatio
 from planning.search.graph import line_graph
 from planning.search.objective import Objective
 from planning.search.oracle import CollisionOracle, WatchedOracle
-from planning.search.planners import check_directed, check_planners
+from planning.search.planners import check_planners
 from planning.search.projected import ProjectedSpace
 from planning.search.race import Tally, race
 from planning.search.sound import Closeness, SoundPath, delivered, fine_checker
@@ -117,7 +118,7 @@ def _query(
     """Return what every attempt needs, and the rows of the goals that are searched for."""
     options = task.options
     check_planners(options.planners, options.parameters)
-    check_directed(options.planners, group)
+    require_directed(options.planners, steering_of(group))
     limits = bounded(group, limits, options.bounds)
     weights = block_weights(group, options.weights)
     watched = WatchedOracle(oracle, group, limits, deadline)

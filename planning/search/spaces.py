@@ -19,7 +19,6 @@ from jaxtyping import Float64
 from ompl import base as ob
 
 from planning.domain.joints import Joint, JointGroup, JointLimits, JointType
-from planning.domain.manifold import Manifold
 from planning.domain.steering import manifold_of, steering_of
 from planning.search.edges import EdgeChecker
 from planning.search.oracle import WatchedOracle
@@ -89,7 +88,7 @@ class SearchSpace:
             weights: Of the group's blocks in OMPL's distances; None for 1.
             held: Coordinates of q that stay as they are at the start: whole rotations.
         """
-        self.manifold: Manifold = manifold_of(group)
+        self.manifold = manifold_of(group)
         self.lower, self.upper = _search_bounds(group, limits, anchors)
         self._held = list(held)
         self._rest = anchors[0]

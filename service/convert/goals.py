@@ -24,6 +24,7 @@ from planning.domain.options import (
 )
 from planning.domain.pose import Pose
 from planning.domain.problem import PlanningProblem
+from planning.domain.steering import Steering
 from service.convert.constraints import constraint_value
 from service.schemas.goal import (
     ConfigurationGoalWire,
@@ -36,7 +37,7 @@ from service.schemas.goal import (
     RegionGoalWire,
     RelativeGoalWire,
 )
-from service.schemas.plan import IkWire, PlanRequest, RetimeWire, SearchWire
+from service.schemas.plan import CarWire, IkWire, PlanRequest, RetimeWire, SearchWire
 from service.schemas.pose import PoseWire
 
 
@@ -149,7 +150,12 @@ def search_value(search: SearchWire) -> SearchOptions:
         approach_states=search.approach_states,
         weights=dict(search.weights),
         bounds={name: (low, high) for name, (low, high) in search.bounds.items()},
-        spaces=dict(search.spaces),
+        spaces={
+            name: Steering(space.turning_radius, space.reverse)
+            if isinstance(space, CarWire)
+            else space
+            for name, space in search.spaces.items()
+        },
         solve_time=search.solve_time,
         shortcut_time=search.shortcut_time,
         objective=search.objective,
