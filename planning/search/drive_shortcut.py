@@ -73,28 +73,32 @@ def _best_chain(points: Array, edges: DrivenEdges, is_over: Callable[[], bool]) 
     is_next = ends == begins + 1
     tried = is_next | ((begins % stride == 0) & (ends % stride == 0))
     begins, ends, is_next = begins[tried], ends[tried], is_next[tried]
-    lengths, seem_free = edges.at_a_glance(points[begins], points[ends])
+    tangents, seem_free = edges.at_a_glance(points[begins], points[ends])
+    lengths = edges.norm(tangents).sum(axis=1) + _PER_STEP
     costs = np.full((len(points), len(points)), np.inf)
-    costs[begins, ends] = np.where(seem_free, lengths + _PER_STEP, np.inf)
-    is_known = np.zeros(costs.shape, dtype=bool)
-    is_known[np.tril_indices(len(points))] = True
+    costs[begins, ends] = np.where(seem_free, lengths, np.inf)
+    row_of = {
+        pair: row for row, pair in enumerate(zip(begins.tolist(), ends.tolist(), strict=True))
+    }
+    ways: dict[tuple[int, int], Array] = {}
     while True:
         if is_over():
-            late = ~is_known
+            late = np.isfinite(costs)
             late[begins[is_next], ends[is_next]] = False
+            late[tuple(np.array(list(ways), dtype=int).reshape(-1, 2).T)] = False
             costs[late] = np.inf
         chain = _cheapest(costs)
         if chain is None:
             return None
         for i, j in pairwise(chain):
-            if not is_known[i, j]:
-                is_known[i, j] = True
-                if not edges.is_free(points[i], points[j]):
+            if (i, j) not in ways:
+                way = edges.free_way(points[i], points[j], tangents[row_of[i, j]])
+                if way is None:
                     costs[i, j] = np.inf
                     break
+                ways[i, j] = way
         else:
-            ways = [edges.way(points[i], points[j])[1:] for i, j in pairwise(chain)]
-            return np.concatenate([points[:1], *ways])
+            return np.concatenate([points[:1], *(ways[pair][1:] for pair in pairwise(chain))])
 
 
 def _cheapest(costs: Array) -> list[int] | None:

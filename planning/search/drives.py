@@ -4,6 +4,7 @@ The car follows its shortest curve, the other joints go straight, each as far al
 A drive is waypoints joined by arcs and lines of constant velocity (`SteeredManifold`).
 """
 
+from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
 
@@ -25,6 +26,19 @@ _MOST_TURN = 2.0
 _ROUNDING = 1e-7
 # Letters that are no longer do not count [radii].
 _NOTHING = 1e-10
+
+
+@dataclass(frozen=True)
+class Way:
+    """How to get from one configuration to another.
+
+    Attributes:
+        waypoints: Both included, shape (k + 1, nq), k >= 1.
+        deltas: The arcs and lines between them, as tangents, shape (k, nv).
+    """
+
+    waypoints: Float64[np.ndarray, "m nq"]
+    deltas: Float64[np.ndarray, "k nv"]
 
 
 class Drives:
@@ -51,19 +65,20 @@ class Drives:
         self.steering = next(iter(cars.values()))
         self.iq, self.iv = self.manifold.offsets[0]
 
-    def way(self, q0: Float64[np.ndarray, " nq"], q1: Float64[np.ndarray, " nq"]) -> Array:
-        """Return the waypoints from q0 to q1, both included, shape (k, nq), k >= 2.
+    def way(self, q0: Float64[np.ndarray, " nq"], q1: Float64[np.ndarray, " nq"]) -> Way:
+        """Return the way from q0 to q1.
 
         That is the arc through both if the car can drive it, or else its shortest curve. Where it
         may drive backwards, the way back is the same.
         """
         if self.steering.reverse and q1.tolist() < q0.tolist():
-            return self._way(q1, q0)[::-1]
+            back = self._way(q1, q0)
+            return Way(back.waypoints[::-1], -back.deltas[::-1])
         return self._way(q0, q1)
 
     def threaded(self, waypoints: Float64[np.ndarray, "n nq"]) -> Array:
         """Return the waypoints of all ways between given ones, the given ones among them."""
-        ways = [self.way(q0, q1)[1:] for q0, q1 in pairwise(waypoints)]
+        ways = [self.way(q0, q1).waypoints[1:] for q0, q1 in pairwise(waypoints)]
         return np.concatenate([waypoints[:1], *ways])
 
     def tangents(
@@ -77,18 +92,27 @@ class Drives:
         found[is_arc, 0] = deltas[is_arc]
         return found
 
-    def _way(self, q0: Array, q1: Array) -> Array:
-        delta = self.manifold.minus(q1, q0)
-        if self._are_arcs(delta[None])[0]:
-            return np.stack([q0, q1])
+    def along(
+        self,
+        q0: Float64[np.ndarray, " nq"],
+        q1: Float64[np.ndarray, " nq"],
+        letters: Float64[np.ndarray, "k nv"],
+    ) -> Way:
+        """Return the way from q0 to q1 whose arcs and lines have given tangents."""
+        letters = letters[np.abs(letters).max(axis=1) > _NOTHING]
+        counts = np.ceil(np.abs(letters[:, self.iv + 2]) / _MOST_TURN).astype(int)
+        counts = np.maximum(counts, 1)
+        deltas = np.repeat(letters / counts[:, None], counts, axis=0)
         rows = [q0]
-        for letter in self._letters(q0[None], q1[None], delta[None])[0]:
-            if np.abs(letter).max() <= _NOTHING:
-                continue
-            count = max(1, int(np.ceil(abs(letter[self.iv + 2]) / _MOST_TURN)))
-            rows += [self.manifold.plus(rows[-1], letter * ((k + 1) / count)) for k in range(count)]
-        rows[-1] = q1
-        return np.stack(rows)
+        for piece in deltas[:-1]:
+            rows.append(self.manifold.plus(rows[-1], piece))
+        return Way(np.stack([*rows, q1]), deltas)
+
+    def _way(self, q0: Array, q1: Array) -> Way:
+        delta = self.manifold.minus(q1, q0)[None]
+        if self._are_arcs(delta)[0]:
+            return Way(np.stack([q0, q1]), delta)
+        return self.along(q0, q1, self._letters(q0[None], q1[None], delta)[0])
 
     def _are_arcs(self, deltas: Float64[np.ndarray, "m nv"]) -> Bool[np.ndarray, " m"]:
         """Return which tangents are arcs that the car can drive."""

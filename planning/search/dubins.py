@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float64
 
-from planning.search.words import Words, shortest
+from planning.search.words import Words, root, shortest
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
@@ -53,7 +53,7 @@ def _outer(a: Array, b: Array, centres: tuple[Array, Array]) -> Array:
 def _inner(a: Array, b: Array, d: Array) -> Array:
     """Return RSL, whose line crosses the one between the circles' centres."""
     cosines, ahead = np.cos(a) + np.cos(b), d - np.sin(a) - np.sin(b)
-    line = np.sqrt(cosines**2 + ahead**2 - 4)
+    line = root(cosines**2 + ahead**2 - 4)
     course = np.arctan2(cosines, ahead) - np.arctan2(2.0, line)
     return _word(a - course, line, b - course)
 

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float64
 
-from planning.search.words import Words, shortest
+from planning.search.words import Words, root, shortest
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 type Formula = Callable[[Array, Array, Array], tuple[list[Array], Any]]
@@ -57,10 +57,10 @@ def _lp_sp_lp(x: Array, y: Array, yaw: Array) -> tuple[list[Array], Any]:
 def _lp_sp_rp(x: Array, y: Array, yaw: Array) -> tuple[list[Array], Any]:
     """8.2."""
     rho, course = _polar(x + np.sin(yaw), y - 1 - np.cos(yaw))
-    u = np.sqrt(rho**2 - 4)
+    u = root(rho**2 - 4)
     t = _half(course + np.arctan2(2.0, u))
     v = _half(t - yaw)
-    return [t, u, v], (rho >= 2) & _least(t) & _least(v)
+    return [t, u, v], _least(t) & _least(v)
 
 
 def _lp_rm_l(x: Array, y: Array, yaw: Array) -> tuple[list[Array], Any]:
@@ -93,10 +93,10 @@ def _lp_rum_lum_rp(x: Array, y: Array, yaw: Array) -> tuple[list[Array], Any]:
 def _lp_rm_sm_lm(x: Array, y: Array, yaw: Array) -> tuple[list[Array], Any]:
     """8.9."""
     rho, course = _polar(x - np.sin(yaw), y - 1 + np.cos(yaw))
-    r = np.sqrt(rho**2 - 4)
+    r = root(rho**2 - 4)
     t = _half(course + np.arctan2(r, -2.0))
     v = _half(yaw - _QUARTER - t)
-    return [t, _back(t), 2 - r, v], (rho >= 2) & _least(t) & _least(r - 2) & _least(-v)
+    return [t, _back(t), 2 - r, v], _least(t) & _least(r - 2) & _least(-v)
 
 
 def _lp_rm_sm_rm(x: Array, y: Array, yaw: Array) -> tuple[list[Array], Any]:
@@ -109,12 +109,10 @@ def _lp_rm_sm_rm(x: Array, y: Array, yaw: Array) -> tuple[list[Array], Any]:
 def _lp_rm_s_lm_rp(x: Array, y: Array, yaw: Array) -> tuple[list[Array], Any]:
     """8.11, which has a misprint in the paper."""
     xi, eta = x + np.sin(yaw), y - 1 - np.cos(yaw)
-    rho = np.hypot(xi, eta)
-    u = 4 - np.sqrt(rho**2 - 4)
+    u = 4 - root(np.hypot(xi, eta) ** 2 - 4)
     t = _half(np.arctan2((4 - u) * xi - 2 * eta, -2 * xi + (u - 4) * eta))
     v = _half(t - yaw)
-    exists = (rho >= 2) & _least(-u) & _least(t) & _least(v)
-    return [t, _back(t), u, _back(t), v], exists
+    return [t, _back(t), u, _back(t), v], _least(-u) & _least(t) & _least(v)
 
 
 # Each formula, its turns, and whether it is driven from the goal to the start.

@@ -17,6 +17,8 @@ type Array = np.ndarray[Any, np.dtype[np.float64]]
 _MISS = 1e-9
 # Lengths that differ by less are equal, so that rounding does not choose [radii].
 _EQUAL = 1e-9
+# Squares that are less than zero by so much are zero [radii^2].
+_ROUNDED = 1e-12
 
 
 @dataclass(frozen=True)
@@ -57,6 +59,11 @@ def shortest(
         if not len(lost):
             return chosen
         totals[best[lost], lost] = np.inf
+
+
+def root(square: Array) -> Array:
+    """Return the square root, of what rounding has made negative too; NaN of the rest."""
+    return np.sqrt(np.where(square > -_ROUNDED, np.maximum(square, 0.0), np.nan))
 
 
 def end_of(lengths: Array, turns: Array) -> tuple[Array, Array, Array]:
