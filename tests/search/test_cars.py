@@ -98,13 +98,16 @@ def test_rrtconnect_drives_around_a_wall(kinds, reverse, seed):
     assert found(group, seed, beyond_wall, **poses).path == result.path
 
 
-@pytest.mark.parametrize("name", ["AORRTC", "BKPIECE1", "LBKPIECE1", "PRM"])
+@pytest.mark.parametrize("name", ["BKPIECE1", "LBKPIECE1", "PRM"])
 def test_other_planners_drive_a_car_that_reverses(name):
-    """FMT and BFMT draw a batch that is large for checks in Python, so they are left out."""
     group = car()
     result = found(group, planner=name, solve_time=2.0)
     assert not result.report.direct
     assert_drivable(group, result.path.waypoints, beyond_disc)
+
+
+# A usual batch would take too long for a test.
+_SMALL = {"BITstar": {"samples_per_batch": 20}}
 
 
 @pytest.mark.parametrize("name", _DIRECTED)
@@ -128,7 +131,7 @@ def test_planners_for_one_way_check_in_the_direction_of_motion(monkeypatch, name
     monkeypatch.setattr(DrivenEdges, "is_free", noting)
     monkeypatch.setattr(attempt, "_report", keeping)
     group = car(reverse=False)
-    result = found(group, 1, planner=name, solve_time=1.0)
+    result = found(group, 1, planner=name, solve_time=1.0, parameters=_SMALL.get(name, {}))
     assert_drivable(group, result.path.waypoints, beyond_disc)
     assert {(key(a), key(b)) for a, b in pairwise(solutions[-1])} <= asked
 
@@ -224,7 +227,7 @@ def test_a_way_ends_where_it_should_and_its_arm_keeps_pace(seed, reverse):
 
 
 @given(seed=st.integers(0, 10_000))
-@settings(max_examples=8)
+@settings(max_examples=4)
 def test_shortcuts_only_shorten_and_stay_free(seed):
     group = car(reverse=bool(seed % 2))
     limits = limits_of(group)
