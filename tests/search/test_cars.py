@@ -101,7 +101,7 @@ def test_rrtconnect_drives_around_a_wall(kinds, reverse, seed):
 @pytest.mark.parametrize("name", ["BKPIECE1", "LBKPIECE1", "PRM"])
 def test_other_planners_drive_a_car_that_reverses(name):
     group = car()
-    result = found(group, planner=name, solve_time=2.0)
+    result = found(group, planner=name)
     assert not result.report.direct
     assert_drivable(group, result.path.waypoints, beyond_disc)
 
@@ -131,7 +131,7 @@ def test_planners_for_one_way_check_in_the_direction_of_motion(monkeypatch, name
     monkeypatch.setattr(DrivenEdges, "is_free", noting)
     monkeypatch.setattr(attempt, "_report", keeping)
     group = car(reverse=False)
-    result = found(group, 1, planner=name, solve_time=1.0, parameters=_SMALL.get(name, {}))
+    result = found(group, 1, planner=name, parameters=_SMALL.get(name, {}))
     assert_drivable(group, result.path.waypoints, beyond_disc)
     assert {(key(a), key(b)) for a, b in pairwise(solutions[-1])} <= asked
 
