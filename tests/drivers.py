@@ -1,4 +1,4 @@
-"""An independent look at how a base moves: numbers from samples, nothing of what made the motion."""
+"""An independent look at how a base moves, from samples: nothing of what made the motion."""
 
 import numpy as np
 

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from planning.domain.joints import JointGroup, JointType
 from planning.domain.manifold import Manifold
 from planning.domain.path import JointPath
-from planning.domain.steering import Steering, SteeredGroup, manifold_of, steered
+from planning.domain.steering import SteeredGroup, Steering, manifold_of, steered
 from tests.conftest import group_of, random_waypoints
 
 KINDS = [
