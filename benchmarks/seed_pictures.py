@@ -1,7 +1,7 @@
-"""Draw the seed scenes with a motion in each: `benchmarks/seed_pictures.py [--folder docs/images]`.
+"""Draw scenes with a motion in each: `benchmarks/seed_pictures.py [--folder docs/images]`.
 
-A PNG per seed: the scene as the motion finds it, what moves at some instants of it (paler the
-earlier), the way of its tool frame, and for a distance band the segments to the nearest wall.
+A PNG per scene: as the motion finds it, what moves at some instants of it (paler the earlier), the
+way of its tool frame, and for a distance band the segments to the nearest wall.
 """
 
 import argparse
@@ -20,7 +20,7 @@ import planning  # noqa: E402
 from benchmarks.seed_scenes.canvas import Array, Canvas  # noqa: E402
 from benchmarks.seed_scenes.leg import Leg  # noqa: E402
 from benchmarks.seed_scenes.meshes import triangles  # noqa: E402
-from benchmarks.seed_scenes.seeds import SEEDS  # noqa: E402
+from benchmarks.seed_scenes.seeds import PICTURES  # noqa: E402
 
 _TRACE = np.array([0.85, 0.1, 0.45])
 _SEGMENT = np.array([0.1, 0.35, 0.9])
@@ -54,6 +54,7 @@ VIEWS = {
     "maze_2d_band": View((0, 0, 1), (0, 0, 0), 1.7, ghosts=12, segments=120),
     "window_3d": View((0.5, -1.0, 0.6), (0, 0, 0.48), 2.3, _WINDOW, ghosts=9),
     "ur5e_pickup": View((0.9, 0.8, 0.55), (0.25, 0.1, 0.33), 1.7, ghosts=3),
+    "parallel_parking": View((0, 0, 1), (0, -0.05, 0), 2.7, ghosts=9),
     "irb120_cell": View((1.0, 0.55, 0.6), (0.25, 0.0, 0.3), 1.6, ghosts=2),
 }
 
@@ -65,7 +66,7 @@ def main() -> None:
     parser.add_argument("--only", nargs="+", choices=list(VIEWS), default=list(VIEWS))
     options = parser.parse_args()
     options.folder.mkdir(parents=True, exist_ok=True)
-    for seed in SEEDS:
+    for seed in PICTURES:
         if seed.name in options.only:
             scene = planning.bundled_folder("scenes") / f"{seed.scene}.scene.yaml"
             world = planning.load_world(planning.read_scene(scene))

@@ -62,6 +62,7 @@ if TYPE_CHECKING:
         RemoveObject,
         SetPositions,
     )
+    from planning.domain.steering import Steering
     from planning.fork_pool import ForkPool
     from planning.ik import assess_configurations, solve_ik
     from planning.kernel.native import kernel_name
@@ -145,6 +146,7 @@ _DOORS = {
     "SharedCores": "planning.shared_cores",
     "Simulation": "planning.world.simulation",
     "SpeedZone": "planning.domain.motion_limits",
+    "Steering": "planning.domain.steering",
     "TightLimits": "planning.domain.constraint",
     "TimedTrajectory": "planning.domain.curve",
     "ToolLimit": "planning.domain.motion_limits",
@@ -236,6 +238,7 @@ __all__ = [
     "SharedCores",
     "Simulation",
     "SpeedZone",
+    "Steering",
     "TightLimits",
     "TimedTrajectory",
     "ToolLimit",

@@ -13,6 +13,7 @@ from planning.domain.options import RetimeOptions, SearchOptions
 from planning.domain.path import JointPath
 from planning.domain.problem import PlanningProblem
 from planning.domain.report import RefineReport, RetimeReport
+from planning.domain.steering import steering_of
 from planning.errors import RetimingFailed
 from planning.refine.refiner import refine
 from planning.refine.request import RefineRequest
@@ -143,6 +144,10 @@ def _clear_deviations(
     rules: PathRules | None,
 ) -> Iterator[float]:
     """Yield the deviations that do not collide at a glance; what does is not worth timing."""
+    if steering_of(path.group):
+        # Rounded, a car's path would leave the arcs that it can drive.
+        yield _DEVIATIONS[-1]
+        return
     group = world.group(problem.group)
     oracle = world.collision_oracle(group, margins)
     smoothness = 2 if problem.retime.method == "ruckig" else 1

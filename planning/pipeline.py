@@ -31,6 +31,7 @@ from planning.proving import prove_lines, prove_search
 from planning.roadmap_shelf import RoadmapStore
 from planning.roadmaps import roadmap_of
 from planning.ruled import admit_rules, kept_goals
+from planning.search.demands import driven
 from planning.stopwatch import Stopwatch
 from planning.timing import admit_timing
 from planning.world.positions import require_positions
@@ -71,7 +72,7 @@ def plan(
         PlanningFailure: There is no motion to give; code, stage and evidence say why.
     """
     watch = Stopwatch(deadline.clock)
-    group = world.group(problem.group)
+    group = driven(world.group(problem.group), problem.search.spaces)
     given = world.positions(group) if problem.start is None else problem.start
     given = require_positions(group, given, "start")
     margins = world.margins(problem.margin)

@@ -91,6 +91,14 @@ _SHORTEST_OF_4 = planning.SearchOptions(
     attempts=4, num_states=400, approach_states=100, allowed_planning_time=10.0
 )
 
+
+def parking(world: planning.World, seed: int, deadline: Deadline) -> tuple[Leg, ...]:
+    """Park a car in a gap, backwards; no seed of this project, but a picture of its guide."""
+    search = planning.SearchOptions(attempts=4)
+    goal = planning.ConfigurationGoal("parked")
+    return _one(world, planning.PlanningProblem("car", goal, search=search, seed=seed), deadline)
+
+
 SEEDS = (
     Seed("maze_2d", "maze_2d", 4.0, maze),
     Seed("maze_2d_band", "maze_2d_band", 8.0, maze_along_walls),
@@ -99,3 +107,4 @@ SEEDS = (
     Seed("ur5e_pickup_joint", "ur5e_pickup", 10.0, pickup_joint),
     Seed("irb120_cell", "irb120_cell", 20.0, pick_and_place),
 )
+PICTURES = (*SEEDS, Seed("parallel_parking", "parallel_parking", 5.0, parking))

@@ -10,6 +10,7 @@ from planning.certify.limit_checks import position_check, rate_check
 from planning.certify.line_check import line_checks
 from planning.certify.request import CertifyRequest
 from planning.certify.robustness import robustness
+from planning.certify.steering_check import steering_checks
 from planning.certify.stop_check import stop_check
 from planning.certify.tool_checks import tool_checks
 from planning.certify.torque_check import torque_check
@@ -54,8 +55,10 @@ def certify(
     clearance = check_clearance(model, request, deadline)
     lines = line_checks(model, request, deadline)
     torque = [torque_check(model, request, deadline)] if request.effort else []
+    steering = steering_checks(request)
     tools = tool_checks(model, request, deadline)
-    checks = (form, *_motion_checks(request), *torque, *tools, *kept, *lines, clearance.check)
+    special = (*steering, *torque, *tools, *kept, *lines)
+    checks = (form, *_motion_checks(request), *special, clearance.check)
     report = CertifyReport(clearance.intervals, clearance.queries)
     if all(check.passed for check in checks):
         stop, report = _findings(model, request, report, deadline)

@@ -6,6 +6,7 @@ from typing import Literal
 
 from planning.domain.motion_limits import AccelerationBounds, SpeedZone, ToolLimit
 from planning.domain.payload import Payload
+from planning.domain.steering import Steering
 from planning.domain.value import Value
 
 
@@ -76,7 +77,7 @@ class SearchOptions(Value):
         bounds: Lowest and highest value to search in [rad or m], by name of a position coordinate,
             within the limits. The later stages keep the limits, not these.
         spaces: What of a planar or floating joint is searched, by its name: "position" keeps its
-            rotation as it is at the start.
+            rotation as it is at the start; a `Steering` makes a car of a planar joint.
         solve_time: For the planner, in each attempt [s]; None for as long as there is.
         shortcut_time: For shortening each solution [s]; 0 for none, None for a share of what is
             left.
@@ -98,7 +99,7 @@ class SearchOptions(Value):
     num_states: int | None = None
     weights: Mapping[str, float] = field(default_factory=dict)
     bounds: Mapping[str, tuple[float, float]] = field(default_factory=dict)
-    spaces: Mapping[str, Literal["full", "position"]] = field(default_factory=dict)
+    spaces: Mapping[str, Literal["full", "position"] | Steering] = field(default_factory=dict)
     solve_time: float | None = None
     shortcut_time: float | None = None
     objective: Literal["length", "weighted_length", "clearance", "duration"] = "length"

@@ -1,13 +1,14 @@
-"""JointPath: untimed waypoints joined by geodesics."""
+"""JointPath: untimed waypoints joined by geodesics, which are arcs where a base is steered."""
 
 from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Float64
 
+from planning.domain.arcs import arcs_through
 from planning.domain.curve import JointSpline
 from planning.domain.joints import JointGroup
-from planning.domain.manifold import Manifold
+from planning.domain.steering import SteeredManifold, manifold_of
 from planning.domain.value import Value
 
 
@@ -26,7 +27,7 @@ class JointPath(Value):
     @property
     def length(self) -> float:
         """The sum of the geodesics' lengths (radians and metres weigh the same)."""
-        manifold = Manifold(self.group.joints)
+        manifold = manifold_of(self.group)
         return float(manifold.distance(self.waypoints[1:], self.waypoints[:-1]).sum())
 
     @property
@@ -35,7 +36,7 @@ class JointPath(Value):
 
         The first waypoint stays as it is.
         """
-        manifold = Manifold(self.group.joints)
+        manifold = manifold_of(self.group)
         rows = [self.waypoints[0]]
         for waypoint in self.waypoints[1:]:
             rows.append(manifold.plus(rows[-1], manifold.minus(waypoint, rows[-1])))
@@ -43,5 +44,8 @@ class JointPath(Value):
 
     @property
     def spline(self) -> JointSpline:
-        """The path as a curve of degree one."""
+        """The path as a curve: of degree one, or of degree five where arcs are followed."""
+        manifold = manifold_of(self.group)
+        if isinstance(manifold, SteeredManifold):
+            return arcs_through(manifold, self.waypoints)
         return JointSpline.through(self.group.joints, self.waypoints)

@@ -11,6 +11,7 @@ from planning.domain.curve import JointSpline
 from planning.domain.deadline import Deadline
 from planning.domain.path import JointPath
 from planning.domain.report import RefineReport
+from planning.domain.steering import steering_of
 from planning.refine.audit import length_of
 from planning.refine.basis import centres
 from planning.refine.chart import FlatChart, chart_of
@@ -101,7 +102,9 @@ def _refusal(world: World, request: RefineRequest, share: Deadline) -> str:
 
 
 def _unfit(world: World, path: JointPath) -> str:
-    """Return why there are no coordinates along a path, or ""."""
+    """Return why a path must be left alone, or has no coordinates along it, or ""."""
+    if steering_of(path.group):
+        return "a car's path is left alone: a refined curve would slip sideways or turn too tightly"
     chart = chart_of(path)
     if len(chart.waypoints) < 2:
         return "the path does not move"

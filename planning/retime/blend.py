@@ -18,6 +18,7 @@ import numpy as np
 from planning.domain.curve import JointSpline
 from planning.domain.manifold import Manifold
 from planning.domain.path import JointPath
+from planning.domain.steering import steering_of
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
@@ -38,11 +39,11 @@ def blend_corners(path: JointPath, deviation: float, smoothness: int = 1) -> Joi
     """Return the path with its corners rounded; waypoints that nearly repeat become one.
 
     Args:
-        path: Waypoints joined by geodesics.
+        path: Waypoints joined by geodesics; where a base is steered, nothing is rounded.
         deviation: How far the curve may be from each corner (joint-space length); 0 for none.
         smoothness: 1 for a continuous r', 2 for a continuous r'' as well.
     """
-    if deviation <= 0:
+    if deviation <= 0 or steering_of(path.group):
         return path.spline
     manifold = Manifold(path.group.joints)
     alike = max(_SHORTEST, min(_ALIKE, _ALIKE_SHARE * deviation))

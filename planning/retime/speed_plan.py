@@ -21,6 +21,8 @@ type Array = np.ndarray[Any, np.dtype[np.float64]]
 # Speeds that are tried at every cell boundary, relative to the greatest possible there, and then
 # relative to the ones that were chosen.
 _COARSE = 0.8 ** np.arange(11.0)
+# On a stretch that is too short to reach any of these, slower ones are.
+_SLOWER = 0.1 ** np.arange(4.0)
 _FINE = np.geomspace(0.84, 1.19, 9)
 # How much of the jerk that is left at a speed may go to 3 M_2 V A; the rest is J's.
 _SHARES = (0.5, 0.15)
@@ -78,7 +80,11 @@ def plan_speeds(cells: Cells) -> list[Hop]:
     tops = cells.top_speeds()
     caps = np.minimum(np.append(tops, np.inf), np.insert(tops, 0, np.inf))
     nodes = np.arange(len(caps))
-    hops = _quickest(cells, nodes, np.asarray(caps[:, None] * _COARSE, dtype=np.float64))
+    hops: list[Hop] = []
+    for slower in _SLOWER:
+        if not hops:
+            speeds = np.asarray(slower * caps[:, None] * _COARSE, dtype=np.float64)
+            hops = _quickest(cells, nodes, speeds)
     for _ in range(2):
         if not hops:
             return hops

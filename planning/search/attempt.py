@@ -15,6 +15,7 @@ from planning.domain.options import SearchOptions
 from planning.domain.planner_graph import PlannerGraph
 from planning.domain.value import Value
 from planning.errors import DeadlineExceeded
+from planning.search.car_space import CarSpace
 from planning.search.edges import EdgeChecker
 from planning.search.graph import Graph, between, exported, has_graph, read_graph
 from planning.search.motions import space_information
@@ -171,6 +172,8 @@ def _report(query: Query, fine: EdgeChecker, found: Array, status: str, planner:
         return Attempt(status, nothing, -1, _growth(planner, query, fine), None, is_spent=False)
     path = np.concatenate([query.start[None], found[1:-1], query.goals[row][None]])
     waypoints = unrolled(path, query.space.manifold)
+    if isinstance(query.space, CarSpace):
+        waypoints = query.space.drives.threaded(waypoints)
     return Attempt(status, waypoints, row, {}, _kept_graph(planner, query, found), is_spent=False)
 
 

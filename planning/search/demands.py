@@ -7,7 +7,9 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float64
 
+from planning.domain.car_request import agreed_steering, bad_space
 from planning.domain.joints import JointGroup, JointLimits, JointType
+from planning.domain.steering import Steering, steered, steering_of
 from planning.errors import ProblemInvalid, UnknownName
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
@@ -69,11 +71,26 @@ def bounded(
     return replace(limits, lower=lower, upper=upper)
 
 
-def held_rotations(group: JointGroup, spaces: Mapping[str, str]) -> list[int]:
+def driven(group: JointGroup, spaces: Mapping[str, str | Steering]) -> JointGroup:
+    """Return the group with the bases steered that a request says are cars.
+
+    Raises:
+        UnknownName: There is no such planar joint.
+        ProblemInvalid: A turning radius makes no sense, or the robot itself cannot drive so.
+    """
+    asked = {name: how for name, how in spaces.items() if isinstance(how, Steering)}
+    if not asked:
+        return group
+    planar = [joint.name for joint in group.joints if joint.type is JointType.PLANAR]
+    return steered(group, agreed_steering(steering_of(group), asked, planar))
+
+
+def held_rotations(group: JointGroup, spaces: Mapping[str, str | Steering]) -> list[int]:
     """Return the coordinates of q that a search keeps as they are at the start.
 
     Raises:
         UnknownName: There is no such planar or floating joint, or no such space.
+        ProblemInvalid: A car is to keep its rotation.
     """
     offsets: dict[str, list[int]] = {}
     iq = 0
@@ -86,8 +103,12 @@ def held_rotations(group: JointGroup, spaces: Mapping[str, str]) -> list[int]:
     for name, space in spaces.items():
         if name not in offsets:
             raise UnknownName.among("planar or floating joint", name, offsets)
+        if isinstance(space, Steering):
+            continue
         if space not in _SPACES:
             raise UnknownName.among("space", space, _SPACES)
+        if space == "position" and name in steering_of(group):
+            raise bad_space(name, "a car cannot keep its rotation")
         held += offsets[name] if space == "position" else []
     return sorted(held)
 

@@ -91,6 +91,10 @@ class EdgeChecker:
         """Return the configuration at a fraction of the way between each pair of rows."""
         return self.manifold.plus(q0s, fractions[:, None] * self.manifold.minus(q1s, q0s))
 
+    def way(self, q0: Float64[np.ndarray, " nq"], q1: Float64[np.ndarray, " nq"]) -> Array:
+        """Return waypoints from q0 to q1, joined by geodesics, shape (k, nq): here these two."""
+        return np.stack([q0, q1])
+
     def geodesic(
         self,
         q0: Float64[np.ndarray, " nq"],

@@ -11,6 +11,7 @@ from planning.domain.deadline import Deadline
 from planning.domain.joints import Joint, JointGroup, JointLimits
 from planning.domain.options import SearchOptions
 from planning.domain.path import JointPath
+from planning.domain.steering import steered, steering_of
 from planning.errors import NoPathFound
 from planning.search.oracle import CollisionOracle
 from planning.search.projected import Residual
@@ -88,7 +89,8 @@ class Lock:
     ) -> None:
         """Lock joints, by name, where the start, shape (nq,), has them."""
         moving = tuple(joint for joint in group.joints if joint.name not in locked)
-        self.free = JointGroup(group.name, moving, group.tool_frames)
+        steering = {name: how for name, how in steering_of(group).items() if name not in locked}
+        self.free = steered(JointGroup(group.name, moving, group.tool_frames), steering)
         self._start = start
         self._nv = group.num_velocities
         self._joints, self._locked = group.joints, locked

@@ -22,7 +22,7 @@ from jaxtyping import Float64
 from ompl import base as ob
 
 from planning.domain.joints import JointGroup, JointLimits
-from planning.domain.manifold import Manifold
+from planning.domain.steering import manifold_of
 from planning.search.spaces import SearchSpace
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
@@ -64,7 +64,7 @@ class Objective:
         """
         self.name = name
         self.is_length = name == "length"
-        self._manifold = Manifold(group.joints)
+        self._manifold = manifold_of(group)
         self._blocks = [list(block) for block in limits.blocks]
         self._velocity = limits.velocity
         # Of a vector every block is one coordinate.

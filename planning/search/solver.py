@@ -11,13 +11,16 @@ from typing import Any
 
 import numpy as np
 
+from planning.domain.car_request import require_directed
 from planning.domain.deadline import Deadline
 from planning.domain.joints import JointGroup, JointLimits
 from planning.domain.path import JointPath
 from planning.domain.report import SearchReport
+from planning.domain.steering import steering_of
 from planning.errors import NoPathFound, ProblemInvalid
 from planning.search.attempt import Query
-from planning.search.demands import block_weights, bounded, held_rotations
+from planning.search.car_space import CarSpace
+from planning.search.demands import block_weights, bounded, driven, held_rotations
 from planning.search.graph import line_graph
 from planning.search.mapped import ask_roadmap, report_of
 from planning.search.objective import Objective
@@ -85,6 +88,7 @@ def search(
         Canceled: Somebody asked for the end.
     """
     _require_sense(group, task)
+    group = driven(group, task.options.spaces)
     query, rows = _query(group, limits, oracle, task, deadline, watch)
     fine = fine_checker(query, task.resolution)
     closeness = Closeness(task.resolution, task.options.num_states, fine, query.objective)
@@ -124,6 +128,7 @@ def _query(
     """Return what every attempt needs, and the rows of the goals that are searched for."""
     options = task.options
     check_planners(options.planners, options.parameters)
+    require_directed(options.planners, steering_of(group))
     limits = bounded(group, limits, options.bounds)
     weights = block_weights(group, options.weights)
     watched = WatchedOracle(oracle, group, limits, deadline)
@@ -174,11 +179,15 @@ def _report(
 def _space(group: JointGroup, limits: JointLimits, task: SearchTask, weights: Array) -> SearchSpace:
     anchors = np.concatenate([task.start[None], task.goals])
     held = held_rotations(group, task.options.spaces)
+    is_car = bool(steering_of(group))
     if task.residual is None:
+        if is_car:
+            return CarSpace(group, limits, anchors, weights)
         return SearchSpace(group, limits, anchors, weights, held)
-    if (weights != 1).any() or held:
+    if (weights != 1).any() or held or is_car:
         message = (
-            "search.weights and search.spaces cannot be had with constraints that are projected"
+            "search.weights, search.spaces and cars cannot be had with constraints that are "
+            "projected"
         )
         raise ProblemInvalid(message, {"field": "search.weights"})
     return ProjectedSpace(group, limits, anchors, task.residual)
@@ -247,7 +256,7 @@ def _straight_line(query: Query, closeness: Closeness) -> SoundPath | None:
     """Return the first free geodesic to one of the nearest goals."""
     for row, goal in enumerate(query.goals[:_MOST_LINES]):
         if closeness.fine.is_free(query.start, goal):
-            waypoints = np.stack([query.start, goal])
+            waypoints = closeness.fine.way(query.start, goal)
             path = delivered(waypoints, waypoints, row, closeness)
             if path is not None:
                 return path

@@ -13,6 +13,8 @@ from jaxtyping import Float64
 from planning.domain.value import Value
 from planning.search.attempt import Array, Attempt, Query, attempt
 from planning.search.densify import densified
+from planning.search.drive_shortcut import shortened_drive
+from planning.search.driven_edges import DrivenEdges
 from planning.search.edges import EdgeChecker
 from planning.search.objective import Objective
 from planning.search.polyline import path_length, unrolled
@@ -78,7 +80,7 @@ class Trial(Value):
 
 def coarse_checker(query: Query, resolution: float) -> EdgeChecker:
     """Return what checks tries, for a search at `resolution`."""
-    return EdgeChecker(query.space.manifold, query.oracle, resolution, query.objective.norm)
+    return query.space.checker(query.oracle, resolution, query.objective.norm)
 
 
 def fine_checker(query: Query, resolution: float) -> EdgeChecker:
@@ -115,7 +117,10 @@ def shortened(
     time = query.deadline.share(_SHORTCUT_SHARE).within(query.options.shortcut_time)
     raw, fine = found.waypoints, closeness.fine
     with query.watch.stage("shortcut"):
-        shorter = shortcut(raw, coarse, fine, lambda: time.is_over)
+        if isinstance(fine, DrivenEdges):
+            shorter = shortened_drive(raw, fine, lambda: time.is_over)
+        else:
+            shorter = shortcut(raw, coarse, fine, lambda: time.is_over)
         if shorter is None:
             return None
         path = unrolled(shorter, query.space.manifold)

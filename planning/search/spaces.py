@@ -1,7 +1,8 @@
 """SearchSpace: the OMPL state space of a group, and the way between its states and q.
 
 Joints of one coordinate and limits are a vector; continuous joints are SO(2), planar joints SE(2),
-floating joints SE(3); a group that mixes them is a compound. OMPL measures a compound by the sum
+or the space of Reeds and Shepp's curves if they are steered, floating joints SE(3); a group that
+mixes them is a compound. OMPL measures a compound by the sum
 of its parts' distances, `Manifold.distance` by the root of their squares: the two agree within the
 square root of the number of parts, and exactly for a group of bounded joints. Where a request
 weighs joints, OMPL's distances are weighted and ours are not: a vector's state is q times the
@@ -18,7 +19,9 @@ from jaxtyping import Float64
 from ompl import base as ob
 
 from planning.domain.joints import Joint, JointGroup, JointLimits, JointType
-from planning.domain.manifold import Manifold
+from planning.domain.steering import manifold_of, steering_of
+from planning.search.edges import EdgeChecker
+from planning.search.oracle import WatchedOracle
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
@@ -41,11 +44,19 @@ class _Part:
         kind: Revolute for a vector of whatever is measured by numbers.
         indices: Into q, of its values, in OMPL's order.
         weights: Of each value of a vector, of a circle, of the shift and the turn of a body.
+        turning_radius: Of a car [m]; 0 of anything else.
     """
 
     kind: JointType
     indices: list[int]
     weights: list[float]
+    turning_radius: float = 0.0
+
+    @property
+    def weight(self) -> float:
+        """What its distances are weighted by from outside; most weigh their own values."""
+        is_whole = self.turning_radius > 0 or self.kind is JointType.CONTINUOUS
+        return self.weights[0] if is_whole else 1.0
 
 
 class SearchSpace:
@@ -77,14 +88,15 @@ class SearchSpace:
             weights: Of the group's blocks in OMPL's distances; None for 1.
             held: Coordinates of q that stay as they are at the start: whole rotations.
         """
-        self.manifold = Manifold(group.joints)
+        self.manifold = manifold_of(group)
         self.lower, self.upper = _search_bounds(group, limits, anchors)
         self._held = list(held)
         self._rest = anchors[0]
         given = np.ones(len(group.blocks)) if weights is None else weights
         parts = _parts(group, given, self._held)
         # A circle alone becomes a compound as well: `setup` of SO2StateSpace is not bound.
-        self.is_mixed = len(parts) > 1 or parts[0].kind is JointType.CONTINUOUS
+        is_lone_circle = parts[0].kind is JointType.CONTINUOUS
+        self.is_mixed = len(parts) > 1 or is_lone_circle or parts[0].weight != 1
         self._from_q = [i for part in parts for i in part.indices]
         self._scale = np.array([scale for part in parts for scale in _scales(part)])
         self.ompl = self._assemble(parts)
@@ -140,6 +152,12 @@ class SearchSpace:
         resting[:, self._held] = self._rest[self._held]
         return resting
 
+    def checker(
+        self, oracle: WatchedOracle, resolution: float, norm: Callable[[Array], Array]
+    ) -> EdgeChecker:
+        """Return what checks the edges between configurations at a resolution."""
+        return EdgeChecker(self.manifold, oracle, resolution, norm)
+
     def contains(self, q: Float64[np.ndarray, " nq"]) -> bool:
         """Return whether q, shape (nq,), lies in the searched box, with every held rotation."""
         if self._held:
@@ -153,9 +171,7 @@ class SearchSpace:
         spaces = [self._sub_space(part) for part in parts]
         if not self.is_mixed:
             return spaces[0]
-        circle = JointType.CONTINUOUS
-        weights = [part.weights[0] if part.kind is circle else 1.0 for part in parts]
-        compound = ob.CompoundStateSpace(spaces, weights)
+        compound = ob.CompoundStateSpace(spaces, [part.weight for part in parts])
         compound.lock()
         # What KPIECE and its kin spread over: the first part, which has the most to say.
         compound.registerDefaultProjection(ob.SubspaceProjectionEvaluator(compound, 0))
@@ -166,6 +182,9 @@ class SearchSpace:
         match part.kind:
             case JointType.CONTINUOUS:
                 return ob.SO2StateSpace()
+            case JointType.PLANAR if part.turning_radius > 0:
+                space = ob.ReedsSheppStateSpace(part.turning_radius)
+                space.setBounds(self._bounds(indices[:2]))
             case JointType.PLANAR:
                 space = ob.SE2StateSpace()
                 space.setBounds(self._bounds(indices[:2]))
@@ -241,8 +260,10 @@ def _parts(
         else:
             turn = own.get(f"{joint.name}.angular", 1.0)
             is_circle = joint.type is JointType.CONTINUOUS
+            scales = [own[joint.name]] if is_circle else [shift, turn]
+            car = steering_of(group).get(joint.name)
             others.append(
-                _Part(joint.type, indices, [own[joint.name]] if is_circle else [shift, turn])
+                _Part(joint.type, indices, scales, 0.0 if car is None else car.turning_radius)
             )
         iq += joint.num_positions
     return ([vector] if vector.indices else []) + others

@@ -13,6 +13,7 @@ from pydrake.multibody.tree import (
 )
 
 from planning.domain.joints import Joint, JointGroup, JointLimits, JointType
+from planning.domain.steering import Steering, steered
 from planning.errors import ModelInvalid, UnknownName
 from planning.world.builder import LoadedRobot
 from planning.world.drake_model import DrakeModel
@@ -67,6 +68,7 @@ def robot_groups(model: DrakeModel, loaded: LoadedRobot) -> RobotGroups:
         wanted = {**read_srdf_groups(loaded.file.file, list(joints)), **everything}
         default = next(iter(wanted), "")
         configurations, assumed = {}, tuple(joints)
+    steering = _steering(loaded, joints)
     groups: dict[str, JointGroup] = {}
     for name, (members, tools) in wanted.items():
         for member in members:
@@ -78,7 +80,8 @@ def robot_groups(model: DrakeModel, loaded: LoadedRobot) -> RobotGroups:
         for frame in frames:
             if frame not in model.frames:
                 raise UnknownName.among("frame", frame, model.frames)
-        groups[name] = JointGroup(full, chosen, frames)
+        cars = {joint.name: steering[joint.name] for joint in chosen if joint.name in steering}
+        groups[name] = steered(JointGroup(full, chosen, frames), cars)
     return RobotGroups(robot, default, groups, configurations, assumed)
 
 
@@ -111,6 +114,25 @@ def group_limits(model: DrakeModel, group: JointGroup, robots: list[LoadedRobot]
         effort=effort,
         blocks=tuple(indices for _, indices in group.blocks),
     )
+
+
+def _steering(loaded: LoadedRobot, joints: dict[str, Joint]) -> dict[str, Steering]:
+    """Return how the card says that joints are steered, by full name.
+
+    Raises:
+        ModelInvalid: One of them is not planar.
+    """
+    card = loaded.source.card
+    found: dict[str, Steering] = {}
+    for name, stated in (card.limits if card else {}).items():
+        if stated.steering is None:
+            continue
+        if name not in joints or joints[name].type is not JointType.PLANAR:
+            message = f"joint {name!r} is not planar, so it cannot be steered"
+            raise ModelInvalid(message, {"joint": name, "reason": message})
+        car = stated.steering
+        found[joints[name].name] = Steering(car.turning_radius, car.reverse)
+    return found
 
 
 def _joints_of(model: DrakeModel, loaded: LoadedRobot) -> dict[str, Joint]:

@@ -34,6 +34,13 @@ class EffortCard(Strictest):
     torque: Positive
 
 
+class SteeringCard(Strictest):
+    """How a planar joint is steered: its tightest turn [m], and whether it drives backwards."""
+
+    turning_radius: Positive
+    reverse: bool = True
+
+
 class LimitsCard(Strictest):
     """Limits of one joint; scalar joints use the plain rates, others `linear` and `angular`."""
 
@@ -44,6 +51,7 @@ class LimitsCard(Strictest):
     position: dict[str, Range] = {}
     linear: RateCard | None = None
     angular: RateCard | None = None
+    steering: SteeringCard | None = None
 
 
 class SourceCard(Strictest):

@@ -26,6 +26,7 @@ from planning.domain.options import (
 )
 from planning.domain.pose import Pose
 from planning.domain.problem import PlanningProblem
+from planning.domain.steering import Steering
 from service.convert.constraints import constraint_value
 from service.convert.motion_limits import motion_limits
 from service.schemas.goal import (
@@ -40,6 +41,7 @@ from service.schemas.goal import (
     RelativeGoalWire,
 )
 from service.schemas.plan import (
+    CarWire,
     CertifyWire,
     IkWire,
     PlanRequest,
@@ -170,7 +172,12 @@ def search_value(search: SearchWire) -> SearchOptions:
         approach_states=search.approach_states,
         weights=dict(search.weights),
         bounds={name: (low, high) for name, (low, high) in search.bounds.items()},
-        spaces=dict(search.spaces),
+        spaces={
+            name: Steering(space.turning_radius, space.reverse)
+            if isinstance(space, CarWire)
+            else space
+            for name, space in search.spaces.items()
+        },
         solve_time=search.solve_time,
         shortcut_time=search.shortcut_time,
         objective=search.objective,

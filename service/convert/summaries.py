@@ -1,8 +1,10 @@
 """Summaries of robots and scenes to the wire."""
 
+import dataclasses
 from typing import Any
 
 from planning.domain.joints import JointLimits
+from planning.domain.steering import steering_of
 from planning.domain.summary import GroupSummary, RobotSummary, SceneSummary
 from service.convert.numbers import bounds
 
@@ -23,10 +25,18 @@ def limits_wire(limits: JointLimits, blocks: list[str]) -> dict[str, Any]:
 def group_wire(summary: GroupSummary, aliases: list[str]) -> dict[str, Any]:
     """Return a group for the wire."""
     group = summary.group
+    cars = steering_of(group)
     return {
         "name": group.name,
         "aliases": aliases,
-        "joints": [{"name": joint.name, "type": str(joint.type)} for joint in group.joints],
+        "joints": [
+            {
+                "name": joint.name,
+                "type": str(joint.type),
+                "steering": dataclasses.asdict(cars[joint.name]) if joint.name in cars else None,
+            }
+            for joint in group.joints
+        ],
         "position_names": list(group.position_names),
         "velocity_names": list(group.velocity_names),
         "tool_frames": list(group.tool_frames),

@@ -2,7 +2,9 @@
 
 from typing import Any
 
+from planning.domain.car_request import agreed_steering, require_directed
 from planning.domain.foreign_planners import unknown_planner
+from planning.domain.steering import Steering
 from planning.errors import UnknownName
 from service.desk import Desk, spec_of
 from service.jobs.records import Job
@@ -16,7 +18,7 @@ from service.scenes.preflight import (
 )
 from service.scenes.shelf import SceneShelf
 from service.scenes.timing import require_motion_limits
-from service.schemas.plan import PlanRequest, SearchWire
+from service.schemas.plan import CarWire, PlanRequest, SearchWire
 
 TASK = "service.tasks.plan:plan_motion"
 
@@ -39,6 +41,7 @@ async def submit_plan(request: PlanRequest, key: str | None, scenes: SceneShelf,
         UnknownResource: There is no such scene or revision.
         UnknownName: The scene has no such group, joint, frame or configuration, or nobody has
             the planner.
+        ProblemInvalid: A base cannot drive as is asked, or a planner cannot search for that.
         WrongCount: A list of positions does not fit the group.
         IdempotencyConflict: The key was used for another request.
         QueueFull: The queue is full.
@@ -53,6 +56,7 @@ async def submit_plan(request: PlanRequest, key: str | None, scenes: SceneShelf,
     require_joints(group, request.ik.joint_weights)
     require_planner(await desk.planners(), request.search)
     require_search_names(group, request.search)
+    require_cars(group, request.search)
     payload = {
         **await desk.scene_payload(record),
         "request": request.model_dump(mode="json"),
@@ -101,3 +105,27 @@ def require_search_names(group: Group, search: SearchWire) -> None:
         for name in names:
             if name not in known:
                 raise UnknownName.among(kind, name, dict.fromkeys(known))
+
+
+def require_cars(group: Group, search: SearchWire) -> None:
+    """Go on only if the group's bases can drive as is asked, and the planners can search for that.
+
+    Raises:
+        UnknownName: There is no such planar joint.
+        ProblemInvalid: The robot cannot drive so, or a planner checks motions backwards.
+    """
+    joints = group["joints"]
+    own = {joint["name"]: Steering(**joint["steering"]) for joint in joints if _is_car(joint)}
+    asked = {
+        name: Steering(space.turning_radius, space.reverse)
+        for name, space in search.spaces.items()
+        if isinstance(space, CarWire)
+    }
+    planar = [joint["name"] for joint in joints if joint["type"] == "planar"]
+    names = [search.planner] if isinstance(search.planner, str) else search.planner
+    require_directed(names, agreed_steering(own, asked, planar))
+
+
+def _is_car(joint: dict[str, Any]) -> bool:
+    # Scenes that were stored by older versions know nothing of cars.
+    return joint.get("steering") is not None

@@ -84,6 +84,18 @@ class RoadmapWire(Wire):
     )
 
 
+class CarWire(Wire):
+    """A planar base that moves like a car: never sideways, in no tighter turn than it can."""
+
+    turning_radius: Annotated[Real, Field(ge=1e-3, le=1e3)] = Field(
+        description="Of its tightest turn, at the origin of the base [m]"
+    )
+    reverse: bool = Field(
+        default=True,
+        description="Whether it drives backwards too (Reeds and Shepp's curves) or not (Dubins')",
+    )
+
+
 class SearchWire(Wire):
     """How to search for a path."""
 
@@ -124,11 +136,11 @@ class SearchWire(Wire):
         description="Lowest and highest value to search in [rad or m], by position name, within "
         "the limits",
     )
-    spaces: dict[Name, Literal["full", "position"]] = Field(
+    spaces: dict[Name, Literal["full", "position"] | CarWire] = Field(
         default={},
         max_length=64,
         description="`position` keeps the rotation of a planar or floating joint, named here, as "
-        "it is at the start",
+        "it is at the start; a turning radius [m] makes a car of a planar joint",
     )
     solve_time: Annotated[Real, Field(gt=0, le=3600)] | None = Field(
         default=None,

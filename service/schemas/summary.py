@@ -7,11 +7,21 @@ from service.schemas.wire import Answer
 type Bound = float | None
 
 
+class SteeringWire(Answer):
+    """What a car can drive."""
+
+    turning_radius: float = Field(description="Of its tightest turn, at the base's origin [m]")
+    reverse: bool = Field(description="Whether it drives backwards too")
+
+
 class JointWire(Answer):
     """A joint of a group."""
 
     name: str = Field(description="Full name, `robot::joint`")
     type: str = Field(description="revolute, continuous, prismatic, planar or floating")
+    steering: SteeringWire | None = Field(
+        default=None, description="How a planar joint is steered; null if it moves any way"
+    )
 
 
 class LimitsWire(Answer):

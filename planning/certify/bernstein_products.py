@@ -1,0 +1,35 @@
+"""Products of polynomials in Bernstein form, a row of coefficients for each.
+
+With every coefficient times its binomial, a product is a convolution, and to raise a degree is to
+multiply by one (Farouki 2012, section 4).
+"""
+
+from functools import cache
+from math import comb
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float64
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
+
+
+def times(a: Float64[np.ndarray, "n i"], b: Float64[np.ndarray, "n j"]) -> Array:
+    """Return the coefficients of the products of rows, of the sum of both degrees."""
+    if b.shape[1] < a.shape[1]:
+        a, b = b, a
+    scaled, other = a * _binomials(a.shape[1] - 1), b * _binomials(b.shape[1] - 1)
+    product = np.zeros((len(a), a.shape[1] + b.shape[1] - 1))
+    for i in range(a.shape[1]):
+        product[:, i : i + b.shape[1]] += scaled[:, i, None] * other
+    return product / _binomials(product.shape[1] - 1)
+
+
+def raised(a: Float64[np.ndarray, "n i"], degree: int) -> Array:
+    """Return the coefficients of the same polynomials at a degree that is no less."""
+    return times(a, np.ones((len(a), degree - a.shape[1] + 2)))
+
+
+@cache
+def _binomials(degree: int) -> Array:
+    return np.array([float(comb(degree, i)) for i in range(degree + 1)])

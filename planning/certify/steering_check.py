@@ -1,0 +1,176 @@
+"""Whether a base moves as a car can drive, from the trajectory's polynomials.
+
+With p = (x, y) and psi the yaw, v_x and v_y of the base's own frame are p' turned by -psi. Shown on
+every piece, between all samples:
+
+    sideways    v_y^2 <= epsilon^2 |p'|^2
+    curvature   (r psi')^2 <= (1 + delta)^2 v_x^2
+    reverse     v_x >= 0, unless the car drives backwards
+
+All but the sine and the cosine are polynomials. Pieces are halved until psi = psi_m + eta with
+|eta| at most 1/8; then Taylor's series 1 - eta^2 / 2 + eta^4 / 24 and eta - eta^3 / 6 are wrong by
+less than 3e-7 together, which the first bound makes room for. Both sides are homogeneous in speed,
+so that slow motion is held to the same as fast; only what is slower than a micrometre per second
+(sideways and in reverse, a nanometre) is not looked at.
+"""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from planning.certify import bernstein
+from planning.certify.bernstein_products import raised, times
+from planning.certify.request import CertifyRequest
+from planning.domain.certificate import Check
+from planning.domain.steering import Steering, steering_of
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
+
+# epsilon, the tangent of the angle of slip, and delta.
+SLIP, TIGHT = 1e-5, 1e-4
+_SERIES = 3e-7
+_LARGEST_TURN = 0.125
+_MOST_HALVINGS, _MOST_NODES = 16, 100_000
+# Squares of speeds, and a speed, that count as nothing [m^2/s^2 and m/s].
+_SLIP_DUST, _TURN_DUST, _REVERSE_DUST = 1e-18, 1e-12, 1e-9
+# Speeds are compared at so many places of each piece, for the number that is told.
+_LOOKS = np.array([0.1, 0.35, 0.65, 0.9])
+_LEAST_SPEED = 1e-4
+
+
+def steering_checks(request: CertifyRequest) -> list[Check]:
+    """Return a check for every car of the group.
+
+    The value is the largest share of what is allowed that was seen: of the slip, or of the
+    curvature 1 / turning radius. The true one is at most the resolution larger.
+    """
+    checks: list[Check] = []
+    iq = iv = 0
+    for joint in request.group.joints:
+        steering = steering_of(request.group).get(joint.name)
+        if steering is not None:
+            checks.append(_check(f"steering {joint.name}", request, (iq, iv), steering))
+        iq += joint.num_positions
+        iv += joint.num_velocities
+    return checks
+
+
+def _check(name: str, request: CertifyRequest, at: tuple[int, int], car: Steering) -> Check:
+    bound = 1 + TIGHT
+    widths = np.diff(request.trajectory.breaks)
+    times_ = (request.trajectory.breaks[:-1, None] + _LOOKS * widths[:, None]).ravel()
+    value, where, time = _worst(request, at[1], times_, car)
+    nodes = _nodes(request, *at)
+    if nodes is None:
+        return Check(name, value, bound, "1", np.inf, passed=False, where="unproven", time=time)
+    for kind, excess, dust in _excesses(nodes, car):
+        top, row, fraction = bernstein.peak(np.ascontiguousarray(excess), dust / 2)
+        if not top <= dust:
+            when = float(nodes.begins[row] + fraction * nodes.widths[row])
+            seen, _, _ = _worst(request, at[1], np.array([when]), car)
+            return Check(name, max(value, seen), bound, "1", np.inf, False, kind, when)  # noqa: FBT003
+    return Check(name, value, bound, "1", max(0.0, bound - value), True, where, time)  # noqa: FBT003
+
+
+def _worst(
+    request: CertifyRequest, iv: int, instants: Array, car: Steering
+) -> tuple[float, str, float]:
+    """Return the largest share of what is allowed at some instants, of what, and when."""
+    curve = request.trajectory
+    yaw = curve.positions(instants)[:, _yaw_index(request, iv)]
+    x, y, turn = curve.tangents(instants, 1)[:, iv : iv + 3].T
+    c, s = np.cos(yaw), np.sin(yaw)
+    ahead, aside = c * x + s * y, c * y - s * x
+    speed = np.maximum(np.hypot(x, y), _LEAST_SPEED)
+    back = np.zeros_like(ahead) if car.reverse else np.maximum(-ahead, 0.0)
+    shares = {
+        "sideways": np.abs(aside) / speed / SLIP,
+        "curvature": np.abs(turn) * car.turning_radius / speed,
+        "reverse": back / speed / SLIP,
+    }
+    where = max(shares, key=lambda kind: float(shares[kind].max()))
+    row = int(np.argmax(shares[where]))
+    return float(shares[where][row]), where, float(instants[row])
+
+
+def _yaw_index(request: CertifyRequest, iv: int) -> int:
+    """Return where the yaw of the joint whose velocities begin at iv is in q."""
+    iq = at = 0
+    for joint in request.group.joints:
+        if at == iv:
+            break
+        iq += joint.num_positions
+        at += joint.num_velocities
+    return iq + 2
+
+
+@dataclass(frozen=True)
+class _Nodes:
+    """Parts of pieces on which the yaw changes little, a row for each.
+
+    Attributes:
+        begins: [s].
+        widths: [s].
+        yaw: In the middle of what it may be.
+        eta: Bernstein coefficients of the yaw less that.
+        rates: Of x', y' and psi', shape (n, k, 3).
+    """
+
+    begins: Array
+    widths: Array
+    yaw: Array
+    eta: Array
+    rates: Array
+
+
+def _nodes(request: CertifyRequest, iq: int, iv: int) -> _Nodes | None:
+    """Return parts of all pieces, or None if the yaw changes too quickly."""
+    curve = request.trajectory
+    begins, widths = curve.breaks[:-1], np.diff(curve.breaks)
+    turning = curve.coefficients[:, :, iv + 2 : iv + 3]
+    terms = 1 + int(np.max(np.flatnonzero(turning.any(axis=(0, 2))), initial=0))
+    yaw = bernstein.from_power(turning[:, :terms], widths) + curve.bases[:, iq + 2, None, None]
+    rates = np.moveaxis(request.forms[1][iv : iv + 3], 0, -1)
+    for _ in range(_MOST_HALVINGS):
+        low, high = yaw[:, :, 0].min(axis=1), yaw[:, :, 0].max(axis=1)
+        wide = high - low > 2 * _LARGEST_TURN
+        if not wide.any():
+            middle = (low + high) / 2
+            return _Nodes(begins, widths, middle, yaw[:, :, 0] - middle[:, None], rates)
+        if len(yaw) + wide.sum() > _MOST_NODES:
+            return None
+        half = widths[wide] / 2
+        begins = np.concatenate([begins[~wide], begins[wide], begins[wide] + half])
+        widths = np.concatenate([widths[~wide], half, half])
+        yaw, rates = (
+            np.concatenate([form[~wide], *bernstein.halves(form[wide])]) for form in (yaw, rates)
+        )
+    return None
+
+
+def _excesses(nodes: _Nodes, car: Steering) -> list[tuple[str, Array, float]]:
+    """Return what shall not be above zero, and what of it counts as nothing."""
+    c, s = np.cos(nodes.yaw)[:, None], np.sin(nodes.yaw)[:, None]
+    x, y, turn = np.moveaxis(nodes.rates, -1, 0)
+    # Along the middle yaw, and across.
+    u, w = c * x + s * y, c * y - s * x
+    eta = nodes.eta
+    squared = times(eta, eta)
+    degree = 4 * (eta.shape[1] - 1)
+    sine = raised(eta, degree) - raised(times(squared, eta), degree) / 6
+    cosine = 1 - raised(squared, degree) / 2 + times(squared, squared) / 24
+    aside = times(cosine, w) - times(sine, u)
+    ahead = times(cosine, u) + times(sine, w)
+    speed = times(u, u) + times(w, w)
+    slip = times(aside, aside) - (SLIP - _SERIES) ** 2 * raised(speed, 2 * (aside.shape[1] - 1))
+    allowed = (1 + TIGHT) ** 2 * (1 - SLIP**2) / car.turning_radius**2
+    excesses = [
+        ("sideways", slip, _SLIP_DUST),
+        (
+            "curvature",
+            car.turning_radius**2 * (times(turn, turn) - allowed * speed),
+            _TURN_DUST,
+        ),
+    ]
+    return excesses if car.reverse else [*excesses, ("reverse", -ahead, _REVERSE_DUST)]

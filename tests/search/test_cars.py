@@ -1,0 +1,274 @@
+"""Paths of cars among walls: drivable, free and inside by an independent look."""
+
+import time
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from planning.domain.car_request import _DIRECTED
+from planning.domain.deadline import Deadline
+from planning.domain.joints import JointType
+from planning.domain.manifold import Manifold
+from planning.domain.options import SearchOptions
+from planning.domain.steering import Steering, manifold_of, steered
+from planning.errors import NoPathFound, ProblemInvalid, UnknownName
+from planning.search import attempt
+from planning.search.drive_shortcut import shortened_drive
+from planning.search.driven_edges import DrivenEdges
+from planning.search.drives import Drives
+from planning.search.oracle import WatchedOracle
+from planning.search.planners import planner_names
+from planning.search.polyline import path_length
+from planning.search.solver import SearchTask, search
+from tests.search.conftest import Oracle, group_of, limits_of
+
+PLANE = (JointType.PLANAR,)
+WITH_ARM = (JointType.PLANAR, JointType.REVOLUTE, JointType.CONTINUOUS)
+RADIUS = 0.15
+
+
+def car(kinds=PLANE, *, reverse=True, radius=RADIUS):
+    group = group_of(*kinds)
+    return steered(group, {"r::j0": Steering(radius, reverse)})
+
+
+def arms(count, *values):
+    return np.array([*values, *np.linspace(-0.5, 0.5, count)])
+
+
+def beyond_disc(qs):
+    """A disc about the origin."""
+    return np.hypot(qs[:, 0], qs[:, 1]) > 0.2
+
+
+def beyond_wall(qs):
+    """A wall across x = 0 with an end at y = 0.1."""
+    return ~((np.abs(qs[:, 0]) < 0.06) & (qs[:, 1] < 0.1))
+
+
+def found(
+    group, seed=0, oracle=beyond_disc, start=(-0.6, -0.1, 0.0), end=(0.6, 0.1, 0.0), **options
+):
+    extra = group.num_positions - 3
+    task = SearchTask(
+        start=arms(extra, *start),
+        goals=arms(extra, *end)[None] * np.array([1, 1, 1, *[-1] * extra]),
+        options=SearchOptions(**options),
+        resolution=0.05,
+        padding=0.0,
+        seed=seed,
+    )
+    deadline = Deadline.after(20.0, time.perf_counter)
+    return search(group, limits_of(group), Oracle(oracle), task, deadline)
+
+
+def assert_drivable(group, waypoints, oracle, lower=-1.0, upper=1.0):
+    """Every piece is an arc that the car can drive, free and inside ten times as finely."""
+    steering = group.steering["r::j0"]
+    manifold = manifold_of(group)
+    deltas = manifold.minus(waypoints[1:], waypoints[:-1])
+    ahead, aside, turn = deltas[:, :3].T
+    assert (np.abs(aside) <= 1e-6 * np.abs(ahead)).all()
+    assert (np.abs(turn) * steering.turning_radius <= (1 + 1e-6) * np.abs(ahead)).all()
+    assert steering.reverse or (ahead >= -1e-12).all()
+    for q0, q1 in pairwise(waypoints):
+        count = 2 + int(manifold.distance(q1, q0) / (0.05 / 4 / 10))
+        qs = manifold.interpolate(q0, q1, np.linspace(0, 1, count))
+        # To be free at samples is to be at most half a step of them in the wall.
+        shrunk = qs[oracle(qs)]
+        assert len(qs) - len(shrunk) <= 10
+        assert (qs[:, :2] >= lower - 1e-8).all()
+        assert (qs[:, :2] <= upper + 1e-8).all()
+
+
+@pytest.mark.parametrize("reverse", [True, False])
+@pytest.mark.parametrize("kinds", [PLANE, WITH_ARM])
+@pytest.mark.parametrize("seed", range(1))
+def test_rrtconnect_drives_around_a_wall(kinds, reverse, seed):
+    group = car(kinds, reverse=reverse)
+    poses = {"start": (-0.6, -0.6, 0.0), "end": (0.6, -0.6, 0.0)}
+    result = found(group, seed, beyond_wall, **poses)
+    assert not result.report.direct
+    assert_drivable(group, result.path.waypoints, beyond_wall)
+    assert result.path.waypoints[0].tobytes() == arms(len(kinds) - 1, -0.6, -0.6, 0).tobytes()
+    assert result.report.length <= result.report.raw_length
+    assert found(group, seed, beyond_wall, **poses).path == result.path
+
+
+@pytest.mark.parametrize("name", ["BKPIECE1", "LBKPIECE1", "PRM"])
+def test_other_planners_drive_a_car_that_reverses(name):
+    group = car()
+    result = found(group, planner=name)
+    assert not result.report.direct
+    assert_drivable(group, result.path.waypoints, beyond_disc)
+
+
+# A usual batch would take too long for a test.
+_SMALL = {"BITstar": {"samples_per_batch": 20}}
+
+
+@pytest.mark.parametrize("name", _DIRECTED)
+def test_planners_for_one_way_check_in_the_direction_of_motion(monkeypatch, name):
+    """Every edge of what the planner finds was asked for as it is driven."""
+    asked, solutions = set(), []
+    is_free, report = DrivenEdges.is_free, attempt._report
+
+    def key(q):
+        wrapped = np.array([q[0], q[1], np.remainder(q[2] + np.pi, 2 * np.pi)])
+        return tuple(np.round(wrapped, 9))
+
+    def noting(edges, q0, q1):
+        asked.add((key(q0), key(q1)))
+        return is_free(edges, q0, q1)
+
+    def keeping(query, fine, path, status, planner):
+        solutions.append(path)
+        return report(query, fine, path, status, planner)
+
+    monkeypatch.setattr(DrivenEdges, "is_free", noting)
+    monkeypatch.setattr(attempt, "_report", keeping)
+    group = car(reverse=False)
+    result = found(group, 1, planner=name, parameters=_SMALL.get(name, {}))
+    assert_drivable(group, result.path.waypoints, beyond_disc)
+    assert {(key(a), key(b)) for a, b in pairwise(solutions[-1])} <= asked
+
+
+@pytest.mark.parametrize("name", sorted(set(planner_names()) - set(_DIRECTED)))
+def test_other_planners_are_refused_for_one_way(name):
+    with pytest.raises(ProblemInvalid, match="RRTConnect") as refusal:
+        found(car(reverse=False), planner=("RRT", name))
+    assert refusal.value.evidence["field"] == "search.planner"
+
+
+OPTIONS = {
+    "weights": {"weights": {"r::j0": 3.0, "r::j1": 0.2}},
+    "weighted length": {"weights": {"r::j0.linear": 2.0}, "objective": "weighted_length"},
+    "duration": {"objective": "duration", "attempts": 2},
+    "clearance": {"objective": "clearance"},
+    "no shortcut": {"shortcut_time": 0.0},
+    "many states": {"num_states": 300, "keep_graph": True},
+    "asked for": {"spaces": {"r::j0": Steering(0.2, reverse=False)}},
+}
+
+
+@pytest.mark.parametrize("name", OPTIONS)
+def test_options_hold(name):
+    group = car(WITH_ARM)
+    result = found(group, 2, **OPTIONS[name])
+    if name == "asked for":
+        group = car(WITH_ARM, reverse=False, radius=0.2)
+    assert_drivable(group, result.path.waypoints, beyond_disc)
+    assert len(result.path.waypoints) >= OPTIONS[name].get("num_states", 2)
+
+
+@pytest.mark.parametrize("reverse", [True, False])
+def test_bounds_hold_on_the_whole_way(reverse):
+    group = car(reverse=reverse)
+    box = {"bounds": {"r::j0.x": (-0.65, 0.65), "r::j0.y": (-0.5, 0.35)}}
+    result = found(group, 1, **box)
+    low, high = np.array(list(box["bounds"].values())).T
+    assert_drivable(group, result.path.waypoints, beyond_disc, low, high)
+
+
+def test_who_cannot_turn_within_the_bounds_has_no_way():
+    """Nose against the bound, and no reverse."""
+    poses = {"start": (0.99, 0.9, 0.0), "end": (0.3, 0.9, 0.0)}
+    with pytest.raises(NoPathFound):
+        found(car(reverse=False), solve_time=0.2, **poses)
+    result = found(car(), **poses)
+    assert_drivable(car(), result.path.waypoints, beyond_disc)
+
+
+@pytest.mark.parametrize(
+    ("spaces", "error"),
+    [
+        ({"r::j1": Steering(0.2)}, UnknownName),
+        ({"r::j0": Steering(0.0)}, ProblemInvalid),
+        ({"r::j0": Steering(float("nan"))}, ProblemInvalid),
+        ({"r::j0": Steering(RADIUS / 2)}, ProblemInvalid),
+        ({"r::j0": "position"}, ProblemInvalid),
+    ],
+)
+def test_what_the_robot_cannot_drive_is_refused(spaces, error):
+    with pytest.raises(error):
+        found(car(WITH_ARM), spaces=spaces)
+
+
+def test_two_cars_at_once_are_refused():
+    group = group_of(JointType.PLANAR, JointType.PLANAR)
+    both = {"r::j0": Steering(0.2), "r::j1": Steering(0.3)}
+    with pytest.raises(ProblemInvalid, match="one car"):
+        Drives(steered(group, both))
+
+
+@given(seed=st.integers(0, 10_000), reverse=st.booleans())
+def test_a_way_ends_where_it_should_and_its_arm_keeps_pace(seed, reverse):
+    group = car(WITH_ARM, reverse=reverse)
+    drives = Drives(group)
+    q0, q1 = np.random.default_rng(seed).uniform(-1, 1, (2, 5)) * [1, 1, 3, 1, 1]
+    way = drives.way(q0, q1).waypoints
+    assert_drivable(group, way, lambda qs: np.ones(len(qs), bool), -9.0, 9.0)
+    assert way[0].tobytes() == q0.tobytes()
+    assert way[-1].tobytes() == q1.tobytes()
+    deltas = drives.manifold.minus(way[1:], way[:-1])
+    driven = np.cumsum(np.hypot(deltas[:, 0], deltas[:, 1]))
+    arm = np.cumsum(np.abs(deltas[:, 3]))
+    assert arm / arm[-1] == pytest.approx(driven / driven[-1])
+    length = np.linalg.norm(deltas, axis=1).sum()
+    summed = np.linalg.norm(drives.tangents(q0[None], q1[None]), axis=2).sum()
+    assert length == pytest.approx(summed)
+    for a, b in pairwise(way):
+        assert len(drives.way(a, b).waypoints) == 2
+    if reverse:
+        assert drives.way(q1, q0).waypoints[::-1].tobytes() == way.tobytes()
+
+
+@given(seed=st.integers(0, 10_000))
+@settings(max_examples=4)
+def test_shortcuts_only_shorten_and_stay_free(seed):
+    group = car(reverse=bool(seed % 2))
+    limits = limits_of(group)
+    oracle = Oracle(lambda qs: np.hypot(qs[:, 0], qs[:, 1]) > 0.35)
+    soon = Deadline.after(10.0, time.perf_counter)
+    watched = WatchedOracle(oracle, group, limits, soon)
+    drives = Drives(group)
+    edges = DrivenEdges(
+        drives, watched, 0.02, lambda d: np.linalg.norm(d, axis=-1), (limits.lower, limits.upper)
+    )
+    rng = np.random.default_rng(seed)
+    path = [np.array([-0.7, -0.6, 0.0])]
+    while len(path) < 4:
+        q = rng.uniform(-0.9, 0.9, 3) * [1, 1, 3]
+        if edges.is_whole_edge_free(path[-1].tolist(), q.tolist()):
+            path.append(q)
+    raw = drives.threaded(np.array(path))
+    shorter = shortened_drive(raw, edges, lambda: False)
+    assert path_length(shorter, drives.manifold) <= path_length(raw, drives.manifold) + 1e-9
+    assert edges.are_free(shorter[:-1], shorter[1:]).all()
+    assert_drivable(group, shorter, lambda qs: np.hypot(qs[:, 0], qs[:, 1]) > 0.34)
+    over = shortened_drive(raw, edges, lambda: True)
+    assert path_length(over, drives.manifold) <= path_length(raw, drives.manifold) + 1e-9
+
+
+def test_a_blocked_drive_is_none():
+    group = car()
+    limits = limits_of(group)
+    soon = Deadline.after(10.0, time.perf_counter)
+    oracle = WatchedOracle(Oracle(lambda qs: np.abs(qs[:, 0]) > 0.1), group, limits, soon)
+    drives = Drives(group)
+    edges = DrivenEdges(
+        drives, oracle, 0.02, lambda d: np.linalg.norm(d, axis=-1), (limits.lower, limits.upper)
+    )
+    raw = drives.threaded(np.array([[-0.5, 0.0, 0.0], [0.5, 0.0, 0.0]]))
+    assert shortened_drive(raw, edges, lambda: False) is None
+
+
+def test_a_straight_line_in_the_plane_is_no_way_of_a_car():
+    """What is next to it is farther than it looks."""
+    group = car()
+    aside = Drives(group).way(np.zeros(3), np.array([0.0, 0.1, 0.0])).waypoints
+    manifold = manifold_of(group)
+    assert path_length(aside, manifold) > 3 * Manifold(group.joints).distance(aside[-1], aside[0])

@@ -1,0 +1,87 @@
+"""Cars over HTTP: what they can drive is told, asked for, and refused where they cannot."""
+
+import pytest
+
+SCENE = {
+    "robots": [
+        {"name": "car", "model": "car", "positions": [-0.9, 0.0, 0.0]},
+        {"name": "body", "model": "planar_l", "base": {"position": [2.5, 2.5, 0]}},
+    ],
+    "objects": [
+        {"name": "post", "shape": {"sphere": 0.1}, "pose": {"position": [0.0, 0.0, 0.1]}},
+    ],
+}
+JOINT = "car::base_joint"
+
+
+@pytest.fixture(scope="module")
+def scene(client):
+    return client.post("/v1/scenes", json=SCENE).json()["id"]
+
+
+@pytest.fixture
+def plan(client, scene):
+    def ask(search, group="car", positions=(0.6, 0.1, 0.0)):
+        request = {
+            "scene": scene,
+            "group": group,
+            "goal": {"type": "joint", "positions": [list(positions)]},
+            "search": search,
+        }
+        return client.post("/v1/plans?wait=30", json=request)
+
+    return ask
+
+
+def test_a_plan_of_a_car_is_proven(plan):
+    job = plan({"spaces": {JOINT: {"turning_radius": 0.4, "reverse": False}}}).json()
+    assert job["state"] == "succeeded", job["failure"]
+    checks = {check["name"]: check for check in job["result"]["certificate"]["checks"]}
+    assert checks[f"steering {JOINT}"]["passed"]
+    assert "car" in job["result"]["stages"]["refine"]["reason"]
+    assert job["request"]["search"]["spaces"] == {JOINT: {"turning_radius": 0.4, "reverse": False}}
+
+
+def test_models_tell_how_they_are_steered(client):
+    groups = client.get("/v1/models/car").json()["groups"]
+    assert groups[0]["joints"][0]["steering"] == {"turning_radius": 0.3, "reverse": True}
+    groups = client.get("/v1/models/planar_l").json()["groups"]
+    assert groups[0]["joints"][0]["steering"] is None
+
+
+@pytest.mark.parametrize(
+    ("search", "code", "names"),
+    [
+        ({"spaces": {"car::base": {"turning_radius": 0.4}}}, "unknown_name", [JOINT]),
+        ({"spaces": {JOINT: {"turning_radius": 0.1}}}, "problem_invalid", ["0.3"]),
+        ({"spaces": {JOINT: {"turning_radius": 0}}}, "request_invalid", []),
+        ({"spaces": {JOINT: {"radius": 0.4}}}, "request_invalid", []),
+        ({"spaces": {JOINT: "car"}}, "request_invalid", []),
+        (
+            {
+                "planner": ["RRT", "PRM"],
+                "spaces": {JOINT: {"turning_radius": 0.4, "reverse": False}},
+            },
+            "problem_invalid",
+            ["PRM", "RRTConnect", "KPIECE1"],
+        ),
+    ],
+)
+def test_what_cannot_be_driven_is_refused(plan, search, code, names):
+    answer = plan(search)
+    assert answer.status_code == 422
+    assert answer.json()["code"] == code
+    assert all(name in answer.json()["detail"] for name in names)
+
+
+def test_any_planner_will_do_for_a_car_that_reverses(plan):
+    job = plan({"planner": "KPIECE1", "spaces": {JOINT: {"turning_radius": 0.3}}}).json()
+    assert job["state"] == "succeeded", job["failure"]
+
+
+def test_a_request_makes_a_car_of_a_body(plan):
+    search = {"spaces": {"body::base_joint": {"turning_radius": 0.1}}}
+    job = plan(search, "body", (0.2, 0.3, 1.0)).json()
+    assert job["state"] == "succeeded", job["failure"]
+    names = [check["name"] for check in job["result"]["certificate"]["checks"]]
+    assert "steering body::base_joint" in names
