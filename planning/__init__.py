@@ -42,9 +42,11 @@ if TYPE_CHECKING:
         SearchOptions,
     )
     from planning.domain.plan import MotionPlan, Progress
+    from planning.domain.planner_card import PlannerCard
     from planning.domain.pose import Pose
     from planning.domain.problem import PlanningProblem
     from planning.domain.quality import ConfigurationQuality
+    from planning.domain.regions import RegionOptions, Regions
     from planning.domain.scene import Scene
     from planning.domain.scene_operation import (
         AddObject,
@@ -56,13 +58,14 @@ if TYPE_CHECKING:
         RemoveObject,
         SetPositions,
     )
+    from planning.growing import grow_regions
     from planning.ik import assess_configurations, solve_ik
     from planning.kernel.native import kernel_name
     from planning.line import Displacement, Fineness, trace_line
     from planning.own_path import RetimedPath, retime_path
     from planning.own_trajectory import certify_trajectory
     from planning.pipeline import plan
-    from planning.search.planners import PlannerCard, list_planners
+    from planning.planners import list_planners
     from planning.series import MotionSeries, motion_series
     from planning.world.catalogue import describe_model, list_models
     from planning.world.check import check_configurations
@@ -103,7 +106,7 @@ _DOORS = {
     "OrientationCone": "planning.domain.constraint",
     "PathPredicate": "planning.domain.constraint",
     "PlacedBox": "planning.domain.constraint",
-    "PlannerCard": "planning.search.planners",
+    "PlannerCard": "planning.domain.planner_card",
     "PlanningProblem": "planning.domain.problem",
     "Pose": "planning.domain.pose",
     "PoseGoal": "planning.domain.goal",
@@ -113,6 +116,8 @@ _DOORS = {
     "Progress": "planning.domain.plan",
     "RefineOptions": "planning.domain.options",
     "RegionGoal": "planning.domain.goal",
+    "RegionOptions": "planning.domain.regions",
+    "Regions": "planning.domain.regions",
     "RelativeGoal": "planning.domain.goal",
     "RemoveObject": "planning.domain.scene_operation",
     "RetimeOptions": "planning.domain.options",
@@ -134,9 +139,10 @@ _DOORS = {
     "forward_kinematics": "planning.world.kinematics",
     "funnel_evidence": "planning.domain.funnel",
     "funnel_summary": "planning.domain.funnel",
+    "grow_regions": "planning.growing",
     "kernel_name": "planning.kernel.native",
     "list_models": "planning.world.catalogue",
-    "list_planners": "planning.search.planners",
+    "list_planners": "planning.planners",
     "load_world": "planning.world.world",
     "motion_series": "planning.series",
     "parse_scene": "planning.world.scene_file",
@@ -188,6 +194,8 @@ __all__ = [
     "Progress",
     "RefineOptions",
     "RegionGoal",
+    "RegionOptions",
+    "Regions",
     "RelativeGoal",
     "RemoveObject",
     "RetimeOptions",
@@ -209,6 +217,7 @@ __all__ = [
     "forward_kinematics",
     "funnel_evidence",
     "funnel_summary",
+    "grow_regions",
     "kernel_name",
     "list_models",
     "list_planners",

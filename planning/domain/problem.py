@@ -8,6 +8,7 @@ from jaxtyping import Float64
 from planning.domain.constraint import PathConstraint
 from planning.domain.goal import Goal
 from planning.domain.options import IkOptions, RefineOptions, RetimeOptions, SearchOptions
+from planning.domain.regions import Regions
 from planning.domain.value import Value
 
 
@@ -26,6 +27,7 @@ class PlanningProblem(Value):
         margin: Distance that everything keeps [m]; None for the scene's.
         seed: Of all randomness.
         constraints: What the motion shall keep on its whole way, all of them.
+        regions: Where the planner "GCS" looks for a path; the others do not.
     """
 
     group: str
@@ -38,3 +40,4 @@ class PlanningProblem(Value):
     margin: float | None = None
     seed: int = 0
     constraints: tuple[PathConstraint, ...] = ()
+    regions: Regions | None = None

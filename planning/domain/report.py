@@ -115,6 +115,25 @@ class AttemptReport(Value):
 
 
 @dataclass(frozen=True, eq=False)
+class RegionsReport(Value):
+    """What regions were good for in a search.
+
+    Attributes:
+        digest: Of the regions: the same ones and the same request give the same motion.
+        num_regions: How many there are.
+        considered: Rows of those that the path was looked for in.
+        is_inside: Whether the path that was kept came from them.
+        fallback: Why it did not, or "".
+    """
+
+    digest: str
+    num_regions: int
+    considered: tuple[int, ...]
+    is_inside: bool
+    fallback: str = ""
+
+
+@dataclass(frozen=True, eq=False)
 class SearchReport(Value):
     """What the search stage did.
 
@@ -134,6 +153,7 @@ class SearchReport(Value):
         cost: Of the kept solution, by the objective.
         attempts_log: One entry per attempt, the first ones if there are very many.
         was_canceled: Whether a cancel ended the search before all attempts were made.
+        regions: What regions were good for, if the planner is "GCS".
     """
 
     planner: str
@@ -151,6 +171,7 @@ class SearchReport(Value):
     cost: float = 0.0
     attempts_log: tuple[AttemptReport, ...] = ()
     was_canceled: bool = False
+    regions: RegionsReport | None = None
 
 
 @dataclass(frozen=True, eq=False)

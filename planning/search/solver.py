@@ -7,6 +7,7 @@ collision the attempt starts anew with half the resolution. The best of all atte
 `race`); what is best, `objective` says.
 """
 
+from contextlib import nullcontext
 from typing import Any
 
 import numpy as np
@@ -24,7 +25,7 @@ from planning.search.oracle import CollisionOracle, WatchedOracle
 from planning.search.planners import check_planners
 from planning.search.projected import ProjectedSpace
 from planning.search.race import Tally, race
-from planning.search.sound import Closeness, SoundPath, delivered, fine_checker
+from planning.search.sound import Closeness, SoundPath, delivered, fine_checker, followed
 from planning.search.spaces import SearchSpace
 from planning.search.task import SearchResult, SearchTask
 from planning.stopwatch import Stopwatch
@@ -89,7 +90,8 @@ def search(
     # Of one attempt the end of the search tells as much.
     on_best = task.on_best if task.options.num_attempts > 1 else None
     tally = Tally(on_best, direct=_straight_line(query, closeness))
-    if tally.best is None or _is_detour(tally.best, query):
+    is_enough = tally.best is not None and not _is_detour(tally.best, query)
+    if not is_enough and not _is_led(query, closeness, task, tally):
         race(query, closeness, task, tally)
     best = tally.best
     if best is None:
@@ -168,6 +170,19 @@ def _space(group: JointGroup, limits: JointLimits, task: SearchTask, weights: Ar
         )
         raise ProblemInvalid(message, {"field": "search.weights"})
     return ProjectedSpace(group, limits, anchors, task.residual)
+
+
+def _is_led(query: Query, closeness: Closeness, task: SearchTask, tally: Tally) -> bool:
+    """Whether the task's guide knows a path that is free; the tally has it then."""
+    with query.watch.note("guide") if task.guide else nullcontext():
+        found = None if task.guide is None else task.guide.lead(query.goals)
+    if task.guide is None or found is None:
+        return False
+    before = query.oracle.num_states
+    trial = followed(query, closeness, *found)
+    tally.num_attempts += 1
+    tally.note(task.guide.name, trial, query.oracle.num_states - before)
+    return trial.path is not None
 
 
 def _is_detour(direct: SoundPath, query: Query) -> bool:

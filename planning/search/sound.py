@@ -85,6 +85,19 @@ def _checker(query: Query, resolution: float) -> EdgeChecker:
     return EdgeChecker(query.space.manifold, query.oracle, resolution, query.objective.norm)
 
 
+def followed(query: Query, closeness: Closeness, raw: Array, goal_row: int) -> Trial:
+    """Shorten and check a path that somebody else found, shape (n, nq).
+
+    Raises:
+        Canceled: Somebody asked for the end.
+        DeadlineExceeded: The time has run out.
+    """
+    edges = _checker(query, closeness.resolution)
+    path = _shortened(query, raw, goal_row, edges, closeness)
+    found = Attempt("Exact solution", raw, goal_row, {}, None, is_spent=False)
+    return Trial(found, path, edges.num_motions)
+
+
 def sound_attempt(query: Query, closeness: Closeness, seeds: np.random.SeedSequence) -> Trial:
     """Search, shorten and check, again with half the resolution if that finds a collision.
 
@@ -98,7 +111,9 @@ def sound_attempt(query: Query, closeness: Closeness, seeds: np.random.SeedSeque
         edges = _checker(query, closeness.resolution / 2**halvings)
         seed = max(1, int(child.generate_state(1)[0]))
         found = attempt(query, edges, closeness.fine, seed)
-        path = _shortened(query, found, edges, closeness)
+        path = None
+        if len(found.waypoints):
+            path = _shortened(query, found.waypoints, found.goal_row, edges, closeness)
         num_motions += edges.num_motions
         if path is not None or not len(found.waypoints) or halvings == _HALVINGS:
             return Trial(found, path, num_motions)
@@ -106,22 +121,20 @@ def sound_attempt(query: Query, closeness: Closeness, seeds: np.random.SeedSeque
 
 
 def _shortened(
-    query: Query, found: Attempt, coarse: EdgeChecker, closeness: Closeness
+    query: Query, raw: Array, goal_row: int, coarse: EdgeChecker, closeness: Closeness
 ) -> SoundPath | None:
     """Return a shorter path that is free at the fine resolution, if there is one."""
-    if not len(found.waypoints):
-        return None
     time = query.deadline.share(_SHORTCUT_SHARE).within(query.options.shortcut_time)
-    raw, fine = found.waypoints, closeness.fine
+    fine = closeness.fine
     with query.watch.stage("shortcut"):
         shorter = shortcut(raw, coarse, fine, lambda: time.is_over)
         if shorter is None:
             return None
         path = unrolled(shorter, query.space.manifold)
-        best = delivered(path, raw, found.goal_row, closeness)
+        best = delivered(path, raw, goal_row, closeness)
         if query.objective.name == "clearance" and fine.are_free(raw[:-1], raw[1:]).all():
             # A shorter path may well be nearer to things.
-            untouched = delivered(raw, raw, found.goal_row, closeness)
+            untouched = delivered(raw, raw, goal_row, closeness)
             both = [path for path in (best, untouched) if path is not None]
             best = min(both, key=lambda path: path.cost, default=None)
     return best

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 from jaxtyping import Float64
@@ -17,6 +17,22 @@ from planning.search.projected import Residual
 type Clearances = Callable[
     [np.ndarray[Any, np.dtype[np.float64]]], np.ndarray[Any, np.dtype[np.float64]]
 ]
+
+
+class Guide(Protocol):
+    """Somebody who may know a path.
+
+    Attributes:
+        name: Stands for the planner's in reports.
+    """
+
+    name: str
+
+    def lead(
+        self, goals: Float64[np.ndarray, "n nq"]
+    ) -> tuple[Float64[np.ndarray, "m nq"], int] | None:
+        """Return a path from the start to one of the goals, and the goal's row, if there is one."""
+        ...
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,6 +51,7 @@ class SearchTask(Value):
         clearances: Returns for rows of q the distances to what is not the robot [m]; for the
             objective "clearance".
         on_best: Told of every path that is the best so far.
+        guide: Asked for a path before the planner is, if there is no straight line.
     """
 
     start: Float64[np.ndarray, " nq"]
@@ -46,6 +63,7 @@ class SearchTask(Value):
     residual: Residual | None = None
     clearances: Clearances | None = None
     on_best: Callable[[AttemptReport], None] | None = None
+    guide: Guide | None = None
 
 
 @dataclass(frozen=True, eq=False)
