@@ -36,6 +36,7 @@ class Settings(BaseSettings):
     )
     plan_slots: int = Field(default_factory=default_plan_slots, ge=1, le=256)
     query_slots: int = Field(default=1, ge=1, le=64)
+    regions_slots: int = Field(default=1, ge=1, le=64)
     execution_slots: int = Field(default=2, ge=1, le=64)
     max_queued: int = Field(default=1000, ge=1, description="Jobs that may wait, per lane")
     model_roots: tuple[Path, ...] = Field(default=(), description="More folders of robots")

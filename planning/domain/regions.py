@@ -171,5 +171,11 @@ class Regions(Value):
             )
             for entry in plain["portals"]
         )
-        arrays = {name: np.array(plain[name]) for name in ("lower", "upper")}
-        return cls(**{**plain, **arrays, "regions": regions, "portals": portals})
+        fields: dict[str, Any] = {
+            **plain,
+            "lower": np.array(plain["lower"]),
+            "upper": np.array(plain["upper"]),
+            "regions": regions,
+            "portals": portals,
+        }
+        return cls(**fields)

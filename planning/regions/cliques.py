@@ -5,10 +5,12 @@ covers of visibility graphs".
 """
 
 from collections.abc import Iterator
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
-from jaxtyping import Bool, Float64
+from jaxtyping import Float64
+
+from planning.regions.free_space import FreeSpace
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 type Flags = np.ndarray[Any, np.dtype[np.bool_]]
@@ -17,22 +19,9 @@ type Flags = np.ndarray[Any, np.dtype[np.bool_]]
 _RESOLUTION = 0.1
 
 
-class Sight(Protocol):
-    """Says whether straight ways are free."""
-
-    def are_motions_free(
-        self,
-        origins: Float64[np.ndarray, "m nq"],
-        displacements: Float64[np.ndarray, "m nv"],
-        resolution: float,
-    ) -> Bool[np.ndarray, " m"]:
-        """Return it for each pair of rows."""
-        ...
-
-
-def cliques(sight: Sight, qs: Float64[np.ndarray, "k n"]) -> Iterator[Array]:
+def cliques(space: FreeSpace, qs: Float64[np.ndarray, "k n"]) -> Iterator[Array]:
     """Yield disjoint sets of rows that see one another, the largest first, as found greedily."""
-    seen = _visibility(sight, qs)
+    seen = _visibility(space, qs)
     left = np.ones(len(qs), dtype=bool)
     while left.any():
         chosen = _clique(seen & left, left)
@@ -51,9 +40,9 @@ def _clique(seen: Flags, left: Flags) -> list[int]:
     return chosen
 
 
-def _visibility(sight: Sight, qs: Array) -> Flags:
+def _visibility(space: FreeSpace, qs: Array) -> Flags:
     first, second = np.triu_indices(len(qs), 1)
-    free = sight.are_motions_free(qs[first], qs[second] - qs[first], _RESOLUTION)
+    free = space.are_motions_free(qs[first], qs[second] - qs[first], _RESOLUTION)
     seen = np.zeros((len(qs), len(qs)), dtype=bool)
     seen[first[free], second[free]] = True
     return seen | seen.T

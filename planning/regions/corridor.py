@@ -1,14 +1,13 @@
 """Which regions a shortest path may pass: those on some short way from portal to portal.
 
 All regions at once make a program that takes seconds. So short ways are looked for first, by
-Dijkstra from one portal's middle to the next one's; each that is found makes its regions dearer,
+A* from one portal's middle to the next one's; each that is found makes its regions dearer,
 so that the next one differs.
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 from heapq import heappop, heappush
-from itertools import count
 from typing import Any
 
 import numpy as np
@@ -72,54 +71,63 @@ def corridor(
     return Corridor(ordered, pairs, tuple(reached))
 
 
-@dataclass(frozen=True)
-class _Step:
-    """Somewhere to go within a region: to a portal, or to a goal.
+class _Ways:
+    """Ways from portal to portal; a portal that is passed in one direction is a door.
 
-    Attributes:
-        at: Where that is, shape (nq,).
-        row: The region that is entered there, or -1.
-        goal: The row of the goal that is there, or -1.
+    Doors 2 p and 2 p + 1 lead through portal p, into its second and its first region; the doors
+    after those are goals.
     """
 
-    at: Array
-    row: int
-    goal: int = -1
-
-
-class _Ways:
-    """Ways from portal to portal."""
-
     def __init__(self, regions: Regions, start: Array, goals: Sequence[tuple[int, Array]]) -> None:
-        self._start = start
-        self._first = regions.containing(start)
-        self._steps: dict[int, list[_Step]] = {row: [] for row in range(len(regions.regions))}
-        for portal in regions.portals:
-            for here, there in (portal.regions, portal.regions[::-1]):
-                self._steps[here].append(_Step(portal.point, there))
-        for goal, q in goals:
+        places = [portal.point for portal in regions.portals for _ in range(2)]
+        enters = [row for portal in regions.portals for row in portal.regions[::-1]]
+        leaves: list[list[int]] = [[] for _ in regions.regions]
+        for door in range(len(enters)):
+            leaves[enters[door ^ 1]].append(door)
+        self._num_doors = len(places)
+        self._goals = [goal for goal, _ in goals]
+        for door, (_, q) in enumerate(goals, self._num_doors):
+            places.append(q)
             for row in regions.containing(q):
-                self._steps[row].append(_Step(q, -1, goal))
+                leaves[row].append(door)
+        self._start, self._first = start, regions.containing(start)
+        self._places, self._enters, self._leaves = np.stack(places), enters, leaves
+        to_goals = self._places[:, None] - self._places[None, self._num_doors :]
+        self._ahead = np.linalg.norm(to_goals, axis=2).min(axis=1)
 
     def shortest(self, prices: Array) -> tuple[list[int], int] | None:
-        """Return the regions on the shortest way to a goal, and which goal (Dijkstra).
+        """Return the regions on the shortest way to a goal, and which goal (A*).
 
-        A length within a region is multiplied by the region's price.
+        A length within a region is multiplied by the region's price, at least 1.
         """
-        ticket = count()
-        queue = [(0.0, next(ticket), _Step(self._start, row), [row]) for row in self._first]
-        done: set[tuple[int, bytes]] = set()
+        best = np.full(len(self._places), np.inf)
+        before: dict[int, tuple[int, int]] = {}
+        queue: list[tuple[float, int, float]] = []
+
+        def leave(row: int, door: int, at: Array, length: float) -> None:
+            doors = self._leaves[row]
+            steps = np.linalg.norm(self._places[doors] - at, axis=1)
+            for following, so_far in zip(doors, length + prices[row] * steps, strict=True):
+                if so_far < best[following]:
+                    best[following] = so_far
+                    before[following] = row, door
+                    heappush(queue, (so_far + self._ahead[following], following, so_far))
+
+        for row in self._first:
+            leave(row, -1, self._start, 0.0)
         while queue:
-            length, _, step, way = heappop(queue)
-            if step.goal >= 0:
-                return way, step.goal
-            key = step.row, step.at.tobytes()
-            if key in done:
-                continue
-            done.add(key)
-            for following in self._steps[step.row]:
-                if following.row not in way:
-                    cost = prices[step.row] * float(np.linalg.norm(following.at - step.at))
-                    longer = way if following.goal >= 0 else [*way, following.row]
-                    heappush(queue, (length + cost, next(ticket), following, longer))
+            _, door, length = heappop(queue)
+            if door >= self._num_doors:
+                return _traced(before, door), self._goals[door - self._num_doors]
+            if length <= best[door]:
+                leave(self._enters[door], door, self._places[door], length)
         return None
+
+
+def _traced(before: dict[int, tuple[int, int]], door: int) -> list[int]:
+    """Return the regions that were passed on the way to a door."""
+    way: list[int] = []
+    while door >= 0:
+        row, door = before[door]
+        way.append(row)
+    return way[::-1]

@@ -16,8 +16,9 @@ from jaxtyping import Bool, Float64
 from planning.domain.deadline import Deadline
 from planning.domain.regions import Portal, Region, RegionOptions
 from planning.errors import DeadlineExceeded
-from planning.regions.cliques import Sight, cliques
-from planning.regions.inflate import Inflater, Judge
+from planning.regions.cliques import cliques
+from planning.regions.free_space import FreeSpace
+from planning.regions.inflate import Inflater
 from planning.regions.overlap import portals_of, trimmed
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
@@ -34,10 +35,6 @@ _CLIQUES = 3
 _FRUITLESS = 3
 
 
-class FullJudge(Judge, Sight):
-    """What growth asks of a world."""
-
-
 @dataclass(frozen=True)
 class GrowRequest:
     """What to grow.
@@ -51,7 +48,7 @@ class GrowRequest:
         seed: Of all randomness.
     """
 
-    judge: FullJudge
+    judge: FreeSpace
     lower: Array
     upper: Array
     paths: Sequence[Array]

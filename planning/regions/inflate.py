@@ -8,14 +8,15 @@ largest one inside. It asks for nothing but verdicts on configurations, many at 
 """
 
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
-from jaxtyping import Bool, Float64
+from jaxtyping import Float64
 
 from planning.domain.deadline import Deadline
 from planning.domain.regions import Region
 from planning.regions.ellipsoid import Ellipsoid
+from planning.regions.free_space import FreeSpace
 from planning.regions.walk import walked
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
@@ -35,20 +36,14 @@ _HALVINGS = 8
 _RETREAT = 0.02
 _PATIENCE = 15
 _MOST_ROUNDS = 150
-# A face is moved, instead of a new one made, if that takes no more of its way to the center.
+# Of a polytope with more faces than this for each dimension, a face is moved, instead of a new one
+# made, if that takes no more than a share of its way to the center.
+_PLENTY = 8
 _SHIFT = 0.2
 # Faces at most, by round.
 _MOST_FACES = 40
 # An ellipsoid that grew by less than this factor has grown enough.
 _GROWTH = 1.1
-
-
-class Judge(Protocol):
-    """Says whether configurations are free."""
-
-    def are_free(self, qs: Float64[np.ndarray, "m nq"]) -> Bool[np.ndarray, " m"]:
-        """Return it for each row."""
-        ...
 
 
 @dataclass(frozen=True)
@@ -65,7 +60,7 @@ class Inflater:
         deadline: Asked in every round.
     """
 
-    judge: Judge
+    judge: FreeSpace
     lower: Array
     upper: Array
     num_free: int
@@ -130,7 +125,8 @@ class Inflater:
     ) -> Faces:
         """Return faces that keep out what is blocked: old ones moved a little, and new ones."""
         walls = self._walls(ellipsoid.center, blocked)
-        faces, walls = _moved(faces, ellipsoid.center, walls, retreat)
+        if len(faces[0]) > _PLENTY * len(self.lower):
+            faces, walls = _moved(faces, ellipsoid.center, walls, retreat)
         walls = walls[np.argsort(ellipsoid.distances(walls), kind="stable")]
         normals = ellipsoid.normals(walls)
         room = ((walls - ellipsoid.center) * normals).sum(axis=1)

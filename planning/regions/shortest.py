@@ -98,11 +98,12 @@ def _solve(
     options = GraphOfConvexSetsOptions()
     options.max_rounded_paths = max_rounded_paths
     options.parallelism = Parallelism(1)
-    trajectory, solution = program.SolvePath(source, target, options)
+    found: tuple[Any, Any] = program.SolvePath(source, target, options)
+    trajectory, solution = found
     if not solution.is_success():
         return None
     count = trajectory.get_number_of_segments()
-    pieces: list[Any] = [trajectory.segment(k).control_points() for k in range(count)]
+    pieces = [trajectory.segment(k).control_points() for k in range(count)]
     return np.concatenate([np.asarray(piece).T for piece in pieces])
 
 

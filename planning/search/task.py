@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 from jaxtyping import Float64
@@ -19,6 +19,7 @@ type Clearances = Callable[
 ]
 
 
+@runtime_checkable
 class Guide(Protocol):
     """Somebody who may know a path.
 

@@ -6,6 +6,7 @@ from planning.domain.foreign_planners import unknown_planner
 from planning.errors import UnknownName
 from service.desk import Desk, spec_of
 from service.jobs.records import Job
+from service.regions.choice import regions_payload
 from service.scenes.preflight import (
     Group,
     require_constraints,
@@ -40,6 +41,7 @@ async def submit_plan(request: PlanRequest, key: str | None, scenes: SceneShelf,
             the planner.
         WrongCount: A list of positions does not fit the group.
         IdempotencyConflict: The key was used for another request.
+        NoRegions: The planner GCS is asked for, and no regions fit.
         QueueFull: The queue is full.
     """
     record = await scenes.get(request.scene, request.revision)
@@ -55,6 +57,7 @@ async def submit_plan(request: PlanRequest, key: str | None, scenes: SceneShelf,
         **await desk.scene_payload(record),
         "request": request.model_dump(mode="json"),
         "revision": record.revision,
+        **await regions_payload(request, record, desk),
     }
     if request.search.on_cancel == "best":
         payload["cancel_grace"] = _BEST_GRACE
