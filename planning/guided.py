@@ -27,9 +27,7 @@ GCS = "GCS"
 GCS_CARD = PlannerCard(
     GCS,
     (
-        PlannerParameter(
-            "max_regions", "12", "integer, at least 1, at most 200", "integer", 1, 200
-        ),
+        PlannerParameter("max_regions", "5", "integer, at least 1, at most 200", "integer", 1, 200),
         PlannerParameter(
             "max_rounded_paths", "5", "integer, at least 1, at most 100", "integer", 1, 100
         ),

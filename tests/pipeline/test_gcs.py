@@ -4,14 +4,16 @@ import json
 import pickle
 import time
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
 
 import planning
-from planning.domain.constraint import LockedJoints
+from planning import pipeline
+from planning.domain.constraint import TightLimits
 from planning.domain.deadline import Deadline
-from planning.domain.goal import ConfigurationGoal, JointGoal
+from planning.domain.goal import ConfigurationGoal
 from planning.domain.options import SearchOptions
 from planning.domain.problem import PlanningProblem
 from planning.domain.regions import RegionOptions, Regions
@@ -21,14 +23,26 @@ from planning.regions.walk import walked
 from planning.world.collision import DrakeCollisionOracle
 from tests.conftest import bundled_world
 
-SCENE = "maze_2d"
-OPTIONS = RegionOptions(num_regions=30, num_free=2000, iterations=2, coverage=1.0)
+# An L in a square with a wall across most of it.
+SCENE = planning.parse_scene({
+    "name": "square",
+    "robots": [{"name": "body", "model": "planar_l", "positions": [0.3, -0.35, 0.0]}],
+    "objects": [
+        {"name": "wall", "shape": {"box": [0.8, 0.02, 0.06]}, "pose": {"position": [0.2, 0, 0.03]}}
+    ],
+    "configurations": {"beyond": {"group": "body", "positions": [0.3, 0.3, 0.0]}},
+})
+OPTIONS = RegionOptions(num_regions=12, num_free=2000, iterations=2, coverage=1.0)
+
+
+@cache
+def square(*, kernel: bool = True) -> planning.World:
+    return planning.load_world(SCENE, kernel=kernel)
 
 
 def grown(options: RegionOptions = OPTIONS, **arguments) -> Regions:
     deadline = Deadline.after(60.0, time.monotonic)
-    world = bundled_world(SCENE)
-    return planning.grow_regions(world, "body", deadline=deadline, options=options, **arguments)
+    return planning.grow_regions(square(), "body", deadline=deadline, options=options, **arguments)
 
 
 @pytest.fixture(scope="module")
@@ -38,15 +52,14 @@ def regions() -> Regions:
 
 def plan(regions: Regions | None, **changes) -> planning.MotionPlan:
     search = SearchOptions(planner="GCS", allowed_planning_time=30.0)
-    problem = PlanningProblem("body", ConfigurationGoal("exit"), search=search, regions=regions)
+    problem = PlanningProblem("body", ConfigurationGoal("beyond"), search=search, regions=regions)
     deadline = Deadline.after(30.0, time.monotonic)
-    return planning.plan(replace(problem, **changes), bundled_world(SCENE), deadline=deadline)
+    return pipeline.plan(replace(problem, **changes), square(), deadline=deadline)
 
 
 def test_regions_are_free_by_drake_alone(regions):
     """2,000 random configurations of each, by a world without the native kernel."""
-    scene = bundled_world(SCENE).scene
-    world = planning.load_world(scene, kernel=False)
+    world = square(kernel=False)
     group = world.group("body")
     judge = DrakeCollisionOracle(world.drake, group, world.state, world.margins())
     generator = np.random.default_rng(11)
@@ -100,12 +113,8 @@ def test_the_stand_in_can_be_chosen_and_has_its_own_parameters(regions):
 
 
 def test_path_constraints_are_left_to_ompl(regions):
-    found = plan(
-        regions,
-        goal=JointGoal(np.array([[0.3, -0.3, 0.0], [0.25, -0.36, 0.0]])),
-        constraints=(LockedJoints(("body::base_joint",)),),
-        start=np.array([0.25, -0.36, 0.0]),
-    )
+    yaw = square().group("body").position_names[2]
+    found = plan(regions, constraints=(TightLimits({yaw: (-2.0, 2.0)}),))
     assert "constraints" in found.stages.search.regions.fallback
 
 
@@ -127,16 +136,16 @@ def test_parameters_out_of_range_are_refused(regions, value):
 
 
 def test_the_domain_is_bounded_or_refused():
-    maze = bundled_world(SCENE)
-    group = maze.group("body")
-    lower, upper = domain_of(maze, group, RegionOptions())
+    world = square()
+    group = world.group("body")
+    lower, upper = domain_of(world, group, RegionOptions())
     np.testing.assert_allclose(lower, [-0.5, -0.5, -np.pi])
     np.testing.assert_allclose(upper, [0.5, 0.5, np.pi])
     yaw = group.position_names[2]
-    lower, upper = domain_of(maze, group, RegionOptions(bounds={yaw: (-0.1, 0.2)}))
+    lower, upper = domain_of(world, group, RegionOptions(bounds={yaw: (-0.1, 0.2)}))
     assert (lower[2], upper[2]) == (-0.1, 0.2)
     with pytest.raises(UnknownName):
-        domain_of(maze, group, RegionOptions(bounds={"nothing": (0, 1)}))
+        domain_of(world, group, RegionOptions(bounds={"nothing": (0, 1)}))
     window = bundled_world("window_3d")
     with pytest.raises(ProblemInvalid, match="floating"):
         domain_of(window, window.group("body"), RegionOptions())
