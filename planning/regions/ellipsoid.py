@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 from jaxtyping import Float64
-from pydrake.geometry.optimization import HPolyhedron
+from pydrake.geometry.optimization import HPolyhedron  # pyright: ignore[reportMissingModuleSource]
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 

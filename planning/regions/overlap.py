@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 import numpy as np
-from pydrake.geometry.optimization import HPolyhedron
+from pydrake.geometry.optimization import HPolyhedron  # pyright: ignore[reportMissingModuleSource]
 from pydrake.solvers import ClpSolver, MathematicalProgram
 
 from planning.domain.regions import Portal, Region

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float64
 from pydrake.common import Parallelism
-from pydrake.geometry.optimization import GraphOfConvexSetsOptions, HPolyhedron, Point
+from pydrake.geometry.optimization import GraphOfConvexSetsOptions, HPolyhedron, Point  # pyright: ignore[reportMissingModuleSource]
 from pydrake.planning import GcsTrajectoryOptimization
 
 from planning.domain.regions import Regions
