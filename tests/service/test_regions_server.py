@@ -9,7 +9,7 @@ import pytest
 from tests.service.routes.test_regions import ENDLESS, REQUEST, SCENE
 from tests.service.test_real_server import server, until
 
-pytestmark = [pytest.mark.slow, pytest.mark.timeout(120)]
+pytestmark = [pytest.mark.slow, pytest.mark.timeout(180)]
 
 
 def asked(folder, method, path, body=None):
