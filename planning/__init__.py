@@ -34,19 +34,23 @@ if TYPE_CHECKING:
     )
     from planning.domain.interpolation import trajectory_through
     from planning.domain.line_trace import LineTrace
+    from planning.domain.motion_limits import SpeedZone, ToolLimit
     from planning.domain.options import (
         IkOptions,
         PoseMetric,
         RefineOptions,
         RetimeOptions,
+        RoadmapOptions,
         SearchOptions,
     )
     from planning.domain.plan import MotionPlan, Progress
     from planning.domain.planner_card import PlannerCard
+    from planning.domain.pool import AttemptPool
     from planning.domain.pose import Pose
     from planning.domain.problem import PlanningProblem
     from planning.domain.quality import ConfigurationQuality
     from planning.domain.regions import RegionOptions, Regions
+    from planning.domain.roadmap import Roadmap
     from planning.domain.scene import Scene
     from planning.domain.scene_operation import (
         AddObject,
@@ -58,6 +62,7 @@ if TYPE_CHECKING:
         RemoveObject,
         SetPositions,
     )
+    from planning.fork_pool import ForkPool
     from planning.growing import grow_regions
     from planning.ik import assess_configurations, solve_ik
     from planning.kernel.native import kernel_name
@@ -66,7 +71,10 @@ if TYPE_CHECKING:
     from planning.own_trajectory import certify_trajectory
     from planning.pipeline import plan
     from planning.planners import list_planners
+    from planning.roadmap_shelf import RoadmapShelf, RoadmapStore
+    from planning.roadmaps import build_roadmap
     from planning.series import MotionSeries, motion_series
+    from planning.shared_cores import SharedCores
     from planning.world.catalogue import describe_model, list_models
     from planning.world.check import check_configurations
     from planning.world.kinematics import forward_kinematics
@@ -83,6 +91,7 @@ _DOORS = {
     "AddObject": "planning.domain.scene_operation",
     "AllowPair": "planning.domain.scene_operation",
     "AttachObject": "planning.domain.scene_operation",
+    "AttemptPool": "planning.domain.pool",
     "ConfigurationGoal": "planning.domain.goal",
     "ConfigurationQuality": "planning.domain.quality",
     "Deadline": "planning.domain.deadline",
@@ -91,6 +100,7 @@ _DOORS = {
     "DistanceBand": "planning.domain.constraint",
     "Fineness": "planning.line",
     "ForbidPair": "planning.domain.scene_operation",
+    "ForkPool": "planning.fork_pool",
     "GoalPredicate": "planning.domain.goal",
     "IkOptions": "planning.domain.options",
     "JointGoal": "planning.domain.goal",
@@ -122,15 +132,23 @@ _DOORS = {
     "RemoveObject": "planning.domain.scene_operation",
     "RetimeOptions": "planning.domain.options",
     "RetimedPath": "planning.own_path",
+    "Roadmap": "planning.domain.roadmap",
+    "RoadmapOptions": "planning.domain.options",
+    "RoadmapShelf": "planning.roadmap_shelf",
+    "RoadmapStore": "planning.roadmap_shelf",
     "Scene": "planning.domain.scene",
     "SceneDocument": "planning.world.scene_document",
     "SearchOptions": "planning.domain.options",
     "SetPositions": "planning.domain.scene_operation",
+    "SharedCores": "planning.shared_cores",
     "Simulation": "planning.world.simulation",
+    "SpeedZone": "planning.domain.motion_limits",
     "TightLimits": "planning.domain.constraint",
     "TimedTrajectory": "planning.domain.curve",
+    "ToolLimit": "planning.domain.motion_limits",
     "World": "planning.world.world",
     "assess_configurations": "planning.ik",
+    "build_roadmap": "planning.roadmaps",
     "bundled_folder": "planning.world.model_library",
     "certify_trajectory": "planning.own_trajectory",
     "check_configurations": "planning.world.check",
@@ -161,6 +179,7 @@ __all__ = [
     "AddObject",
     "AllowPair",
     "AttachObject",
+    "AttemptPool",
     "ConfigurationGoal",
     "ConfigurationQuality",
     "Deadline",
@@ -169,6 +188,7 @@ __all__ = [
     "DistanceBand",
     "Fineness",
     "ForbidPair",
+    "ForkPool",
     "GoalPredicate",
     "IkOptions",
     "JointGoal",
@@ -200,15 +220,23 @@ __all__ = [
     "RemoveObject",
     "RetimeOptions",
     "RetimedPath",
+    "Roadmap",
+    "RoadmapOptions",
+    "RoadmapShelf",
+    "RoadmapStore",
     "Scene",
     "SceneDocument",
     "SearchOptions",
     "SetPositions",
+    "SharedCores",
     "Simulation",
+    "SpeedZone",
     "TightLimits",
     "TimedTrajectory",
+    "ToolLimit",
     "World",
     "assess_configurations",
+    "build_roadmap",
     "bundled_folder",
     "certify_trajectory",
     "check_configurations",

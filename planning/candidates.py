@@ -8,14 +8,18 @@ import numpy as np
 
 from planning.domain.curve import JointSpline, TimedTrajectory
 from planning.domain.deadline import Deadline
-from planning.domain.joints import JointLimits
+from planning.domain.joints import JointGroup, JointLimits
+from planning.domain.options import RetimeOptions, SearchOptions
 from planning.domain.path import JointPath
 from planning.domain.problem import PlanningProblem
 from planning.domain.report import RefineReport, RetimeReport
 from planning.errors import RetimingFailed
-from planning.refine.refiner import RefineRequest, refine
+from planning.refine.refiner import refine
+from planning.refine.request import RefineRequest
 from planning.retime.blend import blend_corners
 from planning.retime.explain import explain_duration
+from planning.retime.path_limit import PathLimit
+from planning.retime.path_limits import path_limits
 from planning.retime.retimer import retime
 from planning.stopwatch import Stopwatch
 from planning.world.margins import PairMargins
@@ -37,6 +41,16 @@ class Candidate:
     trajectory: TimedTrajectory
     refine: RefineReport
     retime: RetimeReport
+
+
+@dataclass(frozen=True)
+class _Timing:
+    """How every curve is timed."""
+
+    limits: JointLimits
+    path_limits: tuple[PathLimit, ...]
+    options: RetimeOptions
+    watch: Stopwatch
 
 
 def deadlines(problem: PlanningProblem, deadline: Deadline) -> tuple[Deadline, Deadline]:
@@ -65,8 +79,9 @@ def candidates(
         Canceled: Somebody asked for the end.
     """
     hasty, deadline = deadlines(problem, deadline)
-    limits = world.limits(world.group(problem.group))
-    retime_options = problem.retime
+    group, retime_options = world.group(problem.group), problem.retime
+    limits = world.limits(group)
+    timing = _Timing(limits, path_limits(world, group, retime_options), retime_options, watch)
     with watch.stage("refine"):
         scaled = limits.scaled(retime_options.velocity_scale, retime_options.acceleration_scale)
         rules = _rules(world, path, problem)
@@ -76,13 +91,14 @@ def candidates(
             margins,
             problem.refine,
             jerk=retime_options.method == "ruckig",
+            held=_held(group, problem.search),
             rules=rules and rules.leaving_room(path.waypoints[0], path.waypoints[-1:]),
         )
         refined, report = refine(world, request, hasty)
     first: list[Candidate] = []
     if refined is not None:
         with suppress(RetimingFailed):
-            first.append(_timed("refined curve", refined, limits, problem, report, watch))
+            first.append(_timed("refined curve", refined, timing, report))
     unrefined = replace(report, improved=False)
     if report.improved:
         unrefined = RefineReport(
@@ -96,14 +112,20 @@ def candidates(
     with watch.stage("retime"):
         compared = list(clear) if problem.retime.method == "ruckig" else [next(clear)]
     for deviation in compared:
-        made = _rounded(path, deviation, limits, problem, unrefined, watch)
+        made = _rounded(path, deviation, timing, unrefined)
         first += [made] if made else []
     yield from sorted(first, key=lambda candidate: candidate.trajectory.duration)
     for deviation in clear:
         deadline.check("retime")
-        made = _rounded(path, deviation, limits, problem, unrefined, watch)
+        made = _rounded(path, deviation, timing, unrefined)
         if made is not None:
             yield made
+
+
+def _held(group: JointGroup, search: SearchOptions) -> tuple[int, ...]:
+    """Return the coordinates of rotations that the search was told to keep."""
+    kept = {f"{name}.angular" for name, space in search.spaces.items() if space == "position"}
+    return tuple(i for name, indices in group.blocks if name in kept for i in indices)
 
 
 def _rules(world: World, path: JointPath, problem: PlanningProblem) -> PathRules | None:
@@ -135,19 +157,14 @@ def _clear_deviations(
 
 
 def _rounded(
-    path: JointPath,
-    deviation: float,
-    limits: JointLimits,
-    problem: PlanningProblem,
-    report: RefineReport,
-    watch: Stopwatch,
+    path: JointPath, deviation: float, timing: _Timing, report: RefineReport
 ) -> Candidate | None:
-    smoothness = 2 if problem.retime.method == "ruckig" else 1
-    with watch.stage("retime"):
+    smoothness = 2 if timing.options.method == "ruckig" else 1
+    with timing.watch.stage("retime"):
         spline = blend_corners(path, deviation, smoothness)
     name = f"path with corners rounded by {deviation:g}" if deviation else "path itself"
     try:
-        made = _timed(name, spline, limits, problem, report, watch)
+        made = _timed(name, spline, timing, report)
     except RetimingFailed as fault:
         if deviation > 0:
             return None
@@ -156,22 +173,15 @@ def _rounded(
     return replace(made, retime=replace(made.retime, blend_deviation=deviation))
 
 
-def _timed(
-    name: str,
-    spline: JointSpline,
-    limits: JointLimits,
-    problem: PlanningProblem,
-    report: RefineReport,
-    watch: Stopwatch,
-) -> Candidate:
+def _timed(name: str, spline: JointSpline, timing: _Timing, report: RefineReport) -> Candidate:
     """Time a curve.
 
     Raises:
         RetimingFailed: It cannot be timed.
     """
-    with watch.stage("retime"):
-        trajectory, timing = retime(spline, limits, problem.retime)
-        if problem.retime.explain:
-            explanation = explain_duration(spline, trajectory, limits, problem.retime)
-            timing = replace(timing, explanation=explanation)
-    return Candidate(name, trajectory, report, timing)
+    how = timing.limits, timing.options, timing.path_limits
+    with timing.watch.stage("retime"):
+        trajectory, done = retime(spline, *how)
+        if timing.options.explain:
+            done = replace(done, explanation=explain_duration(spline, trajectory, *how))
+    return Candidate(name, trajectory, report, done)

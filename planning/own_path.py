@@ -19,6 +19,7 @@ from planning.domain.value import Value
 from planning.errors import ProblemInvalid
 from planning.own_trajectory import certify_trajectory
 from planning.stopwatch import Stopwatch
+from planning.timing import admit_timing
 from planning.world.positions import require_positions
 from planning.world.world import World
 
@@ -65,8 +66,9 @@ def retime_path(
         margin: Distance to keep [m]; None for the scene's.
 
     Raises:
-        UnknownName: There is no such group.
-        ProblemInvalid: There are fewer than two waypoints, or one does not fit the group.
+        UnknownName: There is no such group, frame or joint.
+        ProblemInvalid: There are fewer than two waypoints, one does not fit the group, or a limit
+            makes no sense.
         RetimingFailed: The path cannot be timed.
         NotCertified: No motion along the path can be proven; evidence has the failed checks.
         DeadlineExceeded: Time ran out.
@@ -78,7 +80,7 @@ def retime_path(
         message = f"waypoints: at least 2 are needed, got {len(rows)}"
         raise ProblemInvalid(message, {"field": "waypoints", "got": len(rows)})
     path = JointPath(joints, np.array(rows)).continuous
-    timing = options or RetimeOptions()
+    timing = admit_timing(world, joints, options or RetimeOptions(), path.waypoints[0])
     problem = PlanningProblem(
         group,
         JointGoal(path.waypoints[-1:]),

@@ -9,6 +9,7 @@ from planning.domain.deadline import Deadline
 from planning.domain.options import RetimeOptions
 from planning.domain.report import CertifyReport
 from planning.errors import ProblemInvalid
+from planning.timing import admit_timing
 from planning.world.positions import require_positions
 from planning.world.world import World
 
@@ -32,7 +33,7 @@ def certify_trajectory(  # noqa: PLR0913  (a question in full)
         trajectory: The motion, exactly.
         deadline: When to stop.
         options: `method` says whether jerk is limited ("ruckig") or not; the scales multiply the
-            limits.
+            limits; its limits of frames, zones and accelerations are checked as well.
         start: Where it shall begin, shape (nq,); None for where it does.
         goal: Where it shall end, shape (nq,); None for where it does.
         margin: Distance to keep [m]; None for the scene's.
@@ -41,8 +42,9 @@ def certify_trajectory(  # noqa: PLR0913  (a question in full)
         The certificate, `proven` or with failed checks, and what it took.
 
     Raises:
-        UnknownName: There is no such group.
-        ProblemInvalid: The trajectory is of other joints, or start or goal do not fit the group.
+        UnknownName: There is no such group, frame or joint.
+        ProblemInvalid: The trajectory is of other joints, start or goal do not fit the group, or a
+            limit makes no sense.
         DeadlineExceeded: Time ran out before the verdict.
         Canceled: Somebody asked for the end.
     """
@@ -58,7 +60,7 @@ def certify_trajectory(  # noqa: PLR0913  (a question in full)
             (goal, trajectory.end, "goal"),
         )
     )
-    options = options or RetimeOptions()
+    options = admit_timing(world, joints, options or RetimeOptions(), begin)
     limits = world.limits(joints).scaled(options.velocity_scale, options.acceleration_scale)
     request = CertifyRequest(
         group=joints,
@@ -69,5 +71,8 @@ def certify_trajectory(  # noqa: PLR0913  (a question in full)
         limits=limits,
         margins=world.margins(margin),
         jerk=options.method == "ruckig",
+        tool_limits=options.tool_limits,
+        speed_zones=options.speed_zones,
+        acceleration_bounds=options.acceleration_bounds,
     )
     return certify(world.drake, request, deadline)

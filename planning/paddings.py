@@ -11,7 +11,7 @@ from planning.world.world import World
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # A path that keeps this much to spare is proven in a few distance queries [m].
-_WISH = 0.001
+WISH = 0.001
 
 
 def endpoint_padding(
@@ -22,7 +22,7 @@ def endpoint_padding(
     margin: float | None,
 ) -> float:
     """Return a padding [m] that the start and at least one goal can keep, 0 if there is none."""
-    for padding in (_WISH, _WISH / 4):
+    for padding in (WISH, WISH / 4):
         oracle = world.collision_oracle(group, world.margins(margin, padding))
         if oracle.is_free(start) and bool(oracle.are_free(goals).any()):
             return padding

@@ -24,6 +24,8 @@ from planning.domain.problem import PlanningProblem
 from planning.domain.report import GoalConfigurations, RefineReport, RetimeReport, SearchReport
 from planning.errors import RetimingFailed
 from planning.retime.audit import RATES
+from planning.retime.path_limit import PathLimit
+from planning.retime.path_limits import path_limits as asked_limits
 from planning.retime.retimer import retime
 from planning.world.tool_kinematics import ToolKinematics
 from planning.world.world import Array, World
@@ -132,11 +134,12 @@ def timed_legs(
         RetimingFailed: A leg cannot be timed.
     """
     limits, parts = world.limits(group), list[Part]()
+    others = asked_limits(world, group, problem.retime) if legs else ()
     for kind, leg in legs:
         rows = np.concatenate([begin[None], leg.positions])
         positions = JointPath(group, rows).continuous.waypoints[1:]
         curve = cubic_through(group.joints, leg.fractions, positions)
-        trajectory, report = retime(curve, limits, freely_timed(problem).retime)
+        trajectory, report = retime(curve, limits, freely_timed(problem).retime, others)
         count = max(problem.search.approach_states, len(positions))
         waypoints = curve.manifold.normalized(curve.positions(np.linspace(0.0, 1.0, count)))
         parts.append(Part(kind, JointPath(group, waypoints), trajectory, leg, report))
@@ -206,8 +209,12 @@ class Motion:
             explanation=reports[0].explanation,
         )
 
-    def lasting(self, options: RetimeOptions) -> "Motion":
+    def lasting(self, options: RetimeOptions, path_limits: Sequence[PathLimit] = ()) -> "Motion":
         """Return the motion with all parts slowed alike to the duration that is asked for.
+
+        Args:
+            options: Say how long it shall take.
+            path_limits: With which the parts were timed.
 
         Raises:
             RetimingFailed: That would be quicker than the limits allow.
@@ -220,7 +227,7 @@ class Motion:
             evidence = {"method": options.method, "duration": options.duration, "least": least}
             raise RetimingFailed(message, evidence)
         factor = max(1.0, options.duration / least)
-        return Motion(tuple(_slower(part, factor) for part in self.parts))
+        return Motion(tuple(_slower(part, factor, path_limits) for part in self.parts))
 
     @property
     def _free(self) -> list[Part]:
@@ -253,18 +260,21 @@ class Motion:
         ]
 
 
-def _slower(part: Part, factor: float) -> Part:
+def _slower(part: Part, factor: float, path_limits: Sequence[PathLimit]) -> Part:
     """Return a part that takes `factor` times as long."""
-    report = part.report
+    report, trajectory = part.report, part.trajectory.slowed(factor)
     used = {
-        rate: share / factor ** (1 + RATES.index(rate))
-        for rate, share in report.utilisation.items()
+        rate: report.utilisation[rate] / factor**order
+        for order, rate in enumerate(RATES, start=1)
+        if rate in report.utilisation
     }
-    return replace(
-        part,
-        trajectory=part.trajectory.slowed(factor),
-        report=replace(report, duration=report.duration * factor, utilisation=used),
-    )
+    binding = {rate: report.binding[rate] for rate in used}
+    for limit in path_limits:
+        for use in limit.uses(trajectory):
+            if use.share(1.0) > used.get(limit.name, -1.0):
+                binding[limit.name], used[limit.name] = use.where, use.share(1.0)
+    made = replace(report, duration=report.duration * factor, binding=binding, utilisation=used)
+    return replace(part, trajectory=trajectory, report=made)
 
 
 def _length(world: World, part: Part, frame: str) -> float:

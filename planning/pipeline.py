@@ -10,6 +10,7 @@ to the goals: what the search finds leads to where they begin.
 """
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 
@@ -17,6 +18,7 @@ from planning.domain.deadline import Deadline
 from planning.domain.goal import LineGoal
 from planning.domain.line import Leg
 from planning.domain.plan import MotionPlan, Progress, StageReports
+from planning.domain.pool import AttemptPool
 from planning.domain.problem import PlanningProblem
 from planning.domain.report import GoalConfigurations
 from planning.errors import ProblemInvalid
@@ -27,10 +29,16 @@ from planning.guided import require_regions
 from planning.parts import at_end_of, tool_of
 from planning.plan_task import PlanTask
 from planning.proving import prove_lines, prove_search
+from planning.roadmap_shelf import RoadmapStore
+from planning.roadmaps import roadmap_of
 from planning.ruled import admit_rules, kept_goals
 from planning.stopwatch import Stopwatch
+from planning.timing import admit_timing
 from planning.world.positions import require_positions
 from planning.world.world import World
+
+# Of the time, what building a roadmap may take.
+_ROADMAP_SHARE = 0.6
 
 
 def ignore_progress(_: Progress) -> None:
@@ -43,6 +51,8 @@ def plan(
     *,
     deadline: Deadline,
     on_progress: Callable[[Progress], None] = ignore_progress,
+    roadmaps: RoadmapStore | None = None,
+    pool: AttemptPool | None = None,
 ) -> MotionPlan:
     """Plan a certified motion.
 
@@ -53,6 +63,9 @@ def plan(
         world: The scene, loaded.
         deadline: When to give up; also asked whether anybody still wants the answer.
         on_progress: Told of every stage.
+        roadmaps: Where a roadmap is looked for, and left if it had to be built, if the problem asks
+            for one; what is found there changes no byte.
+        pool: Makes several attempts of the search at once; that changes no byte either.
 
     Raises:
         InputError: The problem names what does not exist, or its numbers do not fit.
@@ -70,12 +83,19 @@ def plan(
     on_progress(Progress("goals", 0.02, "looking for goal configurations"))
     with watch.stage("goals"):
         start, clipped = admit_start(world, group, given, margins)
+        problem = replace(problem, retime=admit_timing(world, group, problem.retime, start))
         rules = admit_rules(world, group, problem.constraints, start)
         query = GoalQuery(group, problem.goal, start, margins, problem.ik, rules=rules)
         goals, lines = _goals(world, query, problem.seed, deadline.share(0.5))
         if rules is not None:
             goals = kept_goals(rules, goals)
             rules = rules.leaving_room(start, goals.entries)
+    roadmap = None
+    if problem.search.roadmap is not None and not lines:
+        on_progress(Progress("search", 0.1, "looking for the roadmap"))
+        with watch.stage("roadmap"):
+            share = deadline.share(_ROADMAP_SHARE)
+            roadmap = roadmap_of(problem, world, start, roadmaps, share, watch)
     limits = world.limits(group) if rules is None else rules.limits(world.limits(group))
     task = PlanTask(
         world,
@@ -90,6 +110,8 @@ def plan(
         on_progress,
         watch,
         rules,
+        roadmap,
+        pool,
     )
     proven = prove_lines(task) if lines else prove_search(task)
     motion = proven.motion

@@ -7,8 +7,10 @@ from planning.domain.deadline import Deadline
 from planning.domain.joints import JointGroup, JointLimits
 from planning.domain.line import Leg
 from planning.domain.plan import Progress
+from planning.domain.pool import AttemptPool
 from planning.domain.problem import PlanningProblem
 from planning.domain.report import AttemptReport, GoalConfigurations
+from planning.domain.roadmap import Roadmap
 from planning.stopwatch import Stopwatch
 from planning.world.margins import PairMargins
 from planning.world.rules.path_rules import PathRules
@@ -35,6 +37,8 @@ class PlanTask:
         report: Told of every step.
         watch: Adds up the time of every stage.
         rules: The path constraints, or None.
+        roadmap: Where the search looks before it asks a planner, or None.
+        pool: Makes attempts of the search at once, or None.
     """
 
     world: World
@@ -49,6 +53,8 @@ class PlanTask:
     report: Callable[[Progress], None]
     watch: Stopwatch
     rules: PathRules | None
+    roadmap: Roadmap | None = None
+    pool: AttemptPool | None = None
 
     def tell_best(self, attempt: AttemptReport) -> None:
         """Report the best path so far."""

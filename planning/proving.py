@@ -29,11 +29,16 @@ from planning.parts import (
     timed_legs,
 )
 from planning.plan_task import SEARCHING, PlanTask
+from planning.retime.path_limit import PathLimit
+from planning.retime.path_limits import path_limits
 from planning.ruled import search_ruled
+from planning.search.mapped import report_of
 from planning.search.solver import SearchResult, SearchTask, search
 
 # How often the search is asked again, each time with half the resolution, before we give up.
 _MAX_ROUNDS = 4
+# In so many of them a roadmap has its say; if that is never proven, another way has to be found.
+_ROADMAP_ROUNDS = 3
 # Share of the time for a search that keeps more distance than is demanded.
 _PADDED_SHARE = 0.6
 # What a canceled plan may still search for when its best path so far could not be proven [s].
@@ -69,7 +74,7 @@ def prove_lines(task: PlanTask) -> Proven:
     with task.watch.stage("retime"):
         motion = Motion(
             timed_legs(task.world, task.group, named_lines(task.lines), task.problem, task.start)
-        ).lasting(task.problem.retime)
+        ).lasting(task.problem.retime, _path_limits(task))
     task.report(Progress("certify", 0.8, "certifying the lines"))
     with task.watch.stage("certify"):
         certificate, report = _certify(task, motion)
@@ -100,7 +105,7 @@ def prove_search(task: PlanTask) -> Proven:
             task.report(Progress("certify", 0.8, f"certifying the {candidate.name}"))
             with task.watch.stage("certify"):
                 motion = Motion((free_part(found.path, candidate), *tail))
-                motion = motion.lasting(task.problem.retime)
+                motion = motion.lasting(task.problem.retime, _path_limits(task))
                 certificate, report = _certify(task, motion)
             if certificate.proven:
                 seen = CertifyReport(
@@ -119,6 +124,10 @@ def prove_search(task: PlanTask) -> Proven:
             refused.append(f"round {round_ + 1}, {candidate.name}: {failed_checks(certificate)}")
     task.deadline.check("certify")
     raise not_certified(failed, refused)
+
+
+def _path_limits(task: PlanTask) -> tuple[PathLimit, ...]:
+    return path_limits(task.world, task.group, task.problem.retime)
 
 
 def _is_over(task: PlanTask) -> bool:
@@ -171,18 +180,23 @@ def _search_padded(task: PlanTask, round_: int, padding: float, deadline: Deadli
         clearances=clearances(task.world, task.group),
         on_best=task.tell_best,
         guide=guide,
+        pool=task.pool,
+        roadmap=task.roadmap if round_ < _ROADMAP_ROUNDS else None,
     )
     if task.rules is None:
         found = search(task.group, task.limits, oracle, request, deadline, watch=task.watch)
     else:
         found = search_ruled(task.rules, task.limits, oracle, request, deadline, task.watch)
+    if task.roadmap is not None and request.roadmap is None:
+        refused = report_of(task.roadmap, "not_proven")
+        found = replace(found, report=replace(found.report, roadmap=refused))
     report = found.report if guide is None else guide.told(found.report)
     goal_row = int(rows[found.goal_row])
     return replace(found, path=found.path.continuous, goal_row=goal_row, report=report)
 
 
 def _certify(task: PlanTask, motion: Motion) -> tuple[Certificate, CertifyReport]:
-    goal = task.problem.goal
+    goal, timing = task.problem.goal, task.problem.retime
     allowed = (goal.max_shift, goal.max_turn) if isinstance(goal, LineGoal) else ()
     request = CertifyRequest(
         group=task.group,
@@ -190,12 +204,13 @@ def _certify(task: PlanTask, motion: Motion) -> tuple[Certificate, CertifyReport
         state=task.world.state,
         start=task.start,
         goals=ends_of(task.goals),
-        limits=task.limits.scaled(
-            task.problem.retime.velocity_scale, task.problem.retime.acceleration_scale
-        ),
+        limits=task.limits.scaled(timing.velocity_scale, timing.acceleration_scale),
         margins=task.margins,
-        jerk=task.problem.retime.method == "ruckig",
+        jerk=timing.method == "ruckig",
         constraints=task.problem.constraints,
         lines=motion.sections(*allowed),
+        tool_limits=timing.tool_limits,
+        speed_zones=timing.speed_zones,
+        acceleration_bounds=timing.acceleration_bounds,
     )
     return certify(task.world.drake, request, deadlines(task.problem, task.deadline)[1])

@@ -35,6 +35,10 @@ class Stopwatch:
         finally:
             self._seconds[name] = self._seconds.get(name, 0.0) + self._clock() - began
 
+    def add(self, name: str, seconds: float) -> None:
+        """Count time that was spent elsewhere, and towards no stage."""
+        self._seconds[name] = self._seconds.get(name, 0.0) + seconds
+
     @property
     def seconds(self) -> dict[str, float]:
         """Seconds by stage, and in `total` those since the start."""

@@ -181,6 +181,19 @@ class Desk:
         """Where slots read regions; the files are a copy of what the database has."""
         return self._settings.data_dir.resolve() / "regions"
 
+    @property
+    def roadmaps(self) -> str:
+        """The folder of roadmaps that outlive a worker."""
+        return str(self._settings.data_dir.resolve() / "roadmaps")
+
+    @property
+    def cores(self) -> dict[str, Any] | None:
+        """Through which files plans share the processors; None where tasks run in threads."""
+        if self._settings.engine == "inline":
+            return None
+        folder = self._settings.data_dir.resolve() / "cores"
+        return {"folder": str(folder), "count": self._settings.search_processes}
+
     def new_controls(self) -> str:
         """Return the path of a file through which an execution can be steered."""
         folder = self._settings.data_dir.resolve() / "controls"

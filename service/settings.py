@@ -35,6 +35,13 @@ class Settings(BaseSettings):
         default="process", description="Killable worker processes, or this one (for tests)"
     )
     plan_slots: int = Field(default_factory=default_plan_slots, ge=1, le=256)
+    search_processes: int = Field(
+        default_factory=lambda: os.cpu_count() or 1,
+        ge=1,
+        le=256,
+        description="How many processes may search at once, running plans included: what they "
+        "leave idle makes the attempts of one plan side by side; 1 for one after another",
+    )
     query_slots: int = Field(default=1, ge=1, le=64)
     regions_slots: int = Field(default=1, ge=1, le=64)
     execution_slots: int = Field(default=2, ge=1, le=64)

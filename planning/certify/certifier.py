@@ -7,6 +7,7 @@ from planning.certify.form_check import form_check
 from planning.certify.limit_checks import position_check, rate_check
 from planning.certify.line_check import line_checks
 from planning.certify.request import CertifyRequest
+from planning.certify.tool_checks import tool_checks
 from planning.domain.certificate import Certificate, Check
 from planning.domain.deadline import Deadline
 from planning.domain.report import CertifyReport
@@ -47,7 +48,8 @@ def certify(
     kept = constraint_checks(model, request, deadline)
     clearance = check_clearance(model, request, deadline)
     lines = line_checks(model, request, deadline)
-    checks = (form, *_motion_checks(request), *kept, *lines, clearance.check)
+    tools = tool_checks(model, request, deadline)
+    checks = (form, *_motion_checks(request), *tools, *kept, *lines, clearance.check)
     return _verdict(checks, clearance), CertifyReport(clearance.intervals, clearance.queries)
 
 

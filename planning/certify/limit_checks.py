@@ -44,11 +44,15 @@ def position_check(request: CertifyRequest) -> Check:
 def rate_check(request: CertifyRequest, name: str, order: int) -> Check:
     """Return the peak over limit of a rate: velocity (1), acceleration (2) or jerk (3).
 
-    The norm of a block is meant. The value is a guaranteed bound, for floating joints of the true
-    angular velocity and its derivatives, not of the tangent's.
+    The norm of a block is meant, and of an acceleration also its lowest and highest value where
+    those are bounded. The value is a guaranteed bound, for floating joints of the true angular
+    velocity and its derivatives, not of the tangent's.
     """
     worst = Check(name, 0.0, MAX_UTILISATION, "1", 0.0, passed=True)
-    for used, block, piece, fraction in _utilisations(request, name, order):
+    found = [*_utilisations(request, name, order)]
+    if order == 2:
+        found += _signed_utilisations(request)
+    for used, block, piece, fraction in found:
         if not used <= worst.value:
             time, passed = _time(request, piece, fraction), used <= MAX_UTILISATION
             worst = Check(name, used, MAX_UTILISATION, "1", 0.0, passed, block, time)
@@ -79,6 +83,17 @@ def _utilisations(
             bound_of = _angular_bound if block in turning else _norm_bound
             top, piece, fraction = bound_of(request, indices, order, limit)
             yield top / limit, block, piece, fraction
+
+
+def _signed_utilisations(request: CertifyRequest) -> Iterator[tuple[float, str, int, float]]:
+    """Yield the same of accelerations over bounds that differ by sign, of every bounded block."""
+    columns = {name: indices[0] for name, indices in request.group.blocks if len(indices) == 1}
+    for name, (lowest, highest) in request.acceleration_bounds.items():
+        rows = request.forms[2][columns[name]]
+        top, row, fraction = bernstein.peak(
+            np.concatenate([rows / highest, rows / lowest]), _RELATIVE_GAP
+        )
+        yield max(top, 0.0), name, row % len(rows), fraction
 
 
 def _norm_bound(

@@ -62,8 +62,8 @@ class MotionBounds:
             ModelInvalid: A joint moves in a way that cannot be bounded here.
         """
         self._shapes = shapes
-        self._joints = _moving_joints(model, group)
-        self.chains = _chains(model, self._joints)
+        self._joints = moving_joints(model, group)
+        self.chains = joint_chains(model, self._joints)
         self.carries = np.array(
             [[k in self.chains[body] for k in range(len(self._joints))] for body in shapes.bodies],
             dtype=bool,
@@ -129,7 +129,7 @@ class MotionBounds:
         return np.sqrt(np.maximum(squares, 0.0)) + shapes.radii[:, None]
 
 
-def _moving_joints(model: DrakeModel, group: JointGroup) -> list[MovingJoint]:
+def moving_joints(model: DrakeModel, group: JointGroup) -> list[MovingJoint]:
     """Return the group's joints and all that follow them, directly or through others."""
     plant = model.plant
     joints = [plant.get_joint(model.joint_indices[joint.name]) for joint in group.joints]
@@ -149,7 +149,7 @@ def _moveable(plant: Any) -> list[Any]:
     return [i for i in plant.GetJointIndices() if plant.get_joint(i).num_velocities() > 0]
 
 
-def _chains(model: DrakeModel, moving: list[MovingJoint]) -> dict[int, frozenset[int]]:
+def joint_chains(model: DrakeModel, moving: list[MovingJoint]) -> dict[int, frozenset[int]]:
     """Return, for every body, which moving joints lie between it and the world."""
     plant = model.plant
     ordinal = {int(m.joint.index()): k for k, m in enumerate(moving)}

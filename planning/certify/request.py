@@ -1,6 +1,6 @@
 """CertifyRequest: a trajectory and everything it shall be held against."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
@@ -12,6 +12,7 @@ from planning.domain.constraint import PathConstraint
 from planning.domain.curve import TimedTrajectory
 from planning.domain.joints import JointGroup, JointLimits
 from planning.domain.line import LineSection
+from planning.domain.motion_limits import AccelerationBounds, SpeedZone, ToolLimit
 from planning.domain.value import Value
 from planning.world.margins import PairMargins
 
@@ -33,6 +34,10 @@ class CertifyRequest(Value):
         jerk: Whether jerk is limited (and acceleration hence continuous).
         constraints: What else to keep; names and numbers in them are trusted.
         lines: Parts of the motion that shall follow straight lines.
+        tool_limits: Limits of frames; names and numbers in them are trusted, as in the next two.
+        speed_zones: Boxes in which frames are slower; what moves with the group counts where the
+            start puts it.
+        acceleration_bounds: Lowest and highest accelerations of joints.
     """
 
     group: JointGroup
@@ -45,6 +50,9 @@ class CertifyRequest(Value):
     jerk: bool
     constraints: tuple[PathConstraint, ...] = ()
     lines: tuple[LineSection, ...] = ()
+    tool_limits: tuple[ToolLimit, ...] = ()
+    speed_zones: tuple[SpeedZone, ...] = ()
+    acceleration_bounds: AccelerationBounds = field(default_factory=dict)
 
     @cached_property
     def forms(self) -> tuple[Array, ...]:

@@ -10,7 +10,8 @@ class Check(Value):
     """One property that was checked on the whole interval.
 
     Attributes:
-        name: position, velocity, acceleration, jerk, start, goal, continuity or clearance.
+        name: position, velocity, acceleration, jerk, start, goal, continuity, clearance, or one of
+            those that are only made if they are asked for.
         value: The worst value found, in `unit`; a guaranteed bound where `resolution` is 0.
         bound: What it was held against, in `unit`.
         unit: Of value, bound and resolution; "1" for utilisation (peak over limit).

@@ -12,8 +12,9 @@ class BindingInterval(Value):
     Attributes:
         begin: [s].
         end: [s].
-        limit: velocity, acceleration or jerk; "" where none is used to the full.
-        where: The joint or block whose limit it is, or "".
+        limit: velocity, acceleration, jerk or the name of a path limit (tool_speed,
+            tool_acceleration, speed_zone, acceleration_bounds); "" where none is used to the full.
+        where: The joint, block, frame or zone whose limit it is, or "".
     """
 
     begin: float
@@ -27,8 +28,8 @@ class Saving(Value):
     """How much shorter a motion would be with one limit relaxed.
 
     Attributes:
-        limit: velocity, acceleration or jerk.
-        where: The joint or block whose limit it is.
+        limit: Its kind, as of `BindingInterval`.
+        where: The joint, block, frame or zone whose limit it is.
         seconds: How much shorter [s].
     """
 

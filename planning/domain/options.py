@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Literal
 
+from planning.domain.motion_limits import AccelerationBounds, SpeedZone, ToolLimit
 from planning.domain.value import Value
 
 
@@ -41,6 +42,21 @@ class IkOptions(Value):
 
 
 @dataclass(frozen=True, eq=False)
+class RoadmapOptions(Value):
+    """A roadmap that many plans share.
+
+    Attributes:
+        states: How many free configurations it has.
+        neighbours: With how many of the nearest others each is joined, where the way is free.
+        seed: Of its samples; a plan's own seed does not change it.
+    """
+
+    states: int = 2_000
+    neighbours: int = 12
+    seed: int = 0
+
+
+@dataclass(frozen=True, eq=False)
 class SearchOptions(Value):
     """How to search for a path.
 
@@ -70,6 +86,8 @@ class SearchOptions(Value):
         on_cancel: What a cancel ends: the plan ("discard"), or only the search where it has a
             solution by then ("best").
         approach_states: Each straight line is interpolated to at least this many.
+        roadmap: If given, paths are looked for in this roadmap first, and the planner is asked
+            only where it has none.
     """
 
     planner: str | tuple[str, ...] = "RRTConnect"
@@ -88,6 +106,7 @@ class SearchOptions(Value):
     keep_graph: bool = False
     on_cancel: Literal["discard", "best"] = "discard"
     approach_states: int = 100
+    roadmap: RoadmapOptions | None = None
 
     @property
     def planners(self) -> tuple[str, ...]:
@@ -124,6 +143,11 @@ class RetimeOptions(Value):
         duration: How long the motion shall take [s], no less than the least that the limits allow;
             None for that.
         explain: Whether to say which limit binds when, and what relaxing it would save.
+        tool_limits: Of frames, besides the limits of joints, one a frame at most.
+        speed_zones: Boxes in which frames are slower.
+        acceleration_bounds: Besides the limits of joints, lowest (negative) and highest
+            acceleration [rad/s^2 or m/s^2], by name of a scalar joint or of a block of one
+            coordinate (`JointGroup.blocks`). The scales change none of these three.
     """
 
     method: Literal["toppra", "ruckig"] = "toppra"
@@ -132,3 +156,6 @@ class RetimeOptions(Value):
     sample_period: float = 0.01
     duration: float | None = None
     explain: bool = False
+    tool_limits: tuple[ToolLimit, ...] = ()
+    speed_zones: tuple[SpeedZone, ...] = ()
+    acceleration_bounds: AccelerationBounds = field(default_factory=dict)

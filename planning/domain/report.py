@@ -134,11 +134,33 @@ class RegionsReport(Value):
 
 
 @dataclass(frozen=True, eq=False)
+class RoadmapReport(Value):
+    """What a roadmap did for a plan; the same whether it was built for it or there already.
+
+    Attributes:
+        digest: Of its content.
+        num_states: Its configurations.
+        num_edges: The free ways between them.
+        num_states_checked: Configurations checked for collision to build it, whenever that was.
+        used: Whether the path that was kept is one of its.
+        reason: Why not, or "": "straight_line", "start_not_joined", "goal_not_joined", "no_way",
+            "blocked" (on a closer look), "not_proven" (however closely it was looked at).
+    """
+
+    digest: str
+    num_states: int
+    num_edges: int
+    num_states_checked: int
+    used: bool
+    reason: str = ""
+
+
+@dataclass(frozen=True, eq=False)
 class SearchReport(Value):
     """What the search stage did.
 
     Attributes:
-        planner: OMPL's name; of several, whose solution was kept.
+        planner: OMPL's name; of several, whose solution was kept; "roadmap" if it was a roadmap's.
         attempts: Solutions asked for.
         solved: Exact solutions found.
         num_states_checked: Configurations checked for collision, shortcutting included.
@@ -154,6 +176,7 @@ class SearchReport(Value):
         attempts_log: One entry per attempt, the first ones if there are very many.
         was_canceled: Whether a cancel ended the search before all attempts were made.
         regions: What regions were good for, if the planner is "GCS".
+        roadmap: What a roadmap did, if one was asked for.
     """
 
     planner: str
@@ -172,6 +195,7 @@ class SearchReport(Value):
     attempts_log: tuple[AttemptReport, ...] = ()
     was_canceled: bool = False
     regions: RegionsReport | None = None
+    roadmap: RoadmapReport | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -211,7 +235,7 @@ class RetimeReport(Value):
         method: "toppra" or "ruckig".
         duration: Of the trajectory [s].
         slowed: Factor by which the audit stretched the retimer's own answer (1 is not at all).
-        binding: Name of the coordinate and limit that is nearest its bound, per limit kind.
+        binding: Name of the coordinate, frame or zone that is nearest its bound, per limit kind.
         utilisation: Peak over limit, per limit kind.
         stops: Instants of rest between start and goal.
         blend_deviation: How far corners were rounded (joint-space length); 0 for none.

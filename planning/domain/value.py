@@ -25,22 +25,34 @@ def frozen(array: Any) -> np.ndarray[Any, np.dtype[np.float64]]:
     return copy
 
 
+def _frozen_rows(rows: Any) -> Any:
+    """Return a read-only copy of numbers of rows."""
+    copy = np.array(rows, order="C")
+    copy.flags.writeable = False
+    return copy
+
+
+def _kept(array: Any) -> Any:
+    return _frozen_rows(array) if array.dtype == np.int32 else frozen(array)
+
+
 class Value:
     """Base of our values; subclasses are `@dataclass(frozen=True, eq=False)`.
 
     Arrays are float64, copied and read-only from construction on and again after unpickling
-    (numpy drops the flag on the way). Equality is equality of content, bit for bit.
+    (numpy drops the flag on the way); int32 stays int32, for numbers of rows. Equality is equality
+    of content, bit for bit.
     """
 
     def __post_init__(self) -> None:
         """Freeze every array."""
         for name, item in self.__dict__.items():
             if isinstance(item, np.ndarray):
-                self.__dict__[name] = frozen(item)
+                self.__dict__[name] = _kept(item)
 
     def _freeze(self, state: Mapping[str, Any]) -> None:
         for name, item in list(state.items()):
-            content = frozen(item) if isinstance(item, np.ndarray) else item
+            content = _kept(item) if isinstance(item, np.ndarray) else item
             object.__setattr__(self, name, content)
 
     def __setstate__(self, state: dict[str, Any]) -> None:

@@ -65,17 +65,6 @@ class Bounds:
         )
         return cls(velocity, velocity / ramp, _JERK_SHARE * jerks)
 
-    def least_duration(self, moved: Float64[np.ndarray, " nq"]) -> float:
-        """Return the time that no motion from rest to rest beats, whatever its way [s].
-
-        Every coordinate by itself: full acceleration, full speed, full deceleration.
-
-        Args:
-            moved: From start to goal [rad or m].
-        """
-        v, a, d = self.velocity, self.acceleration, np.abs(moved)
-        return float(np.where(d * a < v * v, 2 * np.sqrt(d / a), d / v + v / a).max())
-
 
 @dataclass(frozen=True)
 class Grid:

@@ -1,5 +1,6 @@
 """Path constraints as distances: how much room each leaves along a curve, and how it changes."""
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -23,32 +24,33 @@ class RuledNearness:
     The room of a rule counts in its own unit, a radian like a metre.
     """
 
-    def __init__(self, inner: Nearness, rules: PathRules) -> None:
-        """Add to `inner` what has a gradient."""
-        self._inner = inner
+    def __init__(
+        self, inner: Nearness, rules: PathRules, positions: Callable[[Array], Array]
+    ) -> None:
+        """Add to `inner` what has a gradient; `positions` makes configurations of coordinates."""
+        self._inner, self._positions = inner, positions
         self._rules = [rule for rule in rules.rules if isinstance(rule, BoxRule | ConeRule)]
 
     def within(self, qs: Float64[np.ndarray, "m nq"], reach: float) -> Near:
         """Return the pairs and rules with less than `reach` [m or rad] beyond what is demanded."""
         near = [self._inner.within(qs, reach)]
-        near += [_near(rule, qs, reach) for rule in self._rules]
+        near += [self._near(rule, qs, reach) for rule in self._rules]
         return Near(
             np.concatenate([part.at for part in near]),
             np.concatenate([part.spare for part in near]),
             np.concatenate([part.gradient for part in near]),
         )
 
+    def _near(self, rule: BoxRule | ConeRule, qs: Array, reach: float) -> Near:
+        spare = rule.spares(self._positions(qs)) - rule.room
+        at = np.flatnonzero(spare < reach)
+        moved = qs[at, None] + _STEP * np.eye(qs.shape[1])
+        beyond = rule.spares(self._positions(moved.reshape(-1, qs.shape[1]))) - rule.room
+        gradient = (beyond.reshape(moved.shape[:2]) - spare[at, None]) / _STEP
+        return Near(at, spare[at], gradient)
+
 
 def unknown_rules(rules: PathRules) -> tuple[str, ...]:
     """Return the labels of rules that have no gradient here, and are no limits either."""
     known = BoxRule | ConeRule | LimitRule | LockRule
     return tuple(rule.label for rule in rules.rules if not isinstance(rule, known))
-
-
-def _near(rule: BoxRule | ConeRule, qs: Array, reach: float) -> Near:
-    spare = rule.spares(qs) - rule.room
-    at = np.flatnonzero(spare < reach)
-    moved = qs[at, None] + _STEP * np.eye(qs.shape[1])
-    beyond = rule.spares(moved.reshape(-1, qs.shape[1])) - rule.room
-    gradient = (beyond.reshape(moved.shape[:2]) - spare[at, None]) / _STEP
-    return Near(at, spare[at], gradient)

@@ -62,6 +62,22 @@ def largest_use(curve: Curve, limits: JointLimits, order: int) -> Use:
     return best
 
 
+def largest_value(polynomials: Array) -> Use:
+    """Return the largest value of polynomials, not below zero, and which has it.
+
+    Args:
+        polynomials: Bernstein coefficients, shape (n, k, columns).
+    """
+    count = polynomials.shape[2]
+    nodes = polynomials.transpose(0, 2, 1).reshape(-1, polynomials.shape[1], 1)
+    owners = np.tile(np.arange(count), len(polynomials))
+    return _search(nodes, owners, _value_bounds, _GAP, Use(0.0, 0))
+
+
+def _value_bounds(nodes: Array, _: int) -> tuple[Array, Array]:
+    return _extremes(nodes[:, :, 0])
+
+
 def _polynomial_use(polynomials: Array, sizes: Array, limits: JointLimits, bounds: Array) -> Use:
     """Return the largest norm over limit, from norms of Bernstein coefficients over limits.
 

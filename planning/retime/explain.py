@@ -1,16 +1,19 @@
 """Why a motion takes as long as it does: what binds when, and what more of it would save."""
 
-from dataclasses import replace
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
-from planning.domain.curve import JointSpline, TimedTrajectory
+from planning.domain.curve import Curve, JointSpline, TimedTrajectory
 from planning.domain.duration import BindingInterval, DurationExplanation, Saving
 from planning.domain.joints import JointLimits
 from planning.domain.options import RetimeOptions
 from planning.errors import RetimingFailed
+from planning.retime.audit import RATES
 from planning.retime.bounds import block_norms
+from planning.retime.path_limit import PathLimit
 from planning.retime.retimer import RETIMERS, retime
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
@@ -24,11 +27,50 @@ _RELAXED = 1.2
 _LEAST_SAVING = 1e-4
 
 
+type _Named = tuple[str, str]
+
+
+@dataclass(frozen=True)
+class _Task:
+    """A path, and what limits its timing.
+
+    Attributes:
+        spline: The path.
+        limits: Of the joints, unscaled.
+        options: Without a duration that is asked for.
+        path_limits: Other limits.
+    """
+
+    spline: JointSpline
+    limits: JointLimits
+    options: RetimeOptions
+    path_limits: tuple[PathLimit, ...]
+
+    @property
+    def duration(self) -> float:
+        """The least that the limits allow [s]."""
+        return retime(self.spline, self.limits, self.options, self.path_limits)[0].duration
+
+    def relaxed(self, named: _Named) -> "_Task":
+        """Return the same with one limit relaxed."""
+        kind, where = named
+        if kind not in RATES:
+            others = tuple(
+                limit.relaxed(where, _RELAXED) if limit.name == kind else limit
+                for limit in self.path_limits
+            )
+            return replace(self, path_limits=others)
+        more = np.array(getattr(self.limits, kind))
+        more[_block_names(self.spline).index(where)] *= _RELAXED
+        return replace(self, limits=replace(self.limits, **{kind: more}))
+
+
 def explain_duration(
     spline: JointSpline,
     trajectory: TimedTrajectory,
     limits: JointLimits,
     options: RetimeOptions,
+    path_limits: Sequence[PathLimit] = (),
 ) -> DurationExplanation:
     """Return which limit binds in which interval, and what relaxing each by a fifth would save.
 
@@ -40,25 +82,24 @@ def explain_duration(
         trajectory: The motion along it, as `retime` made it.
         limits: Unscaled.
         options: With which it was made.
+        path_limits: With which it was made.
     """
-    rates = RETIMERS[options.method].rates
-    scaled = limits.scaled(options.velocity_scale, options.acceleration_scale)
-    names = [name for joint in trajectory.joints for name, _ in joint.blocks]
     times = np.linspace(0.0, trajectory.duration, _SAMPLES + 1)
-    used = _used(trajectory, scaled, rates, times)
-    worst = used.argmax(axis=1)
-    binding = np.where(used.max(axis=1) >= _BINDS, worst, -1)
+    scaled = limits.scaled(options.velocity_scale, options.acceleration_scale)
+    used = _used(trajectory, scaled, RETIMERS[options.method].rates, times)
+    for limit in path_limits:
+        for where, shares in limit.shares(trajectory, times).items():
+            used[limit.name, where] = shares
+    named, table = list(used), np.stack(list(used.values()), axis=1)
+    binding = np.where(table.max(axis=1) >= _BINDS, table.argmax(axis=1), -1)
     intervals = [
-        BindingInterval(begin, end, *_named(int(which), rates, names))
+        BindingInterval(begin, end, *(named[which] if which >= 0 else ("", "")))
         for which, begin, end in _runs(binding, times)
     ]
+    task = _Task(spline, limits, replace(options, duration=None), tuple(path_limits))
+    least = task.duration
     bound = sorted({int(which) for which in binding if which >= 0})
-    free = replace(options, duration=None)
-    least, _ = retime(spline, limits, free)
-    savings = [
-        Saving(*_named(which, rates, names), _saving(spline, limits, free, which, least.duration))
-        for which in bound
-    ]
+    savings = [Saving(*named[i], _saving(task.relaxed(named[i]), least)) for i in bound]
     worthwhile = [saving for saving in savings if saving.seconds > _LEAST_SAVING]
     worthwhile.sort(key=lambda saving: -saving.seconds)
     return DurationExplanation(tuple(intervals), _RELAXED, tuple(worthwhile))
@@ -66,21 +107,18 @@ def explain_duration(
 
 def _used(
     trajectory: TimedTrajectory, limits: JointLimits, rates: tuple[str, ...], times: Array
-) -> Array:
-    """Return rate over limit at every instant, a column for every rate and block in turn."""
-    return np.concatenate(
-        [
-            block_norms(trajectory.tangents(times, order), limits) / getattr(limits, rate)
-            for order, rate in enumerate(rates, start=1)
-        ],
-        axis=1,
-    )
+) -> dict[_Named, Array]:
+    """Return rate over limit at every instant, of every rate and block."""
+    used: dict[_Named, Array] = {}
+    names = _block_names(trajectory)
+    for order, rate in enumerate(rates, start=1):
+        shares = block_norms(trajectory.tangents(times, order), limits) / getattr(limits, rate)
+        used |= {(rate, name): column for name, column in zip(names, shares.T, strict=True)}
+    return used
 
 
-def _named(which: int, rates: tuple[str, ...], names: list[str]) -> tuple[str, str]:
-    if which < 0:
-        return "", ""
-    return rates[which // len(names)], names[which % len(names)]
+def _block_names(curve: Curve) -> list[str]:
+    return [name for joint in curve.joints for name, _ in joint.blocks]
 
 
 def _runs(binding: Any, times: Array) -> list[tuple[int, float, float]]:
@@ -94,16 +132,9 @@ def _runs(binding: Any, times: Array) -> list[tuple[int, float, float]]:
     ]
 
 
-def _saving(
-    spline: JointSpline, limits: JointLimits, options: RetimeOptions, which: int, duration: float
-) -> float:
+def _saving(relaxed: _Task, duration: float) -> float:
     """Return by how much shorter the motion is with one limit relaxed [s]."""
-    rates = RETIMERS[options.method].rates
-    rate, block = rates[which // len(limits.velocity)], which % len(limits.velocity)
-    relaxed = np.array(getattr(limits, rate))
-    relaxed[block] *= _RELAXED
     try:
-        made, _ = retime(spline, replace(limits, **{rate: relaxed}), options)
+        return max(0.0, duration - relaxed.duration)
     except RetimingFailed:
         return 0.0
-    return max(0.0, duration - made.duration)

@@ -25,11 +25,13 @@ class LineLimits:
         is_line: Whether the cell is a line, boolean, shape (n,).
         speed: Largest ds/dt on it [1/s], shape (n,).
         acceleration: Largest d2s/dt2 on it [1/s^2], shape (n,).
+        braking: Largest -d2s/dt2 on it [1/s^2], shape (n,).
     """
 
     is_line: Any
     speed: Array
     acceleration: Array
+    braking: Array
 
 
 def line_profile(s0: float, s1: float, speed: float, acceleration: float) -> SpeedProfile:
@@ -41,7 +43,8 @@ def line_profile(s0: float, s1: float, speed: float, acceleration: float) -> Spe
         speed: Largest ds/dt [1/s].
         acceleration: Largest d2s/dt2 [1/s^2].
     """
-    lines = LineLimits(np.array([True]), np.array([speed]), np.array([acceleration]))
+    push = np.array([acceleration])
+    lines = LineLimits(np.array([True]), np.array([speed]), push, push)
     return profile_between(np.array([s0, s1]), np.zeros(2), lines)
 
 
@@ -58,10 +61,13 @@ def profile_between(edges: Array, x: Array, lines: LineLimits) -> SpeedProfile:
     v, widths = np.sqrt(x), np.diff(edges)
     before, after = v[:-1], v[1:]
     needed = (x[1:] - x[:-1]) / (2 * widths)
-    a = np.maximum(lines.acceleration, np.abs(needed))
-    top = np.minimum(lines.speed, np.sqrt((x[:-1] + x[1:]) / 2 + a * widths))
+    a, b = _pushes(lines, needed)
+    # Where full acceleration meets full braking; both alike, x and its share are halves.
+    share = b / (a + b)
+    met = share * x[:-1] + (1 - share) * x[1:] + 2 * share * a * widths
+    top = np.minimum(lines.speed, np.sqrt(met))
     top = np.maximum(top, np.maximum(before, after))
-    times = np.stack([(top - before) / a, np.zeros_like(a), (top - after) / a])
+    times = np.stack([(top - before) / a, np.zeros_like(a), (top - after) / b])
     climb, brake = times[0] * (top + before) / 2, times[2] * (top + after) / 2
     times[1] = np.maximum(widths - climb - brake, 0.0) / top
     curved = np.flatnonzero(~lines.is_line)
@@ -75,7 +81,7 @@ def profile_between(edges: Array, x: Array, lines: LineLimits) -> SpeedProfile:
         np.where(keep[0] | keep[1], edges[1:] - brake, edges[:-1]),
     ])
     speeds = np.stack([before, top, top])
-    pushes = np.stack([np.where(lines.is_line, a, needed), np.zeros_like(a), -a])
+    pushes = np.stack([np.where(lines.is_line, a, needed), np.zeros_like(a), -b])
     kept = keep.T
     return SpeedProfile(
         np.append(places.T[kept], edges[-1]),
@@ -84,3 +90,11 @@ def profile_between(edges: Array, x: Array, lines: LineLimits) -> SpeedProfile:
         np.zeros(int(kept.sum())),
         times.T[kept],
     )
+
+
+def _pushes(lines: LineLimits, needed: Array) -> tuple[Array, Array]:
+    """Return acceleration and braking, no less than what is needed."""
+    alike = lines.acceleration == lines.braking
+    both = np.maximum(lines.acceleration, np.abs(needed))
+    a = np.where(alike, both, np.maximum(lines.acceleration, needed))
+    return a, np.where(alike, both, np.maximum(lines.braking, -needed))

@@ -7,6 +7,7 @@ p = w (x + 2 D u), w = |r'' - (r'' . n) n|, n = r' / |r'|; there the disc is rep
 with corners on it, one of them for motion straight ahead.
 """
 
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -27,22 +28,58 @@ _ANGLES = (np.arange(_SIDES) + 0.5) * np.pi / _SIDES
 _APOTHEM = np.cos(np.pi / (2 * _SIDES))
 
 
+@dataclass(frozen=True)
+class CellPlaces:
+    """Places in the cells of a path, where limits are demanded.
+
+    Attributes:
+        cells: The path in cells.
+        pieces: The cell that each place is in, shape (n,): each place of all cells in turn.
+        local: How far into it, in the path's parameter, shape (n,).
+    """
+
+    cells: JointSpline
+    pieces: Any
+    local: Array
+
+    @classmethod
+    def of(cls, cells: JointSpline) -> "CellPlaces":
+        """Return both ends and the middle of every cell; ends alone if they say all."""
+        is_quadratic = cells.manifold.is_flat and not cells.coefficients[:, 3:].any()
+        places = _ENDS if is_quadratic else _PLACES
+        steps = np.diff(cells.breaks)
+        pieces = np.tile(np.arange(len(steps)), len(places))
+        return cls(cells, pieces, (places[:, None] * steps).ravel())
+
+    @property
+    def derivatives(self) -> tuple[Array, Array]:
+        """Both derivatives of r, as Drake's v and vdot, each shape (n, nv)."""
+        return path_derivatives(self.cells, self.pieces, self.local)
+
+    def by_cell(self, ahead: Array, bend: Array) -> tuple[Array, Array]:
+        """Return the rows of the cells from those of places, ahead u + bend x(place) <= 1.
+
+        With x at a cell's beginning, that at a place which is D farther on is x + 2 D u.
+        """
+        count = len(self.local) // self.cells.num_pieces
+        ahead = ahead + 2 * self.local[:, None] * bend
+        return _side_by_side(ahead, count), _side_by_side(bend, count)
+
+
 def acceleration_rows(cells: JointSpline, limits: JointLimits) -> tuple[Array, Array]:
     """Return a and b of a u + b x <= 1 on every cell, each shape (cells, rows).
 
     Blocks that nowhere move have no rows.
     """
-    is_quadratic = cells.manifold.is_flat and not cells.coefficients[:, 3:].any()
-    places = _ENDS if is_quadratic else _PLACES
-    steps = np.diff(cells.breaks)
-    local = (places[:, None] * steps).ravel()
-    pieces = np.tile(np.arange(len(steps)), len(places))
-    rate, curvature = path_derivatives(cells, pieces, local)
+    places = CellPlaces.of(cells)
+    rate, curvature = places.derivatives
     rows = _scalar_rows(rate, curvature, cells, limits) + _disc_rows(rate, curvature, cells, limits)
+    if not rows:
+        nothing = np.zeros((cells.num_pieces, 0))
+        return nothing, nothing
     ahead = np.concatenate([row for row, _ in rows], axis=1)
     bend = np.concatenate([row for _, row in rows], axis=1)
-    ahead += 2 * local[:, None] * bend
-    return _side_by_side(ahead, len(places)), _side_by_side(bend, len(places))
+    return places.by_cell(ahead, bend)
 
 
 def _scalar_rows(

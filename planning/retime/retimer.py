@@ -1,6 +1,6 @@
 """retime(): follow a geometric path as quickly as the limits allow, and audit the result."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -13,6 +13,7 @@ from planning.domain.report import RetimeReport
 from planning.errors import ProblemInvalid, RetimingFailed
 from planning.retime.audit import RATES, Use, largest_use
 from planning.retime.compose import compose
+from planning.retime.path_limit import PathLimit, PathUse
 from planning.retime.profile import SpeedProfile
 from planning.retime.ruckig_retimer import ruckig_profile
 from planning.retime.stretches import smooth_stretches
@@ -39,7 +40,7 @@ class Retimer:
         rates: Which rates it limits, as attributes of `JointLimits`, by order of derivative.
     """
 
-    profile: Callable[[JointSpline, JointLimits], SpeedProfile]
+    profile: Callable[[JointSpline, JointLimits, Sequence[PathLimit]], SpeedProfile]
     smoothness: int
     rates: tuple[str, ...]
 
@@ -50,8 +51,28 @@ RETIMERS = {
 }
 
 
+@dataclass(frozen=True)
+class _Timed:
+    """One stretch.
+
+    Attributes:
+        trajectory: Within all limits.
+        uses: Of the joints' limits, by order of derivative.
+        path_uses: Of the others, by the limit's name.
+        raw: How long it was before the audit [s].
+    """
+
+    trajectory: TimedTrajectory
+    uses: list[Use]
+    path_uses: list[tuple[str, PathUse]]
+    raw: float
+
+
 def retime(
-    spline: JointSpline, limits: JointLimits, options: RetimeOptions
+    spline: JointSpline,
+    limits: JointLimits,
+    options: RetimeOptions,
+    path_limits: Sequence[PathLimit] = (),
 ) -> tuple[TimedTrajectory, RetimeReport]:
     """Return a trajectory exactly on the spline, from rest to rest, within scaled limits.
 
@@ -63,6 +84,8 @@ def retime(
         spline: The path; at corners the motion rests.
         limits: Unscaled; the options' factors apply to velocity, and to acceleration and jerk.
         options: Method and factors.
+        path_limits: What else limits the motion. toppra is the quickest under them, ruckig keeps
+            what it can be told of as it goes; the rest slows its motion between two rests down.
 
     Raises:
         RetimingFailed: The method finds no timing, a joint that must move may not, or the duration
@@ -80,43 +103,56 @@ def retime(
     scaled = limits.scaled(options.velocity_scale, options.acceleration_scale)
     usable = _usable(spline, scaled, options.method)
     timed = [
-        _timed(stretch, usable, retimer) for stretch in smooth_stretches(spline, retimer.smoothness)
+        _timed(stretch, usable, retimer, path_limits)
+        for stretch in smooth_stretches(spline, retimer.smoothness)
     ]
-    trajectory = TimedTrajectory.joined([part for part, _, _ in timed])
+    trajectory = TimedTrajectory.joined([part.trajectory for part in timed])
     slower = _slower(trajectory.duration, options)
     names = _block_names(spline)
     worst = [
-        max((uses[i] for _, uses, _ in timed), key=lambda use: use.fraction)
+        max((part.uses[i] for part in timed), key=lambda use: use.fraction)
         for i in range(len(retimer.rates))
     ]
     delivered = trajectory if slower == 1.0 else trajectory.slowed(slower)
+    binding = {rate: names[use.block] for rate, use in zip(retimer.rates, worst, strict=True)}
+    utilisation = {
+        rate: use.fraction / slower**order
+        for order, (rate, use) in enumerate(zip(retimer.rates, worst, strict=True), start=1)
+    }
+    for name, use in (entry for part in timed for entry in part.path_uses):
+        share = use.share(slower)
+        if share > utilisation.get(name, -1.0):
+            binding[name], utilisation[name] = use.where, share
     return delivered, RetimeReport(
         method=options.method,
         duration=delivered.duration,
-        slowed=trajectory.duration / sum(raw for _, _, raw in timed),
-        binding={rate: names[use.block] for rate, use in zip(retimer.rates, worst, strict=True)},
-        utilisation={
-            rate: use.fraction / slower**order
-            for order, (rate, use) in enumerate(zip(retimer.rates, worst, strict=True), start=1)
-        },
+        slowed=trajectory.duration / sum(part.raw for part in timed),
+        binding=binding,
+        utilisation=utilisation,
         stops=len(timed) - 1,
     )
 
 
 def _timed(
-    stretch: JointSpline, limits: JointLimits, retimer: Retimer
-) -> tuple[TimedTrajectory, list[Use], float]:
-    """Return one stretch timed and audited, what it uses, and how long it was before the audit."""
-    profile = retimer.profile(stretch, limits)
+    stretch: JointSpline,
+    limits: JointLimits,
+    retimer: Retimer,
+    path_limits: Sequence[PathLimit],
+) -> _Timed:
+    """Return one stretch timed, audited and slowed as the audit demands."""
+    profile = retimer.profile(stretch, limits, path_limits)
     raw = compose(stretch, profile)
     uses = [largest_use(raw, limits, order) for order in range(1, len(retimer.rates) + 1)]
+    path_uses = [(limit.name, use) for limit in path_limits for use in limit.uses(raw)]
     factor = max(use.fraction ** (1 / order) for order, use in enumerate(uses, start=1))
+    factor = max(factor, *(use.factor for _, use in path_uses)) if path_uses else factor
     factor *= 1 + _SPARE
     scaled = [
         replace(use, fraction=use.fraction / factor**order)
         for order, use in enumerate(uses, start=1)
     ]
-    return raw.slowed(factor), scaled, raw.duration
+    slowed = [(name, use.slowed(factor)) for name, use in path_uses]
+    return _Timed(raw.slowed(factor), scaled, slowed, raw.duration)
 
 
 def _slower(least: float, options: RetimeOptions) -> float:

@@ -7,6 +7,7 @@ exact and time-optimal. Where the path bends, `speed_plan` says at which places 
 zero, how fast to be there, and which bounds on sdot, sddot and sdddot keep the limits in between.
 """
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -16,7 +17,9 @@ from planning.domain.curve import JointSpline
 from planning.domain.joints import JointLimits
 from planning.errors import RetimingFailed
 from planning.retime.bounds import block_peaks
-from planning.retime.compose import shifted
+from planning.retime.cells import cut_at, even_edges, num_short, with_cuts
+from planning.retime.compose import compose
+from planning.retime.path_limit import PathLimit, PeakLimit
 from planning.retime.profile import SpeedProfile
 from planning.retime.speed_plan import Cells, Hop, plan_speeds
 
@@ -25,6 +28,8 @@ type Array = np.ndarray[Any, np.dtype[np.float64]]
 # Cells on a whole stretch, and at least on each of its pieces.
 _NUM_CELLS = 40
 _LEAST_PER_PIECE = 2
+# Limits that change along a line are looked at on cells no longer than this (joint-space length).
+_LONGEST = 0.1
 # A cycle time is asked for by ruckig's constructor and used only in its online mode [s].
 _CYCLE = 0.01
 # Relative to the hop's length: how far ruckig may stop from where it should.
@@ -33,14 +38,38 @@ _BRIEF = 1e-12
 _DONE = {str(ruckig.Result.Working), str(ruckig.Result.Finished)}
 
 
-def ruckig_profile(stretch: JointSpline, limits: JointLimits) -> SpeedProfile:
+def ruckig_profile(
+    stretch: JointSpline, limits: JointLimits, path_limits: Sequence[PathLimit] = ()
+) -> SpeedProfile:
     """Return a rest-to-rest profile along a stretch, the quickest if it is straight.
+
+    Under path limits it is the quicker of two: one that knows those of them that are `PeakLimit`s,
+    and one that knows none; slowed as a whole, both keep all.
 
     Raises:
         RetimingFailed: No profile is found.
     """
     cut, is_straight = _in_cells(stretch)
-    cells = _cells(cut, limits)
+    plain = _planned(stretch, _cells(cut, limits), is_straight)
+    slowing = _slowing(stretch, plain, path_limits)
+    known = [limit for limit in path_limits if isinstance(limit, PeakLimit)]
+    if slowing <= 1 or not known:
+        return plain
+    edges = with_cuts(cut.breaks, [limit.cuts(stretch) for limit in path_limits])
+    short = cut_at(stretch, edges)
+    short = cut_at(stretch, even_edges(edges, num_short(short, _LONGEST)))
+    cells = _cells(short, limits, known)
+    careful = _planned(stretch, cells, np.zeros(short.num_pieces, dtype=bool))
+    both = careful.duration * _slowing(stretch, careful, path_limits), plain.duration * slowing
+    return careful if both[0] < both[1] else plain
+
+
+def _planned(stretch: JointSpline, cells: Cells, is_straight: Any) -> SpeedProfile:
+    """Return the profile along cells.
+
+    Raises:
+        RetimingFailed: No profile is found.
+    """
     if is_straight.all() and stretch.num_pieces == 1:
         hops = [Hop(0, len(is_straight), (0.0, 0.0), _straight_bounds(cells, 0))]
     else:
@@ -52,33 +81,37 @@ def ruckig_profile(stretch: JointSpline, limits: JointLimits) -> SpeedProfile:
     return whole.split_at(stretch.breaks[1:-1])
 
 
+def _slowing(
+    stretch: JointSpline, profile: SpeedProfile, path_limits: Sequence[PathLimit]
+) -> float:
+    """Return by what factor a profile must be slowed to keep path limits, 1 at least."""
+    if not path_limits:
+        return 1.0
+    motion = compose(stretch, profile)
+    return max([1.0, *(use.factor for limit in path_limits for use in limit.uses(motion))])
+
+
 def _in_cells(stretch: JointSpline) -> tuple[JointSpline, Any]:
     """Return the stretch cut into cells, and whether each is straight."""
     widths = np.diff(stretch.breaks)
     counts = np.ceil(_NUM_CELLS * widths / widths.sum()).astype(int)
     counts = np.maximum(counts, _LEAST_PER_PIECE)
     pieces = np.repeat(np.arange(stretch.num_pieces), counts)
-    edges = np.append(
-        np.concatenate([
-            np.linspace(a, b, n + 1)[:-1]
-            for a, b, n in zip(stretch.breaks[:-1], stretch.breaks[1:], counts, strict=True)
-        ]),
-        stretch.breaks[-1],
-    )
-    local = shifted(stretch.coefficients[pieces], edges[:-1] - stretch.breaks[pieces])
-    cut = JointSpline(stretch.joints, edges, stretch.bases[pieces], local)
+    cut = cut_at(stretch, even_edges(stretch.breaks, counts))
     return cut, ~stretch.coefficients[pieces, 2:].any(axis=(1, 2))
 
 
-def _cells(cut: JointSpline, limits: JointLimits) -> Cells:
+def _cells(cut: JointSpline, limits: JointLimits, known: Sequence[PeakLimit] = ()) -> Cells:
     first, second, third = (block_peaks(cut, limits, order) for order in (1, 2, 3))
     bounds = limits.velocity, limits.acceleration, limits.jerk
-    return Cells(
-        cut.breaks,
-        np.stack([first / bound for bound in bounds]),
-        np.stack([second / bound for bound in bounds[1:]]),
-        (third / limits.jerk)[None],
-    )
+    m1 = np.stack([first / bound for bound in bounds])
+    m2 = np.stack([second / bound for bound in bounds[1:]])
+    m3 = (third / limits.jerk)[None]
+    if known:
+        more = np.concatenate([limit.peaks(cut) for limit in known], axis=2)
+        parts = zip((m1, m2, m3), np.split(more, [3, 5]), strict=True)
+        m1, m2, m3 = (np.concatenate(both, axis=2) for both in parts)
+    return Cells(cut.breaks, m1, m2, m3)
 
 
 def _straight_bounds(cells: Cells, cell: int) -> tuple[float, float, float]:

@@ -6,6 +6,7 @@ both ends that one acceleration can connect are all that toppra must find, and w
 between has a closed form. q(t) = r(s(t)) is composed exactly: the motion never leaves the path.
 """
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -14,8 +15,10 @@ from planning.domain.curve import JointSpline
 from planning.domain.joints import JointLimits
 from planning.errors import RetimingFailed
 from planning.retime.bounds import block_sizes
+from planning.retime.cells import cut_at, even_edges, num_short, ways, with_cuts
 from planning.retime.compose import shifted
 from planning.retime.line_profile import LineLimits, profile_between
+from planning.retime.path_limit import PathLimit
 from planning.retime.path_rows import acceleration_rows
 from planning.retime.polynomials import norms
 from planning.retime.profile import SpeedProfile
@@ -27,40 +30,119 @@ type Array = np.ndarray[Any, np.dtype[np.float64]]
 # Cells of a curve, and how many more if it turns by one radian. Durations are within 0.5 % of what
 # many more cells give, and nearer than that on paths of several corners.
 _LEAST, _PER_TURN, _MOST = 2, 6, 64
+# Limits that change along a line are demanded on cells no longer than this (joint-space length), so
+# many at least.
+_LONGEST, _LEAST_CELLS = 0.06, 32
+# Cells in which the acceleration should jump are cut into so many, until that costs less than this
+# share of the duration, or so often.
+_SPLIT, _COST, _ROUNDS = 4, 3e-4, 3
 # Squared speeds beyond this, in toppra's units of order one, are unbounded to it.
 _UNBOUNDED = 1e6
+# Rows smaller than this limit nothing.
+_LEAST_ROW = 1e-300
 # Cells on which r' is this small relative to its largest count as if it were larger.
 _STANDSTILL = 1e-9
 
 
-def toppra_profile(stretch: JointSpline, limits: JointLimits) -> SpeedProfile:
+def toppra_profile(
+    stretch: JointSpline, limits: JointLimits, path_limits: Sequence[PathLimit] = ()
+) -> SpeedProfile:
     """Return the quickest rest-to-rest profile along a smooth stretch.
 
     Raises:
-        RetimingFailed: toppra finds none.
+        RetimingFailed: toppra finds none, or a path limit does not allow to stand still.
     """
     is_line = ~stretch.coefficients[:, 2:].any(axis=(1, 2))
-    cells, owners = _in_cells(stretch, is_line)
+    if all(limit.is_uniform for limit in path_limits):
+        cells, owners = _in_cells(stretch, is_line)
+        return _profile(cells, is_line[owners], limits, path_limits)
+    cells, _ = _in_cells(stretch, np.zeros_like(is_line))
+    edges = _short_edges(stretch, cells, path_limits)
+    profile = _curved_profile(cut_at(stretch, edges), limits, path_limits)
+    for _ in range(_ROUNDS):
+        sharper = _sharper_edges(profile)
+        if len(sharper) == len(profile.s):
+            break
+        profile = _curved_profile(cut_at(stretch, sharper), limits, path_limits)
+    return profile
+
+
+def _curved_profile(
+    cells: JointSpline, limits: JointLimits, path_limits: Sequence[PathLimit]
+) -> SpeedProfile:
+    return _profile(cells, np.zeros(cells.num_pieces, dtype=bool), limits, path_limits)
+
+
+def _profile(
+    cells: JointSpline, is_line: Any, limits: JointLimits, path_limits: Sequence[PathLimit]
+) -> SpeedProfile:
+    """Return the quickest profile that has constant acceleration on all cells but lines.
+
+    Raises:
+        RetimingFailed: As `toppra_profile`.
+    """
     sizes = block_sizes(cells, limits, 1)
     peaks = sizes.max(axis=1)
     peaks = np.maximum(peaks, _STANDSTILL * peaks.max())
     with np.errstate(divide="ignore"):
         speed = (limits.velocity / peaks).min(axis=1)
         acceleration = (limits.acceleration / peaks).min(axis=1)
-    lines = LineLimits(is_line[owners], speed, acceleration)
-    if stretch.num_pieces == 1 and is_line[0]:
+    others = [limit.rows(cells) for limit in path_limits]
+    lines = LineLimits(is_line, speed, *_line_pushes(acceleration, others))
+    if cells.num_pieces == 1 and is_line[0]:
         return profile_between(cells.breaks, np.zeros(2), lines)
     # In units of the least time that a path as fast as allowed would take, toppra's numbers are
     # of order one, as its absolute tolerances want them.
     unit = float((np.diff(cells.breaks) / speed).sum())
-    caps = speed_caps(sizes, limits.velocity) * unit**2
-    caps = np.minimum(np.append(caps[:, 0], _UNBOUNDED), np.insert(caps[:, 1], 0, _UNBOUNDED))
+    caps = _at_edges(speed_caps(sizes, limits.velocity) * unit**2)
     a, b = acceleration_rows(cells, limits)
+    for limit, more in zip(path_limits, others, strict=True):
+        caps = np.minimum(caps, _at_edges(limit.caps(cells) * unit**2))
+        a, b = (np.concatenate(both, axis=1) for both in zip((a, b), more, strict=True))
     x = squared_speeds(cells.breaks, (a / unit**2, b / unit**2), caps) / unit**2
     if not (lines.is_line | (x[:-1] + x[1:] > 0)).all():
         message = "toppra's profile stands still on the way"
         raise RetimingFailed(message, {"method": "toppra", "num_grid_points": len(x)})
     return profile_between(cells.breaks, x, lines)
+
+
+def _line_pushes(acceleration: Array, rows: list[tuple[Array, Array]]) -> tuple[Array, Array]:
+    """Return the largest d2s/dt2 and -d2s/dt2 on cells if they are lines, where all b are zero."""
+    up = down = acceleration
+    for a, _ in rows:
+        most = np.maximum(a.max(axis=1, initial=0.0), _LEAST_ROW)
+        least = np.maximum(-a.min(axis=1, initial=0.0), _LEAST_ROW)
+        up, down = np.minimum(up, 1 / most), np.minimum(down, 1 / least)
+    return up, down
+
+
+def _at_edges(caps: Array) -> Array:
+    """Return the least of bounds at both ends of cells, at their edges."""
+    return np.minimum(np.append(caps[:, 0], _UNBOUNDED), np.insert(caps[:, 1], 0, _UNBOUNDED))
+
+
+def _short_edges(
+    stretch: JointSpline, cells: JointSpline, path_limits: Sequence[PathLimit]
+) -> Array:
+    """Return edges of cells on which limits change little, and where none jumps."""
+    longest = min(_LONGEST, float(ways(cells).sum()) / _LEAST_CELLS)
+    edges = even_edges(cells.breaks, num_short(cells, longest))
+    return with_cuts(edges, [limit.cuts(stretch) for limit in path_limits])
+
+
+def _sharper_edges(profile: SpeedProfile) -> Array:
+    """Return the edges with more of them where the acceleration jumps in the midst of a cell.
+
+    Squared speeds are linear on cells: with a jump D of their slope inside one of width w, the best
+    x is larger by up to w D / 4, which costs that over x^1.5 times w / 2 of time.
+    """
+    widths, pushes = np.diff(profile.s), profile.a
+    jumps = np.abs(np.diff(2 * pushes))
+    jump = np.maximum(np.append(jumps, 0.0), np.insert(jumps, 0, 0.0))
+    squared = (widths / profile.h) ** 2
+    cost = np.minimum(widths * jump / 4, squared) / squared**1.5 * widths / 2
+    counts = np.where(cost > _COST * profile.duration, _SPLIT, 1)
+    return even_edges(profile.s, counts)
 
 
 def _in_cells(stretch: JointSpline, is_line: Any) -> tuple[JointSpline, Any]:

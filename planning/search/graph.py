@@ -16,6 +16,8 @@ from planning.search.spaces import SearchSpace
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 type Costs = Callable[[Array, Array], Array]
+# What the ways from a row to its neighbours cost, in their order.
+type Steps = Callable[[int, list[int]], Array | list[float]]
 
 # What is kept of a graph for people: more is neither drawn nor sent.
 _MOST_VERTICES = 2_000
@@ -82,7 +84,12 @@ def between(graph: Graph, start: Array, goals: Array, space: SearchSpace) -> Gra
     return Graph(graph.qs, starts, ends, neighbours.__getitem__)
 
 
-def cheapest_ways(graph: Graph, costs: Costs) -> Iterator[tuple[int, dict[int, int]]]:
+def measured(graph: Graph, costs: Costs) -> Callable[[int, list[int]], Array]:
+    """Return the costs of a graph's edges, each computed when it is asked for."""
+    return lambda here, there: costs(graph.qs[there], graph.qs[here])
+
+
+def cheapest_ways(graph: Graph, steps: Steps) -> Iterator[tuple[int, dict[int, int]]]:
     """Yield what can be reached from the first start, cheapest first (Dijkstra).
 
     With each row comes the table of rows from which others are reached; a start is its own.
@@ -100,8 +107,8 @@ def cheapest_ways(graph: Graph, costs: Costs) -> Iterator[tuple[int, dict[int, i
             continue
         yield here, came_from
         neighbours = graph.neighbours(here)
-        steps = costs(graph.qs[neighbours], graph.qs[here]) if neighbours else ()
-        for there, step in zip(neighbours, steps, strict=True):
+        costs = steps(here, neighbours) if neighbours else ()
+        for there, step in zip(neighbours, costs, strict=True):
             if cost + step < best[there]:
                 best[there] = cost + step
                 came_from[there] = here

@@ -7,7 +7,7 @@ import numpy as np
 from planning.domain.deadline import Deadline
 from planning.errors import DeadlineExceeded
 from planning.search.edges import EdgeChecker
-from planning.search.graph import Graph, cheapest_ways, traced
+from planning.search.graph import Graph, cheapest_ways, measured, traced
 from planning.search.oracle import WatchedOracle
 from planning.search.spaces import SearchSpace
 
@@ -45,7 +45,7 @@ def nearest_reached(
     grace = Deadline.after(_GRACE, deadline.clock, deadline.is_canceled)
     came_from: dict[int, int] = {}
     reached: list[int] = []
-    for row, table in cheapest_ways(graph, space.manifold.distance):
+    for row, table in cheapest_ways(graph, measured(graph, space.manifold.distance)):
         reached.append(row)
         came_from = table
     if not reached:

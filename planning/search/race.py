@@ -7,104 +7,20 @@ decide, so that the same seed gives the same path on any machine.
 """
 
 import math
-from collections.abc import Callable
-from dataclasses import dataclass, field, replace
-from typing import Any
+from dataclasses import replace
 
 import numpy as np
 
-from planning.domain.planner_graph import PlannerGraph
-from planning.domain.report import AttemptReport
 from planning.errors import Canceled, DeadlineExceeded
-from planning.search.attempt import Attempt, Query
-from planning.search.planners import own_parameters
-from planning.search.sound import Closeness, SoundPath, Trial, sound_attempt
+from planning.search.attempt import Query
+from planning.search.sound import Closeness
+from planning.search.tally import Tally
 from planning.search.task import SearchTask
+from planning.search.turns import Turns
 
 # What an attempt of several planners may check in the first round, and by how much more later.
 _FIRST_STATES = 20_000
 _MORE = 4
-_MOST_LOGGED = 100
-
-
-@dataclass
-class Tally:
-    """What the attempts came to so far.
-
-    Attributes:
-        on_best: Told of every path that is the best so far.
-        direct: A free straight line, if there is one.
-        best: The best path.
-        winner: Name of the planner that found it, or "".
-        last: The last attempt's planner's answer.
-        graph: Of the planner that found the best.
-        approximate: The nearest configuration to a goal that an attempt reached.
-        log: What each attempt came to.
-        num_attempts: How many were begun.
-        num_solved: How many found a path.
-        num_motions: Edges that planners checked.
-        num_spent: How many gave up for having checked as many states as they may.
-        was_canceled: Whether a cancel ended it all.
-    """
-
-    on_best: Callable[[AttemptReport], None] | None
-    direct: SoundPath | None
-    best: SoundPath | None = None
-    winner: str = ""
-    last: Attempt | None = None
-    graph: PlannerGraph | None = None
-    approximate: dict[str, Any] | None = None
-    log: list[AttemptReport] = field(default_factory=list)
-    num_attempts: int = 0
-    num_solved: int = 0
-    num_motions: int = 0
-    num_spent: int = 0
-    was_canceled: bool = False
-
-    def __post_init__(self) -> None:
-        """Begin with the straight line."""
-        self.best = self.direct
-
-    def evidence(self, query: Query) -> dict[str, Any]:
-        """Return what is known of a failure."""
-        options = query.options
-        found: dict[str, Any] = {
-            "planner": ", ".join(options.planners),
-            "attempts": self.num_attempts,
-            "num_goals": len(query.goals),
-            "num_states_checked": query.oracle.num_states,
-        }
-        if self.last is not None:
-            found |= {"status": self.last.status, **self.last.growth}
-        if options.approximate:
-            found["approximate"] = self.approximate
-        return found
-
-    def note_growth(self, growth: dict[str, Any]) -> None:
-        """Keep the nearest configuration to a goal that a planner without a solution reached."""
-        near = growth.get("approximate")
-        if near is None:
-            return
-        if self.approximate is None or near["goal_distance"] < self.approximate["goal_distance"]:
-            self.approximate = near
-
-    def note(self, planner: str, trial: Trial, num_states: int) -> None:
-        """Add an attempt that ended."""
-        path = trial.path
-        self.last = trial.last
-        self.num_motions += trial.num_motions
-        self.num_spent += trial.last.is_spent
-        self.note_growth(dict(trial.last.growth))
-        report = _report(planner, trial, num_states)
-        if len(self.log) < _MOST_LOGGED:
-            self.log.append(report)
-        if path is None:
-            return
-        self.num_solved += 1
-        if self.best is None or path.cost < self.best.cost:
-            self.best, self.winner, self.graph = path, planner, trial.last.graph
-            if self.on_best is not None:
-                self.on_best(report)
 
 
 def race(query: Query, closeness: Closeness, task: SearchTask, tally: Tally) -> None:
@@ -120,7 +36,9 @@ def race(query: Query, closeness: Closeness, task: SearchTask, tally: Tally) -> 
     try:
         while True:
             tally.num_spent = 0
-            _one_round(replace(query, most_states=states), closeness, seeds, tally)
+            limited = replace(query, most_states=states)
+            round_ = seeds.spawn(query.options.num_attempts)
+            Turns(limited, closeness, round_, tally).play(task.pool)
             if tally.best is not None or not tally.num_spent:
                 return
             states *= _MORE
@@ -134,32 +52,3 @@ def race(query: Query, closeness: Closeness, task: SearchTask, tally: Tally) -> 
         tally.note_growth(error.evidence)
         evidence = error.evidence | tally.evidence(query)
         raise DeadlineExceeded(error.detail, evidence) from error
-
-
-def _one_round(
-    query: Query, closeness: Closeness, seeds: np.random.SeedSequence, tally: Tally
-) -> None:
-    names = query.options.planners
-    attempts = query.options.num_attempts
-    for k, child in enumerate(seeds.spawn(attempts)):
-        name = names[k % len(names)]
-        parameters = query.parameters
-        if len(names) > 1:
-            parameters = own_parameters(name, parameters)
-        tally.num_attempts += 1
-        before = query.oracle.num_states
-        own = replace(query, planner=name, parameters=parameters)
-        if attempts == 1:
-            trial = sound_attempt(own, closeness, child)
-        else:
-            with query.watch.note(f"attempt_{tally.num_attempts}"):
-                trial = sound_attempt(own, closeness, child)
-        tally.note(name, trial, query.oracle.num_states - before)
-
-
-def _report(planner: str, trial: Trial, num_states: int) -> AttemptReport:
-    path = trial.path
-    if path is None:
-        outcome = "collides" if len(trial.last.waypoints) else trial.last.status
-        return AttemptReport(planner, outcome, 0.0, 0.0, 0.0, num_states)
-    return AttemptReport(planner, "solved", path.raw_length, path.length, path.cost, num_states)

@@ -14,7 +14,7 @@ import numpy as np
 from ompl import base as ob
 from ompl import geometric as og
 
-from planning.search.graph import Costs, cheapest_ways, read_graph, traced
+from planning.search.graph import Costs, cheapest_ways, measured, read_graph, traced
 from planning.search.spaces import SearchSpace
 from planning.search.stopping import Stopping
 
@@ -71,7 +71,7 @@ def _after(count: int, stopping: Stopping) -> Callable[[], bool]:
 def _best_path(planner: Any, information: Any, space: SearchSpace, costs: Costs) -> Array | None:
     graph = read_graph(planner, information, space)
     goals = set(graph.goals)
-    for row, came_from in cheapest_ways(graph, costs):
+    for row, came_from in cheapest_ways(graph, measured(graph, costs)):
         if row in goals:
             return graph.qs[traced(came_from, row)]
     return None

@@ -1,10 +1,10 @@
 """search(): from goal configurations to a path. The stage's one entry.
 
 A straight line to one of the nearest goals comes first. If there is none, or only to a goal much
-farther than the nearest, the planner looks for a path, which is
-shortened and checked again, edge by edge, four times as finely as it was searched; if that finds a
-collision the attempt starts anew with half the resolution. The best of all attempts is kept (see
-`race`); what is best, `objective` says.
+farther than the nearest, the roadmap is asked if there is one, and if it knows no way the planner
+looks for a path, which is shortened and checked again, edge by edge, four times as finely as it was
+searched; if that finds a collision the attempt starts anew with half the resolution. The best of
+all attempts is kept (see `race`); what is best, `objective` says.
 """
 
 from contextlib import nullcontext
@@ -20,13 +20,15 @@ from planning.errors import NoPathFound, ProblemInvalid
 from planning.search.attempt import Query
 from planning.search.demands import block_weights, bounded, held_rotations
 from planning.search.graph import line_graph
+from planning.search.mapped import ask_roadmap, report_of
 from planning.search.objective import Objective
 from planning.search.oracle import CollisionOracle, WatchedOracle
 from planning.search.planners import check_planners
 from planning.search.projected import ProjectedSpace
-from planning.search.race import Tally, race
+from planning.search.race import race
 from planning.search.sound import Closeness, SoundPath, delivered, fine_checker, followed
 from planning.search.spaces import SearchSpace
+from planning.search.tally import Tally
 from planning.search.task import SearchResult, SearchTask
 from planning.stopwatch import Stopwatch
 
@@ -90,9 +92,8 @@ def search(
     # Of one attempt the end of the search tells as much.
     on_best = task.on_best if task.options.num_attempts > 1 else None
     tally = Tally(on_best, direct=_straight_line(query, closeness))
-    is_enough = tally.best is not None and not _is_detour(tally.best, query)
-    if not is_enough and not _is_led(query, closeness, task, tally):
-        race(query, closeness, task, tally)
+    if tally.best is None or _is_detour(tally.best, query):
+        _look(query, closeness, task, tally)
     best = tally.best
     if best is None:
         raise _no_path(query, tally)
@@ -103,6 +104,16 @@ def search(
     return SearchResult(
         path, int(rows[best.goal_row]), _report(query, closeness, task, tally, best), graph
     )
+
+
+def _look(query: Query, closeness: Closeness, task: SearchTask, tally: Tally) -> None:
+    """Ask the guide and the roadmap if there are any, and the planners unless one knows a way."""
+    if _is_led(query, closeness, task, tally):
+        return
+    if task.roadmap is not None:
+        ask_roadmap(task.roadmap, query, closeness, tally)
+    if tally.roadmap is None or not tally.roadmap.used:
+        race(query, closeness, task, tally)
 
 
 def _query(
@@ -140,6 +151,9 @@ def _report(
     query: Query, closeness: Closeness, task: SearchTask, tally: Tally, best: SoundPath
 ) -> SearchReport:
     fine = closeness.fine
+    roadmap = tally.roadmap
+    if roadmap is None and task.roadmap is not None:
+        roadmap = report_of(task.roadmap, "straight_line")
     return SearchReport(
         planner=tally.winner or query.planner,
         attempts=task.options.num_attempts,
@@ -156,6 +170,7 @@ def _report(
         cost=best.cost,
         attempts_log=tuple(tally.log),
         was_canceled=tally.was_canceled,
+        roadmap=roadmap,
     )
 
 

@@ -19,7 +19,7 @@ from planning.search.polyline import path_length, unrolled
 from planning.search.shortcut import shortcut
 
 # How much finer than the search the result is checked, and the halvings that lead there.
-_FINER = 4
+FINER = 4
 _HALVINGS = 2
 # Of the time that is left, what shortcutting may use; the rest is for the final check.
 _SHORTCUT_SHARE = 0.7
@@ -76,13 +76,14 @@ class Trial(Value):
     num_motions: int
 
 
+def coarse_checker(query: Query, resolution: float) -> EdgeChecker:
+    """Return what checks tries, for a search at `resolution`."""
+    return EdgeChecker(query.space.manifold, query.oracle, resolution, query.objective.norm)
+
+
 def fine_checker(query: Query, resolution: float) -> EdgeChecker:
     """Return what checks results, for a search at `resolution`."""
-    return _checker(query, resolution / _FINER)
-
-
-def _checker(query: Query, resolution: float) -> EdgeChecker:
-    return EdgeChecker(query.space.manifold, query.oracle, resolution, query.objective.norm)
+    return coarse_checker(query, resolution / FINER)
 
 
 def followed(query: Query, closeness: Closeness, raw: Array, goal_row: int) -> Trial:
@@ -92,10 +93,9 @@ def followed(query: Query, closeness: Closeness, raw: Array, goal_row: int) -> T
         Canceled: Somebody asked for the end.
         DeadlineExceeded: The time has run out.
     """
-    edges = _checker(query, closeness.resolution)
-    path = _shortened(query, raw, goal_row, edges, closeness)
+    edges = coarse_checker(query, closeness.resolution)
     found = Attempt("Exact solution", raw, goal_row, {}, None, is_spent=False)
-    return Trial(found, path, edges.num_motions)
+    return Trial(found, shortened(query, found, edges, closeness), edges.num_motions)
 
 
 def sound_attempt(query: Query, closeness: Closeness, seeds: np.random.SeedSequence) -> Trial:
@@ -108,33 +108,33 @@ def sound_attempt(query: Query, closeness: Closeness, seeds: np.random.SeedSeque
     num_motions = halvings = 0
     while True:
         child = seeds.spawn(1)[0]
-        edges = _checker(query, closeness.resolution / 2**halvings)
+        edges = coarse_checker(query, closeness.resolution / 2**halvings)
         seed = max(1, int(child.generate_state(1)[0]))
         found = attempt(query, edges, closeness.fine, seed)
-        path = None
-        if len(found.waypoints):
-            path = _shortened(query, found.waypoints, found.goal_row, edges, closeness)
+        path = shortened(query, found, edges, closeness)
         num_motions += edges.num_motions
         if path is not None or not len(found.waypoints) or halvings == _HALVINGS:
             return Trial(found, path, num_motions)
         halvings += 1
 
 
-def _shortened(
-    query: Query, raw: Array, goal_row: int, coarse: EdgeChecker, closeness: Closeness
+def shortened(
+    query: Query, found: Attempt, coarse: EdgeChecker, closeness: Closeness
 ) -> SoundPath | None:
     """Return a shorter path that is free at the fine resolution, if there is one."""
+    if not len(found.waypoints):
+        return None
     time = query.deadline.share(_SHORTCUT_SHARE).within(query.options.shortcut_time)
-    fine = closeness.fine
+    raw, fine = found.waypoints, closeness.fine
     with query.watch.stage("shortcut"):
         shorter = shortcut(raw, coarse, fine, lambda: time.is_over)
         if shorter is None:
             return None
         path = unrolled(shorter, query.space.manifold)
-        best = delivered(path, raw, goal_row, closeness)
+        best = delivered(path, raw, found.goal_row, closeness)
         if query.objective.name == "clearance" and fine.are_free(raw[:-1], raw[1:]).all():
             # A shorter path may well be nearer to things.
-            untouched = delivered(raw, raw, goal_row, closeness)
+            untouched = delivered(raw, raw, found.goal_row, closeness)
             both = [path for path in (best, untouched) if path is not None]
             best = min(both, key=lambda path: path.cost, default=None)
     return best

@@ -134,6 +134,12 @@ class SearchSpace:
         self.ompl.copyFromReals(state, (q[self._from_q] * self._scale).tolist())
         return state
 
+    def at_rest(self, qs: Float64[np.ndarray, "m nq"]) -> Array:
+        """Return configurations with the held coordinates as they are at the start."""
+        resting = qs.copy()
+        resting[:, self._held] = self._rest[self._held]
+        return resting
+
     def contains(self, q: Float64[np.ndarray, " nq"]) -> bool:
         """Return whether q, shape (nq,), lies in the searched box, with every held rotation."""
         if self._held:

@@ -10,7 +10,9 @@ from jaxtyping import Float64
 from planning.domain.options import SearchOptions
 from planning.domain.path import JointPath
 from planning.domain.planner_graph import PlannerGraph
+from planning.domain.pool import AttemptPool
 from planning.domain.report import AttemptReport, SearchReport
+from planning.domain.roadmap import Roadmap
 from planning.domain.value import Value
 from planning.search.projected import Residual
 
@@ -53,6 +55,8 @@ class SearchTask(Value):
             objective "clearance".
         on_best: Told of every path that is the best so far.
         guide: Asked for a path before the planner is, if there is no straight line.
+        roadmap: Where a way is looked for before any planner is asked, or None.
+        pool: Makes attempts at once, or None.
     """
 
     start: Float64[np.ndarray, " nq"]
@@ -65,6 +69,8 @@ class SearchTask(Value):
     clearances: Clearances | None = None
     on_best: Callable[[AttemptReport], None] | None = None
     guide: Guide | None = None
+    roadmap: Roadmap | None = None
+    pool: AttemptPool | None = None
 
 
 @dataclass(frozen=True, eq=False)

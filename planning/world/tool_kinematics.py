@@ -47,14 +47,23 @@ class ToolKinematics:
         Columns of joints that turn and shift in the tangent's own axes (floating ones) differ from
         Drake's, whose angular velocity is in the parent's axes.
         """
-        if self._chain is None:
-            found = np.stack([self._by_drake(q) for q in qs])
-        else:
-            found = self._chain.jacobians(np.ascontiguousarray(qs))
+        found = self._by_v(qs)
         for iq, iv in self._turning:
             turned = rotation.matrix(qs[:, iq : iq + 4])
             found[:, :, iv : iv + 3] = found[:, :, iv : iv + 3] @ turned
         return found
+
+    def velocities(
+        self, qs: Float64[np.ndarray, "n nq"], vs: Float64[np.ndarray, "n nv"]
+    ) -> Float64[np.ndarray, "n 3"]:
+        """Return v_WT of T's origin [m/s] for Drake's generalized velocities."""
+        return np.einsum("nij,nj->ni", self._by_v(qs)[:, 3:], vs)
+
+    def _by_v(self, qs: Array) -> Array:
+        """Return Jacobians by Drake's generalized velocities, shape (n, 6, nv)."""
+        if self._chain is None:
+            return np.stack([self._by_drake(q) for q in qs])
+        return np.asarray(self._chain.jacobians(np.ascontiguousarray(qs)))
 
     @cached_property
     def _context(self) -> Context:

@@ -38,11 +38,11 @@ def constraint_value(constraint: ConstraintWire) -> PathConstraint:  # noqa: PLR
                 max=np.inf if constraint.max is None else constraint.max,
             )
         case KeepOutWire(frame=frame, box=box):
-            return KeepOut(frame, _box(box.size, box.pose))
+            return KeepOut(frame, box_value(box.size, box.pose))
         case KeepInWire(frame=frame, box=box):
-            return KeepIn(frame, _box(box.size, box.pose))
+            return KeepIn(frame, box_value(box.size, box.pose))
         case PositionWire(frame=frame, size=size, pose=pose):
-            return PositionBand(frame, _box(size, pose))
+            return PositionBand(frame, box_value(size, pose))
         case OrientationWire():
             return OrientationCone(
                 frame=constraint.frame,
@@ -57,6 +57,7 @@ def constraint_value(constraint: ConstraintWire) -> PathConstraint:  # noqa: PLR
             return TightLimits({name: (a, b) for name, (a, b) in constraint.limits.items()})
 
 
-def _box(size: list[float] | list[float | None], pose: PoseWire) -> PlacedBox:
+def box_value(size: list[float] | list[float | None], pose: PoseWire) -> PlacedBox:
+    """Return the domain's box; sides that are null are infinite."""
     sides = np.array([np.inf if side is None else side for side in size])
     return PlacedBox(sides, Pose.from_parts(pose.position, pose.quaternion, pose.rpy), pose.frame)

@@ -20,11 +20,13 @@ from planning.domain.options import (
     PoseMetric,
     RefineOptions,
     RetimeOptions,
+    RoadmapOptions,
     SearchOptions,
 )
 from planning.domain.pose import Pose
 from planning.domain.problem import PlanningProblem
 from service.convert.constraints import constraint_value
+from service.convert.motion_limits import motion_limits
 from service.schemas.goal import (
     ConfigurationGoalWire,
     DeviationWire,
@@ -36,7 +38,7 @@ from service.schemas.goal import (
     RegionGoalWire,
     RelativeGoalWire,
 )
-from service.schemas.plan import IkWire, PlanRequest, RetimeWire, SearchWire
+from service.schemas.plan import IkWire, PlanRequest, RetimeWire, RoadmapWire, SearchWire
 from service.schemas.pose import PoseWire
 
 
@@ -134,7 +136,13 @@ def retime_value(retime: RetimeWire) -> RetimeOptions:
         sample_period=retime.sample_period,
         duration=retime.duration,
         explain=retime.explain,
+        **motion_limits(retime),
     )
+
+
+def roadmap_value(roadmap: RoadmapWire) -> RoadmapOptions:
+    """Return the domain's options of a roadmap."""
+    return RoadmapOptions(roadmap.states, roadmap.neighbours, roadmap.seed)
 
 
 def search_value(search: SearchWire) -> SearchOptions:
@@ -156,6 +164,7 @@ def search_value(search: SearchWire) -> SearchOptions:
         approximate=search.approximate,
         keep_graph=search.keep_graph,
         on_cancel=search.on_cancel,
+        roadmap=None if search.roadmap is None else roadmap_value(search.roadmap),
     )
 
 

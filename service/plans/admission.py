@@ -16,6 +16,7 @@ from service.scenes.preflight import (
     require_joints,
 )
 from service.scenes.shelf import SceneShelf
+from service.scenes.timing import require_motion_limits
 from service.schemas.plan import PlanRequest, SearchWire
 
 TASK = "service.tasks.plan:plan_motion"
@@ -50,6 +51,7 @@ async def submit_plan(request: PlanRequest, key: str | None, scenes: SceneShelf,
         require_count(group, request.start, "start")
     require_goal(record, group, request.goal)
     require_constraints(record, group, request.path_constraints)
+    require_motion_limits(record, group, request.retime)
     require_joints(group, request.ik.joint_weights)
     require_planner(await desk.planners(), request.search)
     require_search_names(group, request.search)
@@ -58,6 +60,8 @@ async def submit_plan(request: PlanRequest, key: str | None, scenes: SceneShelf,
         "request": request.model_dump(mode="json"),
         "revision": record.revision,
         **await regions_payload(request, record, desk),
+        "roadmaps": desk.roadmaps,
+        "cores": desk.cores,
     }
     if request.search.on_cancel == "best":
         payload["cancel_grace"] = _BEST_GRACE

@@ -5,6 +5,7 @@ from fastapi import APIRouter
 from service.dependencies import DeskDep, ScenesDep
 from service.routes.answers import problems
 from service.scenes.preflight import require_count, require_group
+from service.scenes.timing import require_motion_limits
 from service.schemas.own_motion import (
     CertifyMotionRequest,
     CertifyMotionResponse,
@@ -26,6 +27,7 @@ async def retime(request: RetimeRequest, scenes: ScenesDep, desk: DeskDep) -> ob
     group = require_group(record, request.group)
     for i, q in enumerate(request.waypoints):
         require_count(group, q, f"waypoints.{i}")
+    require_motion_limits(record, group, request.retime)
     return await desk.ask_scene("service.tasks.own_motion:retime", record, request)
 
 
@@ -37,4 +39,5 @@ async def certify(request: CertifyMotionRequest, scenes: ScenesDep, desk: DeskDe
     for field, q in (("start", request.start), ("goal", request.goal)):
         if q is not None:
             require_count(group, q, field)
+    require_motion_limits(record, group, request)
     return await desk.ask_scene("service.tasks.own_motion:certify", record, request)

@@ -4,6 +4,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import ConfigDict, Field, Strict
 
+from service.schemas.motion_limit import MotionLimits
 from service.schemas.numbers import WHOLE, Coordinate, NonNegative, Positions, Real, Scale
 from service.schemas.plan import RetimeWire
 from service.schemas.problem import Failure
@@ -118,7 +119,7 @@ class OwnTrajectory(Wire):
     )
 
 
-class CertifyMotionRequest(_InScene):
+class CertifyMotionRequest(_InScene, MotionLimits):
     """Prove a trajectory of your own."""
 
     model_config = ConfigDict(json_schema_extra={"examples": [_MOTION]})

@@ -1,11 +1,12 @@
 """PlanRequest: what to plan."""
 
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, Self
 
-from pydantic import ConfigDict, Field, Strict
+from pydantic import ConfigDict, Field, Strict, model_validator
 
 from service.schemas.constraint import ConstraintWire
 from service.schemas.goal import GoalWire
+from service.schemas.motion_limit import MotionLimits
 from service.schemas.numbers import (
     WHOLE,
     Coordinate,
@@ -65,6 +66,21 @@ class IkWire(Wire):
     pose_metric: PoseMetricWire = Field(
         default_factory=PoseMetricWire,
         description="Which pose is the nearest to one that no configuration reaches",
+    )
+
+
+class RoadmapWire(Wire):
+    """A roadmap that many plans share; it is built once for a scene as a group sees it."""
+
+    states: Annotated[int, Strict(), Field(ge=1, le=20_000), WHOLE] = Field(
+        default=2_000, description="Free configurations that it has"
+    )
+    neighbours: Annotated[int, Strict(), Field(ge=1, le=100), WHOLE] = Field(
+        default=12,
+        description="With how many of the nearest others each is joined, where the way is free",
+    )
+    seed: Annotated[int, Strict(), Field(ge=0, le=2**32 - 1), WHOLE] = Field(
+        default=0, description="Of its samples; the plan's own seed does not change it"
     )
 
 
@@ -149,6 +165,11 @@ class SearchWire(Wire):
         description="Interpolate each straight part to at least this many waypoints; `num_states` "
         "is then for the free part",
     )
+    roadmap: RoadmapWire | None = Field(
+        default=None,
+        description="Look for a path in this roadmap first, and ask the planner only where it has "
+        "none; not together with `path_constraints`",
+    )
 
 
 class RefineWire(Wire):
@@ -161,7 +182,7 @@ class RefineWire(Wire):
     )
 
 
-class RetimeWire(Wire):
+class RetimeWire(MotionLimits):
     """How to time the path."""
 
     method: Literal["toppra", "ruckig"] = Field(
@@ -217,3 +238,10 @@ class PlanRequest(Wire):
     seed: Annotated[int, Strict(), Field(ge=0, le=2**32 - 1), WHOLE] = Field(
         default=0, description="Of all randomness: the same seed gives the same bytes"
     )
+
+    @model_validator(mode="after")
+    def _know_no_constraints_in_roadmaps(self) -> Self:
+        if self.search.roadmap is not None and self.path_constraints:
+            message = "search.roadmap: roadmaps know no path_constraints; ask for one of the two"
+            raise ValueError(message)
+        return self

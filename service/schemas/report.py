@@ -111,10 +111,36 @@ class RegionsReportWire(Answer):
     fallback: str = Field(description="Why it did not, or empty")
 
 
+class RoadmapReportWire(Answer):
+    """What a roadmap did; the same whether it was built for this plan or there already."""
+
+    digest: str = Field(description="sha256 of its content")
+    num_states: int = Field(description="Its configurations")
+    num_edges: int = Field(description="Free ways between them")
+    num_states_checked: int = Field(
+        description="Configurations checked for collision to build it, whenever that was"
+    )
+    used: bool = Field(description="Whether the path that was kept is one of its")
+    reason: Literal[
+        "",
+        "straight_line",
+        "start_not_joined",
+        "goal_not_joined",
+        "no_way",
+        "blocked",
+        "not_proven",
+    ] = Field(
+        description="Why not: a straight line is better, no free way leads from the start or to a "
+        "goal, none through it, its path is blocked on a closer look, or was not proven; or empty"
+    )
+
+
 class SearchReportWire(Answer):
     """What the search stage did; lengths are in joint space [rad or m]."""
 
-    planner: str = Field(description="OMPL's name; of several, whose solution was kept")
+    planner: str = Field(
+        description="OMPL's name; of several, whose solution was kept; `roadmap` for a roadmap's"
+    )
     attempts: int = Field(description="Solutions asked for")
     solved: int = Field(description="Exact solutions found")
     num_states_checked: int = Field(description="Configurations checked for collision")
@@ -140,6 +166,9 @@ class SearchReportWire(Answer):
     regions: RegionsReportWire | None = Field(
         default=None, description="What regions were good for, if the planner is GCS"
     )
+    roadmap: RoadmapReportWire | None = Field(
+        default=None, description="What a roadmap did, if one was asked for"
+    )
 
 
 class RefineReportWire(Answer):
@@ -164,15 +193,18 @@ class BindingIntervalWire(Answer):
 
     begin: float = Field(description="[s]")
     end: float = Field(description="[s]")
-    limit: str = Field(description="velocity, acceleration or jerk; empty where none is used up")
-    where: str = Field(description="The joint or block whose limit it is, or empty")
+    limit: str = Field(
+        description="velocity, acceleration, jerk, tool_speed, tool_acceleration, speed_zone or "
+        "acceleration_bounds; empty where none is used up"
+    )
+    where: str = Field(description="The joint, block, frame or zone whose limit it is, or empty")
 
 
 class SavingWire(Answer):
     """How much shorter the motion would be with one limit relaxed."""
 
-    limit: str = Field(description="velocity, acceleration or jerk")
-    where: str = Field(description="The joint or block whose limit it is")
+    limit: str = Field(description="Which, as in the intervals")
+    where: str = Field(description="The joint, block, frame or zone whose limit it is")
     seconds: float = Field(description="How much shorter [s]")
 
 
@@ -192,7 +224,7 @@ class RetimeReportWire(Answer):
     method: str = Field(description="`toppra` or `ruckig`")
     duration: float = Field(description="Of the trajectory [s]")
     slowed: float = Field(description="Factor by which the audit stretched it; 1 is not at all")
-    binding: dict[str, str] = Field(description="The coordinate nearest its bound, per limit")
+    binding: dict[str, str] = Field(description="What is nearest its bound, per limit")
     utilisation: dict[str, float] = Field(description="Peak over limit, per limit [1]")
     stops: int = Field(description="Instants of rest between start and goal")
     blend_deviation: float = Field(description="How far corners were rounded [rad or m]")

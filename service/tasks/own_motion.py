@@ -10,6 +10,7 @@ from planning import Deadline, RetimeOptions, certify_trajectory, retime_path
 from planning.errors import PlanningFailure
 from service.convert.failures import failure_wire
 from service.convert.goals import retime_value
+from service.convert.motion_limits import motion_limits
 from service.convert.own_motion import own_trajectory
 from service.convert.plans import certificate_wire
 from service.convert.trajectories import polynomial_wire, sampled_wire
@@ -72,6 +73,7 @@ def certify(payload: dict[str, Any], channel: Channel) -> dict[str, Any]:
                 method="ruckig" if request.limit_jerk else "toppra",
                 velocity_scale=request.velocity_scale,
                 acceleration_scale=request.acceleration_scale,
+                **motion_limits(request),
             ),
             start=request.start,
             goal=request.goal,

@@ -11,7 +11,9 @@ from service.convert.plans import plan_wire
 from service.convert.trajectories import polynomial_wire
 from service.schemas.plan import PlanRequest
 from service.tasks.channel import Channel
+from service.tasks.cores import own_core
 from service.tasks.regions import read_regions
+from service.tasks.roadmaps import shelf_in
 from service.tasks.stage_log import StageLog
 from service.tasks.worlds import borrow_world
 
@@ -28,14 +30,21 @@ def plan_motion(payload: dict[str, Any], channel: Channel) -> dict[str, Any]:
     log = StageLog(channel)
     log(Progress("load", 0.0))
     begun = time.monotonic()
-    with borrow_world(payload) as world:
+    with borrow_world(payload) as world, own_core(payload.get("cores")) as pool:
         loaded = time.monotonic() - begun
         allowed = request.search.allowed_planning_time
         deadline = Deadline.after(allowed, time.monotonic, channel.is_canceled)
         problem = problem_value(request)
         if "regions" in payload:
             problem = replace(problem, regions=read_regions(payload["regions"]))
-        found = plan(problem, world, deadline=deadline, on_progress=log)
+        found = plan(
+            problem,
+            world,
+            deadline=deadline,
+            on_progress=log,
+            roadmaps=None if request.search.roadmap is None else shelf_in(payload["roadmaps"]),
+            pool=pool,
+        )
     return {
         "result": plan_wire(found, request.retime.sample_period),
         "polynomial": polynomial_wire(found.trajectory),

@@ -19,6 +19,7 @@ from planning.domain.plan import MotionPlan, Progress
 from planning.domain.pose import Pose
 from planning.domain.problem import PlanningProblem
 from planning.errors import (
+    Canceled,
     DeadlineExceeded,
     GoalInCollision,
     GoalOutOfLimits,

@@ -13,7 +13,8 @@ from planning.domain.deadline import Deadline
 from planning.domain.options import RefineOptions
 from planning.domain.path import JointPath
 from planning.domain.report import RefineReport
-from planning.refine.refiner import RefineRequest, refine
+from planning.refine.refiner import refine
+from planning.refine.request import RefineRequest
 from planning.world.scene_file import parse_scene
 from planning.world.world import World, load_world
 

@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 from planning.domain.joints import Joint, JointLimits, JointType
 from planning.domain.options import RetimeOptions
 from planning.refine.basis import centres, spline_of
+from planning.refine.least_duration import least_duration
 from planning.refine.pace import Bounds, Rates, duration_of, fastest_pace, grid_of, haste_of
 from planning.refine.power_basis import joint_spline
 from planning.retime.retimer import retime
@@ -69,26 +70,35 @@ def test_the_bounds_are_kept_and_met(seed, jerk):
 @given(seed=SEEDS)
 def test_no_curve_beats_the_lower_bound_and_a_line_of_one_joint_meets_it(seed):
     rng = np.random.default_rng(seed)
-    bounds = Bounds.of(limits_of(rng, 1), jerk=False)
+    limits = limits_of(rng, 1)
     points = centres(14)[:, None] * rng.uniform(0.05, 3.0)
-    assert duration(points, bounds) == pytest.approx(
-        bounds.least_duration(points[-1] - points[0]), rel=0.02
-    )
+    least = least_duration(limits, points[-1] - points[0], jerk=False)
+    assert duration(points, Bounds.of(limits, jerk=False)) == pytest.approx(least, rel=0.02)
 
 
 @settings(max_examples=20, deadline=None)
 @given(seed=SEEDS)
 def test_no_curve_beats_the_lower_bound(seed):
     rng = np.random.default_rng(seed)
-    bounds, points = Bounds.of(limits_of(rng, 3), jerk=False), curve_of(rng, 12, 3)
+    limits, points = limits_of(rng, 3), curve_of(rng, 12, 3)
+    least = least_duration(limits, points[-1] - points[0], jerk=False)
     # The grid bounds accelerations at its points only, which gains it a little.
-    assert duration(points, bounds) > 0.98 * bounds.least_duration(points[-1] - points[0])
+    assert duration(points, Bounds.of(limits, jerk=False)) > 0.98 * least
 
 
 @pytest.mark.parametrize(("moved", "seconds"), [(0.5, 2 * np.sqrt(0.5)), (3.0, 3.0 + 1.0)])
 def test_the_lower_bound_by_hand(moved, seconds):
-    bounds = Bounds(np.ones(2), np.ones(2), None)
-    assert bounds.least_duration(np.array([0.1, -moved])) == pytest.approx(seconds)
+    ones = np.ones(2)
+    limits = JointLimits(-ones, ones, ones, ones, ones, ones, ((0,), (1,)))
+    least = least_duration(limits, np.array([0.1, -moved]), jerk=False)
+    assert least == pytest.approx(seconds)
+
+
+def test_coordinates_that_are_limited_together_share_the_bound():
+    one = np.ones(1)
+    limits = JointLimits(-np.ones(2), np.ones(2), one, one, one, one, ((0, 1),))
+    moved = np.array([3.0, 4.0])
+    assert least_duration(limits, moved, jerk=False) == pytest.approx(5.0 + 1.0)
 
 
 @given(seed=SEEDS)

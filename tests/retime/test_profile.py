@@ -65,7 +65,8 @@ def test_cells_are_passed_with_the_speeds_at_their_edges(seed: int, speeds: list
     edges = np.concatenate([[0.0], np.cumsum(rng.uniform(0.1, 1.0, count))])
     v = np.array(speeds)
     is_line = (rng.random(count) < 0.5) | (v[:-1] + v[1:] == 0)
-    lines = LineLimits(is_line, rng.choice([1.0, 1.5], count), rng.uniform(0.5, 20.0, count))
+    speed, up, down = rng.choice([1.0, 1.5], count), *rng.uniform(0.5, 20.0, (2, count))
+    lines = LineLimits(is_line, speed, up, rng.choice([up, down]))
     profile = profile_between(edges, v**2, lines)
     assert (profile.h > 0).all()
     # Places and speeds go on where the phase before ends, and edges are where phases begin.
@@ -80,20 +81,27 @@ def test_cells_are_passed_with_the_speeds_at_their_edges(seed: int, speeds: list
     on_line = is_line[owners]
     assert (np.maximum(profile.v, after)[on_line] <= lines.speed[owners][on_line] + 1e-9).all()
     needed = (np.abs(np.diff(v**2)) / (2 * np.diff(edges)))[owners]
-    allowed = np.maximum(np.where(on_line, lines.acceleration[owners], 0.0), needed)
-    assert (np.abs(profile.a) <= allowed * (1 + 1e-9)).all()
+    for sign, pushes in ((1, lines.acceleration), (-1, lines.braking)):
+        allowed = np.maximum(np.where(on_line, pushes[owners], 0.0), needed)
+        assert (sign * profile.a <= allowed * (1 + 1e-9)).all()
 
 
-@given(st.floats(0.0, 1.0), st.floats(0.0, 1.0), st.floats(0.6, 30.0), st.floats(1.0, 3.0))
+@given(
+    before=st.floats(0.0, 1.0),
+    after=st.floats(0.0, 1.0),
+    pushes=st.tuples(st.floats(0.6, 30.0), st.floats(0.6, 30.0)),
+    speed=st.floats(1.0, 3.0),
+)
 def test_a_line_between_two_speeds_takes_the_least_time(
-    before: float, after: float, push: float, speed: float
+    before: float, after: float, pushes: tuple[float, float], speed: float
 ) -> None:
-    lines = LineLimits(np.array([True]), np.array([speed]), np.array([push]))
+    up, down = pushes
+    lines = LineLimits(np.array([True]), *(np.array([x]) for x in (speed, up, down)))
     squares = np.array([before**2, after**2])
     profile = profile_between(np.array([0.0, 1.0]), squares, lines)
     # The least time is that at the greatest speed that can be reached and left again.
     s = np.linspace(0.0, 1.0, 20_001)
-    top = np.minimum(squares[0] + 2 * push * s, squares[1] + 2 * push * (1 - s))
+    top = np.minimum(squares[0] + 2 * up * s, squares[1] + 2 * down * (1 - s))
     v = np.sqrt(np.minimum(top, speed**2))
     least = float((2 * np.diff(s) / (v[1:] + v[:-1])).sum())
     assert np.isclose(profile.duration, least, rtol=1e-4)

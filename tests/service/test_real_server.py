@@ -144,8 +144,50 @@ def test_the_server_answers_while_it_plans_and_stops_plans_at_once(tmp_path):
         assert refusal.value.problem.status == 404
 
 
+def test_helpers_of_attempts_may_die_and_never_stay(tmp_path, monkeypatch):
+    monkeypatch.setenv("WAYPROOF_SEARCH_PROCESSES", "3")
+    with server(tmp_path) as (process, client):
+        running = client.submit_plan(endless(client))
+        helpers = until(lambda: helpers_of(process.pid))
+        assert len(helpers) <= 3
+        os.kill(min(helpers), signal.SIGKILL)
+        until(lambda: min(helpers) not in helpers_of(process.pid))
+        assert client.plan(running.id).state == "running"
+        begun = time.monotonic()
+        client.cancel_plan(running.id)
+        until(lambda: client.plan(running.id).state == "canceled")
+        assert time.monotonic() - begun < 2.0
+        until(lambda: not helpers_of(process.pid))
+        client.submit_plan(endless(client))
+        helpers = until(lambda: helpers_of(process.pid))
+        process.send_signal(signal.SIGKILL)
+        process.wait()
+        until(lambda: not helpers & set(living()))
+
+
+def helpers_of(pid):
+    """The processes that make attempts: below the server, its forkserver and a worker."""
+    parents = {child: parent for child, (parent, _) in living().items()}
+
+    def forebears(child):
+        while (child := parents.get(child)) is not None:
+            yield child
+
+    return {child for child in parents if list(forebears(child))[2:3] == [pid]}
+
+
 def busiest_worker(pid):
     """The descendant of a server that has used the most processor time: the one that plans."""
+    found = living()
+    below, grown = {pid}, True
+    while grown:
+        more = {child for child, (parent, _) in found.items() if parent in below} - below
+        below, grown = below | more, bool(more)
+    return max(below - {pid}, key=lambda child: found[child][1])
+
+
+def living():
+    """Parent and processor time of every process that is not a zombie."""
     found = {}
     for entry in Path("/proc").iterdir():
         if not entry.name.isdecimal():
@@ -154,9 +196,6 @@ def busiest_worker(pid):
             fields = (entry / "stat").read_text().rsplit(")", 1)[1].split()
         except OSError:
             continue
-        found[int(entry.name)] = (int(fields[1]), int(fields[11]))
-    below, grown = {pid}, True
-    while grown:
-        more = {child for child, (parent, _) in found.items() if parent in below} - below
-        below, grown = below | more, bool(more)
-    return max(below - {pid}, key=lambda child: found[child][1])
+        if fields[0] != "Z":
+            found[int(entry.name)] = (int(fields[1]), int(fields[11]))
+    return found

@@ -4,7 +4,7 @@ import dataclasses
 
 import pytest
 
-from planning.domain import certificate, report
+from planning.domain import certificate, funnel, report
 from service.schemas import report as wire
 from service.schemas import result
 
@@ -13,8 +13,8 @@ PAIRS = [
     (report.RefineReport, wire.RefineReportWire),
     (report.RetimeReport, wire.RetimeReportWire),
     (report.CertifyReport, wire.CertifyReportWire),
-    (report.Funnel, wire.FunnelWire),
-    (report.PairTally, wire.PairTallyWire),
+    (funnel.Funnel, wire.FunnelWire),
+    (funnel.PairTally, wire.PairTallyWire),
     (certificate.Certificate, result.CertificateWire),
     (certificate.Check, result.CheckWire),
 ]

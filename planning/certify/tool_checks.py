@@ -1,0 +1,104 @@
+"""Speeds and accelerations of frames, everywhere and in boxes, between samples too."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from planning.certify.frame_proof import FrameProof, Quantity, Spans
+from planning.certify.frame_states import Sighting
+from planning.certify.frame_watch import FrameWatch
+from planning.certify.request import CertifyRequest
+from planning.domain import rotation
+from planning.domain.certificate import Check
+from planning.domain.deadline import Deadline
+from planning.domain.motion_limits import SpeedZone
+from planning.world.drake_model import DrakeModel
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
+
+
+def tool_checks(model: DrakeModel, request: CertifyRequest, deadline: Deadline) -> list[Check]:
+    """Return a check for every limit of a frame and every zone; values are guaranteed bounds.
+
+    Raises:
+        DeadlineExceeded: Time ran out.
+        Canceled: Somebody asked for the end.
+        ModelInvalid: A joint of a kind that cannot be certified.
+    """
+    by_frame: dict[str, list[Quantity]] = {}
+    for limit in request.tool_limits:
+        if limit.speed is not None:
+            named = f"tool_speed {limit.frame}", limit.speed
+            by_frame.setdefault(limit.frame, []).append(_Speed(*named))
+        if limit.acceleration is not None:
+            named = f"tool_acceleration {limit.frame}", limit.acceleration
+            by_frame.setdefault(limit.frame, []).append(_Acceleration(*named))
+    for zone in request.speed_zones:
+        by_frame.setdefault(zone.frame, []).append(_zone(model, request, zone))
+    return [
+        check
+        for frame, quantities in by_frame.items()
+        for check in FrameProof(model, request, frame, quantities).run(deadline)
+    ]
+
+
+@dataclass(frozen=True)
+class _Speed:
+    name: str
+    limit: float
+    unit: str = "m/s"
+
+    def look(self, spans: Spans) -> tuple[Array, Array]:
+        seen = np.stack([_length(part.velocity) for part in (spans.begin, spans.end)])
+        return seen.max(axis=0) + spans.strays[1], seen
+
+
+@dataclass(frozen=True)
+class _Acceleration:
+    name: str
+    limit: float
+    unit: str = "m/s^2"
+
+    def look(self, spans: Spans) -> tuple[Array, Array]:
+        seen = np.stack([_length(part.acceleration) for part in (spans.begin, spans.end)])
+        return seen.max(axis=0) + spans.strays[2], seen
+
+
+@dataclass(frozen=True)
+class _SpeedInBox:
+    name: str
+    limit: float
+    R_WB: Array
+    p_wb: Array
+    half: Array
+    unit: str = "m/s"
+
+    def look(self, spans: Spans) -> tuple[Array, Array]:
+        beyond = [self._beyond(part) for part in (spans.begin, spans.end)]
+        # Along each axis of the box, on each of its two sides.
+        is_outside = (np.minimum(*beyond) > spans.strays[0][:, None]).any(axis=1)
+        speeds = np.stack([_length(part.velocity) for part in (spans.begin, spans.end)])
+        is_inside = np.stack([(away <= 0).all(axis=1) for away in beyond])
+        upper = np.where(is_outside, 0.0, speeds.max(axis=0) + spans.strays[1])
+        return upper, np.where(is_inside, speeds, 0.0)
+
+    def _beyond(self, part: Sighting) -> Array:
+        """Return how far positions are beyond each face [m], shape (n, 6)."""
+        local = (part.position - self.p_wb) @ self.R_WB
+        return np.concatenate([local - self.half, -local - self.half], axis=1)
+
+
+def _zone(model: DrakeModel, request: CertifyRequest, zone: SpeedZone) -> _SpeedInBox:
+    reference = FrameWatch(model, request, zone.box.reference)
+    return _SpeedInBox(
+        f"speed_zone {zone.name}",
+        zone.speed,
+        reference.rotation @ rotation.matrix(zone.box.pose.quaternion),
+        reference.rotation @ zone.box.pose.position + reference.origin,
+        zone.box.size / 2,
+    )
+
+
+def _length(vectors: Array) -> Array:
+    return np.linalg.norm(vectors, axis=1)

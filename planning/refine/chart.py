@@ -1,0 +1,186 @@
+"""Charts: coordinates in R^n of the configurations along a path.
+
+The optimiser's control points are coordinates. Where joints do not float, positions are their own
+coordinates, without jumps by whole turns. Else they are tangents at one configuration in the middle
+of the way, q = base [+] delta, in which |delta'| bounds every rate (`planning.domain.curve`).
+"""
+
+from dataclasses import dataclass, replace
+from typing import Any, Protocol, runtime_checkable
+
+import numpy as np
+from jaxtyping import Float64
+
+from planning.domain.curve import JointSpline
+from planning.domain.joints import JointLimits, JointType
+from planning.domain.manifold import Manifold
+from planning.domain.path import JointPath
+from planning.refine.basis import spline_of
+from planning.refine.fit import unwrapped
+from planning.refine.nearness import Near, Nearness
+from planning.refine.power_basis import joint_spline
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
+
+# Tangents longer than this are no good coordinates: at pi they jump [rad].
+_LONGEST = 2.2
+# Geodesics between waypoints are no straight lines in a chart: they are followed in such steps.
+_APART = 0.05
+
+
+@runtime_checkable
+class Chart(Protocol):
+    """Coordinates along one path.
+
+    Attributes:
+        waypoints: Of the path, no two consecutive ones the same, shape (n, nv).
+    """
+
+    @property
+    def waypoints(self) -> Array:
+        """The path's, shape (n, nv)."""
+        ...
+
+    def positions(self, deltas: Float64[np.ndarray, "m nv"]) -> Float64[np.ndarray, "m nq"]:
+        """Return the configurations at coordinates."""
+        ...
+
+    def box(self, limits: JointLimits) -> JointLimits:
+        """Return limits whose positions are coordinates."""
+        ...
+
+    def measured(self, nearness: Nearness) -> Nearness:
+        """Return a measure of coordinates, gradients included."""
+        ...
+
+    def curve(self, points: Float64[np.ndarray, "k nv"]) -> JointSpline:
+        """Return the curve with such control points."""
+        ...
+
+
+@dataclass(frozen=True)
+class FlatChart:
+    """Positions as they are."""
+
+    path: JointPath
+
+    @property
+    def waypoints(self) -> Array:
+        """The path's, without jumps by whole turns."""
+        return unwrapped(self.path)
+
+    def positions(self, deltas: Float64[np.ndarray, "m nv"]) -> Float64[np.ndarray, "m nq"]:
+        """Return the same numbers."""
+        return deltas
+
+    def box(self, limits: JointLimits) -> JointLimits:
+        """Return the same limits."""
+        return limits
+
+    def measured(self, nearness: Nearness) -> Nearness:
+        """Return the same measure: rates of positions are their derivatives."""
+        return nearness
+
+    def curve(self, points: Float64[np.ndarray, "k nv"]) -> JointSpline:
+        """Return the curve with such control points."""
+        return joint_spline(self.path.group.joints, spline_of(points))
+
+
+@dataclass(frozen=True)
+class TangentChart:
+    """Tangents at one configuration.
+
+    Attributes:
+        path: Whose neighbourhood this is.
+        base: The configuration, shape (nq,).
+        waypoints: Of the path, in small steps.
+    """
+
+    path: JointPath
+    base: Float64[np.ndarray, " nq"]
+    waypoints: Float64[np.ndarray, "n nv"]
+
+    @property
+    def reaches(self) -> bool:
+        """Whether no joint turns too far from the base for this to be a chart."""
+        turns = self.waypoints[:, _turning(self.path)].reshape(len(self.waypoints), -1, 3)
+        return bool((np.linalg.norm(turns, axis=2) <= _LONGEST).all())
+
+    def positions(self, deltas: Float64[np.ndarray, "m nv"]) -> Float64[np.ndarray, "m nq"]:
+        """Return base [+] delta."""
+        return self._manifold.plus(self.base, deltas)
+
+    def box(self, limits: JointLimits) -> JointLimits:
+        """Return limits about the base; rotations have none."""
+        group = self.path.group
+        names = group.velocity_names
+        shared = [name for name in group.position_names if name in names]
+        in_q = [group.position_names.index(name) for name in shared]
+        in_v = [names.index(name) for name in shared]
+        lower, upper = np.full(len(names), -np.inf), np.full(len(names), np.inf)
+        lower[in_v] = limits.lower[in_q] - self.base[in_q]
+        upper[in_v] = limits.upper[in_q] - self.base[in_q]
+        return replace(limits, lower=lower, upper=upper)
+
+    def measured(self, nearness: Nearness) -> Nearness:
+        """Return a measure whose gradients are with respect to delta."""
+        return _TangentNearness(nearness, self)
+
+    def rates(self, deltas: Float64[np.ndarray, "m nv"]) -> Float64[np.ndarray, "m nv nv"]:
+        """Return Drake's v for a unit rate of each coordinate, the last axis."""
+        q = self.positions(deltas)
+        units = np.eye(deltas.shape[1])
+        columns = [
+            self._manifold.generalized_velocity(q, deltas, np.broadcast_to(unit, deltas.shape))
+            for unit in units
+        ]
+        return np.stack(columns, axis=2)
+
+    def curve(self, points: Float64[np.ndarray, "k nv"]) -> JointSpline:
+        """Return the curve with such control points."""
+        flat = joint_spline(self.path.group.joints, spline_of(points))
+        coefficients = flat.coefficients.copy()
+        coefficients[:, 0] += flat.bases
+        bases = np.broadcast_to(self.base, (flat.num_pieces, len(self.base)))
+        return JointSpline(self.path.group.joints, flat.breaks, bases, coefficients)
+
+    @property
+    def _manifold(self) -> Manifold:
+        return Manifold(self.path.group.joints)
+
+
+@dataclass(frozen=True)
+class _TangentNearness:
+    inner: Nearness
+    chart: TangentChart
+
+    def within(self, qs: Float64[np.ndarray, "m nv"], reach: float) -> Near:
+        """Return the pairs with less than `reach` [m] beyond what is demanded."""
+        near = self.inner.within(self.chart.positions(qs), reach)
+        rates = self.chart.rates(qs)[near.at]
+        return Near(near.at, near.spare, np.einsum("mi,mij->mj", near.gradient, rates))
+
+
+def chart_of(path: JointPath) -> FlatChart | TangentChart:
+    """Return coordinates for a path."""
+    manifold = Manifold(path.group.joints)
+    if manifold.is_flat:
+        return FlatChart(path)
+    count = max(2, int(path.length / _APART) + 1)
+    dense = path.spline.positions(np.linspace(0.0, 1.0, count))
+    base = dense[count // 2]
+    deltas = manifold.minus(dense, base)
+    moves = np.linalg.norm(np.diff(deltas, axis=0), axis=1) > 1e-9
+    return TangentChart(path, base, deltas[np.concatenate([[True], moves])])
+
+
+def _turning(path: JointPath) -> Any:
+    """Return which coordinates of v are those of rotations in space."""
+    return np.array(
+        [
+            joint.type is JointType.FLOATING and k < 3
+            for joint in path.group.joints
+            for k in range(joint.num_velocities)
+        ],
+        dtype=bool,
+    )

@@ -1,0 +1,34 @@
+"""RefineRequest: what to refine."""
+
+from dataclasses import dataclass
+
+from planning.domain.joints import JointLimits
+from planning.domain.options import RefineOptions
+from planning.domain.path import JointPath
+from planning.domain.value import Value
+from planning.world.margins import PairMargins
+from planning.world.rules.path_rules import PathRules
+
+
+@dataclass(frozen=True, eq=False)
+class RefineRequest(Value):
+    """What to refine.
+
+    Attributes:
+        path: Free, at the search's resolution.
+        limits: Scaled as they will be for the retimer.
+        margins: Distances to keep.
+        options: Whether to refine at all.
+        jerk: Whether the retimer will bound jerk, so that it counts here too.
+        rules: Path constraints, or None. Boxes and cones count as distances do, locked joints and
+            tighter limits as limits; a path under others is left alone.
+        held: Coordinates of v that stay as they are at the start.
+    """
+
+    path: JointPath
+    limits: JointLimits
+    margins: PairMargins
+    options: RefineOptions
+    jerk: bool = False
+    rules: PathRules | None = None
+    held: tuple[int, ...] = ()

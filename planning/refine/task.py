@@ -1,0 +1,138 @@
+"""RefineTask: one path to refine, and one descent after another from guesses at it."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from planning.domain.curve import JointSpline
+from planning.domain.deadline import Deadline
+from planning.domain.joints import JointLimits
+from planning.domain.manifold import Manifold
+from planning.refine.audit import Auditor, within_limits
+from planning.refine.buffers import Buffers
+from planning.refine.chart import Chart, chart_of
+from planning.refine.curve_model import CurveModel, Look
+from planning.refine.descent import Descent
+from planning.refine.fit import fit_control_points
+from planning.refine.least_duration import least_duration
+from planning.refine.nearness import Nearness, nearness_of
+from planning.refine.pace import Bounds, Rates, duration_of, fastest_pace, grid_of
+from planning.refine.request import RefineRequest
+from planning.refine.ruled_nearness import RuledNearness
+from planning.world.world import Array, World
+
+# Iterations, not seconds, decide when to give up, so that the same request gives the same bytes.
+_MAX_STEPS = 25
+# The distance at which instants are looked at (joint-space length), and how many of them.
+_APART = 0.045
+_FEWEST, _MOST = 60, 200
+# Nothing is to be gained from a motion that is this near to the least possible duration.
+_OPTIMAL = 1.002
+
+
+@dataclass(frozen=True)
+class RefineTask:
+    """What every attempt needs.
+
+    Attributes:
+        chart: The coordinates of control points.
+        waypoints: Of the path, in these.
+        limits: The request's, as tight as its rules make them.
+        box: The same with coordinates for positions.
+        least: The duration that no motion beats [s].
+    """
+
+    request: RefineRequest
+    share: Deadline
+    chart: Chart
+    waypoints: Array
+    limits: JointLimits
+    box: JointLimits
+    bounds: Bounds
+    least: float
+    nearness: Nearness
+    auditor: Auditor
+
+    @classmethod
+    def of(cls, world: World, request: RefineRequest, share: Deadline) -> "RefineTask":
+        """Prepare."""
+        group, rules, limits = request.path.group, request.rules, request.limits
+        chart = chart_of(request.path)
+        waypoints = chart.waypoints
+        ends = world.embed(group, chart.positions(waypoints[[0, -1]]))
+        buffers = Buffers.between(world, request.margins, ends)
+        bounds = Bounds.of(limits, jerk=request.jerk)
+        nearness = chart.measured(nearness_of(world, group, buffers))
+        tight = limits if rules is None else rules.fixing(limits)
+        moved = Manifold(group.joints).minus(request.path.waypoints[-1], request.path.waypoints[0])
+        return cls(
+            request,
+            share,
+            chart,
+            waypoints,
+            tight,
+            _holding(chart.box(tight), waypoints[0], request.held),
+            bounds,
+            least_duration(limits, moved, jerk=request.jerk),
+            nearness if rules is None else RuledNearness(nearness, rules, chart.positions),
+            Auditor(world, group, buffers, rules),
+        )
+
+    def curve_of(self, seen: Look) -> JointSpline:
+        """Return a curve in the form in which it goes on."""
+        return self.chart.curve(seen.points)
+
+    def fitted(self, closeness: float) -> Array:
+        """Return the control points of a curve near the path."""
+        limits = self.box
+        guess = fit_control_points(self.waypoints, self.bounds.velocity, closeness)
+        guess[1:-1] = np.clip(guess[1:-1], limits.lower, limits.upper)
+        return guess
+
+    def duration_of(self, points: Array) -> float:
+        """Return what a curve takes [s], free or not."""
+        grid = grid_of(len(points))
+        return duration_of(grid, fastest_pace(grid, Rates.of(grid, points, self.bounds)))
+
+    def descend(self, guess: Array) -> tuple[Look | None, int, str]:
+        """Return the quickest free curve that a descent finds, or None.
+
+        And how many steps it took, and why the last curve was refused.
+        """
+        length = float(np.linalg.norm(np.diff(self.waypoints, axis=0), axis=1).sum())
+        count = int(np.clip(length / _APART, _FEWEST, _MOST))
+        instants = np.linspace(0.0, 1.0, count + 2)[1:-1]
+        model = CurveModel(self.nearness, self.box, self.bounds, len(guess), instants)
+        descent = Descent(model, guess)
+        best: Look | None = None
+        reason = "no time was left"
+        for seen in descent.run(_MAX_STEPS):
+            if best is None or seen.duration < best.duration:
+                reason, violated = self._refused(seen)
+                if not reason:
+                    best = seen
+                if len(violated):
+                    descent.keep_distance_at(violated, best)
+            if self.share.is_over or (best is not None and best.duration < _OPTIMAL * self.least):
+                break
+        return best, descent.num_steps, reason
+
+    def _refused(self, seen: Look) -> tuple[str, Array]:
+        """Return what is wrong with a curve, or "", and the instants where it is too near."""
+        curve = self.curve_of(seen)
+        violated = self.auditor.violated(curve)
+        if len(violated):
+            where = ", ".join(f"{s:.3f}" for s in violated[:5])
+            what = "is too near to something"
+            what += "" if self.request.rules is None else " or breaks a path constraint"
+            return f"the optimised curve {what} at s = {where}", violated
+        if not within_limits(curve, self.limits):
+            return "the optimised curve leaves the position limits", violated
+        return "", violated
+
+
+def _holding(box: JointLimits, q: Array, held: tuple[int, ...]) -> JointLimits:
+    """Return limits that leave some coordinates where they are."""
+    lower, upper = np.array(box.lower), np.array(box.upper)
+    lower[list(held)] = upper[list(held)] = q[list(held)]
+    return replace(box, lower=lower, upper=upper)

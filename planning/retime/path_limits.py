@@ -1,0 +1,47 @@
+"""The path limits of one group that the options of the timing ask for."""
+
+from planning.domain.joints import JointGroup
+from planning.domain.options import RetimeOptions
+from planning.retime.path_limit import PathLimit
+from planning.retime.signed_acceleration import SignedAcceleration
+from planning.retime.tool_path import ToolPath
+from planning.retime.tool_rate import ToolRate
+from planning.retime.zone_speed import ZoneSpeed
+from planning.world.tool_kinematics import ToolKinematics
+from planning.world.world import World
+
+
+def path_limits(world: World, group: JointGroup, options: RetimeOptions) -> tuple[PathLimit, ...]:
+    """Return what limits motions of a group besides its joints; zones are in world.
+
+    Raises:
+        UnknownName: A frame does not exist.
+    """
+    return (*_of_joints(group, options), *_of_frames(world, group, options))
+
+
+def _of_joints(group: JointGroup, options: RetimeOptions) -> tuple[SignedAcceleration, ...]:
+    if not options.acceleration_bounds:
+        return ()
+    columns = dict(group.blocks)
+    chosen = tuple(columns[name][0] for name in options.acceleration_bounds)
+    return (SignedAcceleration(options.acceleration_bounds, chosen),)
+
+
+def _of_frames(
+    world: World, group: JointGroup, options: RetimeOptions
+) -> tuple[ToolRate | ZoneSpeed, ...]:
+    frames = [entry.frame for entry in (*options.tool_limits, *options.speed_zones)]
+    if not frames:
+        return ()
+    paths = {
+        frame: ToolPath(ToolKinematics(world, group, frame)) for frame in dict.fromkeys(frames)
+    }
+    rates = [
+        ToolRate(limit.frame, paths[limit.frame], order, rate)
+        for limit in options.tool_limits
+        for order, rate in ((1, limit.speed), (2, limit.acceleration))
+        if rate is not None
+    ]
+    zones = [ZoneSpeed(zone, paths[zone.frame], zone.speed) for zone in options.speed_zones]
+    return (*rates, *zones)

@@ -1,0 +1,78 @@
+"""What the options of the timing must satisfy to be meant in a world."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from planning.domain.joints import JointGroup
+from planning.domain.motion_limits import SpeedZone
+from planning.domain.options import RetimeOptions
+from planning.errors import ProblemInvalid, UnknownName
+from planning.world.world import Array, World
+
+
+def admit_timing(
+    world: World, group: JointGroup, options: RetimeOptions, start: Array
+) -> RetimeOptions:
+    """Return the options with all zones in world: frames count where the start puts them.
+
+    Args:
+        world: The scene.
+        group: What moves.
+        options: As they were given.
+        start: The group's q where the motion begins, shape (nq,).
+
+    Raises:
+        UnknownName: A frame or joint does not exist.
+        ProblemInvalid: A number makes no sense, or a name comes twice.
+    """
+    _require_tool_limits(world, options)
+    _require_zones(world, options.speed_zones)
+    _require_bounds(group, options)
+    if not options.speed_zones:
+        return options
+    full = world.embed(group, start)
+    placed = tuple(_placed(world, zone, full) for zone in options.speed_zones)
+    return replace(options, speed_zones=placed)
+
+
+def _placed(world: World, zone: SpeedZone, full: Array) -> SpeedZone:
+    pose = world.frame_pose(zone.box.reference, full) @ zone.box.pose
+    return replace(zone, box=replace(zone.box, pose=pose, reference="world"))
+
+
+def _require_tool_limits(world: World, options: RetimeOptions) -> None:
+    frames = [limit.frame for limit in options.tool_limits]
+    for i, limit in enumerate(options.tool_limits):
+        field = f"retime.tool_limits.{i}"
+        world.require_frame(limit.frame)
+        rates = [rate for rate in (limit.speed, limit.acceleration) if rate is not None]
+        _demand(bool(rates), field, "a speed or an acceleration is needed")
+        _demand(all(0 < rate < np.inf for rate in rates), field, "limits must be positive")
+        _demand(frames.count(limit.frame) == 1, field, f"{limit.frame} is limited twice")
+
+
+def _require_zones(world: World, zones: tuple[SpeedZone, ...]) -> None:
+    names = [zone.name for zone in zones]
+    for i, zone in enumerate(zones):
+        field = f"retime.speed_zones.{i}"
+        world.require_frame(zone.frame)
+        world.require_frame(zone.box.reference)
+        _demand(0 < zone.speed < np.inf, field, "the speed must be positive")
+        _demand(bool((zone.box.size > 0).all()), field, "every side must be longer than 0")
+        _demand(names.count(zone.name) == 1, field, f"two zones are called {zone.name!r}")
+
+
+def _require_bounds(group: JointGroup, options: RetimeOptions) -> None:
+    known = [name for name, indices in group.blocks if len(indices) == 1]
+    for name, (lowest, highest) in options.acceleration_bounds.items():
+        if name not in known:
+            raise UnknownName.among("joint", name, known)
+        is_apart = -np.inf < lowest < 0 < highest < np.inf
+        field = f"retime.acceleration_bounds.{name}"
+        _demand(is_apart, field, "the lowest must be negative, the highest positive")
+
+
+def _demand(holds: bool, field: str, message: str) -> None:  # noqa: FBT001
+    if not holds:
+        raise ProblemInvalid(f"{field}: {message}", {"field": field})

@@ -1,0 +1,31 @@
+"""Limits on a motion besides those of its joints: from the wire to the domain."""
+
+from typing import TypedDict
+
+from planning.domain.motion_limits import AccelerationBounds, SpeedZone, ToolLimit
+from service.convert.constraints import box_value
+from service.schemas.motion_limit import MotionLimits
+
+
+class Limits(TypedDict):
+    """Fields of the domain's `RetimeOptions`."""
+
+    tool_limits: tuple[ToolLimit, ...]
+    speed_zones: tuple[SpeedZone, ...]
+    acceleration_bounds: AccelerationBounds
+
+
+def motion_limits(wire: MotionLimits) -> Limits:
+    """Return the limits as fields of the options of the timing."""
+    return Limits(
+        tool_limits=tuple(
+            ToolLimit(limit.frame, limit.speed, limit.acceleration) for limit in wire.tool_limits
+        ),
+        speed_zones=tuple(
+            SpeedZone(zone.name, zone.frame, box_value(zone.box.size, zone.box.pose), zone.speed)
+            for zone in wire.speed_zones
+        ),
+        acceleration_bounds={
+            name: (low, high) for name, (low, high) in wire.acceleration_bounds.items()
+        },
+    )

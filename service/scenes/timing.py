@@ -1,0 +1,25 @@
+"""Preflight of limits on a motion: the frames and joints that they name are the scene's."""
+
+from planning.errors import UnknownName
+from service.scenes.preflight import Group, require_frames
+from service.scenes.records import SceneRecord
+from service.schemas.motion_limit import MotionLimits
+
+
+def require_motion_limits(scene: SceneRecord, group: Group, limits: MotionLimits) -> None:
+    """Go on only if the limits name what the scene has.
+
+    Raises:
+        UnknownName: A frame or joint does not exist, or has several coordinates.
+    """
+    require_frames(scene, [limit.frame for limit in limits.tool_limits])
+    for zone in limits.speed_zones:
+        require_frames(scene, [zone.frame, zone.box.pose.frame])
+    known = [
+        f"{joint['name']}.angular" if joint["type"] == "planar" else joint["name"]
+        for joint in group["joints"]
+        if joint["type"] != "floating"
+    ]
+    for name in limits.acceleration_bounds:
+        if name not in known:
+            raise UnknownName.among("joint", name, known)

@@ -1,0 +1,163 @@
+"""Forked children: they do the work, they die with their parent, and nobody is left behind."""
+
+import os
+import subprocess
+import sys
+import threading
+import time
+from contextlib import closing
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import planning
+from planning.domain.deadline import Deadline
+from planning.domain.goal import ConfigurationGoal
+from planning.domain.options import RefineOptions, SearchOptions
+from planning.domain.problem import PlanningProblem
+from planning.errors import Canceled, NoPathFound
+from planning.fork_pool import ForkPool
+from planning.search import turns
+from planning.shared_cores import SharedCores
+from tests.conftest import bundled_world
+
+
+def children():
+    return set(Path(f"/proc/{os.getpid()}/task/{os.getpid()}/children").read_text().split())
+
+
+@pytest.fixture(autouse=True)
+def _nobody_is_left(monkeypatch):
+    # Threads that other tests left idle are no reason to fork nobody.
+    monkeypatch.setattr(threading, "active_count", lambda: 1)
+    before = children()
+    yield
+    assert children() == before
+
+
+def test_a_plan_with_a_pool_is_the_same_plan(monkeypatch):
+    monkeypatch.setattr(turns, "_WORTH_IT", 0.0)
+    problem = PlanningProblem(
+        "body",
+        ConfigurationGoal("exit"),
+        search=SearchOptions(allowed_planning_time=30.0, attempts=3),
+        refine=RefineOptions("none"),
+    )
+    world = bundled_world("maze_2d")
+    serial, parallel = (
+        planning.plan(problem, world, deadline=Deadline.after(30.0, time.monotonic), pool=pool)
+        for pool in (None, ForkPool(2))
+    )
+    assert parallel.digest == serial.digest
+    assert parallel.stages == serial.stages
+    assert parallel.timings.keys() >= {"attempt_1", "attempt_2", "attempt_3"}
+
+
+def forever(_):
+    while True:
+        threading.Event().wait(1.0)
+
+
+def test_a_cancel_ends_all_at_once():
+    began = time.monotonic()
+    deadline = Deadline.after(60.0, time.monotonic, lambda: time.monotonic() > began + 0.2)
+    with pytest.raises(Canceled), closing(ForkPool(3).each(forever, 9, deadline)) as arrivals:
+        list(arrivals)
+    assert time.monotonic() - began < 1.2
+
+
+def test_who_ignores_the_deadline_is_ended():
+    began = time.monotonic()
+    assert list(ForkPool(2).each(forever, 4, Deadline.after(0.1, time.monotonic))) == []
+    assert time.monotonic() - began < 2.0
+
+
+def test_errors_come_home_and_faults_are_left_to_the_caller():
+    def work(k):
+        if k == 1:
+            message = "nothing"
+            raise NoPathFound(message, {"k": k})
+        if k == 2:
+            return 1 / 0
+        return np.full(200_000, k)
+
+    with closing(ForkPool(2).each(work, 5, Deadline.after(20.0, time.monotonic))) as arrivals:
+        found = dict(arrivals)
+    assert found.keys() >= {0, 1, 3, 4}
+    assert 2 not in found
+    assert found[1].evidence == {"k": 1}
+    assert (found[4] == 4).all()
+
+
+def test_one_process_or_one_attempt_forks_nobody():
+    deadline = Deadline.after(9.0, time.monotonic)
+    assert list(ForkPool(1).each(forever, 9, deadline)) == []
+    assert list(ForkPool(4).each(forever, 1, deadline)) == []
+
+
+def test_a_program_of_several_threads_is_not_forked(monkeypatch):
+    monkeypatch.setattr(threading, "active_count", lambda: 2)
+    assert list(ForkPool(4).each(forever, 9, Deadline.after(9.0, time.monotonic))) == []
+
+
+ORPHANS = """
+import os, sys, time
+from planning.domain.deadline import Deadline
+from planning.fork_pool import ForkPool
+def work(k):
+    os.write(1, f"{os.getpid()}\\n".encode())
+    while True: time.sleep(1)
+list(ForkPool(2).each(work, 4, Deadline.after(60.0, time.monotonic)))
+"""
+
+
+def test_children_die_with_their_parent():
+    with subprocess.Popen([sys.executable, "-c", ORPHANS], stdout=subprocess.PIPE) as parent:
+        pids = [int(parent.stdout.readline()) for _ in range(2)]
+        parent.kill()
+    end = time.monotonic() + 5.0
+    while any(is_alive(pid) for pid in pids):
+        assert time.monotonic() < end
+        threading.Event().wait(0.01)
+
+
+def is_alive(pid):
+    try:
+        return Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()[0] != "Z"
+    except OSError:
+        return False
+
+
+def test_no_core_is_lent_twice_and_none_is_lost(tmp_path):
+    here, there = SharedCores(tmp_path, 3), SharedCores(tmp_path, 3)
+    with here.lent(2) as mine:
+        assert mine == 2
+        with there.lent(5) as theirs, here.lent(1) as none:
+            assert (theirs, none) == (1, 0)
+        with there.lent(0) as nothing:
+            assert nothing == 0
+    with there.lent(5) as all_of_them:
+        assert all_of_them == 3
+    blocked = tmp_path / "file"
+    blocked.write_text("")
+    with SharedCores(blocked, 3).lent(2) as none:
+        assert none == 0
+
+
+def test_a_core_of_a_process_that_was_killed_is_free_again(tmp_path):
+    script = f"""
+import os, time
+from pathlib import Path
+from planning.shared_cores import SharedCores
+with SharedCores(Path({str(tmp_path)!r}), 2).lent(2) as lent:
+    os.write(1, f"{{lent}}\\n".encode())
+    time.sleep(60)
+"""
+    with subprocess.Popen([sys.executable, "-c", script], stdout=subprocess.PIPE) as holder:
+        assert holder.stdout.readline() == b"2\n"
+        with SharedCores(tmp_path, 2).lent(1) as none:
+            assert none == 0
+        holder.kill()
+    with SharedCores(tmp_path, 2).lent(2) as both:
+        assert both == 2

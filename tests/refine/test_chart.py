@@ -1,0 +1,134 @@
+"""Coordinates along paths of bodies that float: where they are, how distances change, how far."""
+
+import time
+
+import numpy as np
+import pytest
+
+import planning
+from planning.domain import rotation
+from planning.domain.deadline import Deadline
+from planning.domain.goal import ConfigurationGoal, JointGoal
+from planning.domain.options import RefineOptions, SearchOptions
+from planning.domain.path import JointPath
+from planning.domain.plan import MotionPlan
+from planning.domain.problem import PlanningProblem
+from planning.kernel.native import native
+from planning.refine.buffers import Buffers
+from planning.refine.chart import FlatChart, TangentChart, chart_of
+from planning.refine.nearness import nearness_of
+from planning.refine.refiner import refine
+from planning.refine.request import RefineRequest
+from planning.world.world import World
+from tests.certify.conftest import smallest_distance
+from tests.conftest import bundled_world
+
+AXIS = np.array([0.48, 0.6, 0.64])
+
+
+def path_turning(angles: list[float]) -> JointPath:
+    """Return a path of the L in space that turns about an axis through some angles."""
+    group = bundled_world("window_3d").group("body")
+    places = np.linspace([-0.6, 0.0, 0.5], [-0.4, 0.1, 0.6], len(angles))
+    turns = rotation.exp(np.array(angles)[:, None] * AXIS)
+    return JointPath(group, np.hstack([turns, places]))
+
+
+def plan(world: World, method: str, seed: int) -> MotionPlan:
+    problem = PlanningProblem(
+        "body",
+        ConfigurationGoal("beyond"),
+        search=SearchOptions(allowed_planning_time=30.0),
+        refine=RefineOptions(method),
+        seed=seed,
+    )
+    return planning.plan(problem, world, deadline=Deadline.after(30.0, time.monotonic))
+
+
+def test_the_ends_of_a_curve_are_those_of_the_path() -> None:
+    path = path_turning([0.0, 1.0, 2.5])
+    chart = chart_of(path)
+    assert isinstance(chart, TangentChart)
+    assert chart.reaches
+    manifold = path.spline.manifold
+    placed = chart.positions(chart.waypoints)
+    assert manifold.distance(placed[[0, -1]], path.waypoints[[0, -1]]).max() < 1e-12
+    rng = np.random.default_rng(0)
+    points = rng.normal(0, 0.2, (14, 6))
+    points[0], points[-1] = chart.waypoints[[0, -1]]
+    curve = chart.curve(points)
+    ends = np.stack([curve.start, curve.end])
+    assert manifold.distance(ends, path.waypoints[[0, -1]]).max() < 1e-12
+
+
+def test_what_does_not_float_has_its_positions_as_coordinates() -> None:
+    world = bundled_world("maze_2d")
+    group = world.group("body")
+    path = JointPath(group, np.array([[0.0, 0.0, 3.0], [0.1, 0.0, -3.0]]))
+    chart = chart_of(path)
+    assert isinstance(chart, FlatChart)
+    assert chart.waypoints[:, 2] == pytest.approx([3.0, 2 * np.pi - 3.0])
+
+
+def test_gradients_are_those_of_the_coordinates() -> None:
+    if native() is None:
+        pytest.skip("there are no gradients for floating joints without the kernel")
+    world = bundled_world("window_3d")
+    path = path_turning([0.0, 0.7, 1.6])
+    chart = chart_of(path)
+    ends = world.embed(path.group, path.waypoints[[0, -1]])
+    buffers = Buffers.between(world, world.margins(), ends)
+    near = chart.measured(nearness_of(world, path.group, buffers))
+    rng = np.random.default_rng(1)
+    deltas = chart.waypoints[:: len(chart.waypoints) // 6] + rng.normal(
+        0, 0.05, chart.waypoints[:: len(chart.waypoints) // 6].shape
+    )
+    now = near.within(deltas, 2.0)
+    step = 1e-5
+    for k in range(6):
+        there = near.within(deltas + step * np.eye(6)[k], 2.0)
+        np.testing.assert_array_equal(there.at, now.at)
+        slopes = (there.spare - now.spare) / step
+        # Where the nearest points are about to change, one side says something else.
+        assert (np.abs(slopes - now.gradient[:, k]) < 1e-3).mean() > 0.9
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", [0, 2])
+def test_a_body_that_floats_flies_quicker_refined(seed: int) -> None:
+    if native() is None:
+        pytest.skip("there are no gradients for floating joints without the kernel")
+    world = bundled_world("window_3d")
+    refined, plain = plan(world, "trajopt", seed), plan(world, "none", seed)
+    assert refined.stages.refine.improved
+    assert refined.certificate.proven
+    least = refined.stages.refine.lower_bound
+    assert least < refined.trajectory.duration < 0.97 * plain.trajectory.duration
+    assert smallest_distance(world, refined.trajectory, "body", 0.004) >= -2e-6
+
+
+def test_what_the_search_kept_from_turning_does_not_turn() -> None:
+    world = bundled_world("maze_2d")
+    group = world.group("body")
+    start = world.positions(group)
+    joint = group.joints[0].name
+    problem = PlanningProblem(
+        "body",
+        JointGoal(start[None] + np.array([[-0.25, 0.3, 0.0]])),
+        search=SearchOptions(allowed_planning_time=30.0, spaces={joint: "position"}),
+    )
+    found = planning.plan(problem, world, deadline=Deadline.after(30.0, time.monotonic))
+    assert found.stages.refine.improved
+    q = found.trajectory.positions(np.linspace(0.0, found.trajectory.duration, 500))
+    assert np.abs(q[:, 2] - start[2]).max() < 1e-12
+
+
+def test_who_turns_too_far_is_left_alone() -> None:
+    world = bundled_world("window_3d")
+    path = path_turning([0.0, 1.5, 3.0, 4.5, 5.5])
+    request = RefineRequest(
+        path, world.limits(path.group), world.margins(), RefineOptions("trajopt")
+    )
+    curve, report = refine(world, request, Deadline.after(30.0, time.monotonic))
+    assert curve is None
+    assert ("too far" in report.reason) == (native() is not None)

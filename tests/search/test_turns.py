@@ -1,0 +1,121 @@
+"""Attempts side by side: the bytes of one after another, whoever dies."""
+
+import os
+import signal
+import threading
+import time
+from dataclasses import replace
+
+import pytest
+
+from planning.domain.deadline import Deadline
+from planning.errors import DeadlineExceeded
+from planning.fork_pool import ForkPool
+from planning.search import turns
+from planning.search.solver import search
+
+PORTFOLIO = ("RRTConnect", "PRM", "RRTConnect", "KPIECE1")
+
+
+class Watched:
+    """A pool that tells what it did, and may do something in the child before the work."""
+
+    def __init__(self, processes=3, before=lambda _: None):
+        self._pool = ForkPool(processes)
+        self._before = before
+        self.made: list[int] = []
+
+    def each(self, work, count, deadline):
+        def done(k):
+            self._before(k)
+            return work(k)
+
+        for k, outcome in self._pool.each(done, count, deadline):
+            self.made.append(k)
+            yield k, outcome
+
+
+@pytest.fixture(autouse=True)
+def _all_is_worth_it(monkeypatch):
+    # Threads that other tests left idle are no reason to fork nobody.
+    monkeypatch.setattr(threading, "active_count", lambda: 1)
+    monkeypatch.setattr(turns, "_WORTH_IT", 0.0)
+
+
+@pytest.mark.parametrize(
+    ("seed", "options"),
+    [
+        (0, {"attempts": 5}),
+        (3, {"attempts": 4, "objective": "duration"}),
+        (1, {"planner": PORTFOLIO}),
+        (3, {"planner": PORTFOLIO, "attempts": 6, "keep_graph": True}),
+    ],
+)
+def test_side_by_side_is_one_after_another(plane, wall, soon, crossing, seed, options):
+    task, pool = crossing(seed, **options), Watched()
+    serial = search(*plane, wall, task, soon)
+    parallel = search(*plane, wall, replace(task, pool=pool), soon)
+    assert sorted(pool.made) == list(range(task.options.num_attempts - 1))
+    assert parallel.path.waypoints.tobytes() == serial.path.waypoints.tobytes()
+    assert parallel == serial
+
+
+def test_rounds_of_those_that_fail_are_the_same(plane, make_oracle, soon, crossing, monkeypatch):
+    """Where nobody gets through at first all begin anew with more, side by side or not."""
+    from planning.search import race
+
+    monkeypatch.setattr(race, "_FIRST_STATES", 300)
+    oracle = make_oracle(lambda qs: ~((abs(qs[:, 0]) < 0.1) & (qs[:, 1] < 0.95)))
+    task = crossing(planner=("RRT", "PRM", "RRT"), seed=1)
+    pool = Watched()
+    parallel = search(*plane, oracle, replace(task, pool=pool), soon)
+    assert len(pool.made) > 2
+    assert parallel == search(*plane, oracle, task, soon)
+
+
+def test_better_paths_are_told_in_the_same_order(plane, wall, soon, crossing):
+    def told(pool):
+        reports = []
+        search(
+            *plane, wall, replace(crossing(2, attempts=6), on_best=reports.append, pool=pool), soon
+        )
+        return reports
+
+    assert told(Watched()) == told(None) != []
+
+
+@pytest.mark.parametrize("victims", [{0}, {1, 2}, {0, 1, 2, 3}])
+def test_whoever_is_killed_the_answer_is_the_same(plane, wall, soon, crossing, victims):
+    task = crossing(2, attempts=5)
+    pool = Watched(before=lambda k: k in victims and os.kill(os.getpid(), signal.SIGKILL))
+    killed = search(*plane, wall, replace(task, pool=pool), soon)
+    assert not victims & set(pool.made)
+    assert killed == search(*plane, wall, task, soon)
+
+
+def test_a_cancel_leaves_the_best_of_what_has_ended(plane, wall, crossing):
+    told = []
+    task = crossing(2, attempts=50, on_cancel="best")
+    deadline = Deadline.after(30.0, time.perf_counter, lambda: bool(told))
+    found = search(*plane, wall, replace(task, on_best=told.append, pool=Watched()), deadline)
+    assert found.report.was_canceled
+    assert 1 <= found.report.solved < 50
+
+
+def test_all_who_run_out_of_time_say_so_as_one_alone_would(plane, closed, crossing):
+    with pytest.raises(DeadlineExceeded) as caught:
+        search(
+            *plane,
+            closed,
+            replace(crossing(attempts=4, solve_time=0.2), pool=Watched()),
+            Deadline.after(0.5, time.perf_counter),
+        )
+    assert caught.value.evidence["attempts"] >= 2
+
+
+def test_what_takes_no_time_is_not_handed_out(plane, wall, soon, crossing, monkeypatch):
+    monkeypatch.setattr(turns, "_WORTH_IT", 1e9)
+    pool = Watched()
+    found = search(*plane, wall, replace(crossing(2, attempts=3), pool=pool), soon)
+    assert found.report.attempts == 3
+    assert not pool.made

@@ -1,0 +1,100 @@
+"""Limits of frames, zones and signed accelerations over HTTP."""
+
+import pytest
+
+LIMITS = {
+    "tool_limits": [{"frame": "arm::tcp", "speed": 0.2, "acceleration": 1.0}],
+    "speed_zones": [
+        {
+            "name": "above",
+            "frame": "arm::tcp",
+            "box": {"size": [1, 1, 1], "pose": {"position": [0, 0, 0], "frame": "above"}},
+            "speed": 0.1,
+        }
+    ],
+    "acceleration_bounds": {"arm::elbow_joint": [-0.5, 1.5]},
+}
+CHECKS = ["tool_speed arm::tcp", "tool_acceleration arm::tcp", "speed_zone above"]
+
+
+def ask(client, scene, retime):
+    body = {
+        "scene": scene,
+        "group": "arm",
+        "goal": {"type": "configuration", "name": "ready"},
+        "retime": retime,
+        "search": {"allowed_planning_time": 20.0},
+    }
+    return client.post("/v1/plans?wait=40", json=body)
+
+
+def named(certificate):
+    return {check["name"]: check for check in certificate["checks"]}
+
+
+def test_a_plan_has_a_check_for_each(client, scene):
+    job = ask(client, scene, {**LIMITS, "explain": True}).json()
+    assert job["state"] == "succeeded", job["failure"]
+    checks = named(job["result"]["certificate"])
+    assert all(checks[name]["passed"] for name in CHECKS)
+    assert checks["tool_speed arm::tcp"]["value"] <= checks["tool_speed arm::tcp"]["bound"] == 0.2
+    retime = job["result"]["stages"]["retime"]
+    assert retime["binding"]["tool_speed"] == "arm::tcp"
+    assert {"speed_zone", "tool_speed", "acceleration_bounds"} & {
+        interval["limit"] for interval in retime["explanation"]["intervals"]
+    }
+
+
+def test_own_paths_are_timed_and_own_trajectories_held_against_them(client, scene):
+    body = {
+        "scene": scene,
+        "group": "arm",
+        "waypoints": [[0, -1.57, 1.57, -1.57, -1.57, 0], [0.5, -1.4, 1.4, -1.57, -1.57, 0]],
+        "retime": LIMITS,
+        "polynomial": True,
+    }
+    made = client.post("/v1/trajectories/retime", json=body).json()
+    assert made["certificate"]["proven"], made["failure"]
+    assert all(named(made["certificate"])[name]["passed"] for name in CHECKS)
+    question = {"scene": scene, "group": "arm", "trajectory": made["trajectory"]}
+    again = client.post("/v1/trajectories/certify", json={**question, **LIMITS}).json()
+    assert again["certificate"]["proven"], again["certificate"]["checks"]
+    tighter = {"tool_limits": [{"frame": "arm::tcp", "speed": 0.05}]}
+    refused = client.post("/v1/trajectories/certify", json={**question, **tighter}).json()
+    assert not refused["certificate"]["proven"]
+    assert not named(refused["certificate"])["tool_speed arm::tcp"]["passed"]
+
+
+@pytest.mark.parametrize(
+    ("limits", "status", "words"),
+    [
+        ({"tool_limits": [{"frame": "arm::tpc", "speed": 1}]}, 409, "arm::tcp"),
+        ({"tool_limits": [{"frame": "arm::tcp"}]}, 422, "speed"),
+        ({"tool_limits": [{"frame": "arm::tcp", "speed": 0}]}, 422, "speed"),
+        ({"tool_limits": LIMITS["tool_limits"] * 2}, 422, "twice"),
+        ({"speed_zones": LIMITS["speed_zones"] * 2}, 422, "twice"),
+        ({"speed_zones": [{**LIMITS["speed_zones"][0], "frame": "hand"}]}, 409, "hand"),
+        ({"acceleration_bounds": {"arm::elbow": [-1, 1]}}, 409, "arm::elbow_joint"),
+        ({"acceleration_bounds": {"arm::elbow_joint": [0, 1]}}, 422, "below 0"),
+    ],
+)
+def test_what_cannot_be_meant_is_refused_everywhere(client, scene, limits, status, words):
+    both = [0] * 6
+    path = {"scene": scene, "group": "arm"}
+    answers = [
+        ask(client, scene, limits),
+        client.post(
+            "/v1/trajectories/retime", json={**path, "waypoints": [both, both], "retime": limits}
+        ),
+        client.post(
+            "/v1/trajectories/certify",
+            json={
+                **path,
+                "trajectory": {"times": [0, 1], "positions": [both, both]},
+                **limits,
+            },
+        ),
+    ]
+    for answer in answers:
+        assert answer.status_code == status, answer.text
+        assert words in answer.text
