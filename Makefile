@@ -6,7 +6,7 @@ STAMP := $(VENV)/.ready
 UV_VERSION := 0.13.8
 
 .PHONY: demo test check format lint imports types fast slow drake-only sanitize setup lock bench \
-        bench-kernel bench-mbm bench-retime bench-seeds pictures serve clean
+        bench-kernel bench-mbm bench-regions bench-retime bench-seeds pictures serve clean
 
 setup: $(STAMP)
 
@@ -85,6 +85,9 @@ bench-mbm: setup
 
 bench-retime: setup
 	@$(PYTHON) -W ignore benchmarks/retime.py
+
+bench-regions: setup
+	@$(PYTHON) benchmarks/regions.py
 
 bench-seeds: setup
 	@$(PYTHON) benchmarks/seeds.py

@@ -46,10 +46,12 @@ if TYPE_CHECKING:
     )
     from planning.domain.payload import Payload
     from planning.domain.plan import MotionPlan, Progress
+    from planning.domain.planner_card import PlannerCard
     from planning.domain.pool import AttemptPool
     from planning.domain.pose import Pose
     from planning.domain.problem import PlanningProblem
     from planning.domain.quality import ConfigurationQuality
+    from planning.domain.regions import RegionOptions, Regions
     from planning.domain.roadmap import Roadmap
     from planning.domain.scene import Scene
     from planning.domain.scene_operation import (
@@ -64,16 +66,17 @@ if TYPE_CHECKING:
     )
     from planning.domain.steering import Steering
     from planning.fork_pool import ForkPool
+    from planning.growing import grow_regions
     from planning.ik import assess_configurations, solve_ik
     from planning.kernel.native import kernel_name
     from planning.line import Displacement, Fineness, trace_line
     from planning.own_path import RetimedPath, retime_path
     from planning.own_trajectory import certify_trajectory
     from planning.pipeline import plan
+    from planning.planners import list_planners
     from planning.reverse import reverse_plan
     from planning.roadmap_shelf import RoadmapShelf, RoadmapStore
     from planning.roadmaps import build_roadmap
-    from planning.search.planners import PlannerCard, list_planners
     from planning.series import MotionSeries, motion_series
     from planning.shared_cores import SharedCores
     from planning.splice import ProvenMotion, splice_motion, stop_motion
@@ -120,7 +123,7 @@ _DOORS = {
     "PathPredicate": "planning.domain.constraint",
     "Payload": "planning.domain.payload",
     "PlacedBox": "planning.domain.constraint",
-    "PlannerCard": "planning.search.planners",
+    "PlannerCard": "planning.domain.planner_card",
     "PlanningProblem": "planning.domain.problem",
     "Pose": "planning.domain.pose",
     "PoseGoal": "planning.domain.goal",
@@ -131,6 +134,8 @@ _DOORS = {
     "ProvenMotion": "planning.splice",
     "RefineOptions": "planning.domain.options",
     "RegionGoal": "planning.domain.goal",
+    "RegionOptions": "planning.domain.regions",
+    "Regions": "planning.domain.regions",
     "RelativeGoal": "planning.domain.goal",
     "RemoveObject": "planning.domain.scene_operation",
     "RetimeOptions": "planning.domain.options",
@@ -161,9 +166,10 @@ _DOORS = {
     "forward_kinematics": "planning.world.kinematics",
     "funnel_evidence": "planning.domain.funnel",
     "funnel_summary": "planning.domain.funnel",
+    "grow_regions": "planning.growing",
     "kernel_name": "planning.kernel.native",
     "list_models": "planning.world.catalogue",
-    "list_planners": "planning.search.planners",
+    "list_planners": "planning.planners",
     "load_world": "planning.world.world",
     "motion_series": "planning.series",
     "parse_scene": "planning.world.scene_file",
@@ -223,6 +229,8 @@ __all__ = [
     "ProvenMotion",
     "RefineOptions",
     "RegionGoal",
+    "RegionOptions",
+    "Regions",
     "RelativeGoal",
     "RemoveObject",
     "RetimeOptions",
@@ -253,6 +261,7 @@ __all__ = [
     "forward_kinematics",
     "funnel_evidence",
     "funnel_summary",
+    "grow_regions",
     "kernel_name",
     "list_models",
     "list_planners",

@@ -25,6 +25,7 @@ from planning.errors import ProblemInvalid
 from planning.goals.line_goal import follow_lines
 from planning.goals.sampler import GoalQuery, find_goals
 from planning.goals.start import admit_start
+from planning.guided import require_regions
 from planning.parts import at_end_of, tool_of
 from planning.plan_task import PlanTask
 from planning.proving import prove_lines, prove_search
@@ -79,6 +80,7 @@ def plan(
     if problem.search.allowed_planning_time <= 0:
         message = "search.allowed_planning_time must be positive"
         raise ProblemInvalid(message, {"field": "search.allowed_planning_time"})
+    require_regions(problem, world, group)
     on_progress(Progress("goals", 0.02, "looking for goal configurations"))
     with watch.stage("goals"):
         start, clipped = admit_start(world, group, given, margins)

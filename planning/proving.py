@@ -15,6 +15,7 @@ from planning.domain.plan import Progress
 from planning.domain.planner_graph import PlannerGraph
 from planning.domain.report import CertifyReport, RefineReport, SearchReport
 from planning.errors import Canceled, DeadlineExceeded, NoPathFound
+from planning.guided import guide_of
 from planning.paddings import endpoint_padding
 from planning.parts import (
     NOT_REFINED,
@@ -177,15 +178,17 @@ def _search_padded(task: PlanTask, round_: int, padding: float, deadline: Deadli
     oracle = task.world.collision_oracle(task.group, margins)
     entries = task.goals.entries
     rows = np.flatnonzero(oracle.are_free(entries))
+    guide = guide_of(task, round_)
     request = SearchTask(
         start=task.start,
         goals=entries[rows],
-        options=task.problem.search,
+        options=task.problem.search if guide is None else guide.options,
         resolution=task.problem.search.resolution / 2**round_,
         padding=padding,
         seed=task.problem.seed + round_,
         clearances=clearances(task.world, task.group),
         on_best=task.tell_best,
+        guide=guide,
         pool=task.pool,
         roadmap=task.roadmap if round_ < _ROADMAP_ROUNDS else None,
     )
@@ -196,7 +199,9 @@ def _search_padded(task: PlanTask, round_: int, padding: float, deadline: Deadli
     if task.roadmap is not None and request.roadmap is None:
         refused = report_of(task.roadmap, "not_proven")
         found = replace(found, report=replace(found.report, roadmap=refused))
-    return replace(found, path=found.path.continuous, goal_row=int(rows[found.goal_row]))
+    report = found.report if guide is None else guide.told(found.report)
+    goal_row = int(rows[found.goal_row])
+    return replace(found, path=found.path.continuous, goal_row=goal_row, report=report)
 
 
 def _certify(task: PlanTask, motion: Motion) -> tuple[Certificate, CertifyReport]:

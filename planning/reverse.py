@@ -20,6 +20,7 @@ from planning.domain.problem import PlanningProblem
 from planning.domain.report import GoalConfigurations, RefineReport, RetimeReport
 from planning.parts import no_search, tool_of
 from planning.stopwatch import Stopwatch
+from planning.timing import admit_timing
 from planning.world.world import World
 
 _KINDS = {"approach": "retreat", "retreat": "approach"}
@@ -65,7 +66,7 @@ def reverse_plan(
         )
         for part in reversed(parts)
     )
-    options = problem.retime
+    options = admit_timing(world, group, problem.retime, back.start)
     request = CertifyRequest(
         group=group,
         trajectory=back,
@@ -77,6 +78,11 @@ def reverse_plan(
         jerk=options.method == "ruckig",
         constraints=problem.constraints,
         lines=_lines(world, group, problem, back, turned),
+        effort=options.effort,
+        payload=options.payload,
+        tool_limits=options.tool_limits,
+        speed_zones=options.speed_zones,
+        acceleration_bounds=options.acceleration_bounds,
         options=problem.certify,
     )
     with watch.stage("certify"):

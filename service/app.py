@@ -17,6 +17,7 @@ from service.routes import (
     planners,
     plans,
     queries,
+    regions,
     scenes,
     trajectories,
 )
@@ -29,6 +30,7 @@ _DESCRIPTION = (
 _ROUTES = (
     scenes,
     queries,
+    regions,
     models,
     planners,
     plans,

@@ -6,7 +6,7 @@ from fastapi import Depends, Request
 
 from service.desk import Desk
 from service.jobs.records import Job
-from service.routes.answers import ExecutionId, PlanId
+from service.routes.answers import ExecutionId, PlanId, RegionsId
 from service.scenes.shelf import SceneShelf
 from service.settings import Settings
 
@@ -39,5 +39,10 @@ async def _execution_job(execution: ExecutionId, desk: DeskDep) -> Job:
     return await desk.job("execution", execution)
 
 
+async def _regions_job(regions: RegionsId, desk: DeskDep) -> Job:
+    return await desk.job("regions", regions)
+
+
 type PlanJob = Annotated[Job, Depends(_plan_job)]
 type ExecutionJob = Annotated[Job, Depends(_execution_job)]
+type RegionsJobDep = Annotated[Job, Depends(_regions_job)]

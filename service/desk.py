@@ -6,6 +6,7 @@ import json
 import secrets
 from collections.abc import AsyncIterator, Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 from anyio import to_thread
@@ -20,10 +21,10 @@ from service.scenes.records import SceneRecord
 from service.scenes.shelf import SceneShelf
 from service.settings import Settings
 
-LANES = ("plan", "query", "execution")
-_PREFIXES = {"plan": "pln", "execution": "exe"}
+LANES = ("plan", "query", "execution", "regions")
+_PREFIXES = {"plan": "pln", "execution": "exe", "regions": "reg"}
 # A robot that has moved is not where a second attempt would begin.
-_ATTEMPTS = {"plan": 2, "execution": 1}
+_ATTEMPTS = {"plan": 2, "execution": 1, "regions": 2}
 _CHUNK = 20
 
 
@@ -122,22 +123,26 @@ class Desk:
         *,
         state: str | None = None,
         scene: str | None = None,
+        warm_key: str | None = None,
     ) -> JobPage:
         """Return jobs of a lane, newest first, from a cursor on."""
         before = None if cursor is None else int(cursor)
 
         def read() -> list[Job]:
-            return self._store.page(lane, state=state, scene=scene, before=before, limit=limit + 1)
+            wanted = {"state": state, "scene": scene, "warm_key": warm_key}
+            return self._store.page(lane, wanted, before=before, limit=limit + 1)
 
         found = await to_thread.run_sync(read)
         following = str(found[limit - 1].serial) if len(found) > limit else None
         return JobPage(found[:limit], following)
 
-    async def newest(self, lane: str, scene: str) -> AsyncIterator[Job]:
-        """Yield the jobs of a lane in a scene, newest first."""
+    async def newest(
+        self, lane: str, *, scene: str | None = None, warm_key: str | None = None
+    ) -> AsyncIterator[Job]:
+        """Yield the jobs of a lane in a scene, or with a scene's content, newest first."""
         cursor: str | None = None
         while True:
-            page = await self.page(lane, _CHUNK, cursor, scene=scene)
+            page = await self.page(lane, _CHUNK, cursor, scene=scene, warm_key=warm_key)
             for job in page.jobs:
                 yield job
             if (cursor := page.following) is None:
@@ -170,6 +175,11 @@ class Desk:
         for (lane, state), number in found.items():
             counts[state][lane] = number
         return counts
+
+    @property
+    def regions_folder(self) -> Path:
+        """Where slots read regions; the files are a copy of what the database has."""
+        return self._settings.data_dir.resolve() / "regions"
 
     @property
     def roadmaps(self) -> str:

@@ -21,6 +21,7 @@ _PRELOAD = (
     "service.tasks.plan",
     "service.tasks.planners",
     "service.tasks.queries",
+    "service.tasks.regions",
     "service.tasks.scenes",
     "service.tasks.trajectories",
 )
@@ -53,7 +54,7 @@ async def open_desk(settings: Settings) -> AsyncGenerator[tuple[Desk, SceneShelf
 
 
 # How long a canceled job may take to end by itself [s]: a robot comes to rest on its path first.
-_CANCEL_GRACE = {"plan": 0.25, "query": 0.25, "execution": 5.0}
+_CANCEL_GRACE = {"plan": 0.25, "query": 0.25, "execution": 5.0, "regions": 0.25}
 
 
 def _lane(settings: Settings, name: str) -> Lane:

@@ -63,6 +63,13 @@ class NotFinished(Refusal):
     status = 409
 
 
+class NoRegions(Refusal):
+    """No regions fit the plan; evidence: `digest`, `group`, `margin`, and what is `there`."""
+
+    code = "no_regions"
+    status = 409
+
+
 class StartMismatch(Refusal):
     """The plan does not start where the robot is; evidence: `start`, `positions`, `distance`."""
 

@@ -43,6 +43,7 @@ class Settings(BaseSettings):
         "leave idle makes the attempts of one plan side by side; 1 for one after another",
     )
     query_slots: int = Field(default=1, ge=1, le=64)
+    regions_slots: int = Field(default=1, ge=1, le=64)
     execution_slots: int = Field(default=2, ge=1, le=64)
     max_queued: int = Field(default=1000, ge=1, description="Jobs that may wait, per lane")
     model_roots: tuple[Path, ...] = Field(default=(), description="More folders of robots")

@@ -63,7 +63,8 @@ class SearchOptions(Value):
     """How to search for a path.
 
     Attributes:
-        planner: OMPL's name of the planner, or several names: they take turns.
+        planner: OMPL's name of the planner, or several names: they take turns. "GCS" plans inside
+            the problem's regions, and where it cannot the others do, by default RRTConnect.
         parameters: OMPL's names and values of the planner's parameters; of several planners, each
             takes those that it has.
         attempts: How many solutions to look for; the best by the objective is kept. Of several

@@ -14,6 +14,7 @@ from planning.domain.options import (
     RetimeOptions,
     SearchOptions,
 )
+from planning.domain.regions import Regions
 from planning.domain.value import Value
 
 
@@ -33,6 +34,7 @@ class PlanningProblem(Value):
         seed: Of all randomness.
         constraints: What the motion shall keep on its whole way, all of them.
         certify: What to find out about the motion once it is proven.
+        regions: Where the planner "GCS" looks for a path; the others do not.
     """
 
     group: str
@@ -46,3 +48,4 @@ class PlanningProblem(Value):
     seed: int = 0
     constraints: tuple[PathConstraint, ...] = ()
     certify: CertifyOptions = field(default_factory=CertifyOptions)
+    regions: Regions | None = None

@@ -117,6 +117,25 @@ class AttemptReport(Value):
 
 
 @dataclass(frozen=True, eq=False)
+class RegionsReport(Value):
+    """What regions were good for in a search.
+
+    Attributes:
+        digest: Of the regions: the same ones and the same request give the same motion.
+        num_regions: How many there are.
+        considered: Rows of those that the path was looked for in.
+        is_inside: Whether the path that was kept came from them.
+        fallback: Why it did not, or "".
+    """
+
+    digest: str
+    num_regions: int
+    considered: tuple[int, ...]
+    is_inside: bool
+    fallback: str = ""
+
+
+@dataclass(frozen=True, eq=False)
 class RoadmapReport(Value):
     """What a roadmap did for a plan; the same whether it was built for it or there already.
 
@@ -158,6 +177,7 @@ class SearchReport(Value):
         cost: Of the kept solution, by the objective.
         attempts_log: One entry per attempt, the first ones if there are very many.
         was_canceled: Whether a cancel ended the search before all attempts were made.
+        regions: What regions were good for, if the planner is "GCS".
         roadmap: What a roadmap did, if one was asked for.
     """
 
@@ -176,6 +196,7 @@ class SearchReport(Value):
     cost: float = 0.0
     attempts_log: tuple[AttemptReport, ...] = ()
     was_canceled: bool = False
+    regions: RegionsReport | None = None
     roadmap: RoadmapReport | None = None
 
 

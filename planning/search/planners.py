@@ -4,16 +4,15 @@ Which of them end how is told in `stopping` and `roadmap`.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from functools import lru_cache
-from typing import Any, Literal
+from typing import Any
 
 from ompl import base as ob
 from ompl import geometric as og
 from ompl import util as ou
 
 from planning.domain.foreign_planners import unknown_planner
-from planning.domain.value import Value
+from planning.domain.planner_card import PlannerCard, PlannerParameter
 from planning.errors import UnknownName
 from planning.search.parameters import (
     Scalar,
@@ -33,40 +32,6 @@ _RANGE = 0.5
 
 # OMPL logs to the terminal by default; what it has to say is in our reports and errors.
 ou.setLogLevel(ou.LogLevel.LOG_NONE)
-
-
-@dataclass(frozen=True, eq=False)
-class PlannerParameter(Value):
-    """A parameter of a planner.
-
-    Attributes:
-        name: OMPL's.
-        default: Its value if it is not given, as text ("range" 0: chosen for the space).
-        range: The values that it may have, for a person.
-        type: JSON's name of its type.
-        minimum: Its least value, None where it has none.
-        maximum: Its greatest value, None where it has none.
-    """
-
-    name: str
-    default: str
-    range: str
-    type: Literal["boolean", "integer", "number"]
-    minimum: float | None
-    maximum: float | None
-
-
-@dataclass(frozen=True, eq=False)
-class PlannerCard(Value):
-    """A planner that a search may name.
-
-    Attributes:
-        name: OMPL's.
-        parameters: What can be set, sorted by name.
-    """
-
-    name: str
-    parameters: tuple[PlannerParameter, ...]
 
 
 def planner_names() -> list[str]:
@@ -128,8 +93,8 @@ def _check(name: str, parameters: tuple[tuple[str, type, Scalar], ...]) -> None:
     make_planner(_nowhere(), name, {key: given for key, _, given in parameters})
 
 
-def list_planners() -> tuple[PlannerCard, ...]:
-    """Return all planners with their parameters, sorted by name."""
+def ompl_cards() -> tuple[PlannerCard, ...]:
+    """Return OMPL's planners with their parameters, sorted by name."""
     information = _nowhere()
     return tuple(_card(information, name) for name in planner_names())
 

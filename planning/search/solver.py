@@ -7,6 +7,7 @@ searched; if that finds a collision the attempt starts anew with half the resolu
 all attempts is kept (see `race`); what is best, `objective` says.
 """
 
+from contextlib import nullcontext
 from typing import Any
 
 import numpy as np
@@ -28,7 +29,7 @@ from planning.search.oracle import CollisionOracle, WatchedOracle
 from planning.search.planners import check_planners
 from planning.search.projected import ProjectedSpace
 from planning.search.race import race
-from planning.search.sound import Closeness, SoundPath, delivered, fine_checker
+from planning.search.sound import Closeness, SoundPath, delivered, fine_checker, followed
 from planning.search.spaces import SearchSpace
 from planning.search.tally import Tally
 from planning.search.task import SearchResult, SearchTask
@@ -110,7 +111,9 @@ def search(
 
 
 def _look(query: Query, closeness: Closeness, task: SearchTask, tally: Tally) -> None:
-    """Ask the roadmap if there is one, and the planners unless it knows a way."""
+    """Ask the guide and the roadmap if there are any, and the planners unless one knows a way."""
+    if _is_led(query, closeness, task, tally):
+        return
     if task.roadmap is not None:
         ask_roadmap(task.roadmap, query, closeness, tally)
     if tally.roadmap is None or not tally.roadmap.used:
@@ -191,6 +194,19 @@ def _space(group: JointGroup, limits: JointLimits, task: SearchTask, weights: Ar
         )
         raise ProblemInvalid(message, {"field": "search.weights"})
     return ProjectedSpace(group, limits, anchors, task.residual)
+
+
+def _is_led(query: Query, closeness: Closeness, task: SearchTask, tally: Tally) -> bool:
+    """Whether the task's guide knows a path that is free; the tally has it then."""
+    with query.watch.note("guide") if task.guide else nullcontext():
+        found = None if task.guide is None else task.guide.lead(query.goals)
+    if task.guide is None or found is None:
+        return False
+    before = query.oracle.num_states
+    trial = followed(query, closeness, *found)
+    tally.num_attempts += 1
+    tally.note(task.guide.name, trial, query.oracle.num_states - before)
+    return trial.path is not None
 
 
 def _is_detour(direct: SoundPath, query: Query) -> bool:

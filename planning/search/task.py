@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 from jaxtyping import Float64
@@ -21,6 +21,23 @@ type Clearances = Callable[
 ]
 
 
+@runtime_checkable
+class Guide(Protocol):
+    """Somebody who may know a path.
+
+    Attributes:
+        name: Stands for the planner's in reports.
+    """
+
+    name: str
+
+    def lead(
+        self, goals: Float64[np.ndarray, "n nq"]
+    ) -> tuple[Float64[np.ndarray, "m nq"], int] | None:
+        """Return a path from the start to one of the goals, and the goal's row, if there is one."""
+        ...
+
+
 @dataclass(frozen=True, eq=False)
 class SearchTask(Value):
     """What the stage is asked.
@@ -37,6 +54,7 @@ class SearchTask(Value):
         clearances: Returns for rows of q the distances to what is not the robot [m]; for the
             objective "clearance".
         on_best: Told of every path that is the best so far.
+        guide: Asked for a path before the planner is, if there is no straight line.
         roadmap: Where a way is looked for before any planner is asked, or None.
         pool: Makes attempts at once, or None.
     """
@@ -50,6 +68,7 @@ class SearchTask(Value):
     residual: Residual | None = None
     clearances: Clearances | None = None
     on_best: Callable[[AttemptReport], None] | None = None
+    guide: Guide | None = None
     roadmap: Roadmap | None = None
     pool: AttemptPool | None = None
 

@@ -10,4 +10,4 @@ if TYPE_CHECKING:
 def planner_wire(card: "PlannerCard") -> dict[str, Any]:
     """Return a planner for the wire."""
     parameters = [dataclasses.asdict(parameter) for parameter in card.parameters]
-    return {"name": card.name, "parameters": parameters}
+    return {"name": card.name, "needs_regions": card.needs_regions, "parameters": parameters}

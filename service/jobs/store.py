@@ -6,7 +6,7 @@ is decided on what another has changed meanwhile; the statements are the same on
 
 import secrets
 import threading
-from collections.abc import Generator, Sequence
+from collections.abc import Generator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import Any
 
@@ -123,16 +123,21 @@ class JobStore:
     def page(
         self,
         lane: str,
+        wanted: Mapping[str, str | None] | None = None,
         *,
-        state: str | None = None,
-        scene: str | None = None,
         before: int | None = None,
         limit: int = 50,
     ) -> list[Job]:
-        """Return jobs of a lane, newest first, with a serial below `before`."""
+        """Return jobs of a lane, newest first, with a serial below `before`.
+
+        Args:
+            lane: Of the jobs.
+            wanted: What columns of theirs hold, by name; None for whatever.
+            before: A serial.
+            limit: At most so many.
+        """
         with self._engine.connect() as connection:
-            wanted = {"lane": lane, "state": state, "scene": scene}
-            return reading.page(connection, wanted, before, limit)
+            return reading.page(connection, {"lane": lane, **(wanted or {})}, before, limit)
 
     def unfinished(self) -> list[Job]:
         """Return every job that is queued or running, oldest first."""

@@ -8,6 +8,7 @@ from planning.domain.steering import Steering
 from planning.errors import UnknownName
 from service.desk import Desk, spec_of
 from service.jobs.records import Job
+from service.regions.choice import regions_payload
 from service.scenes.preflight import (
     Group,
     require_constraints,
@@ -44,6 +45,7 @@ async def submit_plan(request: PlanRequest, key: str | None, scenes: SceneShelf,
         ProblemInvalid: A base cannot drive as is asked, or a planner cannot search for that.
         WrongCount: A list of positions does not fit the group.
         IdempotencyConflict: The key was used for another request.
+        NoRegions: The planner GCS is asked for, and no regions fit.
         QueueFull: The queue is full.
     """
     record = await scenes.get(request.scene, request.revision)
@@ -61,6 +63,7 @@ async def submit_plan(request: PlanRequest, key: str | None, scenes: SceneShelf,
         **await desk.scene_payload(record),
         "request": request.model_dump(mode="json"),
         "revision": record.revision,
+        **await regions_payload(request, record, desk),
         "roadmaps": desk.roadmaps,
         "cores": desk.cores,
     }

@@ -41,6 +41,7 @@ type Revision = Annotated[
 ]
 type PlanId = Annotated[str, Path(max_length=128, description="Id of a plan")]
 type ExecutionId = Annotated[str, Path(max_length=128, description="Id of an execution")]
+type RegionsId = Annotated[str, Path(max_length=128, description="Id of regions")]
 type LastEventId = Annotated[
     str | None,
     Header(

@@ -101,7 +101,12 @@ class SearchWire(Wire):
 
     planner: Name | Annotated[list[Name], Field(min_length=1, max_length=16)] = Field(
         default="RRTConnect",
-        description="OMPL's name, see GET /v1/planners; or several, which take turns",
+        description="OMPL's name, see GET /v1/planners; or several, which take turns. `GCS` plans "
+        "inside regions, and where it cannot the others do, by default RRTConnect",
+    )
+    regions: Identifier | None = Field(
+        default=None,
+        description="Id of the regions that GCS plans in; null for the newest that fit",
     )
     parameters: dict[Name, ParameterValue] = Field(
         default={},

@@ -23,7 +23,10 @@ class PlannerWire(Answer):
 
     model_config = ConfigDict(title="Planner")
 
-    name: str = Field(description="OMPL's name")
+    name: str = Field(description="OMPL's name, or `GCS`")
+    needs_regions: bool = Field(
+        description="Whether it plans inside regions, see POST /v1/scenes/{id}/regions"
+    )
     parameters: list[ParameterWire] = Field(description="What can be set")
 
 

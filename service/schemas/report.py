@@ -101,6 +101,16 @@ class AttemptReportWire(Answer):
     num_states_checked: int = Field(description="Configurations checked for collision")
 
 
+class RegionsReportWire(Answer):
+    """What regions were good for in a search."""
+
+    digest: str = Field(description="Of the regions: with the same ones the plan is repeatable")
+    num_regions: int = Field(description="How many there are")
+    considered: list[int] = Field(description="Places of those that the path was looked for in")
+    is_inside: bool = Field(description="Whether the path came from them")
+    fallback: str = Field(description="Why it did not, or empty")
+
+
 class RoadmapReportWire(Answer):
     """What a roadmap did; the same whether it was built for this plan or there already."""
 
@@ -153,6 +163,9 @@ class SearchReportWire(Answer):
         default=[], description="One entry per attempt, the first hundred"
     )
     was_canceled: bool = Field(default=False, description="Whether a cancel ended the search early")
+    regions: RegionsReportWire | None = Field(
+        default=None, description="What regions were good for, if the planner is GCS"
+    )
     roadmap: RoadmapReportWire | None = Field(
         default=None, description="What a roadmap did, if one was asked for"
     )

@@ -1,6 +1,7 @@
 """Planning, as a job."""
 
 import time
+from dataclasses import replace
 from typing import Any
 
 from planning import Deadline, plan
@@ -11,38 +12,10 @@ from service.convert.trajectories import polynomial_wire
 from service.schemas.plan import PlanRequest
 from service.tasks.channel import Channel
 from service.tasks.cores import own_core
+from service.tasks.regions import read_regions
 from service.tasks.roadmaps import shelf_in
+from service.tasks.stage_log import StageLog
 from service.tasks.worlds import borrow_world
-
-# Events are for people and progress bars: twenty a second are enough.
-_EVENT_PERIOD = 0.05
-
-
-class StageLog:
-    """Tells the server which stage a plan is in; drops events that come too thick."""
-
-    def __init__(self, channel: Channel) -> None:
-        """Speak through `channel`."""
-        self._channel = channel
-        self._stage = ""
-        self._last = 0.0
-
-    def __call__(self, progress: Progress) -> None:
-        """Emit `stage` when it changes, else `progress` now and then."""
-        if progress.best_length is not None:
-            self._tell_best(progress)
-            return
-        now = time.monotonic()
-        is_new = progress.stage != self._stage
-        if not is_new and now - self._last < _EVENT_PERIOD:
-            return
-        self._stage, self._last = progress.stage, now
-        told = {"stage": progress.stage, "progress": progress.fraction, "detail": progress.detail}
-        self._channel.emit("stage" if is_new else "progress", told)
-
-    def _tell_best(self, progress: Progress) -> None:
-        told = {"detail": progress.detail, "length": progress.best_length}
-        self._channel.emit("best-so-far", told)
 
 
 def plan_motion(payload: dict[str, Any], channel: Channel) -> dict[str, Any]:
@@ -61,8 +34,11 @@ def plan_motion(payload: dict[str, Any], channel: Channel) -> dict[str, Any]:
         loaded = time.monotonic() - begun
         allowed = request.search.allowed_planning_time
         deadline = Deadline.after(allowed, time.monotonic, channel.is_canceled)
+        problem = problem_value(request)
+        if "regions" in payload:
+            problem = replace(problem, regions=read_regions(payload["regions"]))
         found = plan(
-            problem_value(request),
+            problem,
             world,
             deadline=deadline,
             on_progress=log,

@@ -94,8 +94,11 @@ def test_pages_join_up_and_filter(store):
         seen += [job.id for job in page]
         before = page[-1].serial
     assert seen == ids[::-1]
-    assert [job.id for job in store.page("plan", state="running")] == [ids[3]]
-    assert [job.id for job in store.page("plan", scene="s1", state="queued")] == [ids[5], ids[1]]
+    assert [job.id for job in store.page("plan", {"state": "running"})] == [ids[3]]
+    assert [job.id for job in store.page("plan", {"scene": "s1", "state": "queued"})] == [
+        ids[5],
+        ids[1],
+    ]
     counts = store.counts()
     assert counts == {
         ("plan", "queued"): 6,

@@ -1,0 +1,48 @@
+"""Sets of configurations that all see one another: where one region may cover much.
+
+Werner et al. (2024), "Approximating robot configuration spaces with few convex sets using clique
+covers of visibility graphs".
+"""
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float64
+
+from planning.regions.free_space import FreeSpace
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
+type Flags = np.ndarray[Any, np.dtype[np.bool_]]
+
+# How finely lines of sight are looked at [rad or m]: a hint, not a proof.
+_RESOLUTION = 0.1
+
+
+def cliques(space: FreeSpace, qs: Float64[np.ndarray, "k n"]) -> Iterator[Array]:
+    """Yield disjoint sets of rows that see one another, the largest first, as found greedily."""
+    seen = _visibility(space, qs)
+    left = np.ones(len(qs), dtype=bool)
+    while left.any():
+        chosen = _clique(seen & left, left)
+        yield qs[chosen]
+        left[chosen] = False
+
+
+def _clique(seen: Flags, left: Flags) -> list[int]:
+    """Return rows that see one another: always the one that sees the most of what may come."""
+    candidates, chosen = left.copy(), list[int]()
+    while candidates.any():
+        degrees = np.where(candidates, (seen & candidates).sum(axis=1), -1)
+        best = int(np.argmax(degrees))
+        chosen.append(best)
+        candidates &= seen[best]
+    return chosen
+
+
+def _visibility(space: FreeSpace, qs: Array) -> Flags:
+    first, second = np.triu_indices(len(qs), 1)
+    free = space.are_motions_free(qs[first], qs[second] - qs[first], _RESOLUTION)
+    seen = np.zeros((len(qs), len(qs)), dtype=bool)
+    seen[first[free], second[free]] = True
+    return seen | seen.T

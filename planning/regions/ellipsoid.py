@@ -1,0 +1,52 @@
+"""Ellipsoids that lead the growth of a region."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float64
+from pydrake.geometry.optimization import HPolyhedron  # pyright: ignore[reportMissingModuleSource]
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
+
+
+@dataclass(frozen=True)
+class Ellipsoid:
+    """The set of center + shape u with |u| <= 1.
+
+    Attributes:
+        center: Shape (n,).
+        shape: Shape (n, n).
+    """
+
+    center: Array
+    shape: Array
+
+    @classmethod
+    def ball(cls, center: Float64[np.ndarray, " n"], radius: float = 0.01) -> "Ellipsoid":
+        """Return a small ball."""
+        return cls(center, radius * np.eye(len(center)))
+
+    @classmethod
+    def inscribed(
+        cls, normals: Float64[np.ndarray, "m n"], offsets: Float64[np.ndarray, " m"]
+    ) -> "Ellipsoid":
+        """Return the largest ellipsoid in a bounded polytope (John's)."""
+        found = HPolyhedron(normals, offsets).MaximumVolumeInscribedEllipsoid()
+        return cls(np.array(found.center()), np.linalg.inv(found.A()))
+
+    @property
+    def log_volume(self) -> float:
+        """The logarithm of its volume, but for a constant."""
+        return float(np.linalg.slogdet(self.shape)[1])
+
+    def distances(self, qs: Float64[np.ndarray, "k n"]) -> Float64[np.ndarray, " k"]:
+        """Return by how much it must be scaled to reach each row."""
+        return np.asarray(np.linalg.norm(np.linalg.solve(self.shape, (qs - self.center).T), axis=0))
+
+    def normals(self, qs: Sequence[Any] | Array) -> Array:
+        """Return the unit normals of the scaled ellipsoids that pass through each row."""
+        inner = np.linalg.solve(self.shape, (np.asarray(qs) - self.center).T)
+        outward = np.linalg.solve(self.shape.T, inner).T
+        return outward / np.linalg.norm(outward, axis=1, keepdims=True)

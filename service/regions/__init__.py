@@ -1,0 +1,1 @@
+"""Regions as resources: admission, which of them a plan uses, and jobs to the wire."""

@@ -1,0 +1,38 @@
+"""Admission: what must be so before regions are grown."""
+
+from planning.errors import UnknownName
+from service.desk import Desk, spec_of
+from service.jobs.records import Job
+from service.scenes.preflight import require_group
+from service.scenes.shelf import SceneShelf
+from service.schemas.regions import RegionsRequest
+
+TASK = "service.tasks.regions:grow"
+
+# Growth minds its deadline by itself, between two regions; it is this much too late at most [s].
+_SLACK = 60.0
+
+
+async def submit_regions(
+    scene: str, request: RegionsRequest, key: str | None, scenes: SceneShelf, desk: Desk
+) -> Job:
+    """Queue the growth of regions.
+
+    Raises:
+        UnknownResource: There is no such scene or revision.
+        UnknownName: The scene has no such group, or the group no such coordinate.
+        IdempotencyConflict: The key was used for another request.
+        QueueFull: The queue is full.
+    """
+    record = await scenes.get(scene, request.revision)
+    group = require_group(record, request.group)
+    for name in request.bounds:
+        if name not in group["position_names"]:
+            raise UnknownName.among("position", name, group["position_names"])
+    payload = {
+        **await desk.scene_payload(record),
+        "request": request.model_dump(mode="json"),
+        "revision": record.revision,
+    }
+    allowed = request.allowed_time + _SLACK
+    return desk.submit(spec_of("regions", TASK, payload, scene=record, key=key, allowed=allowed))

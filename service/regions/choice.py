@@ -1,0 +1,90 @@
+"""Which regions a plan is given."""
+
+import json
+from collections.abc import AsyncIterator
+from pathlib import Path
+from typing import Any
+
+from anyio import to_thread
+
+from planning.whole_files import write_whole
+from service.desk import Desk
+from service.errors import NoRegions
+from service.jobs.records import Job
+from service.scenes.preflight import require_group
+from service.scenes.records import SceneRecord
+from service.schemas.plan import PlanRequest
+
+_PLANNER = "GCS"
+_MOST_NAMED = 20
+
+
+async def regions_payload(request: PlanRequest, record: SceneRecord, desk: Desk) -> dict[str, Any]:
+    """Return what the task of a plan is told of regions; nothing if its planners need none.
+
+    The request names them, or they are the newest that were grown for the very content of the
+    scene, whatever its id, for the group and for a margin no less than the plan's.
+
+    Raises:
+        UnknownResource: There are no regions of that id.
+        NoRegions: There are none that fit.
+    """
+    planners = request.search.planner
+    if _PLANNER not in ([planners] if isinstance(planners, str) else planners):
+        return {}
+    group = require_group(record, request.group)["name"]
+    margin = request.margin
+    margin = float(record.document.get("margin") or 0.0) if margin is None else margin
+    seen: list[Job] = []
+    async for job in _candidates(request, record, desk):
+        if _fits(job, record, group, margin):
+            return {"regions": await to_thread.run_sync(_file, desk.regions_folder, job)}
+        seen.append(job)
+    raise NoRegions(
+        f"the planner {_PLANNER!r} needs regions of group {group!r} that keep {margin:g} m in this "
+        f"revision of the scene; grow them by POST /v1/scenes/{record.id}/regions",
+        {
+            "scene": record.id,
+            "digest": record.digest,
+            "group": group,
+            "margin": margin,
+            "there": [_told(job) for job in seen[:_MOST_NAMED]],
+        },
+    )
+
+
+async def _candidates(request: PlanRequest, record: SceneRecord, desk: Desk) -> AsyncIterator[Job]:
+    if request.search.regions is not None:
+        yield await desk.job("regions", request.search.regions)
+        return
+    async for job in desk.newest("regions", warm_key=record.digest):
+        yield job
+
+
+def _fits(job: Job, record: SceneRecord, group: str, margin: float) -> bool:
+    grown = (job.result or {}).get("result")
+    return bool(
+        grown
+        and grown["scene"] == record.digest
+        and grown["group"] == group
+        and grown["margin"] >= margin
+    )
+
+
+def _told(job: Job) -> dict[str, Any]:
+    grown: dict[str, Any] = (job.result or {}).get("result", {})
+    named = {name: grown.get(name) for name in ("group", "margin", "scene")}
+    return {
+        "id": job.id,
+        "state": job.state,
+        "asked_group": job.payload["request"]["group"],
+    } | named
+
+
+def _file(folder: Path, job: Job) -> str:
+    """Return the file from which slots read the regions, written if it is not there yet."""
+    grown: dict[str, Any] = (job.result or {})["result"]
+    path = folder / f"{grown['digest']}.json"
+    if not path.is_file():
+        write_whole(path, json.dumps(grown))
+    return str(path)

@@ -1,0 +1,111 @@
+"""/v1/scenes/{id}/regions and /v1/regions: grow regions, poll them, stop them."""
+
+# ruff: noqa: FAST003  (the dependencies take the path parameters)
+
+from collections.abc import AsyncIterator
+from typing import Any
+
+from fastapi import APIRouter, Response
+from fastapi.sse import EventSourceResponse, ServerSentEvent
+
+from service.dependencies import DeskDep, RegionsJobDep, ScenesDep, SettingsDep
+from service.regions.admission import submit_regions
+from service.regions.wire import regions_brief, regions_resource
+from service.routes.answers import Cursor, LastEventId, Limit, SceneId, problems
+from service.routes.streaming import EVENTS, server_sent
+from service.routes.waiting import IdempotencyKey, Prefer, Wait, seconds_to_wait
+from service.schemas.regions import RegionsJob, RegionsPage, RegionsRequest
+
+router = APIRouter(prefix="/v1", tags=["regions"])
+
+_ACCEPTED: dict[str, Any] = {
+    "description": "Queued; `Location` says where to poll",
+    "headers": {"Location": {"description": "Of the regions", "schema": {"type": "string"}}},
+}
+
+
+@router.post(
+    "/scenes/{scene}/regions",
+    operation_id="growRegions",
+    status_code=202,
+    response_model=RegionsJob,
+    responses={
+        200: {"model": RegionsJob, "description": "Finished within the time that was waited"},
+        202: _ACCEPTED,
+        **problems(400, 404, 409, 413, 422, 429, 503),
+    },
+)
+async def grow_regions(  # noqa: PLR0913  (one parameter per header)
+    scene: SceneId,
+    request: RegionsRequest,
+    response: Response,
+    desk: DeskDep,
+    scenes: ScenesDep,
+    settings: SettingsDep,
+    *,
+    wait: Wait = None,
+    prefer: Prefer = None,
+    idempotency_key: IdempotencyKey = None,
+) -> Any:
+    """Grow convex regions of free configurations, for plans with the planner GCS."""
+    job = await submit_regions(scene, request, idempotency_key, scenes, desk)
+    job = await desk.wait(job, seconds_to_wait(wait, prefer, settings.max_wait))
+    response.headers["Location"] = f"/v1/regions/{job.id}"
+    if job.state.is_final:
+        response.status_code = 200
+    return regions_resource(job)
+
+
+@router.get(
+    "/scenes/{scene}/regions",
+    operation_id="listRegions",
+    response_model=RegionsPage,
+    responses=problems(404, 422),
+)
+async def list_regions(
+    scene: SceneId,
+    desk: DeskDep,
+    scenes: ScenesDep,
+    limit: Limit = 50,
+    cursor: Cursor = None,
+) -> Any:
+    """List the regions that were asked for in a scene, newest first, without their faces."""
+    record = await scenes.get(scene)
+    page = await desk.page("regions", limit, cursor, scene=record.id)
+    return {"items": [regions_brief(job) for job in page.jobs], "next": page.following}
+
+
+@router.get(
+    "/regions/{regions}",
+    operation_id="getRegions",
+    response_model=RegionsJob,
+    responses=problems(404, 422),
+)
+async def get_regions(job: RegionsJobDep) -> Any:
+    """Show regions: how far they are, and all of them once they have grown."""
+    return regions_resource(job)
+
+
+@router.get(
+    "/regions/{regions}/events",
+    operation_id="streamRegionsEvents",
+    response_class=EventSourceResponse,
+    responses={200: EVENTS, **problems(404, 422)},
+)
+async def stream_regions_events(
+    job: RegionsJobDep, desk: DeskDep, last_event_id: LastEventId = None
+) -> AsyncIterator[ServerSentEvent]:
+    """Stream what happens to regions: queued, started, stage, progress, finished."""
+    async for event in server_sent(desk, job, last_event_id):
+        yield event
+
+
+@router.post(
+    "/regions/{regions}/cancel",
+    operation_id="cancelRegions",
+    response_model=RegionsJob,
+    responses=problems(404, 422),
+)
+async def cancel_regions(job: RegionsJobDep, desk: DeskDep) -> Any:
+    """End the growth, in whatever state it is; asking again changes nothing."""
+    return regions_resource(desk.cancel(job))

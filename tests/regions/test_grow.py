@@ -1,0 +1,81 @@
+"""Growth of analytic worlds: coverage is what it says, and why growth ends."""
+
+import time
+from itertools import pairwise
+
+import numpy as np
+
+from planning.domain.deadline import Deadline
+from planning.domain.regions import RegionOptions
+from planning.regions.cliques import cliques
+from planning.regions.grow import GrowRequest, grow
+from tests.regions.conftest import Plane, off_disc, off_wall
+
+
+def grown(plane, *, paths=(), seconds=60.0, **options):
+    told = []
+    chosen = RegionOptions(num_free=1000, **options)
+    request = GrowRequest(plane, plane.lower, plane.upper, paths, chosen, 3)
+    growth = grow(
+        request, Deadline.after(seconds, time.monotonic), lambda g: told.append(g.coverage)
+    )
+    return growth, told
+
+
+def test_coverage_is_true_to_its_error():
+    plane = Plane(off_disc)
+    growth, told = grown(plane, num_regions=3)
+    grid = plane.grid()
+    free = grid[plane.are_free(grid)]
+    truly = np.any([region.contains(free) for region in growth.regions], axis=0).mean()
+    assert abs(growth.coverage - truly) < 5 * growth.coverage_error + 1e-3
+    assert told == sorted(told)
+    assert len(told) == len(growth.regions) == 3
+    assert growth.stopped_by == "num_regions"
+
+
+def test_growth_ends_when_enough_is_covered():
+    growth, told = grown(Plane(off_wall), num_regions=40, coverage=0.85)
+    assert growth.stopped_by == "coverage"
+    assert told[-1] >= 0.85 > told[-2]
+
+
+def test_time_that_runs_out_leaves_what_there_is():
+    growth, _ = grown(Plane(off_wall), seconds=0.0)
+    assert growth.stopped_by == "deadline"
+    assert growth.regions == []
+    assert growth.coverage == 0
+
+
+def test_where_nothing_is_free_nothing_grows():
+    growth, _ = grown(Plane(lambda qs: np.zeros(len(qs), dtype=bool)))
+    assert growth.regions == []
+    assert (growth.coverage, growth.coverage_error) == (0, 0)
+
+
+def test_regions_along_a_path_are_connected():
+    plane = Plane(off_wall)
+    corner = np.array([[-0.6, -0.5], [-0.6, 0.8], [0.6, 0.8], [0.6, -0.5]])
+    path = np.concatenate([np.linspace(a, b, 15) for a, b in pairwise(corner)])
+    growth, _ = grown(plane, paths=[path], coverage=0.01, num_regions=10)
+    assert growth.stopped_by == "coverage"
+    growth, _ = grown(plane, paths=[path], num_regions=10, coverage=1.0)
+    assert np.any([region.contains(path) for region in growth.regions], axis=0).all()
+    reached, edges = {0}, [portal.regions for portal in growth.portals]
+    for _ in growth.regions:
+        reached |= {row for edge in edges for row in edge if reached & set(edge)}
+    last = next(i for i, region in enumerate(growth.regions) if region.contains(path[-1:])[0])
+    assert last in reached
+
+
+def test_cliques_see_one_another_and_are_disjoint():
+    plane = Plane(off_wall)
+    qs = np.random.default_rng(0).uniform(-1, 1, (60, 2))
+    qs = qs[plane.are_free(qs)]
+    found = list(cliques(plane, qs))
+    assert sorted(map(tuple, np.concatenate(found))) == sorted(map(tuple, qs))
+    for clique in found:
+        first, second = np.triu_indices(len(clique), 1)
+        ways = clique[second] - clique[first]
+        assert plane.are_motions_free(clique[first], ways, 0.1).all()
+    assert len(found[0]) >= len(found[-1])

@@ -1,0 +1,120 @@
+"""Regions over HTTP: grown as a job, listed, canceled, and used by plans."""
+
+import pytest
+
+from service.client.events import decode_events
+
+# An L in a square with a wall across most of it.
+SCENE = {
+    "name": "square",
+    "robots": [{"name": "body", "model": "planar_l", "positions": [0.3, -0.35, 0.0]}],
+    "objects": [
+        {"name": "wall", "shape": {"box": [0.8, 0.02, 0.06]}, "pose": {"position": [0.2, 0, 0.03]}}
+    ],
+    "configurations": {"beyond": {"group": "body", "positions": [0.3, 0.3, 0.0]}},
+}
+REQUEST = {"group": "body", "num_regions": 12, "num_free": 500, "iterations": 1, "seed": 2}
+ENDLESS = {**REQUEST, "num_regions": 1000, "coverage": 1.0, "num_free": 200_000}
+
+
+@pytest.fixture(scope="module")
+def square(client):
+    return client.post("/v1/scenes", json=SCENE).json()["id"]
+
+
+@pytest.fixture(scope="module")
+def grown(client, square):
+    answer = client.post(f"/v1/scenes/{square}/regions?wait=50", json=REQUEST)
+    assert answer.status_code == 200, answer.text
+    job = answer.json()
+    assert job["state"] == "succeeded", job["failure"]
+    assert answer.headers["location"] == f"/v1/regions/{job['id']}"
+    return job
+
+
+def plan_of(client, scene, **fields):
+    search = {"planner": "GCS", "allowed_planning_time": 20.0, **fields.pop("search", {})}
+    goal = {"type": "configuration", "name": "beyond"}
+    request = {"scene": scene, "group": "body", "goal": goal, "search": search, **fields}
+    return client.post("/v1/plans?wait=40", json=request)
+
+
+def test_grown_regions_say_everything(client, square, grown):
+    result, summary = grown["result"], grown["summary"]
+    assert len(result["regions"]) == summary["num_regions"] == 12
+    assert len(result["portals"]) == summary["num_portals"] > 0
+    assert 0 < summary["coverage"] <= 1
+    assert 0 < summary["coverage_error"] < 0.02
+    assert summary["stopped_by"] in {"num_regions", "coverage"}
+    scene = client.get(f"/v1/scenes/{square}").json()
+    assert summary["scene"] == scene["digest"]
+    assert client.get(f"/v1/regions/{grown['id']}").json() == grown
+    listed = client.get(f"/v1/scenes/{square}/regions").json()["items"]
+    assert [item["id"] for item in listed] == [grown["id"]]
+    assert listed[0]["summary"] == summary
+    assert "result" not in listed[0]
+    with client.stream("GET", f"/v1/regions/{grown['id']}/events") as answer:
+        types = [event.type for event in decode_events(answer.iter_lines())]
+    assert types[0] == "queued"
+    assert types[-1] == "finished"
+
+
+def test_a_plan_uses_the_newest_that_fit_and_is_repeatable(client, square, grown):
+    first = plan_of(client, square).json()
+    assert first["state"] == "succeeded", first["failure"]
+    search = first["result"]["stages"]["search"]
+    assert search["planner"] == "GCS"
+    assert search["regions"]["is_inside"]
+    assert search["regions"]["digest"] == grown["summary"]["digest"]
+    assert first["result"]["certificate"]["proven"]
+    again = plan_of(client, square, search={"regions": grown["id"]}).json()
+    assert again["digest"] == first["digest"]
+
+
+def test_a_scene_with_the_same_content_shares_them(client, grown):
+    twin = client.post("/v1/scenes", json=SCENE).json()["id"]
+    found = plan_of(client, twin).json()
+    used = found["result"]["stages"]["search"]["regions"]["digest"]
+    assert used == grown["summary"]["digest"]
+
+
+def test_without_regions_that_fit_a_plan_is_refused_and_says_what_is_there(client, square, grown):
+    moved = {**SCENE, "margin": 0.001}
+    other = client.post("/v1/scenes", json=moved).json()["id"]
+    for answer in (
+        plan_of(client, other),
+        plan_of(client, square, margin=0.05),
+        plan_of(client, other, search={"regions": grown["id"]}),
+    ):
+        assert answer.status_code == 409
+        problem = answer.json()
+        assert problem["code"] == "no_regions"
+        assert "/regions" in problem["detail"]
+    assert [entry["id"] for entry in problem["evidence"]["there"]] == [grown["id"]]
+    assert plan_of(client, square, search={"regions": "reg_nothing"}).status_code == 404
+
+
+def test_planners_tell_that_gcs_needs_regions(client):
+    planners = {entry["name"]: entry for entry in client.get("/v1/planners").json()["items"]}
+    assert [name for name, entry in planners.items() if entry["needs_regions"]] == ["GCS"]
+
+
+def test_a_cancel_ends_the_growth(client, square):
+    job = client.post(f"/v1/scenes/{square}/regions", json=ENDLESS).json()
+    ended = client.post(f"/v1/regions/{job['id']}/cancel")
+    assert ended.status_code == 200
+    with client.stream("GET", f"/v1/regions/{job['id']}/events") as answer:
+        list(decode_events(answer.iter_lines()))
+    assert client.get(f"/v1/regions/{job['id']}").json()["state"] == "canceled"
+
+
+def test_what_does_not_exist_is_named(client, square, scene):
+    path = f"/v1/scenes/{square}/regions"
+    answer = client.post(path, json={**REQUEST, "group": "leg"})
+    assert (answer.status_code, answer.json()["code"]) == (409, "unknown_name")
+    answer = client.post(path, json={**REQUEST, "bounds": {"x": [0, 1]}})
+    assert answer.json()["code"] == "unknown_name"
+    assert client.post(path, json={**REQUEST, "num_regions": 0}).status_code == 422
+    assert client.get("/v1/scenes/scn_nothing/regions").status_code == 404
+    for verb, tail in (("GET", ""), ("POST", "/cancel"), ("GET", "/events")):
+        assert client.request(verb, f"/v1/regions/reg_nothing{tail}").status_code == 404
