@@ -15,6 +15,7 @@ from planning.domain.planner_card import PlannerCard, PlannerParameter
 from planning.domain.problem import PlanningProblem
 from planning.domain.regions import Regions
 from planning.domain.report import RegionsReport, SearchReport
+from planning.domain.steering import steering_of
 from planning.errors import ProblemInvalid
 from planning.plan_task import PlanTask
 from planning.regions.shortest import shortest_inside
@@ -49,6 +50,10 @@ def require_regions(problem: PlanningProblem, world: World, group: JointGroup) -
     """
     if GCS not in problem.search.planners:
         return
+    cars = list(steering_of(group))
+    if cars:
+        message = f"the ways that {GCS} finds are straight; {', '.join(cars)} cannot drive them"
+        raise ProblemInvalid(message, {"field": "search.planner", "joints": cars})
     regions, margin = problem.regions, world.margins(problem.margin).default
     if regions is None:
         message = (

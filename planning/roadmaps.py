@@ -10,10 +10,12 @@ from planning.domain.deadline import Deadline
 from planning.domain.joints import JointGroup
 from planning.domain.problem import PlanningProblem
 from planning.domain.roadmap import Roadmap
+from planning.domain.steering import steering_of
 from planning.domain.value import digest
 from planning.errors import DeadlineExceeded, ProblemInvalid
 from planning.paddings import WISH
 from planning.roadmap_shelf import RoadmapStore
+from planning.search.demands import driven
 from planning.search.roadmap_growth import RoadmapRecipe, grow_roadmap
 from planning.stopwatch import Stopwatch
 from planning.world.fingerprint import collision_fingerprint
@@ -87,6 +89,11 @@ def _recipe(
         field = "search.roadmap"
         message = f"{field}: roadmaps know no path constraints; plan without the one or the others"
         raise ProblemInvalid(message, {"field": field})
+    cars = list(steering_of(driven(group, problem.search.spaces)))
+    if cars:
+        field = "search.roadmap"
+        message = f"{field}: edges of roadmaps are straight; {', '.join(cars)} cannot drive them"
+        raise ProblemInvalid(message, {"field": field, "joints": cars})
     if options is not None and (options.states < 1 or options.neighbours < 1 or options.seed < 0):
         field = "search.roadmap"
         message = f"{field}: states and neighbours are at least 1, the seed is not negative"

@@ -149,6 +149,20 @@ def test_what_a_robot_cannot_drive_is_refused(street: World) -> None:
         planned(street, "passed", search=search)
 
 
+@pytest.mark.parametrize(
+    "search",
+    [
+        planning.SearchOptions(roadmap=planning.RoadmapOptions(states=50)),
+        planning.SearchOptions(planner="GCS"),
+    ],
+)
+def test_searches_along_straight_lines_are_refused(
+    street: World, search: planning.SearchOptions
+) -> None:
+    with pytest.raises(ProblemInvalid, match="cannot drive them"):
+        planned(street, "passed", search=search)
+
+
 def test_a_car_with_an_arm(tmp_path: Path) -> None:
     """The base drives, the arm keeps pace; alone, the arm is an arm."""
     folder = tmp_path / "truck"
