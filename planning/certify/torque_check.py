@@ -62,7 +62,7 @@ class _Uses:
 def torque_check(model: DrakeModel, request: CertifyRequest, deadline: Deadline) -> Check:
     """Return the peak over limit of any joint's torque or force, as a guaranteed bound.
 
-    What is not limited is not looked at. Not in it: friction, damping, contact.
+    What is not limited is not looked at. Not in it: friction and contact.
 
     Raises:
         ModelInvalid: A joint is of a kind that cannot be certified, or nobody says what a body

@@ -39,7 +39,7 @@ def test_health(client):
 def test_readiness(client):
     answer = client.get("/readyz")
     assert answer.status_code == 200
-    assert set(answer.json()["queued"]) == {"plan", "query", "execution"}
+    assert set(answer.json()["queued"]) == {"plan", "query", "execution", "regions"}
 
 
 def test_docs_need_no_other_host(client):
