@@ -108,7 +108,7 @@ def test_all_who_run_out_of_time_say_so_as_one_alone_would(plane, closed, crossi
             *plane,
             closed,
             replace(crossing(attempts=4, solve_time=0.2), pool=Watched()),
-            Deadline.after(0.5, time.perf_counter),
+            Deadline.after(0.3, time.perf_counter),
         )
     assert caught.value.evidence["attempts"] >= 2
 
