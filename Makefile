@@ -57,7 +57,8 @@ sanitize: setup
 	$(VENV)/bin/cmake --build "$$SANITIZED" >> "$$SANITIZED/log" || { cat "$$SANITIZED/log"; exit 1; } && \
 	LD_PRELOAD="$$(g++ -print-file-name=libasan.so) $$(g++ -print-file-name=libubsan.so)" \
 	ASAN_OPTIONS=detect_leaks=0 WAYPROOF_NATIVE="$$SANITIZED" \
-	$(PYTHON) -m pytest -p no:cacheprovider -m "not slow" tests/kernel tests/certify/test_native_clearance.py
+	$(PYTHON) -m pytest -p no:cacheprovider -m "not slow" tests/kernel \
+	  tests/certify/test_native_clearance.py tests/refine/test_nearness.py tests/refine/test_soft_rows.py
 
 check: format lint imports types
 
