@@ -24,7 +24,8 @@ import numpy as np
 from jaxtyping import Float64
 
 from planning.certify.angular_rates import velocity_series
-from planning.certify.links import Kind, Link
+from planning.certify.link_motion import Kind
+from planning.certify.links import Link
 from planning.certify.taylor import (
     about,
     cross,
