@@ -15,13 +15,15 @@ from planning.domain.cubic import cubic_through
 from planning.domain.curve import TimedTrajectory
 from planning.domain.funnel import Funnel
 from planning.domain.goal import Goal, LineGoal, PoseGoal
+from planning.domain.goal_configurations import GoalConfigurations
 from planning.domain.joints import JointGroup
 from planning.domain.line import MAX_SHIFT, MAX_TURN, GoalLegs, Leg, LineSection
 from planning.domain.options import RetimeOptions
 from planning.domain.path import JointPath
 from planning.domain.plan import PlanPart
 from planning.domain.problem import PlanningProblem
-from planning.domain.report import GoalConfigurations, RefineReport, RetimeReport, SearchReport
+from planning.domain.report import RefineReport, RetimeReport
+from planning.domain.search_report import SearchReport
 from planning.errors import RetimingFailed
 from planning.retime.audit import RATES
 from planning.retime.path_limit import PathLimit

@@ -13,7 +13,8 @@ from planning.domain.deadline import Deadline
 from planning.domain.goal import LineGoal
 from planning.domain.plan import Progress
 from planning.domain.planner_graph import PlannerGraph
-from planning.domain.report import CertifyReport, RefineReport, SearchReport
+from planning.domain.report import CertifyReport, RefineReport
+from planning.domain.search_report import SearchReport
 from planning.errors import Canceled, DeadlineExceeded, NoPathFound
 from planning.guided import guide_of
 from planning.paddings import endpoint_padding

@@ -1,7 +1,7 @@
 """A path by a roadmap, before any planner is asked."""
 
-from planning.domain.report import RoadmapReport
 from planning.domain.roadmap import Roadmap
+from planning.domain.search_report import RoadmapReport
 from planning.search.attempt import Attempt, Query
 from planning.search.graph import exported
 from planning.search.roadmap_way import Way, way_through

@@ -16,7 +16,7 @@ from planning.domain.car_request import require_directed
 from planning.domain.deadline import Deadline
 from planning.domain.joints import JointGroup, JointLimits
 from planning.domain.path import JointPath
-from planning.domain.report import SearchReport
+from planning.domain.search_report import SearchReport
 from planning.domain.steering import steering_of
 from planning.errors import NoPathFound, ProblemInvalid
 from planning.search.attempt import Query

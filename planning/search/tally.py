@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from planning.domain.planner_graph import PlannerGraph
-from planning.domain.report import AttemptReport, RoadmapReport
+from planning.domain.search_report import AttemptReport, RoadmapReport
 from planning.search.attempt import Attempt, Query
 from planning.search.sound import SoundPath, Trial
 

@@ -6,9 +6,9 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float64
 
+from planning.domain.body_pair import BodyPair
 from planning.domain.joints import JointGroup, JointLimits
 from planning.domain.pose import Pose
-from planning.domain.report import BodyPair
 from planning.domain.scene import Scene
 from planning.domain.summary import GroupSummary, SceneSummary
 from planning.errors import SceneInvalid, UnknownName

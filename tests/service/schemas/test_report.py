@@ -4,12 +4,12 @@ import dataclasses
 
 import pytest
 
-from planning.domain import certificate, funnel, report, robustness, stop_report
+from planning.domain import certificate, funnel, report, robustness, search_report, stop_report
 from service.schemas import report as wire
 from service.schemas import result
 
 PAIRS = [
-    (report.SearchReport, wire.SearchReportWire),
+    (search_report.SearchReport, wire.SearchReportWire),
     (report.RefineReport, wire.RefineReportWire),
     (report.RetimeReport, wire.RetimeReportWire),
     (report.CertifyReport, wire.CertifyReportWire),
