@@ -17,10 +17,10 @@ from planning.domain.report import CertifyReport, RefineReport
 from planning.domain.search_report import SearchReport
 from planning.errors import Canceled, DeadlineExceeded, NoPathFound
 from planning.guided import guide_of
+from planning.motion import Motion
 from planning.paddings import endpoint_padding
 from planning.parts import (
     NOT_REFINED,
-    Motion,
     ends_of,
     free_part,
     freely_timed,
