@@ -12,7 +12,7 @@ from planning.domain.pose import Pose
 from planning.domain.scene import Scene
 from planning.domain.summary import GroupSummary, SceneSummary
 from planning.errors import SceneInvalid, UnknownName
-from planning.world.builder import LoadedRobot, build_diagram, pose_of
+from planning.world.builder import build_diagram, pose_of
 from planning.world.collision import DistanceProbe, DrakeCollisionOracle, bare_checker
 from planning.world.drake_model import DrakeModel
 from planning.world.groups import RobotGroups, group_limits, robot_groups
@@ -22,6 +22,7 @@ from planning.world.kernel_tree import kernel_chain
 from planning.world.margins import PairMargins
 from planning.world.model_library import ModelLibrary
 from planning.world.placement import named_configurations, placed_state
+from planning.world.scene_build import LoadedRobot
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 type CollisionJudge = DrakeCollisionOracle | KernelCollisionOracle
