@@ -83,6 +83,7 @@ if TYPE_CHECKING:
     from planning.world.catalogue import describe_model, list_models
     from planning.world.check import check_configurations
     from planning.world.kinematics import forward_kinematics
+    from planning.world.loading import load_world
     from planning.world.model_library import ModelLibrary, bundled_folder
     from planning.world.replay import replay_html
     from planning.world.scene_document import SceneDocument
@@ -90,7 +91,7 @@ if TYPE_CHECKING:
     from planning.world.scene_file import parse_scene, read_scene, with_line
     from planning.world.scene_writer import scene_document
     from planning.world.simulation import Simulation
-    from planning.world.world import World, load_world
+    from planning.world.world import World
 
 _DOORS = {
     "AddObject": "planning.domain.scene_operation",
@@ -170,7 +171,7 @@ _DOORS = {
     "kernel_name": "planning.kernel.native",
     "list_models": "planning.world.catalogue",
     "list_planners": "planning.planners",
-    "load_world": "planning.world.world",
+    "load_world": "planning.world.loading",
     "motion_series": "planning.series",
     "parse_scene": "planning.world.scene_file",
     "plan": "planning.pipeline",

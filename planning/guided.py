@@ -14,7 +14,7 @@ from planning.domain.options import SearchOptions
 from planning.domain.planner_card import PlannerCard, PlannerParameter
 from planning.domain.problem import PlanningProblem
 from planning.domain.regions import Regions
-from planning.domain.report import RegionsReport, SearchReport
+from planning.domain.search_report import RegionsReport, SearchReport
 from planning.domain.steering import steering_of
 from planning.errors import ProblemInvalid
 from planning.plan_task import PlanTask

@@ -9,9 +9,9 @@ from jaxtyping import Float64
 from planning.domain.constraint import PathConstraint
 from planning.domain.deadline import Deadline
 from planning.domain.goal import Goal
+from planning.domain.goal_configurations import GoalConfigurations
 from planning.domain.options import IkOptions
 from planning.domain.quality import ConfigurationQuality
-from planning.domain.report import GoalConfigurations
 from planning.goals.joint_metric import JointMetric
 from planning.goals.quality import QualityProbe
 from planning.goals.sampler import GoalQuery, find_goals

@@ -1,4 +1,4 @@
-"""Parts: a free motion and straight lines, timed each by itself and put together at rest.
+"""Parts: a free motion and straight lines, timed each by itself from rest to rest.
 
 start --free--> beginning of the approach --approach--> goal --retreat--> end
 start --line--> first pose --line--> second pose ...
@@ -15,29 +15,21 @@ from planning.domain.cubic import cubic_through
 from planning.domain.curve import TimedTrajectory
 from planning.domain.funnel import Funnel
 from planning.domain.goal import Goal, LineGoal, PoseGoal
+from planning.domain.goal_configurations import GoalConfigurations
 from planning.domain.joints import JointGroup
-from planning.domain.line import MAX_SHIFT, MAX_TURN, GoalLegs, Leg, LineSection
-from planning.domain.options import RetimeOptions
+from planning.domain.line import GoalLegs, Leg
 from planning.domain.path import JointPath
-from planning.domain.plan import PlanPart
 from planning.domain.problem import PlanningProblem
-from planning.domain.report import GoalConfigurations, RefineReport, RetimeReport, SearchReport
-from planning.errors import RetimingFailed
-from planning.retime.audit import RATES
-from planning.retime.path_limit import PathLimit
+from planning.domain.report import RefineReport, RetimeReport
+from planning.domain.search_report import SearchReport
 from planning.retime.path_limits import path_limits as asked_limits
 from planning.retime.retimer import retime
-from planning.world.tool_kinematics import ToolKinematics
 from planning.world.world import Array, World
 
 type PartKind = Literal["free", "approach", "retreat", "line"]
 
 # Of motions that nobody refines.
 NOT_REFINED = RefineReport("none", improved=False, reason="lines are followed as they are")
-# Configurations between which the length of the tool's free way is measured.
-_LOOKS = 33
-# Durations that are less by this share are the same.
-_SPARE = 1e-9
 
 
 @dataclass(frozen=True)
@@ -150,140 +142,3 @@ def timed_legs(
 def free_part(path: JointPath, candidate: Candidate) -> Part:
     """Return a candidate for the free way as a part."""
     return Part("free", path, candidate.trajectory, None, candidate.retime)
-
-
-@dataclass(frozen=True)
-class Motion:
-    """All parts of a motion, at least one.
-
-    Attributes:
-        parts: In order.
-    """
-
-    parts: tuple[Part, ...]
-
-    @property
-    def trajectory(self) -> TimedTrajectory:
-        """The parts, one after another."""
-        return TimedTrajectory.joined([part.trajectory for part in self.parts])
-
-    @property
-    def path(self) -> JointPath:
-        """The waypoints of all parts; where two meet there is one."""
-        rows = [
-            part.path.waypoints if i == 0 else part.path.waypoints[1:]
-            for i, part in enumerate(self.parts)
-        ]
-        first = self.parts[0].path
-        return first if len(rows) == 1 else JointPath(first.group, np.concatenate(rows))
-
-    @property
-    def goal_configuration(self) -> Array:
-        """Where the goal is reached: at the end, but for a retreat."""
-        reached = [part for part in self.parts if part.kind != "retreat"]
-        return reached[-1].trajectory.end if reached else self.parts[0].trajectory.start
-
-    @property
-    def report(self) -> RetimeReport:
-        """How all of it was timed."""
-        reports = [part.report for part in self.parts]
-        if len(reports) == 1:
-            return reports[0]
-        raw = sum(report.duration / report.slowed for report in reports)
-        duration = sum(report.duration for report in reports)
-        worst = {
-            rate: max(
-                (report for report in reports if rate in report.utilisation),
-                key=lambda report, rate=rate: report.utilisation[rate],
-            )
-            for rate in {rate: None for report in reports for rate in report.utilisation}
-        }
-        return RetimeReport(
-            method=reports[0].method,
-            duration=duration,
-            slowed=duration / raw,
-            binding={rate: report.binding[rate] for rate, report in worst.items()},
-            utilisation={rate: report.utilisation[rate] for rate, report in worst.items()},
-            stops=sum(report.stops for report in reports) + len(reports) - 1,
-            blend_deviation=reports[0].blend_deviation,
-            explanation=reports[0].explanation,
-        )
-
-    def lasting(self, options: RetimeOptions, path_limits: Sequence[PathLimit] = ()) -> "Motion":
-        """Return the motion with all parts slowed alike to the duration that is asked for.
-
-        Args:
-            options: Say how long it shall take.
-            path_limits: With which the parts were timed.
-
-        Raises:
-            RetimingFailed: That would be quicker than the limits allow.
-        """
-        least = sum(part.trajectory.duration for part in self.parts)
-        if options.duration is None or len(self.parts) == 1 == len(self._free):
-            return self
-        if options.duration < least * (1 - _SPARE):
-            message = f"the limits allow {least:.4g} s at least, not {options.duration:.4g} s"
-            evidence = {"method": options.method, "duration": options.duration, "least": least}
-            raise RetimingFailed(message, evidence)
-        factor = max(1.0, options.duration / least)
-        return Motion(tuple(_slower(part, factor, path_limits) for part in self.parts))
-
-    @property
-    def _free(self) -> list[Part]:
-        return [part for part in self.parts if part.kind == "free"]
-
-    def sections(
-        self, max_shift: float = MAX_SHIFT, max_turn: float = MAX_TURN
-    ) -> tuple[LineSection, ...]:
-        """Return what is demanded of the parts that follow lines."""
-        return tuple(
-            LineSection(part.leg.line, begin, end, max_shift, max_turn)
-            for part, begin, end in self._spans
-            if part.leg is not None
-        )
-
-    def described(self, world: World, frame: str) -> tuple[PlanPart, ...]:
-        """Return what there is to say of each part; lengths are those of a tool frame's way."""
-        return tuple(
-            PlanPart(part.kind, begin, end, _length(world, part, frame), len(part.path.waypoints))
-            for part, begin, end in self._spans
-        )
-
-    @property
-    def _spans(self) -> list[tuple[Part, float, float]]:
-        ends = np.cumsum([part.trajectory.duration for part in self.parts])
-        begins = [0.0, *ends[:-1]]
-        return [
-            (part, float(begin), float(end))
-            for part, begin, end in zip(self.parts, begins, ends, strict=True)
-        ]
-
-
-def _slower(part: Part, factor: float, path_limits: Sequence[PathLimit]) -> Part:
-    """Return a part that takes `factor` times as long."""
-    report, trajectory = part.report, part.trajectory.slowed(factor)
-    used = {
-        rate: report.utilisation[rate] / factor**order
-        for order, rate in enumerate(RATES, start=1)
-        if rate in report.utilisation
-    }
-    binding = {rate: report.binding[rate] for rate in used}
-    for limit in path_limits:
-        for use in limit.uses(trajectory):
-            if use.share(1.0) > used.get(limit.name, -1.0):
-                binding[limit.name], used[limit.name] = use.where, use.share(1.0)
-    made = replace(report, duration=report.duration * factor, binding=binding, utilisation=used)
-    return replace(part, trajectory=trajectory, report=made)
-
-
-def _length(world: World, part: Part, frame: str) -> float:
-    """Return how far a tool frame goes [m]; of a free part to within a few percent."""
-    if part.leg is not None:
-        return part.leg.line.length
-    if not frame:
-        return 0.0
-    trajectory = part.trajectory
-    q = trajectory.positions(np.linspace(0.0, trajectory.duration, _LOOKS))
-    _, p_wt = ToolKinematics(world, part.path.group, frame).poses(q)
-    return float(np.linalg.norm(np.diff(p_wt, axis=0), axis=1).sum())

@@ -16,11 +16,11 @@ import numpy as np
 
 from planning.domain.deadline import Deadline
 from planning.domain.goal import LineGoal
+from planning.domain.goal_configurations import GoalConfigurations
 from planning.domain.line import Leg
 from planning.domain.plan import MotionPlan, Progress, StageReports
 from planning.domain.pool import AttemptPool
 from planning.domain.problem import PlanningProblem
-from planning.domain.report import GoalConfigurations
 from planning.errors import ProblemInvalid
 from planning.goals.line_goal import follow_lines
 from planning.goals.sampler import GoalQuery, find_goals

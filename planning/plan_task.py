@@ -4,13 +4,14 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from planning.domain.deadline import Deadline
+from planning.domain.goal_configurations import GoalConfigurations
 from planning.domain.joints import JointGroup, JointLimits
 from planning.domain.line import Leg
 from planning.domain.plan import Progress
 from planning.domain.pool import AttemptPool
 from planning.domain.problem import PlanningProblem
-from planning.domain.report import AttemptReport, GoalConfigurations
 from planning.domain.roadmap import Roadmap
+from planning.domain.search_report import AttemptReport
 from planning.stopwatch import Stopwatch
 from planning.world.margins import PairMargins
 from planning.world.rules.path_rules import PathRules

@@ -13,13 +13,14 @@ from planning.domain.deadline import Deadline
 from planning.domain.goal import LineGoal
 from planning.domain.plan import Progress
 from planning.domain.planner_graph import PlannerGraph
-from planning.domain.report import CertifyReport, RefineReport, SearchReport
+from planning.domain.report import CertifyReport, RefineReport
+from planning.domain.search_report import SearchReport
 from planning.errors import Canceled, DeadlineExceeded, NoPathFound
 from planning.guided import guide_of
+from planning.motion import Motion
 from planning.paddings import endpoint_padding
 from planning.parts import (
     NOT_REFINED,
-    Motion,
     ends_of,
     free_part,
     freely_timed,

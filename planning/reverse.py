@@ -12,12 +12,13 @@ from planning.domain.curve import TimedTrajectory
 from planning.domain.deadline import Deadline
 from planning.domain.funnel import Funnel
 from planning.domain.goal import LineGoal
+from planning.domain.goal_configurations import GoalConfigurations
 from planning.domain.joints import JointGroup
 from planning.domain.line import MAX_SHIFT, MAX_TURN, LineSection, ToolLine
 from planning.domain.path import JointPath
 from planning.domain.plan import MotionPlan, PlanPart, StageReports
 from planning.domain.problem import PlanningProblem
-from planning.domain.report import GoalConfigurations, RefineReport, RetimeReport
+from planning.domain.report import RefineReport, RetimeReport
 from planning.parts import no_search, tool_of
 from planning.stopwatch import Stopwatch
 from planning.timing import admit_timing

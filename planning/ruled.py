@@ -8,8 +8,8 @@ from jaxtyping import Float64
 
 from planning.domain.constraint import PathConstraint
 from planning.domain.deadline import Deadline
+from planning.domain.goal_configurations import GoalConfigurations
 from planning.domain.joints import JointGroup, JointLimits
-from planning.domain.report import GoalConfigurations
 from planning.errors import GoalViolatesConstraint, StartViolatesConstraint
 from planning.search.lock import search_locked
 from planning.search.task import SearchResult, SearchTask

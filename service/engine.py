@@ -4,12 +4,13 @@ from collections.abc import AsyncGenerator
 from contextlib import asynccontextmanager
 
 from service.desk import LANES, Desk
+from service.jobs.database import open_engine
 from service.jobs.dispatcher import Dispatcher
 from service.jobs.inline_slot import InlineSlot
 from service.jobs.lane import Lane
 from service.jobs.ownership import Ownership
 from service.jobs.slot import ProcessSlot, Slot
-from service.jobs.store import JobStore, open_engine
+from service.jobs.store import JobStore
 from service.scenes.shelf import SceneShelf
 from service.scenes.store import SceneStore
 from service.settings import Settings

@@ -1,20 +1,7 @@
 """Joint torques along short segments of a motion, as polynomials with a bound on what they miss.
 
-Everything follows from where the links are. With R(t) and p(t) of each link as Taylor series about
-a segment's middle, from the tips down to the base,
-
-    F = m (c'' - g),   N = sum s_k (R e_k) x (R e_k)'',
-    f = F + sum f_child,   n = N + (c - p) x F + sum (n_child + (p_child - p) x f_child),
-
-and the torque of a turn about a is a . n, the force of a slide along it a . f: the recursive
-Newton-Euler algorithm in the world's axes (Featherstone, "Rigid body dynamics algorithms", 2008,
-section 5.3, with N as `links` has it).
-
 What the series misses on |t - t_m| <= h is at most T h^k (Lagrange), where T bounds the coefficient
-of the first power k that was left out at every instant of the segment. The same recursion gives it:
-with bounds on lengths for vectors, products for cross products and plus for every sign. A rotation
-by q(t) has the majorant exp(sum b_i x^i), b_i bounding the i-th coefficient of q: the exponential
-series of a rotation, of which only what changes counts.
+of the first power k that was left out at every instant of the segment.
 """
 
 from dataclasses import dataclass
@@ -23,26 +10,13 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float64
 
-from planning.certify.angular_rates import velocity_series
-from planning.certify.links import Kind, Link
-from planning.certify.taylor import (
-    about,
-    cross,
-    derivative,
-    dot,
-    grown,
-    product,
-    scaled,
-    sine_and_cosine,
-    skew,
-)
+from planning.certify.links import Link
+from planning.certify.taylor import about
+from planning.certify.torque_majorant import TorqueMajorant
+from planning.certify.torque_recursion import TERMS, TorqueRecursion
 from planning.domain.curve import TimedTrajectory
-from planning.domain.rotation import exp, matrix, multiply
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
-
-# Powers of the torques' polynomials: 0 to this less one.
-TERMS = 5
 
 
 @dataclass(frozen=True)
@@ -78,196 +52,6 @@ def torque_series(
     coefficients = trajectory.coefficients[pieces]
     tangents = about(coefficients, middles, max(TERMS + 3, coefficients.shape[1]))
     bases = trajectory.bases[pieces]
-    found = _Recursion(links, gravity, tangents[:, : TERMS + 2], bases).run()
-    beyond = _Majorant(links, gravity, (tangents, bases, halves)).run()
+    found = TorqueRecursion(links, gravity, tangents[:, : TERMS + 2], bases).run()
+    beyond = TorqueMajorant(links, gravity, (tangents, bases, halves)).run()
     return Torques(found, beyond * halves[:, None] ** TERMS)
-
-
-class _Recursion:
-    """The torques themselves."""
-
-    def __init__(
-        self, links: tuple[Link, ...], gravity: Array, tangents: Array, bases: Array
-    ) -> None:
-        self._links, self._gravity = links, gravity
-        self._tangents, self._bases = tangents, bases
-        count, terms, _ = tangents.shape
-        still = np.zeros((count, terms, 3, 3))
-        still[:, 0] = np.eye(3)
-        # The world is the last one, where index -1 finds it.
-        self._turns = [still] * (len(links) + 1)
-        self._places = [np.zeros((count, terms, 3))] * (len(links) + 1)
-        self._axes = [np.zeros(0)] * len(links)
-
-    def run(self) -> Array:
-        """Return Taylor coefficients, shape (n, k, nv)."""
-        for i, link in enumerate(self._links):
-            self._place(i, link)
-        forces = [self._force(i, link) for i, link in enumerate(self._links)]
-        total = np.zeros((len(self._tangents), TERMS, self._tangents.shape[2]))
-        for i in reversed(range(len(self._links))):
-            link, (force, moment) = self._links[i], forces[i]
-            motion = link.motion
-            if motion.kind is Kind.SPIN:
-                total[:, :, motion.rate : motion.rate + 3] += moment
-            else:
-                along = moment if motion.kind is Kind.TURN else force
-                torque = dot(self._axes[i][:, :TERMS], along) + self._drive(link)
-                total[:, :, motion.rate] += motion.scale * torque
-            if link.parent >= 0:
-                below = forces[link.parent]
-                arm = (self._places[i] - self._places[link.parent])[:, :TERMS]
-                forces[link.parent] = below[0] + force, below[1] + moment + cross(arm, force)
-        return total
-
-    def _place(self, i: int, link: Link) -> None:
-        """Find R, p and the axis of a link."""
-        motion = link.motion
-        before = self._turns[link.parent]
-        turn = before @ link.X_PF[:3, :3]
-        place = self._places[link.parent] + before @ link.X_PF[:3, 3]
-        axis = turn @ motion.axis
-        match motion.kind:
-            case Kind.SLIDE:
-                place = place + scaled(self._coordinate(link), axis)
-            case Kind.TURN:
-                sine, cosine = sine_and_cosine(self._coordinate(link))
-                quarter = turn @ skew(motion.axis)
-                turn = turn + scaled(sine, quarter)
-                turn = turn + scaled(_one_less(cosine), quarter @ skew(motion.axis))
-            case Kind.SPIN:
-                turn = product(turn, self._spin(link))
-        self._turns[i], self._places[i], self._axes[i] = turn, place, axis
-
-    def _coordinate(self, link: Link) -> Array:
-        motion = link.motion
-        series = motion.scale * self._tangents[:, :, motion.rate]
-        series[:, 0] += motion.scale * self._bases[:, motion.position] + motion.offset
-        return series
-
-    def _drive(self, link: Link) -> Array:
-        """Return what damping and the rotor take."""
-        motion, coordinate = link.motion, self._coordinate(link)
-        speed = motion.damping * derivative(coordinate, 1)[:, :TERMS]
-        return speed + motion.rotor * derivative(coordinate, 2)
-
-    def _spin(self, link: Link) -> Array:
-        """Return R_0 exp(delta(t)) from R' = R [omega], omega as `angular_rates` has it."""
-        rate, at = link.motion.rate, link.motion.position
-        delta = self._tangents[:, :, rate : rate + 3]
-        omega = skew(velocity_series(skew(delta), delta, -1.0))
-        base = multiply(self._bases[:, at : at + 4], exp(delta[:, 0]))
-        spun = np.zeros((*delta.shape, 3))
-        spun[:, 0] = matrix(base)
-        for k in range(1, delta.shape[1]):
-            terms = spun[:, :k] @ omega[:, k - 1 :: -1][:, :k]
-            spun[:, k] = terms.sum(axis=1) / k
-        return spun
-
-    def _force(self, i: int, link: Link) -> tuple[Array, Array]:
-        """Return F, and N with F's moment about the link's origin."""
-        zero = np.zeros((len(self._tangents), TERMS, 3))
-        if link.mass <= 0:
-            return zero, zero
-        turn = self._turns[i]
-        arm = turn @ link.center
-        force = derivative(self._places[i] + arm, 2)
-        force[:, 0] -= self._gravity
-        force = link.mass * force
-        moment = cross(arm[:, :TERMS], force)
-        sizes, vectors = link.moments
-        points = turn @ vectors
-        changes = derivative(points, 2)
-        for size, k in zip(sizes, range(3), strict=True):
-            moment = moment + size * cross(points[:, :TERMS, :, k], changes[:, :, :, k])
-        return force, moment
-
-
-class _Majorant:
-    """Bounds on the first coefficient that is left out, at every instant of a segment."""
-
-    def __init__(
-        self, links: tuple[Link, ...], gravity: Array, motion: tuple[Array, Array, Array]
-    ) -> None:
-        self._links, self._gravity = links, float(np.linalg.norm(gravity))
-        tangents, self._bases, halves = motion
-        sizes = np.abs(tangents)
-        for link in links:
-            if link.motion.kind is Kind.SPIN:
-                spin = slice(link.motion.rate, link.motion.rate + 3)
-                sizes[:, :, link.motion.rate] = np.linalg.norm(tangents[:, :, spin], axis=2)
-        # sum C(m, k) |q_m| h^(m - k) bounds the k-th coefficient about any point in [-h, h].
-        self._bounds = about(sizes, halves, TERMS + 3)
-        count = len(halves)
-        still = grown(np.zeros((count, TERMS + 2)))
-        self._rates = [np.zeros((count, TERMS + 2))] * (len(links) + 1)
-        self._turns = [still] * (len(links) + 1)
-        self._places = [np.zeros((count, TERMS + 3))] * (len(links) + 1)
-        self._arms = [still] * len(links)
-
-    def run(self) -> Array:
-        """Return the bounds, shape (n, nv)."""
-        for i, link in enumerate(self._links):
-            self._place(i, link)
-        forces = [self._force(i, link) for i, link in enumerate(self._links)]
-        total = np.zeros((len(self._bounds), self._bounds.shape[2]))
-        for i in reversed(range(len(self._links))):
-            link, (force, moment) = self._links[i], forces[i]
-            motion = link.motion
-            if motion.kind is Kind.SPIN:
-                total[:, motion.rate] += moment[:, TERMS]
-            else:
-                along = moment if motion.kind is Kind.TURN else force
-                axis = self._turns[link.parent][:, : TERMS + 1]
-                torque = scaled(axis, along)[:, TERMS] + self._drive(link)
-                total[:, motion.rate] += abs(motion.scale) * torque
-            if link.parent >= 0:
-                below = forces[link.parent]
-                arm = self._arms[i][:, : TERMS + 1]
-                forces[link.parent] = below[0] + force, below[1] + moment + scaled(arm, force)
-        return total
-
-    def _place(self, i: int, link: Link) -> None:
-        motion = link.motion
-        before = self._turns[link.parent]
-        bound = abs(motion.scale) * self._bounds[:, :, motion.rate]
-        rate, reach = self._rates[link.parent], np.zeros_like(bound)
-        reach[:, 0] = np.linalg.norm(link.X_PF[:3, 3])
-        match motion.kind:
-            case Kind.SLIDE:
-                at = motion.scale * self._bases[:, motion.position] + motion.offset
-                reach = reach + bound
-                reach[:, 0] += np.abs(at)
-            case Kind.TURN:
-                rate = rate + derivative(bound, 1)
-            case Kind.SPIN:
-                rate = rate + velocity_series(bound[..., None, None], bound[..., None], 1.0)[..., 0]
-        self._rates[i], self._turns[i] = rate, grown(rate)
-        self._arms[i] = scaled(before, reach)
-        self._places[i] = self._places[link.parent] + self._arms[i]
-
-    def _drive(self, link: Link) -> Array:
-        motion = link.motion
-        bound = abs(motion.scale) * self._bounds[:, :, motion.rate]
-        speed = motion.damping * derivative(bound, 1)[:, TERMS]
-        return speed + motion.rotor * derivative(bound, 2)[:, TERMS]
-
-    def _force(self, i: int, link: Link) -> tuple[Array, Array]:
-        zero = np.zeros((len(self._bounds), TERMS + 1))
-        if link.mass <= 0:
-            return zero, zero
-        turn = self._turns[i]
-        arm = float(np.linalg.norm(link.center)) * turn
-        force = derivative(self._places[i] + arm, 2)
-        force[:, 0] += self._gravity
-        force = link.mass * force
-        sizes, _ = link.moments
-        spread = float(np.abs(sizes).sum()) * scaled(turn[:, : TERMS + 1], derivative(turn, 2))
-        return force, scaled(arm[:, : TERMS + 1], force) + spread
-
-
-def _one_less(cosine: Array) -> Array:
-    """Return 1 - cos."""
-    less = -cosine
-    less[:, 0] += 1.0
-    return less

@@ -6,9 +6,9 @@ from typing import Literal
 import numpy as np
 from jaxtyping import Float64
 
+from planning.domain.body_pair import BodyPair
 from planning.domain.line import Leg, ToolLine
 from planning.domain.pose import Pose
-from planning.domain.report import BodyPair
 from planning.domain.value import Value
 
 

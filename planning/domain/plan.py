@@ -7,16 +7,12 @@ from jaxtyping import Float64
 
 from planning.domain.certificate import Certificate
 from planning.domain.curve import TimedTrajectory
+from planning.domain.goal_configurations import GoalConfigurations
 from planning.domain.joints import JointGroup
 from planning.domain.path import JointPath
 from planning.domain.planner_graph import PlannerGraph
-from planning.domain.report import (
-    CertifyReport,
-    GoalConfigurations,
-    RefineReport,
-    RetimeReport,
-    SearchReport,
-)
+from planning.domain.report import CertifyReport, RefineReport, RetimeReport
+from planning.domain.search_report import SearchReport
 from planning.domain.value import Value, digest
 
 

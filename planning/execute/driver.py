@@ -7,7 +7,7 @@ from typing import Any, Protocol, runtime_checkable
 import numpy as np
 from jaxtyping import Float64
 
-from planning.domain.report import BodyPair
+from planning.domain.body_pair import BodyPair
 from planning.domain.value import Value
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]

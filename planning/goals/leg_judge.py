@@ -14,11 +14,11 @@ from planning.domain import rotation
 from planning.domain.deadline import Deadline
 from planning.domain.funnel import Funnel, LegTally
 from planning.domain.goal import PoseGoal
+from planning.domain.goal_configurations import GoalConfigurations
 from planning.domain.joints import JointLimits
 from planning.domain.line import GoalLegs, Leg, ToolLine
 from planning.domain.line_trace import LineStop
 from planning.domain.pose import Pose
-from planning.domain.report import GoalConfigurations
 from planning.goals.goal_query import GoalQuery
 from planning.goals.joint_metric import JointMetric
 from planning.goals.line_course import Course

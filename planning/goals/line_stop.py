@@ -4,10 +4,10 @@ from typing import Any
 
 import numpy as np
 
+from planning.domain.body_pair import BodyPair
 from planning.domain.joints import JointGroup
 from planning.domain.line_trace import LineStop, LineTrace
 from planning.domain.manifold import Manifold
-from planning.domain.report import BodyPair
 from planning.goals.line_course import Course, Halt
 from planning.goals.start import pair_evidence
 from planning.world.margins import PairMargins

@@ -7,8 +7,8 @@ import numpy as np
 from jaxtyping import Float64
 
 from planning.domain.deadline import Deadline
+from planning.domain.goal_configurations import NearestPose
 from planning.domain.pose import Pose
-from planning.domain.report import NearestPose
 from planning.goals.goal_query import GoalQuery
 from planning.goals.nearest_program import Target, pulled
 from planning.goals.pose_tries import PoseTries

@@ -8,7 +8,7 @@ from jaxtyping import Float64, Int64
 from planning.domain.deadline import Deadline
 from planning.domain.funnel import funnel_evidence
 from planning.domain.goal import GoalPredicate
-from planning.domain.report import GoalConfigurations
+from planning.domain.goal_configurations import GoalConfigurations
 from planning.errors import GoalUnreachable
 from planning.goals.aims import Aims
 from planning.goals.goal_query import GoalQuery

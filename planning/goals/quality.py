@@ -6,9 +6,9 @@ import numpy as np
 from jaxtyping import Float64
 from pydrake.multibody.tree import JacobianWrtVariable, RevoluteJoint
 
+from planning.domain.body_pair import BodyPair
 from planning.domain.joints import JointGroup, JointLimits
 from planning.domain.quality import ArmBranch, ConfigurationQuality
-from planning.domain.report import BodyPair
 from planning.goals.branch import branch_of
 from planning.goals.joint_metric import JointMetric
 from planning.world.link_tree import link_tree

@@ -8,8 +8,8 @@ import numpy as np
 
 from planning.domain.deadline import Deadline
 from planning.domain.funnel import Funnel, funnel_evidence
+from planning.domain.goal_configurations import NearestPose
 from planning.domain.manifold import Manifold
-from planning.domain.report import NearestPose
 from planning.errors import ApproachBlocked, GoalInCollision, GoalUnreachable
 from planning.goals.aims import Aiming
 from planning.goals.goal_query import GoalQuery

@@ -5,8 +5,9 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float64
 
+from planning.domain.body_pair import BodyPair
 from planning.domain.deadline import Deadline
-from planning.domain.report import BodyPair, NearestPose
+from planning.domain.goal_configurations import NearestPose
 from planning.goals.goal_query import GoalQuery
 from planning.goals.nearest_alone import AloneSearch, Freedom
 from planning.goals.nearest_program import Target

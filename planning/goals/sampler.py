@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from planning.domain.body_pair import BodyPair
 from planning.domain.deadline import Deadline
 from planning.domain.funnel import Funnel, funnel_evidence
 from planning.domain.goal import (
@@ -19,9 +20,9 @@ from planning.domain.goal import (
     RegionGoal,
     RelativeGoal,
 )
+from planning.domain.goal_configurations import GoalConfigurations
 from planning.domain.joints import JointGroup
 from planning.domain.manifold import Manifold
-from planning.domain.report import BodyPair, GoalConfigurations
 from planning.errors import GoalInCollision, GoalOutOfLimits, ProblemInvalid
 from planning.goals.aims import Aiming, aiming_of
 from planning.goals.goal_query import GoalQuery
@@ -100,7 +101,7 @@ def _given(world: World, query: GoalQuery, rows: Array) -> GoalConfigurations:
         raise GoalOutOfLimits(message, {"joints": outside})
     is_free = world.collision_oracle(group, query.margins).are_free(rows[inside])
     tally = Tally()
-    pairs: tuple[BodyPair, ...] = ()
+    pairs = tuple[BodyPair, ...]()
     for k in np.flatnonzero(~is_free):
         violations = world.violations(group, rows[inside[k]], query.margins)
         is_free[k] = not violations

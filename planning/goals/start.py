@@ -5,9 +5,9 @@ from typing import Any
 import numpy as np
 from jaxtyping import Bool, Float64
 
+from planning.domain.body_pair import BodyPair
 from planning.domain.joints import JointGroup, JointLimits
 from planning.domain.manifold import Manifold
-from planning.domain.report import BodyPair
 from planning.errors import StartInCollision, StartOutOfLimits
 from planning.world.margins import PairMargins
 from planning.world.world import World

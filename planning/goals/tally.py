@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
+from planning.domain.body_pair import BodyPair
 from planning.domain.deadline import Deadline
 from planning.domain.funnel import PairTally
-from planning.domain.report import BodyPair
 from planning.goals.goal_query import GoalQuery
 from planning.world.margins import PairMargins
 from planning.world.world import World

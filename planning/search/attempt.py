@@ -1,6 +1,5 @@
 """One solution by an OMPL planner, from a fresh start."""
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -10,8 +9,6 @@ from jaxtyping import Float64
 from ompl import base as ob
 from ompl import util as ou
 
-from planning.domain.deadline import Deadline
-from planning.domain.options import SearchOptions
 from planning.domain.planner_graph import PlannerGraph
 from planning.domain.value import Value
 from planning.errors import DeadlineExceeded
@@ -20,52 +17,18 @@ from planning.search.edges import EdgeChecker
 from planning.search.graph import Graph, between, exported, has_graph, read_graph
 from planning.search.motions import space_information
 from planning.search.nearest_reached import nearest_reached
-from planning.search.objective import Objective
-from planning.search.oracle import WatchedOracle
-from planning.search.parameters import Scalar
 from planning.search.planners import make_planner
 from planning.search.polyline import unrolled
 from planning.search.projected import ProjectedSpace
+from planning.search.query import Query
 from planning.search.roadmap import is_roadmap_planner, solve_by_roadmap
 from planning.search.spaces import SearchSpace
 from planning.search.stopping import Stopping
-from planning.stopwatch import Stopwatch
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # A path that ends this near a goal ends there: the planner copies the goal's state.
 _SAME = 1e-6
-
-
-@dataclass(frozen=True)
-class Query:
-    """What every attempt needs.
-
-    Attributes:
-        space: Where to search.
-        oracle: What is free.
-        start: The group's q, shape (nq,).
-        goals: Free configurations, shape (n, nq).
-        planner: OMPL's name.
-        parameters: Of the planner.
-        deadline: When to give up.
-        watch: Told how long shortcuts take.
-        objective: What to improve.
-        options: The request's other wishes.
-        most_states: After how many checked states a planner without a solution gives up.
-    """
-
-    space: SearchSpace
-    oracle: WatchedOracle
-    start: Float64[np.ndarray, " nq"]
-    goals: Float64[np.ndarray, "n nq"]
-    planner: str
-    parameters: Mapping[str, Scalar]
-    deadline: Deadline
-    watch: Stopwatch
-    objective: Objective
-    options: SearchOptions
-    most_states: float = math.inf
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,9 +1,10 @@
 """A path by a roadmap, before any planner is asked."""
 
-from planning.domain.report import RoadmapReport
 from planning.domain.roadmap import Roadmap
-from planning.search.attempt import Attempt, Query
+from planning.domain.search_report import RoadmapReport
+from planning.search.attempt import Attempt
 from planning.search.graph import exported
+from planning.search.query import Query
 from planning.search.roadmap_way import Way, way_through
 from planning.search.sound import Closeness, SoundPath, coarse_checker, shortened
 from planning.search.tally import Tally

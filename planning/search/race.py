@@ -12,7 +12,7 @@ from dataclasses import replace
 import numpy as np
 
 from planning.errors import Canceled, DeadlineExceeded
-from planning.search.attempt import Query
+from planning.search.query import Query
 from planning.search.sound import Closeness
 from planning.search.tally import Tally
 from planning.search.task import SearchTask

@@ -11,10 +11,10 @@ import numpy as np
 from jaxtyping import Float64
 
 from planning.domain.roadmap import Roadmap
-from planning.search.attempt import Query
 from planning.search.edges import EdgeChecker
 from planning.search.graph import Graph, Steps, cheapest_ways, measured, traced
 from planning.search.polyline import unrolled
+from planning.search.query import Query
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 

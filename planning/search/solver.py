@@ -12,25 +12,18 @@ from typing import Any
 
 import numpy as np
 
-from planning.domain.car_request import require_directed
 from planning.domain.deadline import Deadline
 from planning.domain.joints import JointGroup, JointLimits
 from planning.domain.path import JointPath
-from planning.domain.report import SearchReport
-from planning.domain.steering import steering_of
+from planning.domain.search_report import SearchReport
 from planning.errors import NoPathFound, ProblemInvalid
-from planning.search.attempt import Query
-from planning.search.car_space import CarSpace
-from planning.search.demands import block_weights, bounded, driven, held_rotations
+from planning.search.demands import driven
 from planning.search.graph import line_graph
 from planning.search.mapped import ask_roadmap, report_of
-from planning.search.objective import Objective
-from planning.search.oracle import CollisionOracle, WatchedOracle
-from planning.search.planners import check_planners
-from planning.search.projected import ProjectedSpace
+from planning.search.oracle import CollisionOracle
+from planning.search.query import Query, query_of
 from planning.search.race import race
 from planning.search.sound import Closeness, SoundPath, delivered, fine_checker, followed
-from planning.search.spaces import SearchSpace
 from planning.search.tally import Tally
 from planning.search.task import SearchResult, SearchTask
 from planning.stopwatch import Stopwatch
@@ -90,7 +83,7 @@ def search(
     """
     _require_sense(group, task)
     group = driven(group, task.options.spaces)
-    query, rows = _query(group, limits, oracle, task, deadline, watch)
+    query, rows = query_of(group, limits, oracle, task, deadline, watch)
     fine = fine_checker(query, task.resolution)
     closeness = Closeness(task.resolution, task.options.num_states, fine, query.objective)
     # Of one attempt the end of the search tells as much.
@@ -120,38 +113,6 @@ def _look(query: Query, closeness: Closeness, task: SearchTask, tally: Tally) ->
         race(query, closeness, task, tally)
 
 
-def _query(
-    group: JointGroup,
-    limits: JointLimits,
-    oracle: CollisionOracle,
-    task: SearchTask,
-    deadline: Deadline,
-    watch: Stopwatch | None,
-) -> tuple[Query, np.ndarray[Any, np.dtype[np.intp]]]:
-    """Return what every attempt needs, and the rows of the goals that are searched for."""
-    options = task.options
-    check_planners(options.planners, options.parameters)
-    require_directed(options.planners, steering_of(group))
-    limits = bounded(group, limits, options.bounds)
-    weights = block_weights(group, options.weights)
-    watched = WatchedOracle(oracle, group, limits, deadline)
-    space = _space(group, limits, task, weights)
-    rows = _admissible_goals(space, watched, task)
-    query = Query(
-        space=space,
-        oracle=watched,
-        start=task.start,
-        goals=task.goals[rows],
-        planner=options.planners[0],
-        parameters=options.parameters,
-        deadline=deadline,
-        watch=watch or Stopwatch(deadline.clock),
-        objective=Objective(options.objective, group, limits, weights, task.clearances),
-        options=options,
-    )
-    return query, rows
-
-
 def _report(
     query: Query, closeness: Closeness, task: SearchTask, tally: Tally, best: SoundPath
 ) -> SearchReport:
@@ -177,23 +138,6 @@ def _report(
         was_canceled=tally.was_canceled,
         roadmap=roadmap,
     )
-
-
-def _space(group: JointGroup, limits: JointLimits, task: SearchTask, weights: Array) -> SearchSpace:
-    anchors = np.concatenate([task.start[None], task.goals])
-    held = held_rotations(group, task.options.spaces)
-    is_car = bool(steering_of(group))
-    if task.residual is None:
-        if is_car:
-            return CarSpace(group, limits, anchors, weights)
-        return SearchSpace(group, limits, anchors, weights, held)
-    if (weights != 1).any() or held or is_car:
-        message = (
-            "search.weights, search.spaces and cars cannot be had with constraints that are "
-            "projected"
-        )
-        raise ProblemInvalid(message, {"field": "search.weights"})
-    return ProjectedSpace(group, limits, anchors, task.residual)
 
 
 def _is_led(query: Query, closeness: Closeness, task: SearchTask, tally: Tally) -> bool:
@@ -239,33 +183,6 @@ def _require_sense(group: JointGroup, task: SearchTask) -> None:
     for field, is_fault in faults.items():
         if is_fault:
             raise ProblemInvalid(f"{field} makes no sense: {_FIELDS[field]}", {"field": field})
-
-
-def _admissible_goals(
-    space: SearchSpace, oracle: WatchedOracle, task: SearchTask
-) -> np.ndarray[Any, np.dtype[np.intp]]:
-    """Return the rows of the goals that can be searched for.
-
-    Raises:
-        NoPathFound: There is none, or the start is inadmissible itself.
-    """
-    evidence = {"planner": ", ".join(task.options.planners), "padding": task.padding}
-    if not (space.contains(task.start) and oracle.is_free(task.start)):
-        message = (
-            "the start is outside the limits or the search's bounds, or nearer to something than "
-            "is demanded"
-        )
-        raise NoPathFound(message, evidence | {"reason": "start"})
-    inside = [row for row, q in enumerate(task.goals) if space.contains(q)]
-    rows = np.array(inside, dtype=np.intp)
-    rows = rows[oracle.are_free(task.goals[rows])] if len(rows) else rows
-    if not len(rows):
-        message = (
-            "every goal is outside the limits or the search's bounds, or turned where the rotation "
-            "is held, or nearer to something than is demanded"
-        )
-        raise NoPathFound(message, evidence | {"reason": "goals", "num_goals": len(task.goals)})
-    return rows
 
 
 def _straight_line(query: Query, closeness: Closeness) -> SoundPath | None:

@@ -11,13 +11,14 @@ import numpy as np
 from jaxtyping import Float64
 
 from planning.domain.value import Value
-from planning.search.attempt import Array, Attempt, Query, attempt
+from planning.search.attempt import Array, Attempt, attempt
 from planning.search.densify import densified
 from planning.search.drive_shortcut import shortened_drive
 from planning.search.driven_edges import DrivenEdges
 from planning.search.edges import EdgeChecker
 from planning.search.objective import Objective
 from planning.search.polyline import path_length, unrolled
+from planning.search.query import Query
 from planning.search.shortcut import shortcut
 
 # How much finer than the search the result is checked, and the halvings that lead there.

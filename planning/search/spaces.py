@@ -2,15 +2,14 @@
 
 Joints of one coordinate and limits are a vector; continuous joints are SO(2), planar joints SE(2),
 or the space of Reeds and Shepp's curves if they are steered, floating joints SE(3); a group that
-mixes them is a compound. OMPL measures a compound by the sum
-of its parts' distances, `Manifold.distance` by the root of their squares: the two agree within the
-square root of the number of parts, and exactly for a group of bounded joints. Where a request
-weighs joints, OMPL's distances are weighted and ours are not: a vector's state is q times the
-weights, other parts are weighted by their compound. A rotation that is held is no part of a state.
+mixes them is a compound. OMPL measures a compound by the sum of its parts' distances,
+`Manifold.distance` by the root of their squares: the two agree within the square root of the number
+of parts, and exactly for a group of bounded joints. Where a request weighs joints, OMPL's distances
+are weighted and ours are not: a vector's state is q times the weights, other parts are weighted by
+their compound. A rotation that is held is no part of a state.
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from operator import itemgetter
 from typing import Any
 
@@ -18,10 +17,11 @@ import numpy as np
 from jaxtyping import Float64
 from ompl import base as ob
 
-from planning.domain.joints import Joint, JointGroup, JointLimits, JointType
-from planning.domain.steering import manifold_of, steering_of
+from planning.domain.joints import JointGroup, JointLimits, JointType
+from planning.domain.steering import manifold_of
 from planning.search.edges import EdgeChecker
 from planning.search.oracle import WatchedOracle
+from planning.search.space_parts import SpacePart, circles, scales_of, space_parts
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
@@ -32,31 +32,7 @@ _SURROUNDINGS = 1.0
 # OMPL wants each range to have a width.
 _LEAST_WIDTH = 1e-9
 
-_SE3_FROM_Q = (4, 5, 6, 1, 2, 3, 0)
 _SAME = 1e-6
-
-
-@dataclass(frozen=True)
-class _Part:
-    """A part of the space.
-
-    Attributes:
-        kind: Revolute for a vector of whatever is measured by numbers.
-        indices: Into q, of its values, in OMPL's order.
-        weights: Of each value of a vector, of a circle, of the shift and the turn of a body.
-        turning_radius: Of a car [m]; 0 of anything else.
-    """
-
-    kind: JointType
-    indices: list[int]
-    weights: list[float]
-    turning_radius: float = 0.0
-
-    @property
-    def weight(self) -> float:
-        """What its distances are weighted by from outside; most weigh their own values."""
-        is_whole = self.turning_radius > 0 or self.kind is JointType.CONTINUOUS
-        return self.weights[0] if is_whole else 1.0
 
 
 class SearchSpace:
@@ -93,16 +69,16 @@ class SearchSpace:
         self._held = list(held)
         self._rest = anchors[0]
         given = np.ones(len(group.blocks)) if weights is None else weights
-        parts = _parts(group, given, self._held)
+        parts = space_parts(group, given, self._held)
         # A circle alone becomes a compound as well: `setup` of SO2StateSpace is not bound.
         is_lone_circle = parts[0].kind is JointType.CONTINUOUS
         self.is_mixed = len(parts) > 1 or is_lone_circle or parts[0].weight != 1
         self._from_q = [i for part in parts for i in part.indices]
-        self._scale = np.array([scale for part in parts for scale in _scales(part)])
+        self._scale = np.array([scale for part in parts for scale in scales_of(part)])
         self.ompl = self._assemble(parts)
         self.ompl.setup()
         self._to_q = [int(i) for i in np.argsort(self._from_q)]
-        self._angles = [i for i, wraps in zip(self._from_q, _circles(parts), strict=True) if wraps]
+        self._angles = [i for i, wraps in zip(self._from_q, circles(parts), strict=True) if wraps]
         self.numbers = self._reader()
 
     def read(self, state: Any) -> Array:
@@ -167,7 +143,7 @@ class SearchSpace:
                 return False
         return bool(((q >= self.lower - 1e-9) & (q <= self.upper + 1e-9)).all())
 
-    def _assemble(self, parts: list[_Part]) -> Any:
+    def _assemble(self, parts: list[SpacePart]) -> Any:
         spaces = [self._sub_space(part) for part in parts]
         if not self.is_mixed:
             return spaces[0]
@@ -177,7 +153,7 @@ class SearchSpace:
         compound.registerDefaultProjection(ob.SubspaceProjectionEvaluator(compound, 0))
         return compound
 
-    def _sub_space(self, part: _Part) -> Any:
+    def _sub_space(self, part: SpacePart) -> Any:
         indices = part.indices
         match part.kind:
             case JointType.CONTINUOUS:
@@ -237,52 +213,3 @@ def _unbounded(group: JointGroup) -> list[int]:
                 pass
         iq += joint.num_positions
     return found
-
-
-def _parts(
-    group: JointGroup, weights: Float64[np.ndarray, " num_blocks"], held: Sequence[int]
-) -> list[_Part]:
-    """Return each part; a body whose rotation is held is three, or two, numbers of the vector."""
-    vector, others = _Part(JointType.REVOLUTE, [], []), list[_Part]()
-    iq = 0
-    remaining = iter(weights.tolist())
-    for joint in group.joints:
-        own = {name: next(remaining) for name, _ in joint.blocks}
-        indices = _value_order(joint, iq)
-        shift = own.get(f"{joint.name}.linear", 1.0)
-        if joint.type in {JointType.REVOLUTE, JointType.PRISMATIC}:
-            vector.indices.append(iq)
-            vector.weights.append(own[joint.name])
-        elif not set(indices).isdisjoint(held):
-            moving = [i for i in indices if i not in held]
-            vector.indices.extend(moving)
-            vector.weights.extend([shift] * len(moving))
-        else:
-            turn = own.get(f"{joint.name}.angular", 1.0)
-            is_circle = joint.type is JointType.CONTINUOUS
-            scales = [own[joint.name]] if is_circle else [shift, turn]
-            car = steering_of(group).get(joint.name)
-            others.append(
-                _Part(joint.type, indices, scales, 0.0 if car is None else car.turning_radius)
-            )
-        iq += joint.num_positions
-    return ([vector] if vector.indices else []) + others
-
-
-def _value_order(joint: Joint, iq: int) -> list[int]:
-    if joint.type is JointType.FLOATING:
-        return [iq + k for k in _SE3_FROM_Q]
-    return list(range(iq, iq + joint.num_positions))
-
-
-def _scales(part: _Part) -> list[float]:
-    is_vector = part.kind is JointType.REVOLUTE
-    return part.weights if is_vector else [1.0] * len(part.indices)
-
-
-def _circles(parts: list[_Part]) -> list[bool]:
-    flags: list[bool] = []
-    for part in parts:
-        wraps = {JointType.CONTINUOUS: [True], JointType.PLANAR: [False, False, True]}
-        flags += wraps.get(part.kind, [False] * len(part.indices))
-    return flags

@@ -6,8 +6,9 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from planning.domain.planner_graph import PlannerGraph
-from planning.domain.report import AttemptReport, RoadmapReport
-from planning.search.attempt import Attempt, Query
+from planning.domain.search_report import AttemptReport, RoadmapReport
+from planning.search.attempt import Attempt
+from planning.search.query import Query
 from planning.search.sound import SoundPath, Trial
 
 _MOST_LOGGED = 100

@@ -11,8 +11,8 @@ from planning.domain.options import SearchOptions
 from planning.domain.path import JointPath
 from planning.domain.planner_graph import PlannerGraph
 from planning.domain.pool import AttemptPool
-from planning.domain.report import AttemptReport, SearchReport
 from planning.domain.roadmap import Roadmap
+from planning.domain.search_report import AttemptReport, SearchReport
 from planning.domain.value import Value
 from planning.search.projected import Residual
 

@@ -13,8 +13,8 @@ import numpy as np
 from planning.domain.pool import AttemptPool
 from planning.domain.value import Value
 from planning.errors import Canceled, DeadlineExceeded, WayproofError
-from planning.search.attempt import Query
 from planning.search.planners import own_parameters
+from planning.search.query import Query
 from planning.search.sound import Closeness, Trial, sound_attempt
 from planning.search.tally import Tally
 

@@ -1,64 +1,32 @@
 """Build a scene in Drake."""
 
 import logging
-from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from pydrake.geometry import (
-    CollisionFilterDeclaration,
-    GeometryId,
-    GeometrySet,
-)
 from pydrake.math import RigidTransform
-from pydrake.multibody.plant import CoulombFriction, MultibodyPlant
-from pydrake.multibody.tree import (
-    BodyIndex,
-    FixedOffsetFrame,
-    Frame,
-    ModelInstanceIndex,
-    QuaternionFloatingJoint,
-    SpatialInertia,
-)
+from pydrake.multibody.plant import CoulombFriction
+from pydrake.multibody.tree import FixedOffsetFrame, QuaternionFloatingJoint, SpatialInertia
 from pydrake.planning import RobotDiagramBuilder
 
 from planning.domain.pose import Pose
 from planning.domain.scene import Scene, SceneFrame, SceneObject, SceneRobot
 from planning.errors import ModelInvalid, SceneInvalid, UnknownName
+from planning.world.collision_filters import allow_collisions, allow_touch
 from planning.world.couplings import couplings, joint_indices
 from planning.world.drake_model import DrakeModel
-from planning.world.holding import may_touch, require_owners
+from planning.world.holding import require_owners
 from planning.world.mass import spatial_inertia
-from planning.world.model_file import ModelFile, inspect_model
+from planning.world.model_file import inspect_model
 from planning.world.model_library import ModelLibrary, RobotSource
+from planning.world.scene_build import Build, LoadedRobot, refuse_second
 from planning.world.shapes import drake_shape
 
 # Drake warns of every URDF tag that it leaves to us (mimic, floating, transmissions).
 logging.getLogger("drake").setLevel(logging.ERROR)
 
 DEFAULT_COLOR = np.array([0.72, 0.62, 0.48, 1.0])
-
-
-@dataclass(frozen=True)
-class LoadedRobot:
-    """A robot of the scene with its files and Drake's name for it."""
-
-    scene_robot: SceneRobot
-    source: RobotSource
-    file: ModelFile
-    instance: ModelInstanceIndex
-
-
-@dataclass
-class _Build:
-    """What grows while the scene is built."""
-
-    builder: Any
-    plant: MultibodyPlant
-    robots: list[LoadedRobot] = field(default_factory=list)
-    bodies: dict[str, BodyIndex] = field(default_factory=dict)
-    frames: dict[str, Frame] = field(default_factory=dict)
 
 
 def build_diagram(
@@ -79,20 +47,20 @@ def build_diagram(
         UnknownName: A robot, parent frame or body does not exist.
     """
     builder: Any = RobotDiagramBuilder(time_step=time_step)
-    build = _Build(builder, builder.plant())
+    build = Build(builder, builder.plant())
     build.frames["world"] = build.plant.world_frame()
     build.bodies["world"] = build.plant.world_body().index()
     for i, robot in enumerate(scene.robots):
-        _refuse_second(build, robot.name, f"robots.{i}.name")
+        refuse_second(build, robot.name, f"robots.{i}.name")
         _add_robot(build, robot, library.find(robot.model))
     for i, thing in enumerate(scene.objects):
-        _refuse_second(build, thing.name, f"objects.{i}.name")
+        refuse_second(build, thing.name, f"objects.{i}.name")
         _add_object(build, thing, f"objects.{i}.shape")
     _add_frames(build, scene.frames)
     owners = _attach(build, scene)
     build.plant.Finalize()
-    _allow_collisions(build, scene)
-    _allow_touch(build, scene)
+    allow_collisions(build, scene)
+    allow_touch(build, scene)
     scene_graph = builder.scene_graph()
     indices = joint_indices(build.plant, build.bodies)
     model = DrakeModel(
@@ -114,14 +82,7 @@ def build_diagram(
     return model, tuple(build.robots)
 
 
-def _refuse_second(build: _Build, name: str, path: str) -> None:
-    taken = name in build.bodies or name in build.frames
-    if taken or any(robot.scene_robot.name == name for robot in build.robots):
-        message = f"{path}: the name {name!r} is taken; robots, objects and frames share names"
-        raise SceneInvalid(message, {"path": path, "name": name})
-
-
-def _add_robot(build: _Build, robot: SceneRobot, source: RobotSource) -> None:
+def _add_robot(build: Build, robot: SceneRobot, source: RobotSource) -> None:
     file = inspect_model(source.file)
     parser = build.builder.parser()
     parser.SetAutoRenaming(value=True)
@@ -159,7 +120,7 @@ def _format_of(file: Path) -> str:
     return {".urdf": "urdf", ".sdf": "sdf", ".xml": "xml"}[file.suffix.lower()]
 
 
-def _weld_base(build: _Build, loaded: LoadedRobot) -> None:
+def _weld_base(build: Build, loaded: LoadedRobot) -> None:
     card = loaded.source.card
     link = card.base if card else loaded.file.root_link
     base = build.bodies.get(f"{loaded.scene_robot.name}::{link}")
@@ -175,7 +136,7 @@ def _weld_base(build: _Build, loaded: LoadedRobot) -> None:
         build.plant.WeldFrames(build.plant.world_frame(), body.body_frame(), x_wb)
 
 
-def _add_object(build: _Build, thing: SceneObject, path: str) -> None:
+def _add_object(build: Build, thing: SceneObject, path: str) -> None:
     try:
         shape, x_og = drake_shape(thing.shape)
         instance = build.plant.AddModelInstance(thing.name)
@@ -197,10 +158,10 @@ def _add_object(build: _Build, thing: SceneObject, path: str) -> None:
     build.frames[thing.name] = body.body_frame()
 
 
-def _add_frames(build: _Build, frames: tuple[SceneFrame, ...]) -> None:
+def _add_frames(build: Build, frames: tuple[SceneFrame, ...]) -> None:
     """Add frames in an order in which every parent comes first, whatever their own order."""
     for i, frame in enumerate(frames):
-        _refuse_second(build, frame.name, f"frames.{i}.name")
+        refuse_second(build, frame.name, f"frames.{i}.name")
         if any(other.name == frame.name for other in frames[:i]):
             message = f"frames.{i}.name: the name {frame.name!r} is taken by another frame"
             raise SceneInvalid(message, {"path": f"frames.{i}.name", "name": frame.name})
@@ -218,7 +179,7 @@ def _add_frames(build: _Build, frames: tuple[SceneFrame, ...]) -> None:
             pending.remove(frame)
 
 
-def _attach(build: _Build, scene: Scene) -> dict[str, str]:
+def _attach(build: Build, scene: Scene) -> dict[str, str]:
     """Weld every attached object to its frame and return the robots that hold them."""
     owners = require_owners(scene, build.frames)
     for thing in scene.objects:
@@ -228,9 +189,7 @@ def _attach(build: _Build, scene: Scene) -> dict[str, str]:
     return owners
 
 
-def _refuse_orphan(
-    build: _Build, pending: list[SceneFrame], frames: tuple[SceneFrame, ...]
-) -> None:
+def _refuse_orphan(build: Build, pending: list[SceneFrame], frames: tuple[SceneFrame, ...]) -> None:
     names = [frame.name for frame in pending]
     for frame in pending:
         if frame.parent not in names:
@@ -239,57 +198,6 @@ def _refuse_orphan(
             raise SceneInvalid(f"{path}: {fault.detail}", {"path": path, **fault.evidence})
     message = f"frames hang on one another in a circle: {names}"
     raise SceneInvalid(message, {"path": "frames", "frames": names})
-
-
-def _allow_collisions(build: _Build, scene: Scene) -> None:
-    pairs = [(f"allowed_collisions.{i}", pair) for i, pair in enumerate(scene.allowed_collisions)]
-    for robot in build.robots:
-        prefix = robot.scene_robot.name
-        card = robot.source.card
-        own = [(a, b) for a, b in card.allowed_collisions] if card else robot.file.disabled_pairs
-        pairs += [("", (f"{prefix}::{a}", f"{prefix}::{b}")) for a, b in own]
-    for path, pair in pairs:
-        unknown = [name for name in pair if name not in build.bodies]
-        if unknown and path:
-            fault = UnknownName.among("body", unknown[0], build.bodies)
-            raise SceneInvalid(f"{path}: {fault.detail}", {"path": path, **fault.evidence})
-        if not unknown:
-            _exclude(build, pair)
-
-
-def _allow_touch(build: _Build, scene: Scene) -> None:
-    """Let attached objects touch what they may, by their own list or by default."""
-    arm = [
-        joint
-        for robot in build.robots
-        if (card := robot.source.card) is not None
-        for joint in card.groups[card.default_group].joints
-    ]
-    names = {index: name for name, index in build.bodies.items()}
-    for i, thing in enumerate(scene.objects):
-        if thing.attached is None:
-            continue
-        touch = thing.attached.touch
-        if touch is None:
-            found = may_touch(build.plant, build.frames[thing.attached.frame], arm)
-            touch = tuple(names[index] for index in found if index in names)
-        for k, name in enumerate(touch):
-            if name not in build.bodies:
-                fault = UnknownName.among("body", name, build.bodies)
-                path = f"objects.{i}.attached.touch.{k}"
-                raise SceneInvalid(f"{path}: {fault.detail}", {"path": path, **fault.evidence})
-            if name != thing.name:
-                _exclude(build, (name, thing.name))
-
-
-def _exclude(build: _Build, pair: tuple[str, str]) -> None:
-    sets: list[GeometrySet] = []
-    for name in pair:
-        body = build.plant.get_body(build.bodies[name])
-        ids: list[GeometryId] = list(build.plant.GetCollisionGeometriesForBody(body))
-        sets.append(GeometrySet(ids))
-    filters = build.builder.scene_graph().collision_filter_manager()
-    filters.Apply(CollisionFilterDeclaration().ExcludeBetween(*sets))
 
 
 def pose_of(transform: RigidTransform) -> Pose:

@@ -3,8 +3,8 @@
 from planning.domain.pose import Pose
 from planning.domain.scene import Scene, SceneRobot
 from planning.domain.summary import RobotSummary
+from planning.world.loading import load_world
 from planning.world.model_library import ModelLibrary
-from planning.world.world import load_world
 
 
 def list_models(library: ModelLibrary) -> tuple[str, ...]:

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float64
 
-from planning.domain.report import BodyPair
+from planning.domain.body_pair import BodyPair
 from planning.domain.value import Value
 from planning.errors import ProblemInvalid
 from planning.world.positions import require_positions

@@ -10,9 +10,9 @@ from pydrake.planning import CollisionCheckerParams, SceneGraphCollisionChecker
 from pydrake.systems.framework import Context
 
 from planning.domain import motion_samples
+from planning.domain.body_pair import BodyPair
 from planning.domain.joints import JointGroup
 from planning.domain.manifold import Manifold
-from planning.domain.report import BodyPair
 from planning.world.drake_model import DrakeModel
 from planning.world.margins import PairMargins
 

@@ -15,9 +15,9 @@ from pydrake.multibody.tree import (
 from planning.domain.joints import Joint, JointGroup, JointLimits, JointType
 from planning.domain.steering import Steering, steered
 from planning.errors import ModelInvalid, UnknownName
-from planning.world.builder import LoadedRobot
 from planning.world.drake_model import DrakeModel
 from planning.world.robot_card import EffortCard, LimitsCard
+from planning.world.scene_build import LoadedRobot
 from planning.world.srdf import read_srdf_groups
 
 # Where nobody states them: half a second to full speed, a tenth of a second to full acceleration.

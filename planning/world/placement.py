@@ -8,10 +8,10 @@ import numpy as np
 from planning.domain.joints import JointGroup
 from planning.domain.scene import NamedConfiguration, Scene, SceneRobot
 from planning.errors import ProblemInvalid, SceneInvalid, UnknownName
-from planning.world.builder import LoadedRobot
 from planning.world.drake_model import DrakeModel
 from planning.world.groups import RobotGroups, group_limits
 from planning.world.positions import require_positions
+from planning.world.scene_build import LoadedRobot
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 type Configurations = dict[str, dict[str, Array]]

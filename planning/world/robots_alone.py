@@ -8,8 +8,9 @@ import numpy as np
 from planning.domain.pose import Pose
 from planning.domain.scene import Scene, SceneRobot
 from planning.world.groups import RobotGroups
+from planning.world.loading import load_world
 from planning.world.model_library import ModelLibrary
-from planning.world.world import World, load_world
+from planning.world.world import World
 
 type Positions = str | dict[str, float | tuple[float, ...]] | tuple[float, ...]
 

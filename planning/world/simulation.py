@@ -17,9 +17,9 @@ from pydrake.multibody.plant import PointPairContactInfo
 from pydrake.multibody.tree import MultibodyForces
 from pydrake.systems.analysis import Simulator
 
+from planning.domain.body_pair import BodyPair
 from planning.domain.joints import JointGroup, JointLimits
 from planning.domain.manifold import Manifold
-from planning.domain.report import BodyPair
 from planning.errors import ModelInvalid, TrackingLost
 from planning.world.world import World
 

@@ -6,22 +6,22 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float64
 
+from planning.domain.body_pair import BodyPair
 from planning.domain.joints import JointGroup, JointLimits
 from planning.domain.pose import Pose
-from planning.domain.report import BodyPair
 from planning.domain.scene import Scene
 from planning.domain.summary import GroupSummary, SceneSummary
-from planning.errors import SceneInvalid, UnknownName
-from planning.world.builder import LoadedRobot, build_diagram, pose_of
+from planning.errors import UnknownName
+from planning.world.builder import pose_of
 from planning.world.collision import DistanceProbe, DrakeCollisionOracle, bare_checker
 from planning.world.drake_model import DrakeModel
 from planning.world.groups import RobotGroups, group_limits, robot_groups
 from planning.world.kernel_oracle import KernelCollisionOracle
 from planning.world.kernel_scene import kernel_scene_of
-from planning.world.kernel_tree import kernel_chain
 from planning.world.margins import PairMargins
 from planning.world.model_library import ModelLibrary
 from planning.world.placement import named_configurations, placed_state
+from planning.world.scene_build import LoadedRobot
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 type CollisionJudge = DrakeCollisionOracle | KernelCollisionOracle
@@ -231,36 +231,3 @@ class World:
 
 def _key_of(group: JointGroup) -> tuple[str, ...]:
     return tuple(joint.name for joint in group.joints)
-
-
-def load_world(scene: Scene, library: ModelLibrary | None = None, *, kernel: bool = True) -> World:
-    """Load a scene into Drake.
-
-    Args:
-        scene: What to load.
-        library: Where robots are found; None for those that come with Wayproof.
-        kernel: Whether the native kernel may answer where it is sure; the answers are Drake's
-            either way.
-
-    Raises:
-        SceneInvalid: A name in the scene is wrong; evidence has its `path`.
-        AssetNotFound: A file is not there.
-        ModelInvalid: A robot's description is unsafe or does not load.
-        UnknownName: There is no such robot.
-    """
-    chosen = library or ModelLibrary.bundled()
-    drake, robots = build_diagram(scene, chosen, kernel=kernel)
-    world = World(scene, chosen, drake, robots)
-    for group in world.groups:
-        # Now, rather than in the first plan.
-        world.limits(group)
-        world.collision_oracle(group, world.margins())
-        if group.tool_frames:
-            kernel_chain(drake, group, world.state, group.tool_frames[0])
-    for i, entry in enumerate(scene.margins):
-        for body in entry.bodies:
-            if body not in drake.bodies:
-                fault = UnknownName.among("body", body, drake.bodies)
-                path = f"margins.{i}.bodies"
-                raise SceneInvalid(f"{path}: {fault.detail}", {"path": path, **fault.evidence})
-    return world

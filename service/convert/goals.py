@@ -40,16 +40,10 @@ from service.schemas.goal import (
     RegionGoalWire,
     RelativeGoalWire,
 )
-from service.schemas.plan import (
-    CarWire,
-    CertifyWire,
-    IkWire,
-    PlanRequest,
-    RetimeWire,
-    RoadmapWire,
-    SearchWire,
-)
+from service.schemas.ik import IkWire
+from service.schemas.plan import CertifyWire, PlanRequest, RetimeWire
 from service.schemas.pose import PoseWire
+from service.schemas.search import CarWire, RoadmapWire, SearchWire
 
 
 def pose_value(pose: PoseWire) -> Pose:

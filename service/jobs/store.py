@@ -4,7 +4,6 @@ Every writing transaction begins with an update or insert, which locks what it c
 is decided on what another has changed meanwhile; the statements are the same on every database.
 """
 
-import secrets
 import threading
 from collections.abc import Generator, Mapping, Sequence
 from contextlib import contextmanager
@@ -15,8 +14,9 @@ from sqlalchemy import Connection, Engine, insert, select, update
 from planning.errors import Canceled, WayproofError
 from service.events.bus import Stretch
 from service.jobs import reading
-from service.jobs.database import open_engine, set_durability
-from service.jobs.errors import IdempotencyConflict, UnknownJob
+from service.jobs.database import set_durability
+from service.jobs.enrolling import job_by_key, queued_row
+from service.jobs.errors import UnknownJob
 from service.jobs.json_text import Encoded
 from service.jobs.moving import Moved, log, move
 from service.jobs.outcome import failure_of
@@ -24,19 +24,6 @@ from service.jobs.reading import decoded, now
 from service.jobs.records import Job, JobSpec, LoggedEvent, bodies, jobs, metadata
 from service.jobs.states import JobEvent, JobState
 
-__all__ = ["JobStore", "open_engine"]
-
-_COPIED = (
-    "lane",
-    "task",
-    "scene",
-    "warm_key",
-    "priority",
-    "allowed",
-    "max_attempts",
-    "key",
-    "request_digest",
-)
 _STRETCH = 500
 
 
@@ -81,19 +68,9 @@ class JobStore:
             IdempotencyConflict: The key was used for another request.
             TypeError: The payload is not JSON-compatible.
         """
-        row: dict[str, Any] = {
-            **{name: getattr(spec, name) for name in _COPIED},
-            "id": f"{spec.prefix}_{secrets.token_hex(10)}",
-            "attempts": 0,
-            "state": JobState.QUEUED.value,
-            "stage": "",
-            "progress": 0.0,
-            "is_cancel_requested": False,
-            "num_events": 1,
-            "created_at": now(),
-        }
+        row = queued_row(spec)
         with self.transaction(is_durable=True) as connection:
-            known = self._by_key(connection, spec)
+            known = job_by_key(connection, spec)
             if known is not None:
                 return known, False
             connection.execute(insert(jobs).values(row))
@@ -109,7 +86,7 @@ class JobStore:
         """
         spec = JobSpec(lane, "", {}, key=key, request_digest=request_digest)
         with self._engine.connect() as connection:
-            return self._by_key(connection, spec)
+            return job_by_key(connection, spec)
 
     def get(self, identifier: str) -> Job:
         """Return a job.
@@ -262,14 +239,3 @@ class JobStore:
         if not found:
             raise UnknownJob.of(identifier)
         return found[0]
-
-    def _by_key(self, connection: Connection, spec: JobSpec) -> Job | None:
-        if spec.key is None:
-            return None
-        named = (jobs.c.lane == spec.lane) & (jobs.c.key == spec.key)
-        found = reading.jobs_where(connection, named)
-        if found and found[0].request_digest != spec.request_digest:
-            known = found[0].id
-            message = f"the idempotency key {spec.key!r} was used for another request: {known}"
-            raise IdempotencyConflict(message, {"key": spec.key, "job": known})
-        return found[0] if found else None

@@ -19,7 +19,8 @@ from service.scenes.preflight import (
 )
 from service.scenes.shelf import SceneShelf
 from service.scenes.timing import require_motion_limits
-from service.schemas.plan import CarWire, PlanRequest, SearchWire
+from service.schemas.plan import PlanRequest
+from service.schemas.search import CarWire, SearchWire
 
 TASK = "service.tasks.plan:plan_motion"
 

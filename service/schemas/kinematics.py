@@ -5,12 +5,12 @@ from typing import Annotated, Literal
 from pydantic import ConfigDict, Field, Strict
 
 from service.schemas.constraint import ConstraintWire
+from service.schemas.funnel import IkFunnelWire
 from service.schemas.goal import PoseGoalWire, RegionGoalWire, RelativeGoalWire
+from service.schemas.ik import IkWire
 from service.schemas.numbers import WHOLE, NonNegative, Positions, Real
-from service.schemas.plan import IkWire
 from service.schemas.pose import PoseWire
 from service.schemas.problem import Failure
-from service.schemas.report import IkFunnelWire
 from service.schemas.wire import Answer, Name, Wire
 
 

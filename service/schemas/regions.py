@@ -7,8 +7,8 @@ from pydantic import ConfigDict, Field, Strict
 
 from service.schemas.job import JobState
 from service.schemas.numbers import WHOLE, NonNegative, Real
-from service.schemas.plan import Interval
 from service.schemas.problem import Failure
+from service.schemas.search import Interval
 from service.schemas.wire import Answer, Name, Wire
 
 

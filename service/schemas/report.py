@@ -1,86 +1,10 @@
 """What every stage of a plan says about its work."""
 
-from typing import Literal
-
 from pydantic import Field
 
+from service.schemas.funnel import FunnelWire
+from service.schemas.search_report import SearchReportWire
 from service.schemas.wire import Answer
-
-
-class PairTallyWire(Answer):
-    """How often two bodies were the deepest collision of a rejected configuration."""
-
-    bodies: tuple[str, str] = Field(description="Full names")
-    count: int = Field(description="Rejected configurations")
-    min_depth: float = Field(description="Smallest depth among them [m]")
-    max_depth: float = Field(description="Largest depth among them [m]")
-
-
-class LegTallyWire(Answer):
-    """How often one thing stopped the approach or retreat of a configuration."""
-
-    leg: str = Field(description="`approach` or `retreat`")
-    reason: str = Field(description="`limit`, `singularity`, `collision` or `unreachable`")
-    where: str = Field(description="The pair of bodies or the joint, or empty")
-    count: int = Field(description="Configurations")
-    max_fraction: float = Field(
-        description="The most of the line that was free, seen from the goal [1]"
-    )
-
-
-class FunnelWire(Answer):
-    """How many IK samples survived what; every number is at most the one before it."""
-
-    tried: int = Field(description="Seeds given to the solver")
-    converged: int = Field(description="Reached the target within tolerance")
-    within_limits: int = Field(description="Kept the joint limits")
-    collision_free: int = Field(description="Touch nothing")
-    approach_ok: int = Field(
-        default=0,
-        description="Have a free, continuous approach and retreat; all of them if none is asked",
-    )
-    distinct: int = Field(description="Differ from all others")
-    rejected_by: list[PairTallyWire] = Field(
-        description="Which pairs the colliding ones hit, of the first few that were measured"
-    )
-    blocked_by: list[LegTallyWire] = Field(
-        default=[], description="What stopped approaches and retreats, most frequent first"
-    )
-    violating: int = Field(
-        default=0,
-        description="Goal configurations, whole turns included, that were dropped because they or "
-        "their lines violate a path constraint",
-    )
-    breaking: int = Field(
-        default=0, description="Of the collision-free samples, those that violate a path constraint"
-    )
-
-
-class RejectionWire(Answer):
-    """Why some samples are no goal configurations."""
-
-    reason: Literal[
-        "not_converged",
-        "outside_limits",
-        "collision",
-        "path_constraint",
-        "approach",
-        "duplicate",
-    ] = Field(description="What is wrong with them")
-    count: int = Field(description="How many; with `distinct` the counts add up to `tried`")
-    share: float = Field(description="Of `tried`, 0 to 1")
-    bodies: tuple[str, str] | None = Field(
-        description="For `collision`, what they hit deepest; null for those that time was short for"
-    )
-    min_depth: float | None = Field(description="Smallest depth among them [m]")
-    max_depth: float | None = Field(description="Largest depth among them [m]")
-
-
-class IkFunnelWire(FunnelWire):
-    """The same, with the reason of every rejected sample."""
-
-    rejected: list[RejectionWire] = Field(description="Why the others are no solutions")
-    summary: str = Field(description="The same as a sentence")
 
 
 class GoalsReportWire(Answer):
@@ -88,87 +12,6 @@ class GoalsReportWire(Answer):
 
     num_configurations: int = Field(description="Goal configurations that were offered to search")
     funnel: FunnelWire = Field(description="How many samples survived what")
-
-
-class AttemptReportWire(Answer):
-    """What one attempt at a solution came to."""
-
-    planner: str = Field(description="OMPL's name")
-    outcome: str = Field(description="`solved`, `collides` (on a closer look), or how it ended")
-    raw_length: float = Field(description="Of its solution, before shortcutting [rad or m]")
-    length: float = Field(description="And after it [rad or m]")
-    cost: float = Field(description="By the objective, in its unit")
-    num_states_checked: int = Field(description="Configurations checked for collision")
-
-
-class RegionsReportWire(Answer):
-    """What regions were good for in a search."""
-
-    digest: str = Field(description="Of the regions: with the same ones the plan is repeatable")
-    num_regions: int = Field(description="How many there are")
-    considered: list[int] = Field(description="Places of those that the path was looked for in")
-    is_inside: bool = Field(description="Whether the path came from them")
-    fallback: str = Field(description="Why it did not, or empty")
-
-
-class RoadmapReportWire(Answer):
-    """What a roadmap did; the same whether it was built for this plan or there already."""
-
-    digest: str = Field(description="sha256 of its content")
-    num_states: int = Field(description="Its configurations")
-    num_edges: int = Field(description="Free ways between them")
-    num_states_checked: int = Field(
-        description="Configurations checked for collision to build it, whenever that was"
-    )
-    used: bool = Field(description="Whether the path that was kept is one of its")
-    reason: Literal[
-        "",
-        "straight_line",
-        "start_not_joined",
-        "goal_not_joined",
-        "no_way",
-        "blocked",
-        "not_proven",
-    ] = Field(
-        description="Why not: a straight line is better, no free way leads from the start or to a "
-        "goal, none through it, its path is blocked on a closer look, or was not proven; or empty"
-    )
-
-
-class SearchReportWire(Answer):
-    """What the search stage did; lengths are in joint space [rad or m]."""
-
-    planner: str = Field(
-        description="OMPL's name; of several, whose solution was kept; `roadmap` for a roadmap's"
-    )
-    attempts: int = Field(description="Solutions asked for")
-    solved: int = Field(description="Exact solutions found")
-    num_states_checked: int = Field(description="Configurations checked for collision")
-    num_motions_checked: int = Field(description="Edges checked")
-    raw_length: float = Field(description="Of the kept solution, before shortcutting [rad or m]")
-    length: float = Field(description="And after it [rad or m]")
-    num_waypoints: int = Field(description="Of the delivered path")
-    resolution: float = Field(description="At which edges were checked [rad or m]")
-    padding: float = Field(description="Distance that was demanded beyond the margin [m]")
-    direct: bool = Field(
-        default=False, description="Whether the straight line was free, so that nobody searched"
-    )
-    objective: str = Field(default="length", description="By what solutions were compared")
-    cost: float = Field(
-        default=0.0,
-        description="Of the kept solution: a length [rad or m], a duration [s], or, for clearance, "
-        "length over distance",
-    )
-    attempts_log: list[AttemptReportWire] = Field(
-        default=[], description="One entry per attempt, the first hundred"
-    )
-    was_canceled: bool = Field(default=False, description="Whether a cancel ended the search early")
-    regions: RegionsReportWire | None = Field(
-        default=None, description="What regions were good for, if the planner is GCS"
-    )
-    roadmap: RoadmapReportWire | None = Field(
-        default=None, description="What a roadmap did, if one was asked for"
-    )
 
 
 class RefineReportWire(Answer):

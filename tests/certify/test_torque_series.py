@@ -6,7 +6,8 @@ from hypothesis import strategies as st
 from pydrake.multibody.tree import MultibodyForces
 
 from planning.certify.links import links_of
-from planning.certify.torque_series import TERMS, torque_series
+from planning.certify.torque_recursion import TERMS
+from planning.certify.torque_series import torque_series
 from planning.domain.curve import TimedTrajectory
 from planning.domain.joints import JointType
 from planning.world.margins import PairMargins

@@ -6,9 +6,9 @@ from dataclasses import dataclass, field
 import numpy as np
 import pytest
 
+from planning.domain.body_pair import BodyPair
 from planning.domain.curve import TimedTrajectory
 from planning.domain.joints import Joint, JointLimits, JointType
-from planning.domain.report import BodyPair
 from planning.execute.driver import Measurement, Setpoint
 from planning.execute.execution import Execution
 

@@ -11,9 +11,9 @@ import pytest
 import planning
 from planning.domain.deadline import Deadline
 from planning.domain.goal import PoseGoal, PoseTarget
+from planning.domain.goal_configurations import GoalConfigurations
 from planning.domain.options import IkOptions
 from planning.domain.pose import Pose
-from planning.domain.report import GoalConfigurations
 from planning.goals.sampler import GoalQuery, find_goals
 from planning.kernel.native import native
 from planning.world.world import World

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from planning.domain.goal import PoseGoal
+from planning.domain.goal_configurations import GoalConfigurations
 from planning.domain.options import IkOptions
 from planning.domain.pose import Pose
-from planning.domain.report import GoalConfigurations
 from planning.errors import ApproachBlocked
 from planning.world.world import World
 from tests.goals.conftest import ENGINES, ask, at, world_by

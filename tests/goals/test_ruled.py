@@ -19,9 +19,9 @@ from planning.domain.constraint import (
 from planning.domain.deadline import Deadline
 from planning.domain.funnel import Funnel, rejections
 from planning.domain.goal import PoseGoal, PoseTarget, RegionGoal
+from planning.domain.goal_configurations import GoalConfigurations
 from planning.domain.options import IkOptions
 from planning.domain.pose import Pose
-from planning.domain.report import GoalConfigurations
 from planning.errors import GoalInCollision, GoalViolatesConstraint
 from planning.world.world import World
 from tests.goals.conftest import ENGINES, EXACT, at, world_by

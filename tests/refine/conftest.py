@@ -15,8 +15,9 @@ from planning.domain.path import JointPath
 from planning.domain.report import RefineReport
 from planning.refine.refiner import refine
 from planning.refine.request import RefineRequest
+from planning.world.loading import load_world
 from planning.world.scene_file import parse_scene
-from planning.world.world import World, load_world
+from planning.world.world import World
 
 PUCK = """<robot name="puck">
   <link name="base"/>

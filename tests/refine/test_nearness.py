@@ -8,7 +8,8 @@ import pytest
 from planning.domain.joints import JointGroup
 from planning.refine.buffers import Buffers
 from planning.refine.nearness import Nearness, nearness_of
-from planning.world.world import World, load_world
+from planning.world.loading import load_world
+from planning.world.world import World
 
 REACH = 0.15
 BOTH = pytest.mark.parametrize("kernel", [True, False])

@@ -23,7 +23,7 @@ from planning.refine.request import RefineRequest
 from planning.refine.soft_rows import solver_name
 from planning.retime.blend import blend_corners
 from planning.retime.retimer import retime
-from planning.world.world import load_world
+from planning.world.loading import load_world
 
 FINE = np.linspace(0, 1, 400)
 
@@ -33,7 +33,7 @@ from planning.domain.deadline import Deadline
 from planning.domain.value import digest
 from planning.refine.refiner import refine
 from planning.refine.request import RefineRequest
-from planning.world.world import load_world
+from planning.world.loading import load_world
 scene, request = pickle.load(open(sys.argv[1], "rb"))
 curve, report = refine(load_world(scene), request, Deadline.after(60.0, time.monotonic))
 print(digest((curve, report)))

@@ -10,10 +10,11 @@ import pytest
 
 from planning.domain.curve import JointSpline, TimedTrajectory
 from planning.world import replay
+from planning.world.loading import load_world
 from planning.world.model_library import bundled_folder
 from planning.world.replay import replay_html
 from planning.world.scene_file import parse_scene
-from planning.world.world import World, load_world
+from planning.world.world import World
 
 
 def listening() -> set[str]:

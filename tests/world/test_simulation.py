@@ -12,10 +12,11 @@ from planning.errors import Contact, ModelInvalid, TrackingLost
 from planning.execute.driver import SimulatedDriver
 from planning.execute.execution import Execution
 from planning.execute.runner import Runner
+from planning.world.loading import load_world
 from planning.world.model_library import bundled_folder
 from planning.world.scene_file import parse_scene
 from planning.world.simulation import Simulation
-from planning.world.world import World, load_world
+from planning.world.world import World
 
 # A point-like mass of 2 kg on a massless rod of 0.5 m, and one of 3 kg on a vertical slide.
 PENDULUM = """<robot name="p"><link name="base"/><link name="bob"><inertial>

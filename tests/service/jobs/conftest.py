@@ -4,13 +4,14 @@ from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from pathlib import Path
 
+from service.jobs.database import open_engine
 from service.jobs.dispatcher import Dispatcher
 from service.jobs.inline_slot import InlineSlot
 from service.jobs.lane import Lane
 from service.jobs.ownership import Ownership
 from service.jobs.records import JobSpec
 from service.jobs.slot import ProcessSlot, Slot
-from service.jobs.store import JobStore, open_engine
+from service.jobs.store import JobStore
 
 TASKS = "tests.service.jobs.fake_tasks"
 

@@ -14,13 +14,14 @@ import pytest
 from sqlalchemy.dialects import postgresql
 from sqlalchemy.schema import CreateTable
 
+from service.jobs.database import open_engine
 from service.jobs.dispatcher import Dispatcher
 from service.jobs.errors import DatabaseInUse, IdempotencyConflict
 from service.jobs.lane import Lane
 from service.jobs.ownership import Ownership
 from service.jobs.records import metadata
 from service.jobs.slot import ProcessSlot
-from service.jobs.store import JobStore, open_engine
+from service.jobs.store import JobStore
 from tests.service.jobs.conftest import TASKS, spec
 
 

@@ -12,9 +12,10 @@ from pathlib import Path
 import pytest
 
 from planning.errors import Canceled
+from service.jobs.database import open_engine
 from service.jobs.errors import DatabaseInUse
 from service.jobs.ownership import Ownership
-from service.jobs.store import JobStore, open_engine
+from service.jobs.store import JobStore
 from tests.service.jobs.conftest import running, spec
 from tests.service.jobs.test_slot import is_alive
 

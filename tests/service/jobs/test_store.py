@@ -9,11 +9,12 @@ from hypothesis import strategies as st
 from hypothesis.stateful import Bundle, RuleBasedStateMachine, invariant, rule
 
 from planning.errors import Canceled, NoPathFound
+from service.jobs.database import open_engine
 from service.jobs.errors import IdempotencyConflict, UnknownJob
 from service.jobs.json_text import Encoded
 from service.jobs.records import JobSpec
 from service.jobs.states import JobState
-from service.jobs.store import JobStore, open_engine
+from service.jobs.store import JobStore
 
 CANCELED = Canceled("on request")
 NO_PATH = NoPathFound("none", {"attempts": 3})

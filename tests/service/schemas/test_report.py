@@ -4,17 +4,19 @@ import dataclasses
 
 import pytest
 
-from planning.domain import certificate, funnel, report, robustness, stop_report
+from planning.domain import certificate, funnel, report, robustness, search_report, stop_report
+from service.schemas import funnel as funnel_wire
 from service.schemas import report as wire
 from service.schemas import result
+from service.schemas import search_report as search_wire
 
 PAIRS = [
-    (report.SearchReport, wire.SearchReportWire),
+    (search_report.SearchReport, search_wire.SearchReportWire),
     (report.RefineReport, wire.RefineReportWire),
     (report.RetimeReport, wire.RetimeReportWire),
     (report.CertifyReport, wire.CertifyReportWire),
-    (funnel.Funnel, wire.FunnelWire),
-    (funnel.PairTally, wire.PairTallyWire),
+    (funnel.Funnel, funnel_wire.FunnelWire),
+    (funnel.PairTally, funnel_wire.PairTallyWire),
     (stop_report.StopReport, wire.StopReportWire),
     (robustness.Robustness, wire.RobustnessWire),
     (certificate.Certificate, result.CertificateWire),

@@ -1,0 +1,135 @@
+"""Query: what a task asks of every attempt."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float64
+
+from planning.domain.car_request import require_directed
+from planning.domain.deadline import Deadline
+from planning.domain.joints import JointGroup, JointLimits
+from planning.domain.options import SearchOptions
+from planning.domain.steering import steering_of
+from planning.errors import NoPathFound, ProblemInvalid
+from planning.search.car_space import CarSpace
+from planning.search.demands import block_weights, bounded, held_rotations
+from planning.search.objective import Objective
+from planning.search.oracle import CollisionOracle, WatchedOracle
+from planning.search.parameters import Scalar
+from planning.search.planners import check_planners
+from planning.search.projected import ProjectedSpace
+from planning.search.spaces import SearchSpace
+from planning.search.task import SearchTask
+from planning.stopwatch import Stopwatch
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
+
+
+@dataclass(frozen=True)
+class Query:
+    """What every attempt needs.
+
+    Attributes:
+        space: Where to search.
+        oracle: What is free.
+        start: The group's q, shape (nq,).
+        goals: Free configurations, shape (n, nq).
+        planner: OMPL's name.
+        parameters: Of the planner.
+        deadline: When to give up.
+        watch: Told how long shortcuts take.
+        objective: What to improve.
+        options: The request's other wishes.
+        most_states: After how many checked states a planner without a solution gives up.
+    """
+
+    space: SearchSpace
+    oracle: WatchedOracle
+    start: Float64[np.ndarray, " nq"]
+    goals: Float64[np.ndarray, "n nq"]
+    planner: str
+    parameters: Mapping[str, Scalar]
+    deadline: Deadline
+    watch: Stopwatch
+    objective: Objective
+    options: SearchOptions
+    most_states: float = math.inf
+
+
+def query_of(
+    group: JointGroup,
+    limits: JointLimits,
+    oracle: CollisionOracle,
+    task: SearchTask,
+    deadline: Deadline,
+    watch: Stopwatch | None,
+) -> tuple[Query, np.ndarray[Any, np.dtype[np.intp]]]:
+    """Return what every attempt needs, and the rows of the goals that are searched for."""
+    options = task.options
+    check_planners(options.planners, options.parameters)
+    require_directed(options.planners, steering_of(group))
+    limits = bounded(group, limits, options.bounds)
+    weights = block_weights(group, options.weights)
+    watched = WatchedOracle(oracle, group, limits, deadline)
+    space = _space(group, limits, task, weights)
+    rows = _admissible_goals(space, watched, task)
+    query = Query(
+        space=space,
+        oracle=watched,
+        start=task.start,
+        goals=task.goals[rows],
+        planner=options.planners[0],
+        parameters=options.parameters,
+        deadline=deadline,
+        watch=watch or Stopwatch(deadline.clock),
+        objective=Objective(options.objective, group, limits, weights, task.clearances),
+        options=options,
+    )
+    return query, rows
+
+
+def _space(group: JointGroup, limits: JointLimits, task: SearchTask, weights: Array) -> SearchSpace:
+    anchors = np.concatenate([task.start[None], task.goals])
+    held = held_rotations(group, task.options.spaces)
+    is_car = bool(steering_of(group))
+    if task.residual is None:
+        if is_car:
+            return CarSpace(group, limits, anchors, weights)
+        return SearchSpace(group, limits, anchors, weights, held)
+    if (weights != 1).any() or held or is_car:
+        message = (
+            "search.weights, search.spaces and cars cannot be had with constraints that are "
+            "projected"
+        )
+        raise ProblemInvalid(message, {"field": "search.weights"})
+    return ProjectedSpace(group, limits, anchors, task.residual)
+
+
+def _admissible_goals(
+    space: SearchSpace, oracle: WatchedOracle, task: SearchTask
+) -> np.ndarray[Any, np.dtype[np.intp]]:
+    """Return the rows of the goals that can be searched for.
+
+    Raises:
+        NoPathFound: There is none, or the start is inadmissible itself.
+    """
+    evidence = {"planner": ", ".join(task.options.planners), "padding": task.padding}
+    if not (space.contains(task.start) and oracle.is_free(task.start)):
+        message = (
+            "the start is outside the limits or the search's bounds, or nearer to something than "
+            "is demanded"
+        )
+        raise NoPathFound(message, evidence | {"reason": "start"})
+    inside = [row for row, q in enumerate(task.goals) if space.contains(q)]
+    rows = np.array(inside, dtype=np.intp)
+    rows = rows[oracle.are_free(task.goals[rows])] if len(rows) else rows
+    if not len(rows):
+        message = (
+            "every goal is outside the limits or the search's bounds, or turned where the rotation "
+            "is held, or nearer to something than is demanded"
+        )
+        raise NoPathFound(message, evidence | {"reason": "goals", "num_goals": len(task.goals)})
+    return rows

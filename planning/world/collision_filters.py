@@ -1,0 +1,68 @@
+"""Pairs of bodies that may touch: what Drake is told not to look at."""
+
+from pydrake.geometry import CollisionFilterDeclaration, GeometryId, GeometrySet
+
+from planning.domain.scene import Scene
+from planning.errors import SceneInvalid, UnknownName
+from planning.world.holding import may_touch
+from planning.world.scene_build import Build
+
+
+def allow_collisions(build: Build, scene: Scene) -> None:
+    """Let the pairs touch that the scene or a robot's own description allows.
+
+    Raises:
+        SceneInvalid: The scene names a body that does not exist.
+    """
+    pairs = [(f"allowed_collisions.{i}", pair) for i, pair in enumerate(scene.allowed_collisions)]
+    for robot in build.robots:
+        prefix = robot.scene_robot.name
+        card = robot.source.card
+        own = [(a, b) for a, b in card.allowed_collisions] if card else robot.file.disabled_pairs
+        pairs += [("", (f"{prefix}::{a}", f"{prefix}::{b}")) for a, b in own]
+    for path, pair in pairs:
+        unknown = [name for name in pair if name not in build.bodies]
+        if unknown and path:
+            fault = UnknownName.among("body", unknown[0], build.bodies)
+            raise SceneInvalid(f"{path}: {fault.detail}", {"path": path, **fault.evidence})
+        if not unknown:
+            _exclude(build, pair)
+
+
+def allow_touch(build: Build, scene: Scene) -> None:
+    """Let attached objects touch what they may, by their own list or by default.
+
+    Raises:
+        SceneInvalid: A list names a body that does not exist.
+    """
+    arm = [
+        joint
+        for robot in build.robots
+        if (card := robot.source.card) is not None
+        for joint in card.groups[card.default_group].joints
+    ]
+    names = {index: name for name, index in build.bodies.items()}
+    for i, thing in enumerate(scene.objects):
+        if thing.attached is None:
+            continue
+        touch = thing.attached.touch
+        if touch is None:
+            found = may_touch(build.plant, build.frames[thing.attached.frame], arm)
+            touch = tuple(names[index] for index in found if index in names)
+        for k, name in enumerate(touch):
+            if name not in build.bodies:
+                fault = UnknownName.among("body", name, build.bodies)
+                path = f"objects.{i}.attached.touch.{k}"
+                raise SceneInvalid(f"{path}: {fault.detail}", {"path": path, **fault.evidence})
+            if name != thing.name:
+                _exclude(build, (name, thing.name))
+
+
+def _exclude(build: Build, pair: tuple[str, str]) -> None:
+    sets: list[GeometrySet] = []
+    for name in pair:
+        body = build.plant.get_body(build.bodies[name])
+        ids: list[GeometryId] = list(build.plant.GetCollisionGeometriesForBody(body))
+        sets.append(GeometrySet(ids))
+    filters = build.builder.scene_graph().collision_filter_manager()
+    filters.Apply(CollisionFilterDeclaration().ExcludeBetween(*sets))

@@ -1,0 +1,45 @@
+"""Build: a scene in Drake while it grows."""
+
+from dataclasses import dataclass, field
+from typing import Any
+
+from pydrake.multibody.plant import MultibodyPlant
+from pydrake.multibody.tree import BodyIndex, Frame, ModelInstanceIndex
+
+from planning.domain.scene import SceneRobot
+from planning.errors import SceneInvalid
+from planning.world.model_file import ModelFile
+from planning.world.model_library import RobotSource
+
+
+@dataclass(frozen=True)
+class LoadedRobot:
+    """A robot of the scene with its files and Drake's name for it."""
+
+    scene_robot: SceneRobot
+    source: RobotSource
+    file: ModelFile
+    instance: ModelInstanceIndex
+
+
+@dataclass
+class Build:
+    """What grows while the scene is built."""
+
+    builder: Any
+    plant: MultibodyPlant
+    robots: list[LoadedRobot] = field(default_factory=list)
+    bodies: dict[str, BodyIndex] = field(default_factory=dict)
+    frames: dict[str, Frame] = field(default_factory=dict)
+
+
+def refuse_second(build: Build, name: str, path: str) -> None:
+    """Go on only if nothing has this name yet.
+
+    Raises:
+        SceneInvalid: Something has.
+    """
+    taken = name in build.bodies or name in build.frames
+    if taken or any(robot.scene_robot.name == name for robot in build.robots):
+        message = f"{path}: the name {name!r} is taken; robots, objects and frames share names"
+        raise SceneInvalid(message, {"path": path, "name": name})

@@ -1,0 +1,41 @@
+"""How a plan, or a question, looks for goal configurations."""
+
+from typing import Annotated
+
+from pydantic import Field, Strict
+
+from service.schemas.numbers import WHOLE, NonNegative, Real
+from service.schemas.wire import Name, Wire
+
+
+class PoseMetricWire(Wire):
+    """How far apart two poses are: sqrt((translation * t)^2 + (rotation * angle)^2)."""
+
+    translation: Annotated[Real, Field(ge=1e-3, le=1e3)] = Field(
+        default=1.0, description="Weight of a metre [1/m]"
+    )
+    rotation: Annotated[Real, Field(ge=1e-3, le=1e3)] = Field(
+        default=0.1,
+        description="Weight of a radian [1/rad]; by default one weighs as much as 0.1 m",
+    )
+
+
+class IkWire(Wire):
+    """How hard to look for goal configurations, and which of them are near."""
+
+    max_configurations: Annotated[int, Strict(), Field(ge=1, le=10_000), WHOLE] = Field(
+        default=100, description="Stop at this many distinct free ones"
+    )
+    max_trials: Annotated[int, Strict(), Field(ge=1, le=100_000), WHOLE] = Field(
+        default=300, description="Stop after this many seeds of the solver, over all poses"
+    )
+    joint_weights: dict[Name, NonNegative] = Field(
+        default={},
+        max_length=256,
+        description="Factor on each joint's part of the distance from the start, by full name "
+        "(`robot::joint`); 1 for joints that are not named [1]",
+    )
+    pose_metric: PoseMetricWire = Field(
+        default_factory=PoseMetricWire,
+        description="Which pose is the nearest to one that no configuration reaches",
+    )
