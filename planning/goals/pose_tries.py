@@ -53,9 +53,11 @@ class PoseTries:
         return self._seeds.take(count)
 
     def are_feasible(self, rows: Float64[np.ndarray, "n nq"]) -> Bool[np.ndarray, " n"]:
-        """Return which configurations are within limits and free."""
+        """Return which configurations are within limits and free, and keep the query's rules."""
         feasible = within_limits(self._limits, rows)
         feasible[feasible] = self._oracle.are_free(rows[feasible])
+        if self._query.rules is not None:
+            feasible[feasible] = self._query.rules.are_kept(rows[feasible])
         return feasible
 
     def pose_at(self, q: Float64[np.ndarray, " nq"]) -> Pose:

@@ -94,16 +94,16 @@ def all_collide(
         f"{1000 * tally.max_depth:.1f} mm"
         for tally in funnel.rejected_by[:3]
     )
-    q, pairs = least_deep(world, query, rows)
-    relaxation = {
-        **evidence.get("relaxation", {}),
-        "obstacles": pair_evidence(pairs, query.margins),
-        "positions": q.tolist(),
-    }
-    message = (
-        f"all {funnel.within_limits} configurations that reach the goal collide: {hits}; the least "
-        f"deep hits {describe_pairs(pairs, query.margins)}{words}"
-    )
+    relaxation = dict(evidence.get("relaxation", {}))
+    message = f"all {funnel.within_limits} configurations that reach the goal collide: {hits}"
+    if query.rules is not None:
+        rows = rows[query.rules.are_kept(rows)]
+    if len(rows):
+        q, pairs = least_deep(world, query, rows)
+        relaxation["obstacles"] = pair_evidence(pairs, query.margins)
+        relaxation["positions"] = q.tolist()
+        message += f"; the least deep hits {describe_pairs(pairs, query.margins)}"
+    message += words
     return GoalInCollision(
         message, {**evidence, "funnel": funnel_evidence(funnel), "relaxation": relaxation}
     )

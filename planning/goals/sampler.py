@@ -127,18 +127,19 @@ def _reaching(
     Under rules those that keep them are looked for first, within the limits that the rules leave.
     If there is none, the answer is that without rules, so that it can be said what they violate.
     """
+    tight, plain = world, query
     if query.rules is not None:
         tight = world.limited(query.group, query.rules.fixing(world.limits(query.group)))
         _, search = _searched(tight, query, rng, deadline.share(_RULED_SHARE))
         if len(search.found):
             return _ranked(tight, query, search, deadline)
         deadline.check("goals")
-        query = replace(query, rules=None)
-    aiming, search = _searched(world, query, rng, deadline)
+        plain = replace(query, rules=None)
+    aiming, search = _searched(world, plain, rng, deadline)
     if not len(search.found):
         deadline.check("goals")
-        raise refusal(world, query, aiming, search, rng, deadline)
-    return _ranked(world, query, search, deadline)
+        raise refusal(tight, query, aiming, search, rng, deadline)
+    return _ranked(world, plain, search, deadline)
 
 
 def _searched(

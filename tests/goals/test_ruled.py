@@ -119,3 +119,22 @@ def test_a_goal_that_fails_without_constraints_fails_as_it_does_without() -> Non
     with pytest.raises(GoalInCollision) as ruled:
         solve(world, TightLimits({}), goal=goal)
     assert ruled.value.evidence.keys() == plain.value.evidence.keys()
+
+
+def test_the_nearest_pose_and_the_relaxations_keep_the_constraints() -> None:
+    world = world_by("ur5e_pickup", "kernel")
+    group = world.group("arm")
+    goal = at(Pose.from_parts([0.5, -0.2, -0.03], rpy=[np.pi, 0, 0]))
+    box = PlacedBox(np.array([2.0, 2.0, 0.4]), Pose.from_parts([0.0, 0.0, 0.3]))
+    rules = (KeepIn("arm::tcp", box), TightLimits({"arm::elbow_joint": (0.2, 3.0)}))
+    with pytest.raises(GoalInCollision) as refusal:
+        solve(world, *rules, goal=goal)
+    told = refusal.value.evidence
+    relaxation = told["relaxation"]
+    found = [told["nearest"], relaxation["position"], relaxation["rotation"], relaxation]
+    rows = [one["positions"] for one in found if one is not None and one["positions"] is not None]
+    assert len(rows) >= 2
+    for q in rows:
+        tip = world.frame_pose("arm::tcp", world.embed(group, np.array(q))).position
+        assert 0.2 - 1e-6 <= q[2] <= 3.0
+        assert 0.1 - 1e-6 <= tip[2] <= 0.5
