@@ -126,7 +126,19 @@ class UnknownInScene(Refusal):
 
 
 # What the scene does not have is impossible there (409); what nobody has is a fault of the payload.
-_IN_SCENE = frozenset({"body", "configuration", "frame", "group", "joint", "object", "scene robot"})
+_IN_SCENE = frozenset({
+    "body",
+    "configuration",
+    "frame",
+    "group",
+    "joint",
+    "joint or block",
+    "object",
+    "planar joint",
+    "planar or floating joint",
+    "position",
+    "scene robot",
+})
 
 _STATUS: dict[type[WayproofError], int] = {
     planning_errors.SceneInvalid: 422,
