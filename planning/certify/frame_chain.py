@@ -89,7 +89,8 @@ def _links(model: DrakeModel, request: CertifyRequest, name: str) -> list[_Link]
         ends.append((rank, moving[k], places[0], places[1]))
     ends.sort(key=lambda entry: entry[0])
     tip = np.array(frame.CalcPoseInWorld(context).translation())
-    nexts = [near for _, _, near, _ in ends[1:]] + [tip]
+    # Without a joint in between the frame does not move, however far away it is.
+    nexts = [near for _, _, near, _ in ends[1:]] + [tip] * bool(ends)
     return [
         _Link(joint, float(np.linalg.norm(there - far)))
         for (_, joint, _, far), there in zip(ends, nexts, strict=True)

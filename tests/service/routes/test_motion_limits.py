@@ -98,3 +98,33 @@ def test_what_cannot_be_meant_is_refused_everywhere(client, scene, limits, statu
     for answer in answers:
         assert answer.status_code == status, answer.text
         assert words in answer.text
+
+
+@pytest.mark.parametrize("frame", ["world", "block", "above", "arm::base_link"])
+def test_a_frame_that_does_not_move_keeps_every_limit(client, scene, frame):
+    box = {"size": [0.1, 0.1, 0.1], "pose": {"position": [0, 0, 0], "frame": frame}}
+    zone = {"name": "around", "frame": frame, "box": box, "speed": 0.1}
+    limits = {
+        "tool_limits": [{"frame": frame, "speed": 0.2, "acceleration": 1.0}],
+        "speed_zones": [zone],
+    }
+    path = {"scene": scene, "group": "arm"}
+    body = {
+        **path,
+        "waypoints": [[0, -1.57, 1.57, -1.57, -1.57, 0], [0.5, -1.4, 1.4, -1.57, -1.57, 0]],
+        "polynomial": True,
+    }
+    free, made = (
+        client.post("/v1/trajectories/retime", json={**body, "retime": retime}).json()
+        for retime in ({}, limits)
+    )
+    assert made["trajectory"]["duration"] == pytest.approx(free["trajectory"]["duration"], rel=5e-3)
+    question = {**path, "trajectory": made["trajectory"], **limits}
+    again = client.post("/v1/trajectories/certify", json=question).json()
+    for certificate in (made["certificate"], again["certificate"]):
+        checks = named(certificate)
+        values = [
+            checks[f"{kind} {frame}"]["value"] for kind in ("tool_speed", "tool_acceleration")
+        ]
+        assert values == [0, 0], certificate
+        assert certificate["proven"]
