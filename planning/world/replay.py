@@ -30,6 +30,8 @@ _AXIS_LENGTH, _AXIS_RADIUS = 0.06, 0.0025
 # Twice the number of frames gives a smoother line than the animation needs.
 _TRACE_POINTS_PER_FRAME = 2
 _FOREVER = 1_000_000
+# Of longer motions there are fewer frames a second, so that a browser can open the page.
+_MOST_FRAMES = 10_000
 
 
 def replay_html(
@@ -47,10 +49,11 @@ def replay_html(
         world: Where; what `group` does not move stays at the world's state.
         group: What moves.
         trajectory: Of the group.
-        frames_per_second: Of the animation.
+        frames_per_second: Of the animation; fewer where there would be more than 10,000 frames.
     """
     meshcat = Meshcat(MeshcatParams(host="localhost", port=0, show_stats_plot=False))
-    return _Replay(world, meshcat).page(group, trajectory, frames_per_second)
+    rate = min(frames_per_second, _MOST_FRAMES / trajectory.duration)
+    return _Replay(world, meshcat).page(group, trajectory, rate)
 
 
 class _Replay:

@@ -6,11 +6,20 @@ import numpy as np
 
 from planning.domain.curve import TimedTrajectory
 from planning.domain.joints import Joint, JointType
+from planning.errors import ProblemInvalid
 from service.convert.numbers import listed
+
+MAX_SAMPLES = 200_000
+# Where requests say how to sample: fields of a body, and parameters of a query.
+IN_BODY = ("retime.sample_period", "retime.num_points")
+IN_QUERY = ("period", "points")
 
 
 def sampled_wire(
-    trajectory: TimedTrajectory, period: float, num_points: int | None = None
+    trajectory: TimedTrajectory,
+    period: float,
+    num_points: int | None = None,
+    names: tuple[str, str] = IN_BODY,
 ) -> dict[str, Any]:
     """Return the samples of a trajectory.
 
@@ -18,8 +27,19 @@ def sampled_wire(
         trajectory: What to sample.
         period: Between samples [s].
         num_points: How many samples instead, evenly in time; None for one every period.
+        names: What the request calls these two.
+
+    Raises:
+        ProblemInvalid: That would be too many samples.
     """
     even = num_points is not None
+    count = num_points if even else trajectory.duration / period
+    if count > MAX_SAMPLES:
+        message = (
+            f"{names[0]}: a motion of {trajectory.duration:.4g} s with a sample every {period:g} s "
+            f"would have more than {MAX_SAMPLES} samples; take a longer one, or `{names[1]}`"
+        )
+        raise ProblemInvalid(message, {"field": names[0], "bound": MAX_SAMPLES})
     times = trajectory.even_times(num_points) if even else trajectory.sample_times(period)
     return {
         "joint_names": [name for joint in trajectory.joints for name in joint.position_names],

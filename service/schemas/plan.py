@@ -49,7 +49,8 @@ class RetimeWire(MotionLimits):
         default=1.0, description="Factor on every acceleration and jerk limit, 0..1"
     )
     sample_period: Annotated[Real, Field(ge=1e-3, le=10)] = Field(
-        default=0.01, description="Of the delivered samples [s]"
+        default=0.01,
+        description="Of the delivered samples [s]; 200000 at most, more are `problem_invalid`",
     )
     num_points: Annotated[int, Strict(), Field(ge=2, le=200_000), WHOLE] | None = Field(
         default=None,

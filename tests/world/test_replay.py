@@ -80,6 +80,15 @@ def test_it_has_the_motion_of_every_link_that_moves(page: str) -> None:
     assert animation.count(b"\xa4time") == 2 * 21 * num_links
 
 
+def test_long_motions_have_fewer_frames_a_second(
+    world: World, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(replay, "_MOST_FRAMES", 50)
+    page = replay_html(world, world.group("arm"), motion(world).slowed(1e9))
+    (animation,) = [m for m in messages(page) if b"set_animation" in m]
+    assert animation.count(b"\xa4time") == 2 * 51 * animation.count(b".quaternion")
+
+
 def test_it_has_the_scene_its_frames_and_the_trace(page: str) -> None:
     told = b"".join(messages(page))
     for path in (b"/bodies/table/0", b"/bodies/can/0", b"/frames/pick/0", b"/frames/place/2"):

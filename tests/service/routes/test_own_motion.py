@@ -185,3 +185,14 @@ def test_a_duration_is_met_or_refused_and_explained(client, scene, solved):
     failure = refused.json()["failure"]
     assert failure["code"] == "retiming_failed"
     assert failure["evidence"]["least"] > 0.1 * least
+
+
+@pytest.mark.parametrize("slow", [{"velocity_scale": 1e-9}, {"duration": 7200}])
+def test_more_samples_than_anybody_reads_are_refused(client, scene, solved, slow):
+    ways = {"waypoints": solved["result"]["path"]}
+    refused = post(client, scene, "retime", **ways, retime=slow)
+    assert (refused.status_code, refused.json()["code"]) == (422, "problem_invalid")
+    for word in ("retime.sample_period", "retime.num_points"):
+        assert word in refused.json()["detail"]
+    few = post(client, scene, "retime", **ways, retime={**slow, "num_points": 50}).json()
+    assert len(few["trajectory"]["times"]) == 50

@@ -80,6 +80,21 @@ def test_too_many_samples_are_refused(client, solved):
     answer = client.get(f"/v1/plans/{solved['id']}/trajectory?period=0.0001&scale=0.002")
     assert answer.status_code == 422
     assert answer.json()["code"] == "problem_invalid"
+    assert "points" in answer.json()["detail"]
+
+
+def test_a_plan_is_as_slow_as_it_likes_if_its_samples_are_few(client, scene):
+    request = {"scene": scene, "group": "arm", "goal": {"type": "configuration", "name": "ready"}}
+    retime = {"velocity_scale": 1e-9}
+    job = client.post("/v1/plans?wait=40", json={**request, "retime": retime}).json()
+    assert (job["state"], job["failure"]["code"]) == ("failed", "problem_invalid")
+    assert "retime.num_points" in job["failure"]["detail"]
+    retime["num_points"] = 20
+    job = client.post("/v1/plans?wait=40", json={**request, "retime": retime}).json()
+    assert job["state"] == "succeeded", job["failure"]
+    back = client.post(f"/v1/plans/{job['id']}/reverse?wait=40").json()
+    assert len(back["result"]["trajectory"]["times"]) == 20
+    assert len(trajectory(client, job).json()["times"]) == 20
 
 
 def test_the_replay_is_a_page_by_itself(client, solved):
