@@ -62,7 +62,7 @@ def certify_trajectory(  # noqa: PLR0913  (a question in full)
             (goal, trajectory.end, "goal"),
         )
     )
-    options = admit_timing(world, joints, options or RetimeOptions(), begin)
+    options = admit_timing(world, joints, options or RetimeOptions(), begin, within="")
     limits = world.limits(joints).scaled(options.velocity_scale, options.acceleration_scale)
     request = CertifyRequest(
         group=joints,

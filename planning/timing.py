@@ -13,7 +13,7 @@ from planning.world.world import Array, World
 
 
 def admit_timing(
-    world: World, group: JointGroup, options: RetimeOptions, start: Array
+    world: World, group: JointGroup, options: RetimeOptions, start: Array, within: str = "retime."
 ) -> RetimeOptions:
     """Return the options with all zones in world: frames count where the start puts them.
 
@@ -22,16 +22,17 @@ def admit_timing(
         group: What moves.
         options: As they were given.
         start: The group's q where the motion begins, shape (nq,).
+        within: What stands before the options' names in the request, for messages.
 
     Raises:
         UnknownName: A frame or joint does not exist.
         ProblemInvalid: A number makes no sense, or a name comes twice.
     """
-    _require_tool_limits(world, options)
-    _require_zones(world, options.speed_zones)
-    _require_bounds(group, options)
+    _require_tool_limits(world, options, within)
+    _require_zones(world, options.speed_zones, within)
+    _require_bounds(group, options, within)
     if options.payload is not None:
-        require_burden(world, group, options.payload)
+        require_burden(world, group, options.payload, f"{within}payload")
     if not options.speed_zones:
         return options
     full = world.embed(group, start)
@@ -44,10 +45,10 @@ def _placed(world: World, zone: SpeedZone, full: Array) -> SpeedZone:
     return replace(zone, box=replace(zone.box, pose=pose, reference="world"))
 
 
-def _require_tool_limits(world: World, options: RetimeOptions) -> None:
+def _require_tool_limits(world: World, options: RetimeOptions, within: str) -> None:
     frames = [limit.frame for limit in options.tool_limits]
     for i, limit in enumerate(options.tool_limits):
-        field = f"retime.tool_limits.{i}"
+        field = f"{within}tool_limits.{i}"
         world.require_frame(limit.frame)
         rates = [rate for rate in (limit.speed, limit.acceleration) if rate is not None]
         _demand(bool(rates), field, "a speed or an acceleration is needed")
@@ -55,10 +56,10 @@ def _require_tool_limits(world: World, options: RetimeOptions) -> None:
         _demand(frames.count(limit.frame) == 1, field, f"{limit.frame} is limited twice")
 
 
-def _require_zones(world: World, zones: tuple[SpeedZone, ...]) -> None:
+def _require_zones(world: World, zones: tuple[SpeedZone, ...], within: str) -> None:
     names = [zone.name for zone in zones]
     for i, zone in enumerate(zones):
-        field = f"retime.speed_zones.{i}"
+        field = f"{within}speed_zones.{i}"
         world.require_frame(zone.frame)
         world.require_frame(zone.box.reference)
         _demand(0 < zone.speed < np.inf, field, "the speed must be positive")
@@ -66,13 +67,13 @@ def _require_zones(world: World, zones: tuple[SpeedZone, ...]) -> None:
         _demand(names.count(zone.name) == 1, field, f"two zones are called {zone.name!r}")
 
 
-def _require_bounds(group: JointGroup, options: RetimeOptions) -> None:
+def _require_bounds(group: JointGroup, options: RetimeOptions, within: str) -> None:
     known = [name for name, indices in group.blocks if len(indices) == 1]
     for name, (lowest, highest) in options.acceleration_bounds.items():
         if name not in known:
             raise UnknownName.among("joint", name, known)
         is_apart = -np.inf < lowest < 0 < highest < np.inf
-        field = f"retime.acceleration_bounds.{name}"
+        field = f"{within}acceleration_bounds.{name}"
         _demand(is_apart, field, "the lowest must be negative, the highest positive")
 
 

@@ -50,6 +50,7 @@ class Payload(Value):
         Raises:
             ProblemInvalid: A number is not finite, the mass is not positive, or no body has such
                 an inertia: a principal moment is negative, or greater than the two others together.
+                Its `field` is that of the payload.
         """
         center = np.array(center_of_mass, dtype=np.float64)
         moments = np.array(inertia, dtype=np.float64)
@@ -69,6 +70,5 @@ class Payload(Value):
         return cls(frame, float(mass), center, matrix)
 
 
-def _fault(part: str, message: str) -> ProblemInvalid:
-    field_name = f"retime.payload.{part}"
+def _fault(field_name: str, message: str) -> ProblemInvalid:
     return ProblemInvalid(f"{field_name}: {message}", {"field": field_name})

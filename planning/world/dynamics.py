@@ -143,8 +143,16 @@ class GroupDynamics:
         return full
 
 
-def require_burden(world: World, group: JointGroup, payload: Payload) -> None:
+def require_burden(
+    world: World, group: JointGroup, payload: Payload, field: str = "payload"
+) -> None:
     """Go on only if a payload burdens a joint of a group.
+
+    Args:
+        world: The scene.
+        group: What moves.
+        payload: What it carries.
+        field: What the request calls the payload.
 
     Raises:
         UnknownName: Its frame does not exist.
@@ -158,8 +166,8 @@ def require_burden(world: World, group: JointGroup, payload: Payload) -> None:
     moving = [joint.index() for joint in joints if joint.velocity_start() in moved]
     body = model.frames[payload.frame].body().index()
     if body not in model.plant.GetBodiesKinematicallyAffectedBy(moving):
-        message = f"retime.payload.frame: {group.name!r} does not move {payload.frame!r}"
-        evidence = {"field": "retime.payload.frame", "tool_frames": list(group.tool_frames)}
+        message = f"{field}.frame: {group.name!r} does not move {payload.frame!r}"
+        evidence = {"field": f"{field}.frame", "tool_frames": list(group.tool_frames)}
         raise ProblemInvalid(message, evidence)
 
 

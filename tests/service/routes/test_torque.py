@@ -79,6 +79,21 @@ def test_a_payload_that_cannot_be_is_refused(client, scene, solved, name):
         assert answer.status_code == status
 
 
+def test_the_field_at_fault_is_named_as_the_request_has_it(client, scene, solved):
+    path, motion = solved["result"]["path"], solved["result"]["trajectory"]
+    still = {**PAYLOAD, "frame": "arm::base_link"}
+    timed = post(client, scene, "retime", waypoints=path, retime={"payload": still}).json()
+    assert timed["evidence"]["field"] == "retime.payload.frame"
+    assert timed["detail"].startswith("retime.payload.frame: ")
+    proven = post(client, scene, "certify", trajectory=motion, payload=still).json()
+    assert proven["evidence"]["field"] == "payload.frame"
+    assert proven["detail"].startswith("payload.frame: ")
+    odd = {**PAYLOAD, "inertia": [1, 1, 3, 0, 0, 0]}
+    timed = post(client, scene, "retime", waypoints=path, retime={"payload": odd}).json()
+    assert timed["detail"].startswith("body.retime.payload: inertia: ")
+    assert timed["detail"].count("payload") == 1
+
+
 def test_a_mass_in_a_scene_is_kept_through_edits(client):
     thing = {"name": "can", "shape": {"cylinder": {"radius": 0.03, "length": 0.1}}, "mass": 0.5}
     thing |= {"movable": True, "pose": {"position": [0.5, 0.3, 0.2]}}
