@@ -102,8 +102,9 @@ def _violations(rules: PathRules, goals: GoalConfigurations, row: int) -> list[d
 
 
 def _words(violation: dict[str, Any]) -> str:
+    whose = f"{violation['joint']}: " if "joint" in violation else ""
     return (
-        f"{violation['constraint']} ({violation['value']:.4g} {violation['unit']}, "
+        f"{violation['constraint']} ({whose}{violation['value']:.4g} {violation['unit']}, "
         f"bound {violation['bound']:.4g})"
     )
 

@@ -21,12 +21,14 @@ class LockRule:
         manifold: Of the group.
         start: The group's q, shape (nq,).
         locked: Which coordinates of v, shape (nv,).
+        names: Of the coordinates of v.
     """
 
     label: str
     manifold: Manifold
     start: Float64[np.ndarray, " nq"]
     locked: Bool[np.ndarray, " nv"]
+    names: tuple[str, ...]
     wish: float = 0.0
     step: float = np.inf
 
@@ -37,14 +39,15 @@ class LockRule:
 
     def reading(self, q: Float64[np.ndarray, " nq"]) -> Reading:
         """Return how far the farthest of them is from the start [rad or m]."""
-        return Reading(float(self._away(q[None])[0]), DUST, "rad or m")
+        return _worst(self._away(q[None])[0], self.names)
 
     def are_kept(self, qs: Float64[np.ndarray, "m nq"]) -> Bool[np.ndarray, " m"]:
         """Return whether they are where the start has them."""
-        return self._away(qs) <= DUST
+        return self._away(qs).max(axis=1) <= DUST
 
     def _away(self, qs: Array) -> Array:
-        return np.abs(self.manifold.minus(qs, self.start)[:, self.locked]).max(axis=1)
+        """Return how far every coordinate is from where it is locked, shape (m, nv)."""
+        return np.abs(self.manifold.minus(qs, self.start)) * self.locked
 
 
 @dataclass(frozen=True)
@@ -56,12 +59,14 @@ class LimitRule:
         lower: Infinite where there is none [rad or m], shape (nq,).
         upper: And above, shape (nq,).
         is_circle: Which coordinates are angles on a circle, shape (nq,).
+        names: Of the coordinates of q.
     """
 
     label: str
     lower: Float64[np.ndarray, " nq"]
     upper: Float64[np.ndarray, " nq"]
     is_circle: Bool[np.ndarray, " nq"]
+    names: tuple[str, ...]
     wish: float = 0.0
     step: float = np.inf
 
@@ -72,15 +77,21 @@ class LimitRule:
 
     def reading(self, q: Float64[np.ndarray, " nq"]) -> Reading:
         """Return by how much a coordinate leaves its bounds at most [rad or m]."""
-        return Reading(float(self._excess(q[None])[0]), DUST, "rad or m")
+        return _worst(self._excess(q[None])[0], self.names)
 
     def are_kept(self, qs: Float64[np.ndarray, "m nq"]) -> Bool[np.ndarray, " m"]:
         """Return whether all bounds are kept."""
-        return self._excess(qs) <= DUST
+        return self._excess(qs).max(axis=1) <= DUST
 
     def _excess(self, qs: Array) -> Array:
+        """Return by how much every coordinate leaves its bounds, shape (m, nq)."""
         at = qs.copy()
         turning = self.is_circle & np.isfinite(self.lower)
         middle = (self.lower[turning] + self.upper[turning]) / 2
         at[:, turning] = middle + np.remainder(qs[:, turning] - middle + np.pi, 2 * np.pi) - np.pi
-        return np.maximum(self.lower - at, at - self.upper).max(axis=1)
+        return np.maximum(self.lower - at, at - self.upper)
+
+
+def _worst(amounts: Array, names: tuple[str, ...]) -> Reading:
+    worst = int(np.argmax(amounts))
+    return Reading(float(amounts[worst]), DUST, "rad or m", names[worst])

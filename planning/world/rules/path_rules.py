@@ -89,6 +89,7 @@ class PathRules:
                 "value": reading.value,
                 "bound": reading.bound,
                 "unit": reading.unit,
+                **({"joint": reading.joint} if reading.joint else {}),
             }
             for label, reading in readings
         ]
@@ -233,7 +234,8 @@ class _Compiler:
         joints = self.group.joints
         if isinstance(constraint, LockedJoints):
             flags = [j.name in constraint.joints for j in joints for _ in range(j.num_velocities)]
-            return LockRule(label, Manifold(joints), self.start, np.array(flags, dtype=bool))
+            locked = np.array(flags, dtype=bool)
+            return LockRule(label, Manifold(joints), self.start, locked, self.group.velocity_names)
         lower = np.full(self.group.num_positions, -np.inf)
         upper, circle = -lower, np.zeros(len(lower), dtype=bool)
         names = self.group.position_names
@@ -244,4 +246,4 @@ class _Compiler:
             if any(joint.wraps):
                 circle[iq : iq + joint.num_positions] = joint.wraps
             iq += joint.num_positions
-        return LimitRule(label, lower, upper, circle)
+        return LimitRule(label, lower, upper, circle, names)

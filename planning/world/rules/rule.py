@@ -23,11 +23,13 @@ class Reading:
         value: What was measured, in `unit`.
         bound: What it is held against.
         unit: "m", "rad", "rad or m" or "1".
+        joint: The joint or coordinate that was measured; "" for rules that are not on joints.
     """
 
     value: float
     bound: float
     unit: str
+    joint: str = ""
 
 
 @runtime_checkable

@@ -43,3 +43,18 @@ def test_a_start_that_violates_is_a_failed_job(client, scene):
     (violation,) = failure["evidence"]["violations"]
     assert violation["constraint"] == "constraint 0: orientation"
     assert violation["value"] > violation["bound"] == 0.1
+
+
+def test_a_violated_constraint_on_joints_says_which(client, scene):
+    wrist, elbow = "arm::wrist_2_joint", "arm::elbow_joint"
+    limits = {wrist: [-3, 3], elbow: [0, 0.1]}
+    failure = planned(client, scene, {"type": "joint_limits", "limits": limits})["failure"]
+    assert failure["code"] == "start_violates_constraint"
+    (violation,) = failure["evidence"]["violations"]
+    assert violation["joint"] == elbow
+    assert f"joint_limits ({elbow}: " in failure["detail"]
+    failure = planned(client, scene, {"type": "locked_joints", "joints": [wrist, elbow]})["failure"]
+    assert failure["code"] == "goal_violates_constraint"
+    (tally,) = failure["evidence"]["violations"]
+    assert tally["least"]["joint"] in limits
+    assert tally["least"]["joint"] in failure["detail"]
