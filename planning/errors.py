@@ -104,8 +104,9 @@ class UnknownName(InputError):
         folded = {known_name.casefold(): known_name for known_name in reversed(names)}
         nearest = [folded[match] for match in get_close_matches(name.casefold(), folded, n=3)]
         hint = f"did you mean {nearest[0]!r}? " if nearest else ""
+        several = f"{kind[:-1]}ies" if kind.endswith("y") else f"{kind}s"
         return cls(
-            f"{kind} {name!r} does not exist; {hint}{kind}s: {names}",
+            f"{kind} {name!r} does not exist; {hint}{several}: {names}",
             {"kind": kind, "name": name, "known": names, "nearest": nearest},
         )
 

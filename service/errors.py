@@ -39,7 +39,8 @@ class UnknownResource(Refusal):
     def of(cls, kind: str, identifier: str) -> "UnknownResource":
         """Build the error for an id that does not exist."""
         shown = identifier if len(identifier) <= 80 else f"{identifier[:80]}..."
-        return cls(f"there is no {kind} {shown!r}", {"kind": kind, "id": shown})
+        verb = "are" if kind.endswith("s") else "is"
+        return cls(f"there {verb} no {kind} {shown!r}", {"kind": kind, "id": shown})
 
 
 class MethodNotAllowed(Refusal):

@@ -5,7 +5,7 @@ import pytest
 from planning import errors as planning_errors
 from planning.errors import AssetNotFound, SceneInvalid, UnknownName, WayproofError
 from service import errors
-from service.errors import Refusal, problem_of, status_of
+from service.errors import Refusal, UnknownResource, problem_of, status_of
 from service.routes.answers import problems
 
 
@@ -33,6 +33,13 @@ def test_every_refusal_can_be_declared(kind):
 @pytest.mark.parametrize("kind", ["frame", "group", "configuration", "joint"])
 def test_what_a_scene_lacks_is_a_conflict(kind):
     assert status_of(UnknownName.among(kind, "x", ["y"])) == 409
+
+
+def test_one_and_several_are_told_apart():
+    assert "; bodies: ['y']" in UnknownName.among("body", "x", ["y"]).detail
+    assert "; frames: ['y']" in UnknownName.among("frame", "x", ["y"]).detail
+    assert UnknownResource.of("regions", "x").detail == "there are no regions 'x'"
+    assert UnknownResource.of("plan", "x").detail == "there is no plan 'x'"
 
 
 @pytest.mark.parametrize("kind", ["robot", "planner", "parameter"])
