@@ -4,7 +4,7 @@ import typer
 
 from service.cli.demo import demo
 from service.cli.plan import plan
-from service.cli.serve import serve
+from service.cli.serve import FROM_ENVIRONMENT, serve
 
 app = typer.Typer(
     name="wayproof",
@@ -13,6 +13,6 @@ app = typer.Typer(
     add_completion=False,
     pretty_exceptions_enable=False,
 )
-app.command()(serve)
+app.command(epilog=FROM_ENVIRONMENT)(serve)
 app.command()(plan)
 app.command()(demo)

@@ -10,12 +10,18 @@ from pydantic import ValidationError
 
 from service.settings import Settings
 
+FROM_ENVIRONMENT = (
+    "Settings in the environment (docs/operations.md says what they are): "
+    f"{', '.join(f'WAYPROOF_{name.upper()}' for name in Settings.model_fields)}."
+)
+_WHERE = "Where records are kept; by default $XDG_STATE_HOME/wayproof or ~/.local/state/wayproof."
+
 
 def serve(  # noqa: PLR0913  (one parameter per option)
     *,
     host: Annotated[str | None, typer.Option(help="Address to listen on.")] = None,
     port: Annotated[int | None, typer.Option(help="Port to listen on; 0 for a free one.")] = None,
-    data_dir: Annotated[Path | None, typer.Option(help="Where records are kept.")] = None,
+    data_dir: Annotated[Path | None, typer.Option(help=_WHERE)] = None,
     plan_slots: Annotated[int | None, typer.Option(help="Plans that may run at once.")] = None,
     engine: Annotated[str | None, typer.Option(help="process or inline.")] = None,
     announce: Annotated[Path | None, typer.Option(hidden=True)] = None,

@@ -1,9 +1,15 @@
 """Settings come from arguments and the environment; files are refused to strangers."""
 
+from pathlib import Path
+
 import pytest
 from pydantic import ValidationError
+from typer.testing import CliRunner
 
+from service.cli.app import app
 from service.settings import Settings
+
+GUIDE = Path(__file__).parents[2] / "docs" / "operations.md"
 
 
 def test_environment_is_read(monkeypatch, tmp_path):
@@ -39,3 +45,22 @@ def test_paths_are_for_loopback_only(host, allowed):
 def test_nonsense_is_refused(wrong):
     with pytest.raises(ValidationError):
         Settings(**wrong)
+
+
+def test_the_guide_and_the_help_name_every_setting(monkeypatch):
+    monkeypatch.setenv("COLUMNS", "200")
+    told = CliRunner().invoke(app, ["serve", "--help"]).stdout
+    guide = GUIDE.read_text()
+    for name, setting in Settings.model_fields.items():
+        variable = f"WAYPROOF_{name.upper()}"
+        assert variable in told
+        (row,) = [line for line in guide.splitlines() if line.startswith(f"| `{variable}`")]
+        if isinstance(setting.default, str | int | float):
+            assert str(setting.default).removesuffix(".0") in row
+    assert ".local/state/wayproof" in told
+    assert ".local/state/wayproof" in guide
+
+
+def test_folders_of_robots_are_a_json_list(monkeypatch):
+    monkeypatch.setenv("WAYPROOF_MODEL_ROOTS", '["/srv/robots"]')
+    assert Settings().model_roots == (Path("/srv/robots"),)
