@@ -23,7 +23,8 @@ async def regions_payload(request: PlanRequest, record: SceneRecord, desk: Desk)
     """Return what the task of a plan is told of regions; nothing if its planners need none.
 
     The request names them, or they are the newest that were grown for the very content of the
-    scene, whatever its id, for the group and for a margin no less than the plan's.
+    scene, whatever its id, for the group and for a margin no less than the plan's. Where nothing
+    has grown there is nothing to fit.
 
     Raises:
         UnknownResource: There are no regions of that id.
@@ -68,12 +69,13 @@ def _fits(job: Job, record: SceneRecord, group: str, margin: float) -> bool:
         and grown["scene"] == record.digest
         and grown["group"] == group
         and grown["margin"] >= margin
+        and grown["regions"]
     )
 
 
 def _told(job: Job) -> dict[str, Any]:
     grown: dict[str, Any] = (job.result or {}).get("result", {})
-    named = {name: grown.get(name) for name in ("group", "margin", "scene")}
+    named = {name: grown.get(name) for name in ("group", "margin", "scene", "num_regions")}
     return {
         "id": job.id,
         "state": job.state,

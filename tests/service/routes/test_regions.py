@@ -94,6 +94,23 @@ def test_without_regions_that_fit_a_plan_is_refused_and_says_what_is_there(clien
     assert plan_of(client, square, search={"regions": "reg_nothing"}).status_code == 404
 
 
+def test_where_nothing_has_grown_nothing_fits(client):
+    """However new it is: the newest that have regions are taken, or none."""
+    there = client.post("/v1/scenes", json={**SCENE, "margin": 0.002}).json()["id"]
+    path = f"/v1/scenes/{there}/regions?wait=30"
+    empty = client.post(path, json={**REQUEST, "padding": 1.0}).json()
+    assert empty["summary"]["num_regions"] == 0
+    for search in ({}, {"regions": empty["id"]}):
+        problem = plan_of(client, there, search=search).json()
+        assert problem["code"] == "no_regions"
+        assert [entry["num_regions"] for entry in problem["evidence"]["there"]] == [0]
+    few = client.post(path, json={**REQUEST, "num_regions": 1, "along": "nothing"}).json()
+    client.post(path, json={**REQUEST, "padding": 1.0})
+    found = plan_of(client, there).json()
+    used = found["result"]["stages"]["search"]["regions"]["digest"]
+    assert used == few["summary"]["digest"]
+
+
 def test_planners_tell_that_gcs_needs_regions(client):
     planners = {entry["name"]: entry for entry in client.get("/v1/planners").json()["items"]}
     assert [name for name, entry in planners.items() if entry["needs_regions"]] == ["GCS"]
