@@ -15,7 +15,9 @@ from planning.domain.options import IkOptions, SearchOptions
 from planning.domain.path import JointPath
 from planning.domain.plan import Progress
 from planning.domain.pose import Pose
+from planning.domain.region_request import require_convex
 from planning.domain.regions import RegionOptions, Regions
+from planning.domain.steering import steering_of
 from planning.errors import (
     DeadlineExceeded,
     GoalInCollision,
@@ -68,8 +70,8 @@ def grow_regions(
 
     Raises:
         UnknownName: There is no such group, or it has no such position coordinate.
-        ProblemInvalid: The group has a floating joint, or a coordinate that nothing bounds, or an
-            option makes no sense.
+        ProblemInvalid: The group has a joint that floats or is steered, or a coordinate that
+            nothing bounds, or an option makes no sense.
         Canceled: Somebody asked for the end.
     """
     joints, chosen = world.group(group), options or RegionOptions()
@@ -113,12 +115,12 @@ def domain_of(world: World, group: JointGroup, options: RegionOptions) -> tuple[
     turn around 0: all postures are in it, and motions that never cross half a turn.
 
     Raises:
-        ProblemInvalid: The group has a floating joint, or nothing bounds a coordinate.
+        ProblemInvalid: The group has a joint that floats or is steered, or nothing bounds a
+            coordinate.
         UnknownName: The group has no coordinate that the bounds name.
     """
-    if any(joint.type is JointType.FLOATING for joint in group.joints):
-        message = "rotations in space are no vectors, so a floating joint has no convex regions"
-        raise ProblemInvalid(message, {"field": "group"})
+    kinds = {joint.name: joint.type for joint in group.joints}
+    require_convex(kinds, steering_of(group), "group")
     limits = world.limits(group)
     lower, upper = np.array(limits.lower), np.array(limits.upper)
     turns = np.array([

@@ -13,6 +13,7 @@ from planning.domain.manifold import Manifold
 from planning.domain.options import SearchOptions
 from planning.domain.planner_card import PlannerCard, PlannerParameter
 from planning.domain.problem import PlanningProblem
+from planning.domain.region_request import require_convex
 from planning.domain.regions import Regions
 from planning.domain.search_report import RegionsReport, SearchReport
 from planning.domain.steering import steering_of
@@ -46,14 +47,12 @@ def require_regions(problem: PlanningProblem, world: World, group: JointGroup) -
 
     Raises:
         ProblemInvalid: There are none, or they belong to another scene or group, or keep less
-            distance than is demanded; or a parameter makes no sense.
+            distance than is demanded; or the group can have none, or a parameter makes no sense.
     """
     if GCS not in problem.search.planners:
         return
-    cars = list(steering_of(group))
-    if cars:
-        message = f"the ways that {GCS} finds are straight; {', '.join(cars)} cannot drive them"
-        raise ProblemInvalid(message, {"field": "search.planner", "joints": cars})
+    kinds = {joint.name: joint.type for joint in group.joints}
+    require_convex(kinds, steering_of(group), "search.planner")
     regions, margin = problem.regions, world.margins(problem.margin).default
     if regions is None:
         message = (

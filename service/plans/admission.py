@@ -9,6 +9,7 @@ from planning.errors import UnknownName
 from service.desk import Desk, spec_of
 from service.jobs.records import Job
 from service.regions.choice import regions_payload
+from service.regions.fitness import asks_for_regions, own_cars, require_fit
 from service.scenes.preflight import (
     Group,
     require_constraints,
@@ -116,20 +117,17 @@ def require_cars(group: Group, search: SearchWire) -> None:
 
     Raises:
         UnknownName: There is no such planar joint.
-        ProblemInvalid: The robot cannot drive so, or a planner checks motions backwards.
+        ProblemInvalid: The robot cannot drive so, or a planner checks motions backwards, or the
+            group can have no regions and the planner GCS is asked for.
     """
-    joints = group["joints"]
-    own = {joint["name"]: Steering(**joint["steering"]) for joint in joints if _is_car(joint)}
     asked = {
         name: Steering(space.turning_radius, space.reverse)
         for name, space in search.spaces.items()
         if isinstance(space, CarWire)
     }
-    planar = [joint["name"] for joint in joints if joint["type"] == "planar"]
+    planar = [joint["name"] for joint in group["joints"] if joint["type"] == "planar"]
     names = [search.planner] if isinstance(search.planner, str) else search.planner
-    require_directed(names, agreed_steering(own, asked, planar))
-
-
-def _is_car(joint: dict[str, Any]) -> bool:
-    # Scenes that were stored by older versions know nothing of cars.
-    return joint.get("steering") is not None
+    cars = agreed_steering(own_cars(group), asked, planar)
+    if asks_for_regions(search):
+        require_fit(group, cars, "search.planner")
+    require_directed(names, cars)

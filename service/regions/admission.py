@@ -3,6 +3,7 @@
 from planning.errors import UnknownName
 from service.desk import Desk, spec_of
 from service.jobs.records import Job
+from service.regions.fitness import own_cars, require_fit
 from service.scenes.preflight import require_group
 from service.scenes.shelf import SceneShelf
 from service.schemas.regions import RegionsRequest
@@ -21,11 +22,13 @@ async def submit_regions(
     Raises:
         UnknownResource: There is no such scene or revision.
         UnknownName: The scene has no such group, or the group no such coordinate.
+        ProblemInvalid: The group can have no regions.
         IdempotencyConflict: The key was used for another request.
         QueueFull: The queue is full.
     """
     record = await scenes.get(scene, request.revision)
     group = require_group(record, request.group)
+    require_fit(group, own_cars(group), "group")
     for name in request.bounds:
         if name not in group["position_names"]:
             raise UnknownName.among("position", name, group["position_names"])

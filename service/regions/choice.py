@@ -11,11 +11,11 @@ from planning.whole_files import write_whole
 from service.desk import Desk
 from service.errors import NoRegions
 from service.jobs.records import Job
+from service.regions.fitness import PLANNER, asks_for_regions
 from service.scenes.preflight import require_group
 from service.scenes.records import SceneRecord
 from service.schemas.plan import PlanRequest
 
-_PLANNER = "GCS"
 _MOST_NAMED = 20
 
 
@@ -30,8 +30,7 @@ async def regions_payload(request: PlanRequest, record: SceneRecord, desk: Desk)
         UnknownResource: There are no regions of that id.
         NoRegions: There are none that fit.
     """
-    planners = request.search.planner
-    if _PLANNER not in ([planners] if isinstance(planners, str) else planners):
+    if not asks_for_regions(request.search):
         return {}
     group = require_group(record, request.group)["name"]
     margin = request.margin
@@ -42,7 +41,7 @@ async def regions_payload(request: PlanRequest, record: SceneRecord, desk: Desk)
             return {"regions": await to_thread.run_sync(_file, desk.regions_folder, job)}
         seen.append(job)
     raise NoRegions(
-        f"the planner {_PLANNER!r} needs regions of group {group!r} that keep {margin:g} m in this "
+        f"the planner {PLANNER!r} needs regions of group {group!r} that keep {margin:g} m in this "
         f"revision of the scene; grow them by POST /v1/scenes/{record.id}/regions",
         {
             "scene": record.id,

@@ -149,6 +149,17 @@ def test_the_domain_is_bounded_or_refused():
     window = bundled_world("window_3d")
     with pytest.raises(ProblemInvalid, match="floating"):
         domain_of(window, window.group("body"), RegionOptions())
+    street = bundled_world("parallel_parking")
+    with pytest.raises(ProblemInvalid, match="cannot drive them"):
+        domain_of(street, street.group("car"), RegionOptions())
+
+
+def test_a_plan_of_what_can_have_no_regions_does_not_ask_for_them():
+    window = bundled_world("window_3d")
+    goal = ConfigurationGoal(next(iter(window.configurations(window.group("body")))))
+    problem = PlanningProblem("body", goal, search=SearchOptions(planner="GCS"))
+    with pytest.raises(ProblemInvalid, match="floating"):
+        pipeline.plan(problem, window, deadline=Deadline.after(30.0, time.monotonic))
 
 
 def test_planners_are_listed_with_gcs():

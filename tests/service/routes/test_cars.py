@@ -54,6 +54,7 @@ def test_models_tell_how_they_are_steered(client):
     [
         ({"spaces": {"car::base": {"turning_radius": 0.4}}}, "unknown_name", [JOINT]),
         ({"spaces": {JOINT: {"turning_radius": 0.1}}}, "problem_invalid", ["0.3"]),
+        ({"planner": "GCS"}, "problem_invalid", [JOINT, "cannot drive"]),
         ({"spaces": {JOINT: {"turning_radius": 0}}}, "request_invalid", []),
         ({"spaces": {JOINT: {"radius": 0.4}}}, "request_invalid", []),
         ({"spaces": {JOINT: "car"}}, "request_invalid", []),
@@ -72,6 +73,21 @@ def test_what_cannot_be_driven_is_refused(plan, search, code, names):
     assert answer.status_code == (409 if code == "unknown_name" else 422)
     assert answer.json()["code"] == code
     assert all(name in answer.json()["detail"] for name in names)
+
+
+def test_a_body_that_is_to_drive_has_no_regions(plan):
+    """What the request makes a car of is refused before anybody is sent to grow regions."""
+    search = {"planner": "GCS", "spaces": {"body::base_joint": {"turning_radius": 0.4}}}
+    answer = plan(search, group="body")
+    assert (answer.status_code, answer.json()["code"]) == (422, "problem_invalid")
+    assert "body::base_joint" in answer.json()["detail"]
+    assert plan({"planner": "GCS"}, group="body").json()["code"] == "no_regions"
+
+
+def test_no_regions_are_grown_for_cars(client, scene):
+    answer = client.post(f"/v1/scenes/{scene}/regions", json={"group": "car"})
+    assert (answer.status_code, answer.json()["code"]) == (422, "problem_invalid")
+    assert answer.json()["evidence"] == {"field": "group", "joints": [JOINT]}
 
 
 def test_any_planner_will_do_for_a_car_that_reverses(plan):

@@ -34,7 +34,8 @@ def grown(client, square):
 
 def plan_of(client, scene, **fields):
     search = {"planner": "GCS", "allowed_planning_time": 20.0, **fields.pop("search", {})}
-    goal = {"type": "configuration", "name": "beyond"}
+    beyond = {"type": "configuration", "name": "beyond"}
+    goal = fields.pop("goal", beyond)
     request = {"scene": scene, "group": "body", "goal": goal, "search": search, **fields}
     return client.post("/v1/plans?wait=40", json=request)
 
@@ -109,6 +110,18 @@ def test_where_nothing_has_grown_nothing_fits(client):
     found = plan_of(client, there).json()
     used = found["result"]["stages"]["search"]["regions"]["digest"]
     assert used == few["summary"]["digest"]
+
+
+def test_what_floats_has_no_regions_and_is_told_so_at_once(client):
+    robots = [{"name": "body", "model": "free_l"}]
+    there = client.post("/v1/scenes", json={"robots": robots}).json()["id"]
+    goal = {"type": "joint", "positions": [[1.0, 0, 0, 0, 0, 0, 0.1]]}
+    for answer in (
+        plan_of(client, there, goal=goal),
+        client.post(f"/v1/scenes/{there}/regions", json={"group": "body"}),
+    ):
+        assert (answer.status_code, answer.json()["code"]) == (422, "problem_invalid")
+        assert "floating" in answer.json()["detail"]
 
 
 def test_planners_tell_that_gcs_needs_regions(client):
