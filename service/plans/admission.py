@@ -44,7 +44,8 @@ async def submit_plan(request: PlanRequest, key: str | None, scenes: SceneShelf,
         UnknownResource: There is no such scene or revision.
         UnknownName: The scene has no such group, joint, frame or configuration, or nobody has
             the planner.
-        ProblemInvalid: A base cannot drive as is asked, or a planner cannot search for that.
+        ProblemInvalid: A base cannot drive as is asked, or a planner cannot search for that, or
+            regions are named and no planner needs them.
         WrongCount: A list of positions does not fit the group.
         IdempotencyConflict: The key was used for another request.
         NoRegions: The planner GCS is asked for, and no regions fit.

@@ -7,6 +7,7 @@ from typing import Any
 
 from anyio import to_thread
 
+from planning.errors import ProblemInvalid
 from planning.whole_files import write_whole
 from service.desk import Desk
 from service.errors import NoRegions
@@ -15,6 +16,7 @@ from service.regions.fitness import PLANNER, asks_for_regions
 from service.scenes.preflight import require_group
 from service.scenes.records import SceneRecord
 from service.schemas.plan import PlanRequest
+from service.schemas.search import SearchWire
 
 _MOST_NAMED = 20
 
@@ -27,10 +29,12 @@ async def regions_payload(request: PlanRequest, record: SceneRecord, desk: Desk)
     has grown there is nothing to fit.
 
     Raises:
+        ProblemInvalid: It names regions, and no planner that plans inside them.
         UnknownResource: There are no regions of that id.
         NoRegions: There are none that fit.
     """
     if not asks_for_regions(request.search):
+        _require_none(request.search)
         return {}
     group = require_group(record, request.group)["name"]
     margin = request.margin
@@ -51,6 +55,13 @@ async def regions_payload(request: PlanRequest, record: SceneRecord, desk: Desk)
             "there": [_told(job) for job in seen[:_MOST_NAMED]],
         },
     )
+
+
+def _require_none(search: SearchWire) -> None:
+    if search.regions is not None:
+        field = "search.regions"
+        message = f"{field}: only the planner {PLANNER!r} plans inside regions, and nobody asked it"
+        raise ProblemInvalid(message, {"field": field})
 
 
 async def _candidates(request: PlanRequest, record: SceneRecord, desk: Desk) -> AsyncIterator[Job]:

@@ -95,6 +95,14 @@ def test_without_regions_that_fit_a_plan_is_refused_and_says_what_is_there(clien
     assert plan_of(client, square, search={"regions": "reg_nothing"}).status_code == 404
 
 
+@pytest.mark.parametrize("planner", ["RRTConnect", ["RRTConnect", "PRM"]])
+def test_regions_that_nobody_would_look_at_are_refused(client, square, grown, planner):
+    for name in (grown["id"], "bogus"):
+        answer = plan_of(client, square, search={"planner": planner, "regions": name})
+        assert (answer.status_code, answer.json()["code"]) == (422, "problem_invalid")
+        assert answer.json()["evidence"] == {"field": "search.regions"}
+
+
 def test_where_nothing_has_grown_nothing_fits(client):
     """However new it is: the newest that have regions are taken, or none."""
     there = client.post("/v1/scenes", json={**SCENE, "margin": 0.002}).json()["id"]
