@@ -133,11 +133,26 @@ def domain_of(world: World, group: JointGroup, options: RegionOptions) -> tuple[
             raise UnknownName.among("position", name, group.position_names)
         k = group.position_names.index(name)
         lower[k], upper[k] = max(low, limits.lower[k]), min(high, limits.upper[k])
-    for name, low, high in zip(group.position_names, lower, upper, strict=True):
-        if not (np.isfinite(low) and np.isfinite(high) and low < high):
-            message = f"regions need a bounded interval of {name}, not [{low:g}, {high:g}]"
-            raise ProblemInvalid(message, {"field": f"bounds.{name}"})
+    for k, name in enumerate(group.position_names):
+        if not (np.isfinite([lower[k], upper[k]]).all() and lower[k] < upper[k]):
+            raise _no_interval(name, options, float(limits.lower[k]), float(limits.upper[k]))
     return lower, upper
+
+
+def _no_interval(name: str, options: RegionOptions, low: float, high: float) -> ProblemInvalid:
+    """Return the error of a coordinate whose limits and bounds, if any, leave none to grow in."""
+    evidence: dict[str, Any] = {"field": f"bounds.{name}"}
+    limits = f"limits [{low:g}, {high:g}]"
+    given = options.bounds.get(name)
+    if given is None:
+        message = f"regions need a bounded interval of {name}; its {limits} are none: give `bounds`"
+    else:
+        evidence["bounds"] = list(given)
+        message = (
+            f"regions need a bounded interval of {name}; its bounds [{given[0]:g}, {given[1]:g}] "
+            f"and its {limits} have none in common"
+        )
+    return ProblemInvalid(message, evidence)
 
 
 def _turns(kind: JointType, coordinate: int) -> bool:

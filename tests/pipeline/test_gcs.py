@@ -2,6 +2,7 @@
 
 import json
 import pickle
+import re
 import time
 from dataclasses import replace
 from functools import cache
@@ -146,6 +147,12 @@ def test_the_domain_is_bounded_or_refused():
     assert (lower[2], upper[2]) == (-0.1, 0.2)
     with pytest.raises(UnknownName):
         domain_of(world, group, RegionOptions(bounds={"nothing": (0, 1)}))
+    x = group.position_names[0]
+    with pytest.raises(
+        ProblemInvalid, match=re.escape("[5, 6] and its limits [-0.5, 0.5]")
+    ) as said:
+        domain_of(world, group, RegionOptions(bounds={x: (5.0, 6.0)}))
+    assert said.value.evidence["bounds"] == [5.0, 6.0]
     window = bundled_world("window_3d")
     with pytest.raises(ProblemInvalid, match="floating"):
         domain_of(window, window.group("body"), RegionOptions())
