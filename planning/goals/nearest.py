@@ -27,6 +27,8 @@ _NUM_TRIES = 320
 _MAX_ROUNDS = 8
 # What is nearer by less than this share is no news.
 _NEWS = 0.999
+# Obstacles that cost less than this share are not to blame: so near a minimum the search ends too.
+_OWED = 0.99
 # A pair or a joint within this of its bound is at it [m, rad].
 _AT_BOUND = 1e-4
 
@@ -81,7 +83,9 @@ class NearestSearch:
         for _ in range(_MAX_ROUNDS):
             if self._best is None or self._deadline.is_over or not self._nearer(self._best):
                 break
-        return None if self._best is None else self._report(self._best)
+        if self._best is None:
+            return None
+        return self._report(self._best, is_reached=len(hints) > 0)
 
     def _begin(self, rows: Array, num_hints: int) -> list[tuple[int, Array]]:
         """Take the best free row, and return which to pull, and to which target."""
@@ -161,18 +165,37 @@ class NearestSearch:
         shift, turn = pose.distance(self._targets[index].closest(pose))
         return float(np.hypot(metric.translation * shift, metric.rotation * turn))
 
-    def _report(self, best: _Found) -> NearestPose:
-        """Say what binds: bodies at their margins, else joints at their limits, else the reach."""
-        group, margins = self._query.group, self._query.margins
+    def _report(self, best: _Found, *, is_reached: bool) -> NearestPose:
+        """Say what binds: bodies at their margins, else joints at their limits, else the reach.
+
+        Bodies that only happen to be at their margins, because the goal is reached in no collision
+        either and without them the pose would be no nearer, are not blamed.
+        """
+        group = self._query.group
         shift, turn = best.pose.distance(self._targets[best.index].closest(best.pose))
-        probe = self._world.distance_probe(margins)
-        near = probe.pairs_within(self._world.embed(group, best.q), margins.largest + _AT_BOUND)
-        pairs = tuple(
-            pair.bodies for pair in near if pair.distance < margins.of(*pair.bodies) + _AT_BOUND
-        )
+        pairs = self._touching(best.q)
+        if pairs and not is_reached and not self._is_kept_off(best):
+            pairs = ()
         gaps = np.minimum(best.q - self._limits.lower, self._limits.upper - best.q)
         joints = tuple(
             name for name, gap in zip(group.position_names, gaps, strict=True) if gap < _AT_BOUND
         )
         binding = "collision" if pairs else "limits" if joints else "reach"
         return NearestPose(best.pose, best.q, shift, turn, best.index, binding, joints, pairs)
+
+    def _touching(self, q: Array) -> tuple[tuple[str, str], ...]:
+        """Return the pairs of bodies that are at their margins."""
+        margins = self._query.margins
+        probe = self._world.distance_probe(margins)
+        full = self._world.embed(self._query.group, q)
+        near = probe.pairs_within(full, margins.largest + _AT_BOUND)
+        return tuple(
+            pair.bodies for pair in near if pair.distance < margins.of(*pair.bodies) + _AT_BOUND
+        )
+
+    def _is_kept_off(self, best: _Found) -> bool:
+        """Whether the best comes nearer once bodies may touch."""
+        target = self._targets[best.index]
+        q = pulled(self._world, self._query, target, best.q, is_apart=False)
+        (x_wt,) = self._frame_poses(self._world.embed(self._query.group, q[None]))
+        return self._cost(Pose.from_matrix(x_wt), best.index) < _OWED * best.cost

@@ -31,18 +31,24 @@ _LARGEST_ANGLE = 3.0
 
 
 def pulled(
-    world: World, query: GoalQuery, target: Target, q: Float64[np.ndarray, " nq"]
+    world: World,
+    query: GoalQuery,
+    target: Target,
+    q: Float64[np.ndarray, " nq"],
+    *,
+    is_apart: bool = True,
 ) -> Float64[np.ndarray, " nq"]:
     """Return where sequential quadratic programming (SNOPT) leads q on its way to a target.
 
-    A local minimum of the pose metric if all goes well; whoever asks checks what it is.
+    A local minimum of the pose metric if all goes well; whoever asks checks what it is. Bodies are
+    kept apart unless `is_apart` is False; limits are always kept.
     """
     limits = world.limits(query.group)
     pairs: dict[tuple[Any, Any], float] = {}
     slack = _SLACK
     for _ in range(_MAX_ROUNDS):
         known = len(pairs)
-        near, depth = _near_pairs(world, query, q)
+        near, depth = _near_pairs(world, query, q) if is_apart else ({}, -np.inf)
         pairs.update(near)
         # What the solver leaves is made up for, once it is little.
         slack += depth + _SLACK if 0 < depth < _SMALL else 0.0

@@ -192,6 +192,29 @@ def test_what_binds_is_named() -> None:
     assert (high["binding"], high["pairs"], high["joints"]) == ("reach", [], [])
 
 
+@cache
+def without_box() -> World:
+    scene = planning.read_scene(planning.bundled_folder("scenes") / f"{NAME}.scene.yaml")
+    others = tuple(one for one in scene.objects if one.name != "box")
+    return planning.load_world(replace(scene, objects=others))
+
+
+@pytest.mark.parametrize("place", [(2.5, 1.0, 0.3), (1.2, 0.0, 0.05)])
+def test_what_is_out_of_reach_is_blamed_on_an_obstacle_only_if_that_costs(
+    place: tuple[float, ...],
+) -> None:
+    """The arm leans on the box both times; only the second goal is nearer without it."""
+    goal = at(Pose.from_parts(place, rpy=[np.pi, 0, 0]))
+    near = refused(world_by(NAME, "kernel"), goal)["nearest"]
+    alone = refused(without_box(), goal)["nearest"]
+    with_it, without = (
+        np.hypot(one["translation_error"], 0.1 * one["rotation_error"]) for one in (near, alone)
+    )
+    assert alone["binding"] == "reach"
+    assert near["binding"] == ("collision" if without < 0.99 * with_it else "reach")
+    assert bool(near["pairs"]) == (near["binding"] == "collision")
+
+
 def test_margins_are_kept_by_the_nearest_pose() -> None:
     world = world_by(NAME, "kernel")
     group = world.group("arm")
