@@ -85,3 +85,14 @@ def test_a_request_makes_a_car_of_a_body(plan):
     assert job["state"] == "succeeded", job["failure"]
     names = [check["name"] for check in job["result"]["certificate"]["checks"]]
     assert "steering body::base_joint" in names
+
+
+def test_a_motion_that_slips_is_refused_in_numbers(client, scene):
+    still = [[0.0, 0.0, 0.0]] * 2
+    for end, when in (([-0.9, 0.1, 0.0], 3.0), ([-0.9, 0.0, 3e4], 1.0)):
+        motion = {"times": [0, when], "positions": [[-0.9, 0.0, 0.0], end], "velocities": still}
+        request = {"scene": scene, "group": "car", "trajectory": motion}
+        answer = client.post("/v1/trajectories/certify", json=request)
+        assert answer.status_code == 200
+        checks = {check["name"]: check for check in answer.json()["certificate"]["checks"]}
+        assert not checks[f"steering {JOINT}"]["passed"]
