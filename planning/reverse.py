@@ -20,6 +20,7 @@ from planning.domain.plan import MotionPlan, PlanPart, StageReports
 from planning.domain.problem import PlanningProblem
 from planning.domain.report import RefineReport, RetimeReport
 from planning.parts import no_search, tool_of
+from planning.search.demands import driven
 from planning.stopwatch import Stopwatch
 from planning.timing import admit_timing
 from planning.world.world import World
@@ -38,9 +39,9 @@ def reverse_plan(
 ) -> MotionPlan:
     """Return the motion of a plan backwards, as a plan of its own.
 
-    It is held against the same limits, margins, lines and path constraints, by the same scene as it
-    is: what a robot holds, it holds on the way back. Constraints that speak of the start speak of
-    the start of this motion.
+    It is held against the same limits, margins, lines, path constraints and steering, by the same
+    scene as it is: what a robot holds, it holds on the way back. Constraints that speak of the
+    start speak of the start of this motion. A car without reverse has no way back.
 
     Args:
         world: The scene, loaded.
@@ -52,12 +53,14 @@ def reverse_plan(
 
     Raises:
         UnknownName: The scene has no such group.
+        ProblemInvalid: The problem's cars or limits make no sense in this scene.
         NotCertified: The motion backwards cannot be proven; evidence has the failed checks.
         DeadlineExceeded: Time ran out.
         Canceled: Somebody asked for the end.
     """
     watch = Stopwatch(deadline.clock)
-    group, back = world.group(problem.group), trajectory.reverse
+    group = driven(world.group(problem.group), problem.search.spaces)
+    back = trajectory.reverse
     turned = tuple(
         replace(
             part,
