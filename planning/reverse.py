@@ -26,7 +26,16 @@ from planning.timing import admit_timing
 from planning.world.world import World
 
 _KINDS = {"approach": "retreat", "retreat": "approach"}
-_RATES = ("velocity", "acceleration", "jerk")
+# What the certificate has checks for, and the report of a timing its share.
+_LIMITS = (
+    "velocity",
+    "acceleration",
+    "jerk",
+    "torque",
+    "tool_speed",
+    "tool_acceleration",
+    "speed_zone",
+)
 
 
 def reverse_plan(
@@ -142,12 +151,20 @@ def _timing(
     method: str, back: TimedTrajectory, certificate: Certificate, parts: Sequence[PlanPart]
 ) -> RetimeReport:
     """Return what the certificate says of the timing, which nobody chose anew."""
-    rates = [check for check in certificate.checks if check.name in _RATES]
+    binding: dict[str, str] = {}
+    used: dict[str, float] = {}
+    for check in certificate.checks:
+        # Checks of frames and zones are named after them.
+        kind, _, named = check.name.partition(" ")
+        if kind in _LIMITS:
+            share = check.value if check.unit == "1" else check.value / check.bound
+            if share > used.get(kind, -1.0):
+                binding[kind], used[kind] = named or check.where, share
     return RetimeReport(
         method=method,
         duration=back.duration,
         slowed=1.0,
-        binding={check.name: check.where for check in rates},
-        utilisation={check.name: check.value for check in rates},
+        binding=binding,
+        utilisation=used,
         stops=max(0, len(parts) - 1),
     )
