@@ -74,6 +74,21 @@ def test_what_cannot_be_driven_is_refused(plan, search, code, names):
     assert all(name in answer.json()["detail"] for name in names)
 
 
+@pytest.mark.parametrize(
+    ("space", "detail"),
+    [
+        ({"turning_radius": -1}, ".turning_radius: Input should be greater than or equal to 0.001"),
+        ({"turning_radius": 1, "turning": 1}, ".turning: Extra inputs are not permitted"),
+        ({}, ".turning_radius: Field required"),
+        ("car", ": Input should be 'full' or 'position'"),
+    ],
+)
+def test_a_fault_of_a_space_is_told_of_what_was_meant(plan, space, detail):
+    answer = plan({"spaces": {JOINT: space}})
+    assert answer.status_code == 422
+    assert answer.json()["detail"] == f"body.search.spaces.{JOINT}{detail}"
+
+
 def test_any_planner_will_do_for_a_car_that_reverses(plan):
     job = plan({"planner": "KPIECE1", "spaces": {JOINT: {"turning_radius": 0.3}}}).json()
     assert job["state"] == "succeeded", job["failure"]
