@@ -1,8 +1,7 @@
 """Candidates: the motions that one path can become, quickest first."""
 
 from collections.abc import Iterator
-from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -46,12 +45,13 @@ class Candidate:
 
 @dataclass(frozen=True)
 class _Timing:
-    """How every curve is timed."""
+    """How every curve is timed, and what was wrong with those that cannot be."""
 
     limits: JointLimits
     path_limits: tuple[PathLimit, ...]
     options: RetimeOptions
     watch: Stopwatch
+    failed: list[RetimingFailed] = field(default_factory=list[RetimingFailed])
 
 
 def deadlines(problem: PlanningProblem, deadline: Deadline) -> tuple[Deadline, Deadline]:
@@ -75,7 +75,8 @@ def candidates(
     """Yield timed motions along a path: the quicker of refined and rounded first.
 
     Raises:
-        RetimingFailed: Not even the path itself, with a rest at every corner, can be timed.
+        RetimingFailed: After all others, not even the path itself, with a rest at every corner, can
+            be timed. Where a duration was asked for, evidence has the least of all that failed.
         DeadlineExceeded: Time ran out.
         Canceled: Somebody asked for the end.
     """
@@ -96,10 +97,7 @@ def candidates(
             rules=rules and rules.leaving_room(path.waypoints[0], path.waypoints[-1:]),
         )
         refined, report = refine(world, request, hasty)
-    first: list[Candidate] = []
-    if refined is not None:
-        with suppress(RetimingFailed):
-            first.append(_timed("refined curve", refined, timing, report))
+    first = [] if refined is None else _timed("refined curve", refined, timing, report)
     unrefined = replace(report, improved=False)
     if report.improved:
         unrefined = RefineReport(
@@ -112,15 +110,17 @@ def candidates(
     clear = _clear_deviations(world, path, problem, margins, rules)
     with watch.stage("retime"):
         compared = list(clear) if problem.retime.method == "ruckig" else [next(clear)]
+    made: list[Candidate] = []
     for deviation in compared:
         made = _rounded(path, deviation, timing, unrefined)
-        first += [made] if made else []
+        first += made
     yield from sorted(first, key=lambda candidate: candidate.trajectory.duration)
     for deviation in clear:
         deadline.check("retime")
         made = _rounded(path, deviation, timing, unrefined)
-        if made is not None:
-            yield made
+        yield from made
+    if not made:
+        raise _untimed(timing.failed)
 
 
 def _held(group: JointGroup, search: SearchOptions) -> tuple[int, ...]:
@@ -163,30 +163,42 @@ def _clear_deviations(
 
 def _rounded(
     path: JointPath, deviation: float, timing: _Timing, report: RefineReport
-) -> Candidate | None:
+) -> list[Candidate]:
     smoothness = 2 if timing.options.method == "ruckig" else 1
     with timing.watch.stage("retime"):
         spline = blend_corners(path, deviation, smoothness)
     name = f"path with corners rounded by {deviation:g}" if deviation else "path itself"
-    try:
-        made = _timed(name, spline, timing, report)
-    except RetimingFailed as fault:
-        if deviation > 0:
-            return None
-        message = "the path cannot be timed, even with a rest at every corner: "
-        raise RetimingFailed(message + fault.detail, fault.evidence) from fault
-    return replace(made, retime=replace(made.retime, blend_deviation=deviation))
+    return [
+        replace(made, retime=replace(made.retime, blend_deviation=deviation))
+        for made in _timed(name, spline, timing, report)
+    ]
 
 
-def _timed(name: str, spline: JointSpline, timing: _Timing, report: RefineReport) -> Candidate:
-    """Time a curve.
-
-    Raises:
-        RetimingFailed: It cannot be timed.
-    """
+def _timed(
+    name: str, spline: JointSpline, timing: _Timing, report: RefineReport
+) -> list[Candidate]:
+    """Time a curve; return nothing and remember why if it cannot be timed."""
     how = timing.limits, timing.options, timing.path_limits
     with timing.watch.stage("retime"):
-        trajectory, done = retime(spline, *how)
+        try:
+            trajectory, done = retime(spline, *how)
+        except RetimingFailed as fault:
+            timing.failed.append(fault)
+            return []
         if timing.options.explain:
             done = replace(done, explanation=explain_duration(spline, trajectory, *how))
-    return Candidate(name, trajectory, report, done)
+    return [Candidate(name, trajectory, report, done)]
+
+
+def _untimed(failed: list[RetimingFailed]) -> RetimingFailed:
+    """Return what to say once the path itself cannot be timed, which failed last.
+
+    Rests at corners take time: if that is all that is wrong, the quickest curve says what is not.
+    """
+    last = failed[-1]
+    if "least" not in last.evidence:
+        message = f"the path cannot be timed, even with a rest at every corner: {last.detail}"
+        return RetimingFailed(message, last.evidence)
+    too_slow = [fault for fault in failed if "least" in fault.evidence]
+    quickest = min(too_slow, key=lambda fault: fault.evidence["least"])
+    return RetimingFailed(f"the path cannot be timed so: {quickest.detail}", quickest.evidence)

@@ -6,6 +6,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from planning.domain.curve import TimedTrajectory
+from planning.domain.duration import DurationExplanation
+from planning.domain.joints import JointLimits
 from planning.domain.line import MAX_SHIFT, MAX_TURN, LineSection
 from planning.domain.options import RetimeOptions
 from planning.domain.path import JointPath
@@ -14,6 +16,7 @@ from planning.domain.report import RetimeReport
 from planning.errors import RetimingFailed
 from planning.parts import Part
 from planning.retime.audit import RATES
+from planning.retime.explain import explain_slowed, joined_explanation
 from planning.retime.path_limit import PathLimit
 from planning.world.tool_kinematics import ToolKinematics
 from planning.world.world import Array, World
@@ -78,14 +81,17 @@ class Motion:
             utilisation={rate: report.utilisation[rate] for rate, report in worst.items()},
             stops=sum(report.stops for report in reports) + len(reports) - 1,
             blend_deviation=reports[0].blend_deviation,
-            explanation=reports[0].explanation,
+            explanation=_explained(reports),
         )
 
-    def lasting(self, options: RetimeOptions, path_limits: Sequence[PathLimit] = ()) -> "Motion":
+    def lasting(
+        self, options: RetimeOptions, limits: JointLimits, path_limits: Sequence[PathLimit] = ()
+    ) -> "Motion":
         """Return the motion with all parts slowed alike to the duration that is asked for.
 
         Args:
             options: Say how long it shall take.
+            limits: Of the joints, unscaled.
             path_limits: With which the parts were timed.
 
         Raises:
@@ -99,7 +105,8 @@ class Motion:
             evidence = {"method": options.method, "duration": options.duration, "least": least}
             raise RetimingFailed(message, evidence)
         factor = max(1.0, options.duration / least)
-        return Motion(tuple(_slower(part, factor, path_limits) for part in self.parts))
+        slowed = (_slower(part, factor, path_limits) for part in self.parts)
+        return Motion(tuple(_explained_anew(part, limits, options, path_limits) for part in slowed))
 
     @property
     def _free(self) -> list[Part]:
@@ -147,6 +154,27 @@ def _slower(part: Part, factor: float, path_limits: Sequence[PathLimit]) -> Part
                 binding[limit.name], used[limit.name] = use.where, use.share(1.0)
     made = replace(report, duration=report.duration * factor, binding=binding, utilisation=used)
     return replace(part, trajectory=trajectory, report=made)
+
+
+def _explained_anew(
+    part: Part, limits: JointLimits, options: RetimeOptions, path_limits: Sequence[PathLimit]
+) -> Part:
+    """Return a part that was slowed with what still binds, if it was explained."""
+    before = part.report.explanation
+    if before is None:
+        return part
+    after = explain_slowed(before, part.trajectory, limits, options, path_limits)
+    return replace(part, report=replace(part.report, explanation=after))
+
+
+def _explained(reports: Sequence[RetimeReport]) -> DurationExplanation | None:
+    """Return why all parts together take as long as they do, if that was asked for."""
+    told = [
+        (report.explanation, report.duration)
+        for report in reports
+        if report.explanation is not None
+    ]
+    return joined_explanation(told) if told else None
 
 
 def _length(world: World, part: Part, frame: str) -> float:

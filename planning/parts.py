@@ -22,6 +22,7 @@ from planning.domain.path import JointPath
 from planning.domain.problem import PlanningProblem
 from planning.domain.report import RefineReport, RetimeReport
 from planning.domain.search_report import SearchReport
+from planning.retime.explain import explain_duration
 from planning.retime.path_limits import path_limits as asked_limits
 from planning.retime.retimer import retime
 from planning.world.world import Array, World
@@ -131,7 +132,10 @@ def timed_legs(
         rows = np.concatenate([begin[None], leg.positions])
         positions = JointPath(group, rows).continuous.waypoints[1:]
         curve = cubic_through(group.joints, leg.fractions, positions)
-        trajectory, report = retime(curve, limits, freely_timed(problem).retime, others)
+        how = limits, freely_timed(problem).retime, others
+        trajectory, report = retime(curve, *how)
+        if problem.retime.explain:
+            report = replace(report, explanation=explain_duration(curve, trajectory, *how))
         count = max(problem.search.approach_states, len(positions))
         waypoints = curve.manifold.normalized(curve.positions(np.linspace(0.0, 1.0, count)))
         parts.append(Part(kind, JointPath(group, waypoints), trajectory, leg, report))

@@ -11,6 +11,8 @@ from planning.clearances import clearances
 from planning.domain.certificate import Certificate
 from planning.domain.deadline import Deadline
 from planning.domain.goal import LineGoal
+from planning.domain.joints import JointLimits
+from planning.domain.options import RetimeOptions
 from planning.domain.plan import Progress
 from planning.domain.planner_graph import PlannerGraph
 from planning.domain.report import CertifyReport, RefineReport
@@ -75,7 +77,7 @@ def prove_lines(task: PlanTask) -> Proven:
     with task.watch.stage("retime"):
         motion = Motion(
             timed_legs(task.world, task.group, named_lines(task.lines), task.problem, task.start)
-        ).lasting(task.problem.retime, _path_limits(task))
+        ).lasting(*_timing(task))
     task.report(Progress("certify", 0.8, "certifying the lines"))
     with task.watch.stage("certify"):
         certificate, report = _certify(task, motion)
@@ -106,7 +108,7 @@ def prove_search(task: PlanTask) -> Proven:
             task.report(Progress("certify", 0.8, f"certifying the {candidate.name}"))
             with task.watch.stage("certify"):
                 motion = Motion((free_part(found.path, candidate), *tail))
-                motion = motion.lasting(task.problem.retime, _path_limits(task))
+                motion = motion.lasting(*_timing(task))
                 certificate, report = _certify(task, motion)
             if certificate.proven:
                 seen = replace(report, candidates=len(refused) + 1, refused=tuple(refused))
@@ -126,8 +128,10 @@ def prove_search(task: PlanTask) -> Proven:
     raise not_certified(failed, refused)
 
 
-def _path_limits(task: PlanTask) -> tuple[PathLimit, ...]:
-    return path_limits(task.world, task.group, task.problem.retime)
+def _timing(task: PlanTask) -> tuple[RetimeOptions, JointLimits, tuple[PathLimit, ...]]:
+    options = task.problem.retime
+    others = path_limits(task.world, task.group, options)
+    return options, task.world.limits(task.group), others
 
 
 def _require_hope(certificate: Certificate, refused: list[str]) -> None:

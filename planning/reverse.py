@@ -20,12 +20,22 @@ from planning.domain.plan import MotionPlan, PlanPart, StageReports
 from planning.domain.problem import PlanningProblem
 from planning.domain.report import RefineReport, RetimeReport
 from planning.parts import no_search, tool_of
+from planning.search.demands import driven
 from planning.stopwatch import Stopwatch
 from planning.timing import admit_timing
 from planning.world.world import World
 
 _KINDS = {"approach": "retreat", "retreat": "approach"}
-_RATES = ("velocity", "acceleration", "jerk")
+# What the certificate has checks for, and the report of a timing its share.
+_LIMITS = (
+    "velocity",
+    "acceleration",
+    "jerk",
+    "torque",
+    "tool_speed",
+    "tool_acceleration",
+    "speed_zone",
+)
 
 
 def reverse_plan(
@@ -38,9 +48,9 @@ def reverse_plan(
 ) -> MotionPlan:
     """Return the motion of a plan backwards, as a plan of its own.
 
-    It is held against the same limits, margins, lines and path constraints, by the same scene as it
-    is: what a robot holds, it holds on the way back. Constraints that speak of the start speak of
-    the start of this motion.
+    It is held against the same limits, margins, lines, path constraints and steering, by the same
+    scene as it is: what a robot holds, it holds on the way back. Constraints that speak of the
+    start speak of the start of this motion. A car without reverse has no way back.
 
     Args:
         world: The scene, loaded.
@@ -52,12 +62,14 @@ def reverse_plan(
 
     Raises:
         UnknownName: The scene has no such group.
+        ProblemInvalid: The problem's cars or limits make no sense in this scene.
         NotCertified: The motion backwards cannot be proven; evidence has the failed checks.
         DeadlineExceeded: Time ran out.
         Canceled: Somebody asked for the end.
     """
     watch = Stopwatch(deadline.clock)
-    group, back = world.group(problem.group), trajectory.reverse
+    group = driven(world.group(problem.group), problem.search.spaces)
+    back = trajectory.reverse
     turned = tuple(
         replace(
             part,
@@ -139,12 +151,20 @@ def _timing(
     method: str, back: TimedTrajectory, certificate: Certificate, parts: Sequence[PlanPart]
 ) -> RetimeReport:
     """Return what the certificate says of the timing, which nobody chose anew."""
-    rates = [check for check in certificate.checks if check.name in _RATES]
+    binding: dict[str, str] = {}
+    used: dict[str, float] = {}
+    for check in certificate.checks:
+        # Checks of frames and zones are named after them.
+        kind, _, named = check.name.partition(" ")
+        if kind in _LIMITS:
+            share = check.value if check.unit == "1" else check.value / check.bound
+            if share > used.get(kind, -1.0):
+                binding[kind], used[kind] = named or check.where, share
     return RetimeReport(
         method=method,
         duration=back.duration,
         slowed=1.0,
-        binding={check.name: check.where for check in rates},
-        utilisation={check.name: check.value for check in rates},
+        binding=binding,
+        utilisation=used,
         stops=max(0, len(parts) - 1),
     )

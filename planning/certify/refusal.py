@@ -22,15 +22,14 @@ def not_certified(failed: Certificate | None, refused: Sequence[str]) -> NotCert
 
 def failed_checks(certificate: Certificate) -> str:
     """Return the failed checks and where they failed, in short."""
-    return ", ".join(f"{check.name} {check.where}" for check in certificate.failed)
+    return ", ".join(f"{check.name} {check.where}".rstrip() for check in certificate.failed)
 
 
 def describe_check(check: Check) -> str:
     """Return a failed check as words."""
-    return (
-        f"{check.name} ({check.value:.4g} {check.unit}, bound {check.bound:.4g}, "
-        f"{check.where} at {check.time:.3f} s)"
-    )
+    value = f"{check.value:.4g}" if check.unit == "1" else f"{check.value:.4g} {check.unit}"
+    place = f"{check.where} at" if check.where else "at"
+    return f"{check.name} ({value}, bound {check.bound:.4g}, {place} {check.time:.3f} s)"
 
 
 def _evidence(checks: Sequence[Check]) -> list[dict[str, Any]]:

@@ -62,15 +62,28 @@ def _check(name: str, request: CertifyRequest, at: tuple[int, int], car: Steerin
     times_ = (request.trajectory.breaks[:-1, None] + _LOOKS * widths[:, None]).ravel()
     value, where, time = _worst(request, at[1], times_, car)
     nodes = _nodes(request, *at)
+    most = _most(request, at[1], car)
     if nodes is None:
-        return Check(name, value, bound, "1", np.inf, passed=False, where="unproven", time=time)
+        open_ = max(0.0, most - value)
+        return Check(name, value, bound, "1", open_, passed=False, where="unproven", time=time)
     for kind, excess, dust in _excesses(nodes, car):
         top, row, fraction = bernstein.peak(np.ascontiguousarray(excess), dust / 2)
         if not top <= dust:
             when = float(nodes.begins[row] + fraction * nodes.widths[row])
             seen, _, _ = _worst(request, at[1], np.array([when]), car)
-            return Check(name, max(value, seen), bound, "1", np.inf, False, kind, when)  # noqa: FBT003
+            value = max(value, seen)
+            return Check(name, value, bound, "1", max(0.0, most - value), False, kind, when)  # noqa: FBT003
     return Check(name, value, bound, "1", max(0.0, bound - value), True, where, time)  # noqa: FBT003
+
+
+def _most(request: CertifyRequest, iv: int, car: Steering) -> float:
+    """Return what no share of what is allowed exceeds, whatever the motion does.
+
+    The base is never aside or behind by more than its speed; how quickly it turns, its polynomials
+    bound.
+    """
+    turn = float(np.abs(request.forms[1][iv + 2]).max(initial=0.0))
+    return max(1 / SLIP, turn * car.turning_radius / _LEAST_SPEED)
 
 
 def _worst(

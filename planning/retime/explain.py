@@ -84,6 +84,65 @@ def explain_duration(
         options: With which it was made.
         path_limits: With which it was made.
     """
+    intervals = _intervals(trajectory, limits, options, path_limits)
+    task = _Task(spline, limits, replace(options, duration=None), tuple(path_limits))
+    least = task.duration
+    bound = dict.fromkeys((entry.limit, entry.where) for entry in intervals if entry.limit)
+    savings = [Saving(*named, _saving(task.relaxed(named), least)) for named in bound]
+    worthwhile = [saving for saving in savings if saving.seconds > _LEAST_SAVING]
+    worthwhile.sort(key=lambda saving: -saving.seconds)
+    return DurationExplanation(intervals, _RELAXED, tuple(worthwhile))
+
+
+def explain_slowed(
+    explanation: DurationExplanation,
+    trajectory: TimedTrajectory,
+    limits: JointLimits,
+    options: RetimeOptions,
+    path_limits: Sequence[PathLimit] = (),
+) -> DurationExplanation:
+    """Return the explanation of a motion that was slowed as a whole since.
+
+    Args:
+        explanation: Of the motion as it was.
+        trajectory: The motion as it is.
+        limits: Unscaled.
+        options: With which it was made.
+        path_limits: With which it was made.
+    """
+    intervals = _intervals(trajectory, limits, options, path_limits)
+    bound = {(entry.limit, entry.where) for entry in intervals}
+    savings = tuple(entry for entry in explanation.savings if (entry.limit, entry.where) in bound)
+    return replace(explanation, intervals=intervals, savings=savings)
+
+
+def joined_explanation(
+    parts: Sequence[tuple[DurationExplanation, float]],
+) -> DurationExplanation:
+    """Return the explanation of motions one after another, each with its duration [s]."""
+    intervals: list[BindingInterval] = []
+    seconds: dict[_Named, float] = {}
+    begin = 0.0
+    for explanation, duration in parts:
+        intervals += [
+            replace(entry, begin=begin + entry.begin, end=begin + entry.end)
+            for entry in explanation.intervals
+        ]
+        for entry in explanation.savings:
+            named = entry.limit, entry.where
+            seconds[named] = seconds.get(named, 0.0) + entry.seconds
+        begin += duration
+    savings = [Saving(*named, saved) for named, saved in seconds.items()]
+    savings.sort(key=lambda saving: -saving.seconds)
+    return DurationExplanation(tuple(intervals), _RELAXED, tuple(savings))
+
+
+def _intervals(
+    trajectory: TimedTrajectory,
+    limits: JointLimits,
+    options: RetimeOptions,
+    path_limits: Sequence[PathLimit],
+) -> tuple[BindingInterval, ...]:
     times = np.linspace(0.0, trajectory.duration, _SAMPLES + 1)
     scaled = limits.scaled(options.velocity_scale, options.acceleration_scale)
     used = _used(trajectory, scaled, RETIMERS[options.method].rates, times)
@@ -92,17 +151,10 @@ def explain_duration(
             used[limit.name, where] = shares
     named, table = list(used), np.stack(list(used.values()), axis=1)
     binding = np.where(table.max(axis=1) >= _BINDS, table.argmax(axis=1), -1)
-    intervals = [
+    return tuple(
         BindingInterval(begin, end, *(named[which] if which >= 0 else ("", "")))
         for which, begin, end in _runs(binding, times)
-    ]
-    task = _Task(spline, limits, replace(options, duration=None), tuple(path_limits))
-    least = task.duration
-    bound = sorted({int(which) for which in binding if which >= 0})
-    savings = [Saving(*named[i], _saving(task.relaxed(named[i]), least)) for i in bound]
-    worthwhile = [saving for saving in savings if saving.seconds > _LEAST_SAVING]
-    worthwhile.sort(key=lambda saving: -saving.seconds)
-    return DurationExplanation(tuple(intervals), _RELAXED, tuple(worthwhile))
+    )
 
 
 def _used(

@@ -65,7 +65,7 @@ class RetimeWire(MotionLimits):
     explain: Annotated[bool, Strict()] = Field(
         default=False,
         description="Say which limit binds when, and what relaxing it would save "
-        "(`stages.retime.explanation`); takes some 20 ms",
+        "(`stages.retime.explanation`); takes some 20 ms for each part",
     )
 
 

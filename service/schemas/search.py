@@ -2,7 +2,7 @@
 
 from typing import Annotated, Literal
 
-from pydantic import Field, Strict
+from pydantic import Discriminator, Field, Strict, Tag
 
 from service.schemas.numbers import WHOLE, Coordinate, Integer, Real
 from service.schemas.wire import Identifier, Name, Wire
@@ -36,6 +36,19 @@ class CarWire(Wire):
         default=True,
         description="Whether it drives backwards too (Reeds and Shepp's curves) or not (Dubins')",
     )
+
+
+def _kind_of_space(space: object) -> str:
+    return "space[car]" if isinstance(space, dict | CarWire) else "space[name]"
+
+
+# Faults are told of what was meant alone; steps in brackets are no part of a fault's path.
+type SpaceWire = Annotated[
+    Annotated[Literal["full", "position"], Tag("space[name]")]
+    | Annotated[CarWire, Tag("space[car]")],
+    Discriminator(_kind_of_space),
+    Field(description="How much of a joint is searched, or what a car of it can drive"),
+]
 
 
 class SearchWire(Wire):
@@ -84,7 +97,7 @@ class SearchWire(Wire):
         description="Lowest and highest value to search in [rad or m], by position name, within "
         "the limits",
     )
-    spaces: dict[Name, Literal["full", "position"] | CarWire] = Field(
+    spaces: dict[Name, SpaceWire] = Field(
         default={},
         max_length=64,
         description="`position` keeps the rotation of a planar or floating joint, named here, as "

@@ -88,6 +88,7 @@ def test_too_tight_and_backwards_are_refused(
     assert not check.passed
     assert check.where == where
     assert check.value > check.bound
+    assert np.isfinite([check.value, check.resolution]).all()
 
 
 @given(power=st.sampled_from([1.0, 3e-1, 3e-2, 3e-3]), slowness=st.sampled_from([1.0, 30.0]))
@@ -126,7 +127,10 @@ def test_a_base_that_whirls_is_given_up() -> None:
     coefficients[0, 1, 8] = 1e6
     bases = np.array([[1.0, 0, 0, 0, 0, 0, 0, 0.0, 0.0, 0.0, 0.0]])
     whirl = TimedTrajectory(joints, np.array([0.0, 1.0]), bases, coefficients)
-    assert not checked(whirl, group_with()).passed
+    check = checked(whirl, group_with())
+    assert not check.passed
+    # It turns on the spot: the share of a speed that counts as nothing is the worst there is.
+    assert check.value + check.resolution == pytest.approx(1e6 * RADIUS / 1e-4)
 
 
 def test_a_group_without_cars_has_no_such_check() -> None:

@@ -117,6 +117,26 @@ def test_a_car_of_a_request_alone(world_of: object) -> None:
     assert not [check for check in certificate.checks if "steering" in check.name]
 
 
+@pytest.mark.parametrize("reverse", [True, False])
+def test_the_way_back_is_driven_by_the_car_that_was_asked_for(reverse: bool) -> None:
+    text = "robots: [{name: body, model: planar_l, positions: [-0.3, -0.3, 0]}]"
+    world = planning.load_world(planning.parse_scene(text))
+    car = {"body::base_joint": planning.Steering(0.1, reverse)}
+    end = planning.JointGoal(np.array([[-0.3, 0.2, 1.0]]))
+    problem = planning.PlanningProblem("body", end, search=planning.SearchOptions(spaces=car))
+    soon = Deadline.after(30.0, time.monotonic)
+    there = planning.plan(problem, world, deadline=soon)
+    motion = there.path, there.trajectory, there.parts
+    if not reverse:
+        with pytest.raises(NotCertified, match=r"steering body::base_joint .* reverse"):
+            planning.reverse_plan(world, problem, *motion, soon)
+        return
+    back = planning.reverse_plan(world, problem, *motion, soon)
+    assert "steering body::base_joint" in {check.name for check in back.certificate.checks}
+    assert back.path.length == pytest.approx(there.path.length)
+    assert_driven(back.trajectory, 0.1, reverse=True)
+
+
 def test_a_pose_is_reached_as_well(street: World) -> None:
     pose = planning.Pose(np.array([0.5, 0.1, 0.0]), np.array([1.0, 0.0, 0.0, 0.0]))
     exactly = np.zeros(3)

@@ -141,3 +141,48 @@ def test_a_duration_is_that_of_all_parts_together(pickup: World) -> None:
     assert found.parts[-1].end == pytest.approx(wanted)
     assert found.certificate.proven
     assert found.stages.retime.duration == pytest.approx(wanted)
+
+
+@pytest.mark.parametrize("slower", [None, 1.5])
+def test_all_parts_are_explained(pickup: World, slower: float | None) -> None:
+    """Savings of parts add up; a motion that is slowed a lot is bound by nothing."""
+    problem = planning.PlanningProblem(
+        "arm",
+        replace(PICK, approach=UP, retreat=UP),
+        refine=planning.RefineOptions("none"),
+        retime=RetimeOptions(explain=True),
+        seed=3,
+    )
+    found = planning.plan(problem, pickup, deadline=Deadline.after(60, time.monotonic))
+    duration = found.trajectory.duration
+    if slower is not None:
+        duration *= slower
+        problem = replace(problem, retime=RetimeOptions(explain=True, duration=duration))
+        found = planning.plan(problem, pickup, deadline=Deadline.after(60, time.monotonic))
+    explained = found.stages.retime.explanation
+    assert explained is not None
+    begins = [entry.begin for entry in explained.intervals]
+    ends = [entry.end for entry in explained.intervals]
+    assert begins == pytest.approx([0.0, *ends[:-1]])
+    assert ends[-1] == pytest.approx(duration)
+    for part in found.parts:
+        limits = {
+            entry.limit
+            for entry in explained.intervals
+            if part.begin <= (entry.begin + entry.end) / 2 <= part.end
+        }
+        assert (limits == {""}) is (slower is not None)
+    named = [(saving.limit, saving.where) for saving in explained.savings]
+    assert len(named) == len(set(named))
+    assert bool(named) is (slower is None)
+
+
+def test_lines_are_explained(pickup: World) -> None:
+    pose = pickup.frame_pose("arm::tcp", pickup.state)
+    down = Pose(pose.position + np.array([0, 0.05, -0.05]), pose.quaternion)
+    goal = LineGoal((PoseTarget(down, "world"),), "", 1e-3, 0.01)
+    problem = planning.PlanningProblem("arm", goal, retime=RetimeOptions(explain=True))
+    found = planning.plan(problem, pickup, deadline=Deadline.after(60, time.monotonic))
+    explained = found.stages.retime.explanation
+    assert explained is not None
+    assert explained.intervals[-1].end == pytest.approx(found.trajectory.duration)

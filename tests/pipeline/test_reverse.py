@@ -7,9 +7,10 @@ import numpy as np
 import pytest
 
 import planning
-from planning.domain.constraint import TightLimits
+from planning.domain.constraint import PlacedBox, TightLimits
 from planning.domain.deadline import Deadline
 from planning.domain.goal import Goal, JointGoal, LineGoal, PoseGoal, PoseTarget
+from planning.domain.motion_limits import SpeedZone, ToolLimit
 from planning.domain.options import CertifyOptions, RetimeOptions, SearchOptions
 from planning.domain.plan import MotionPlan
 from planning.domain.pose import Pose
@@ -67,6 +68,26 @@ def test_the_way_back_is_the_way_there(pickup: World, method: str) -> None:
     twice = again.trajectory.positions(times)
     np.testing.assert_allclose(twice, found.trajectory.positions(times), atol=1e-9)
     assert [part.kind for part in again.parts] == ["free", "approach"]
+
+
+def test_the_way_back_tells_how_much_of_every_limit_it_uses(pickup: World) -> None:
+    box = PlacedBox(np.full(3, 0.1), pickup.frame_pose("arm::tcp", pickup.state))
+    options = RetimeOptions(
+        effort=True,
+        tool_limits=(
+            ToolLimit("arm::tcp", 0.3, 1.0),
+            ToolLimit("arm::forearm_link", 5.0),
+        ),
+        speed_zones=(SpeedZone("start", "arm::tcp", box, 0.1),),
+    )
+    home = pickup.positions(pickup.group("arm"))
+    problem = replace(problem_of(JointGoal((home + 0.1)[None])), retime=options)
+    found = planning.plan(problem, pickup, deadline=soon())
+    there, back = found.stages.retime, back_of(pickup, problem, found).stages.retime
+    assert set(back.utilisation) == set(there.utilisation)
+    assert back.utilisation == pytest.approx(there.utilisation, rel=5e-3)
+    assert back.binding == there.binding
+    assert back.binding["tool_speed"] == "arm::tcp"
 
 
 def test_lines_are_lines_on_the_way_back() -> None:

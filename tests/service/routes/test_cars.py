@@ -90,6 +90,21 @@ def test_no_regions_are_grown_for_cars(client, scene):
     assert answer.json()["evidence"] == {"field": "group", "joints": [JOINT]}
 
 
+@pytest.mark.parametrize(
+    ("space", "detail"),
+    [
+        ({"turning_radius": -1}, ".turning_radius: Input should be greater than or equal to 0.001"),
+        ({"turning_radius": 1, "turning": 1}, ".turning: Extra inputs are not permitted"),
+        ({}, ".turning_radius: Field required"),
+        ("car", ": Input should be 'full' or 'position'"),
+    ],
+)
+def test_a_fault_of_a_space_is_told_of_what_was_meant(plan, space, detail):
+    answer = plan({"spaces": {JOINT: space}})
+    assert answer.status_code == 422
+    assert answer.json()["detail"] == f"body.search.spaces.{JOINT}{detail}"
+
+
 def test_any_planner_will_do_for_a_car_that_reverses(plan):
     job = plan({"planner": "KPIECE1", "spaces": {JOINT: {"turning_radius": 0.3}}}).json()
     assert job["state"] == "succeeded", job["failure"]
@@ -101,3 +116,14 @@ def test_a_request_makes_a_car_of_a_body(plan):
     assert job["state"] == "succeeded", job["failure"]
     names = [check["name"] for check in job["result"]["certificate"]["checks"]]
     assert "steering body::base_joint" in names
+
+
+def test_a_motion_that_slips_is_refused_in_numbers(client, scene):
+    still = [[0.0, 0.0, 0.0]] * 2
+    for end, when in (([-0.9, 0.1, 0.0], 3.0), ([-0.9, 0.0, 3e4], 1.0)):
+        motion = {"times": [0, when], "positions": [[-0.9, 0.0, 0.0], end], "velocities": still}
+        request = {"scene": scene, "group": "car", "trajectory": motion}
+        answer = client.post("/v1/trajectories/certify", json=request)
+        assert answer.status_code == 200
+        checks = {check["name"]: check for check in answer.json()["certificate"]["checks"]}
+        assert not checks[f"steering {JOINT}"]["passed"]
