@@ -18,6 +18,8 @@ type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # An angle so little short of a whole turn is none: a rounding error is no reason to go around.
 _NOTHING = 1e-11
+# Circles that are this near are one [radii].
+_ONE_CIRCLE = 1e-9
 
 
 def dubins_words(goals: Float64[np.ndarray, "m 3"]) -> Words:
@@ -46,8 +48,10 @@ _TURNS = np.stack([_RIGHT_FIRST, -_RIGHT_FIRST], axis=1).reshape(6, 3)
 
 def _outer(a: Array, b: Array, centres: tuple[Array, Array]) -> Array:
     """Return RSR; given are x and y of the line between the circles' centres."""
-    course = np.arctan2(centres[1], centres[0])
-    return _word(a - course, np.hypot(*centres), course - b)
+    line = np.hypot(*centres)
+    # Of one circle that both are the line has no course: all of the turn is at the end.
+    course = np.where(line < _ONE_CIRCLE, a, np.arctan2(centres[1], centres[0]))
+    return _word(a - course, line, course - b)
 
 
 def _inner(a: Array, b: Array, d: Array) -> Array:

@@ -13,12 +13,18 @@ from pathlib import Path
 import httpx
 import pytest
 
-import planning
 from service.client.client import Client
 from service.client.refused import Refused
 
 pytestmark = [pytest.mark.slow, pytest.mark.timeout(120)]
 
+WALLED = b"""
+name: walled
+robots:
+  - {name: body, model: planar_l, positions: [-0.35, -0.3, 0]}
+objects:
+  - {name: wall, shape: {box: [0.02, 9, 0.2]}, pose: {position: [0, 0, 0]}}
+"""
 SCENE = b"name: s\nrobots:\n  - {name: arm, model: ur5e, positions: home}\n"
 
 
@@ -68,12 +74,11 @@ def request_of(scene, **fields):
 
 
 def endless(client):
-    """A plan that takes minutes: many times a planner that goes on after its first solution."""
-    file = planning.bundled_folder("scenes") / "ur5e_pickup.scene.yaml"
-    scene = client.add_scene(file.read_bytes())
-    goal = {"type": "pose", "poses": [{"position": [0, 0, 0], "frame": "pick"}]}
-    search = {"allowed_planning_time": 600.0, "planner": "RRTstar", "attempts": 100}
-    return request_of(scene, goal=goal, search=search)
+    """A plan that takes minutes: there is no way through the wall, which no planner knows."""
+    scene = client.add_scene(WALLED)
+    goal = {"type": "joint", "positions": [0.3, -0.3, 0.0]}
+    search = {"allowed_planning_time": 600.0, "attempts": 100, "solve_time": 4.0}
+    return request_of(scene, group="body", goal=goal, search=search)
 
 
 def test_plans_stream_live_and_survive_a_restart(tmp_path):
