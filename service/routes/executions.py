@@ -5,16 +5,16 @@
 from collections.abc import AsyncIterator
 from typing import Annotated, Any
 
-from fastapi import APIRouter, Query, Response
+from fastapi import APIRouter, Query
 from fastapi.sse import EventSourceResponse, ServerSentEvent
 
-from service.dependencies import DeskDep, ExecutionJob, ScenesDep, SettingsDep
+from service.dependencies import DeskDep, ExecutionJob, ScenesDep
 from service.executions.admission import submit_execution
 from service.executions.control import steer
 from service.executions.wire import execution_resource
 from service.routes.answers import Cursor, LastEventId, Limit, problems
 from service.routes.streaming import EVENTS, server_sent
-from service.routes.waiting import IdempotencyKey, Prefer, Wait, seconds_to_wait
+from service.routes.submission import SubmissionDep, taken_in
 from service.schemas.execution import (
     Execution,
     ExecutionPage,
@@ -25,41 +25,20 @@ from service.schemas.execution import (
 router = APIRouter(prefix="/v1/executions", tags=["executions"])
 type OfScene = Annotated[str | None, Query(max_length=128, description="Only those in this scene")]
 
-_ACCEPTED: dict[str, Any] = {
-    "description": "Accepted; `Location` says where to poll",
-    "headers": {"Location": {"description": "Of the execution", "schema": {"type": "string"}}},
-}
-
 
 @router.post(
     "",
     operation_id="createExecution",
     status_code=202,
     response_model=Execution,
-    responses={
-        200: {"model": Execution, "description": "Ended within the time that was waited"},
-        202: _ACCEPTED,
-        **problems(400, 404, 409, 413, 422, 429, 503),
-    },
+    responses=taken_in(Execution, "the execution", 400, 404, 409, 413, 422, 429, 503),
 )
-async def create_execution(  # noqa: PLR0913  (one parameter per header)
-    request: ExecutionRequest,
-    response: Response,
-    desk: DeskDep,
-    scenes: ScenesDep,
-    settings: SettingsDep,
-    *,
-    wait: Wait = None,
-    prefer: Prefer = None,
-    idempotency_key: IdempotencyKey = None,
+async def create_execution(
+    request: ExecutionRequest, asked: SubmissionDep, scenes: ScenesDep
 ) -> Any:
     """Carry out a plan, if its start is where the robot is."""
-    job = await submit_execution(request, idempotency_key, scenes, desk)
-    job = await desk.wait(job, seconds_to_wait(wait, prefer, settings.max_wait))
-    response.headers["Location"] = f"/v1/executions/{job.id}"
-    if job.state.is_final:
-        response.status_code = 200
-    return await execution_resource(desk, job)
+    job = await submit_execution(request, asked.key, scenes, asked.desk)
+    return await execution_resource(asked.desk, await asked.awaited(job, "/v1/executions"))
 
 
 @router.get(

@@ -5,18 +5,16 @@
 from collections.abc import AsyncIterator
 from typing import Annotated, Any
 
-from fastapi import APIRouter, Query, Response
+from fastapi import APIRouter, Query
 from fastapi.sse import EventSourceResponse, ServerSentEvent
 
-from service.dependencies import DeskDep, PlanJob, ScenesDep, SettingsDep
-from service.desk import Desk
-from service.jobs.records import Job as Queued
+from service.dependencies import DeskDep, PlanJob, ScenesDep
 from service.plans.admission import submit_plan
 from service.plans.reversal import submit_reversal
 from service.plans.wire import graph_of, job_brief, job_resource
 from service.routes.answers import Cursor, LastEventId, Limit, problems
 from service.routes.streaming import EVENTS, server_sent
-from service.routes.waiting import IdempotencyKey, Prefer, Wait, seconds_to_wait
+from service.routes.submission import SubmissionDep, taken_in
 from service.schemas.graph import PlannerGraphWire
 from service.schemas.job import Job, JobPage, JobState
 from service.schemas.plan import PlanRequest
@@ -25,37 +23,18 @@ router = APIRouter(prefix="/v1/plans", tags=["plans"])
 type State = Annotated[JobState | None, Query(description="Only those in this state")]
 type OfScene = Annotated[str | None, Query(max_length=128, description="Only those in this scene")]
 
-_ACCEPTED: dict[str, Any] = {
-    "description": "Queued; `Location` says where to poll",
-    "headers": {"Location": {"description": "Of the plan", "schema": {"type": "string"}}},
-}
-
 
 @router.post(
     "",
     operation_id="createPlan",
     status_code=202,
     response_model=Job,
-    responses={
-        200: {"model": Job, "description": "Finished within the time that was waited"},
-        202: _ACCEPTED,
-        **problems(400, 404, 409, 413, 422, 429, 503),
-    },
+    responses=taken_in(Job, "the plan", 400, 404, 409, 413, 422, 429, 503),
 )
-async def create_plan(  # noqa: PLR0913  (one parameter per header)
-    request: PlanRequest,
-    response: Response,
-    desk: DeskDep,
-    scenes: ScenesDep,
-    settings: SettingsDep,
-    *,
-    wait: Wait = None,
-    prefer: Prefer = None,
-    idempotency_key: IdempotencyKey = None,
-) -> Any:
+async def create_plan(request: PlanRequest, asked: SubmissionDep, scenes: ScenesDep) -> Any:
     """Ask for a plan: a job that is polled, streamed or waited for."""
-    job = await submit_plan(request, idempotency_key, scenes, desk)
-    return await _awaited(job, response, desk, seconds_to_wait(wait, prefer, settings.max_wait))
+    job = await submit_plan(request, asked.key, scenes, asked.desk)
+    return job_resource(await asked.awaited(job, "/v1/plans"))
 
 
 @router.get("", operation_id="listPlans", response_model=JobPage, responses=problems(422))
@@ -107,26 +86,12 @@ async def get_planner_graph(job: PlanJob) -> Any:
     operation_id="reversePlan",
     status_code=202,
     response_model=Job,
-    responses={
-        200: {"model": Job, "description": "Finished within the time that was waited"},
-        202: _ACCEPTED,
-        **problems(404, 409, 422, 429, 503),
-    },
+    responses=taken_in(Job, "the plan", 404, 409, 422, 429, 503),
 )
-async def reverse_plan(  # noqa: PLR0913  (one parameter per header)
-    job: PlanJob,
-    response: Response,
-    desk: DeskDep,
-    scenes: ScenesDep,
-    settings: SettingsDep,
-    *,
-    wait: Wait = None,
-    prefer: Prefer = None,
-    idempotency_key: IdempotencyKey = None,
-) -> Any:
+async def reverse_plan(job: PlanJob, asked: SubmissionDep, scenes: ScenesDep) -> Any:
     """Ask for the same motion from its end to its start: a plan of its own, proven anew."""
-    back = await submit_reversal(job, idempotency_key, scenes, desk)
-    return await _awaited(back, response, desk, seconds_to_wait(wait, prefer, settings.max_wait))
+    back = await submit_reversal(job, asked.key, scenes, asked.desk)
+    return job_resource(await asked.awaited(back, "/v1/plans"))
 
 
 @router.post(
@@ -135,12 +100,3 @@ async def reverse_plan(  # noqa: PLR0913  (one parameter per header)
 async def cancel_plan(job: PlanJob, desk: DeskDep) -> Any:
     """End a plan, in whatever state it is; asking again changes nothing."""
     return job_resource(desk.cancel(job))
-
-
-async def _awaited(job: Queued, response: Response, desk: Desk, seconds: float) -> Any:
-    """Return a plan when it has ended, or as it is after so many seconds."""
-    job = await desk.wait(job, seconds)
-    response.headers["Location"] = f"/v1/plans/{job.id}"
-    if job.state.is_final:
-        response.status_code = 200
-    return job_resource(job)

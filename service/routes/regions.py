@@ -5,23 +5,18 @@
 from collections.abc import AsyncIterator
 from typing import Any
 
-from fastapi import APIRouter, Response
+from fastapi import APIRouter
 from fastapi.sse import EventSourceResponse, ServerSentEvent
 
-from service.dependencies import DeskDep, RegionsJobDep, ScenesDep, SettingsDep
+from service.dependencies import DeskDep, RegionsJobDep, ScenesDep
 from service.regions.admission import submit_regions
 from service.regions.wire import regions_brief, regions_resource
 from service.routes.answers import Cursor, LastEventId, Limit, SceneId, problems
 from service.routes.streaming import EVENTS, server_sent
-from service.routes.waiting import IdempotencyKey, Prefer, Wait, seconds_to_wait
+from service.routes.submission import SubmissionDep, taken_in
 from service.schemas.regions import RegionsJob, RegionsPage, RegionsRequest
 
 router = APIRouter(prefix="/v1", tags=["regions"])
-
-_ACCEPTED: dict[str, Any] = {
-    "description": "Queued; `Location` says where to poll",
-    "headers": {"Location": {"description": "Of the regions", "schema": {"type": "string"}}},
-}
 
 
 @router.post(
@@ -29,31 +24,14 @@ _ACCEPTED: dict[str, Any] = {
     operation_id="growRegions",
     status_code=202,
     response_model=RegionsJob,
-    responses={
-        200: {"model": RegionsJob, "description": "Finished within the time that was waited"},
-        202: _ACCEPTED,
-        **problems(400, 404, 409, 413, 422, 429, 503),
-    },
+    responses=taken_in(RegionsJob, "the regions", 400, 404, 409, 413, 422, 429, 503),
 )
-async def grow_regions(  # noqa: PLR0913  (one parameter per header)
-    scene: SceneId,
-    request: RegionsRequest,
-    response: Response,
-    desk: DeskDep,
-    scenes: ScenesDep,
-    settings: SettingsDep,
-    *,
-    wait: Wait = None,
-    prefer: Prefer = None,
-    idempotency_key: IdempotencyKey = None,
+async def grow_regions(
+    scene: SceneId, request: RegionsRequest, asked: SubmissionDep, scenes: ScenesDep
 ) -> Any:
     """Grow convex regions of free configurations, for plans with the planner GCS."""
-    job = await submit_regions(scene, request, idempotency_key, scenes, desk)
-    job = await desk.wait(job, seconds_to_wait(wait, prefer, settings.max_wait))
-    response.headers["Location"] = f"/v1/regions/{job.id}"
-    if job.state.is_final:
-        response.status_code = 200
-    return regions_resource(job)
+    job = await submit_regions(scene, request, asked.key, scenes, asked.desk)
+    return regions_resource(await asked.awaited(job, "/v1/regions"))
 
 
 @router.get(

@@ -55,6 +55,8 @@ def cases():
             yield name, GenerationMode.NEGATIVE
 
 
+# Schemathesis draws from `random` in its strategies; Hypothesis seeds it, but complains.
+@pytest.mark.filterwarnings("ignore:Do not use the `random` module inside strategies")
 @pytest.mark.slow
 @pytest.mark.parametrize(("name", "mode"), list(cases()))
 def test_answers_are_as_declared(client, scene, solved, name, mode):

@@ -1,0 +1,76 @@
+"""Submission: what a request for a job says in its headers, and how it is answered."""
+
+from dataclasses import dataclass
+from typing import Annotated, Any
+
+from fastapi import Depends, Response
+
+from service.dependencies import DeskDep, SettingsDep
+from service.desk import Desk
+from service.jobs.records import Job
+from service.routes.answers import problems
+from service.routes.waiting import IdempotencyKey, Prefer, Wait, seconds_to_wait
+from service.schemas.wire import Answer
+
+
+@dataclass(frozen=True)
+class Submission:
+    """How a client asks for a job.
+
+    Attributes:
+        desk: Where jobs are asked for.
+        key: The idempotency key, or None.
+    """
+
+    desk: Desk
+    key: str | None
+    _seconds: float
+    _response: Response
+
+    async def awaited(self, job: Job, path: str) -> Job:
+        """Return a job when it has ended, or as it is after the time that the client waits.
+
+        Args:
+            job: As it was taken in.
+            path: Of the resources of its kind; the answer says where to poll.
+        """
+        job = await self.desk.wait(job, self._seconds)
+        self._response.headers["Location"] = f"{path}/{job.id}"
+        if job.state.is_final:
+            self._response.status_code = 200
+        return job
+
+
+def _submission(
+    response: Response,
+    desk: DeskDep,
+    settings: SettingsDep,
+    *,
+    wait: Wait = None,
+    prefer: Prefer = None,
+    idempotency_key: IdempotencyKey = None,
+) -> Submission:
+    seconds = seconds_to_wait(wait, prefer, settings.max_wait)
+    return Submission(desk, idempotency_key, seconds, response)
+
+
+type SubmissionDep = Annotated[Submission, Depends(_submission)]
+
+
+def taken_in(model: type[Answer], what: str, *refusals: int) -> dict[int | str, dict[str, Any]]:
+    """Return the declaration of what a request for a job is answered with.
+
+    Args:
+        model: Of the job.
+        what: It is, as words.
+        refusals: Statuses of problem documents.
+    """
+    location = {"description": f"Of {what}", "schema": {"type": "string"}}
+    return {
+        200: {"model": model, "description": "Ended within the time that was waited"},
+        202: {
+            "description": "Accepted; `Location` says where to poll",
+            "headers": {"Location": location},
+        },
+        **problems(*refusals),
+    }
