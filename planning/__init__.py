@@ -37,6 +37,7 @@ if TYPE_CHECKING:
     from planning.domain.motion_limits import SpeedZone, ToolLimit
     from planning.domain.options import (
         CertifyOptions,
+        ClearanceWish,
         IkOptions,
         PoseMetric,
         RefineOptions,
@@ -99,6 +100,7 @@ _DOORS = {
     "AttachObject": "planning.domain.scene_operation",
     "AttemptPool": "planning.domain.pool",
     "CertifyOptions": "planning.domain.options",
+    "ClearanceWish": "planning.domain.options",
     "ConfigurationGoal": "planning.domain.goal",
     "ConfigurationQuality": "planning.domain.quality",
     "Deadline": "planning.domain.deadline",
@@ -194,6 +196,7 @@ __all__ = [
     "AttachObject",
     "AttemptPool",
     "CertifyOptions",
+    "ClearanceWish",
     "ConfigurationGoal",
     "ConfigurationQuality",
     "Deadline",

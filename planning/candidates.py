@@ -16,6 +16,7 @@ from planning.domain.steering import steering_of
 from planning.errors import RetimingFailed
 from planning.refine.refiner import refine
 from planning.refine.request import RefineRequest
+from planning.refine.wish import Wish, wish_of
 from planning.retime.blend import blend_corners
 from planning.retime.explain import explain_duration
 from planning.retime.path_limit import PathLimit
@@ -35,12 +36,22 @@ _GLANCE = 0.03
 
 @dataclass(frozen=True)
 class Candidate:
-    """A timed motion that is not certified yet."""
+    """A timed motion that is not certified yet.
+
+    Attributes:
+        lacking: What falling short of the clearance that is wished for costs [s].
+    """
 
     name: str
     trajectory: TimedTrajectory
     refine: RefineReport
     retime: RetimeReport
+    lacking: float = 0.0
+
+    @property
+    def worth(self) -> float:
+        """What is compared, the less the better [s]."""
+        return self.trajectory.duration + self.lacking
 
 
 @dataclass(frozen=True)
@@ -72,7 +83,7 @@ def candidates(
     deadline: Deadline,
     watch: Stopwatch,
 ) -> Iterator[Candidate]:
-    """Yield timed motions along a path: the quicker of refined and rounded first.
+    """Yield timed motions along a path: the better of refined and rounded first.
 
     Raises:
         RetimingFailed: After all others, not even the path itself, with a rest at every corner, can
@@ -114,13 +125,23 @@ def candidates(
     for deviation in compared:
         made = _rounded(path, deviation, timing, unrefined)
         first += made
-    yield from sorted(first, key=lambda candidate: candidate.trajectory.duration)
+    wish = refined and wish_of(world, group, margins, problem.refine.clearance)
+    if wish is not None:
+        first = [_wished(candidate, wish) for candidate in first]
+    yield from sorted(first, key=lambda candidate: candidate.worth)
     for deviation in clear:
         deadline.check("retime")
         made = _rounded(path, deviation, timing, unrefined)
         yield from made
     if not made:
         raise _untimed(timing.failed)
+
+
+def _wished(candidate: Candidate, wish: Wish) -> Candidate:
+    """Return a candidate that knows how far it falls short of the clearance wished for."""
+    shortfall = wish.shortfall(candidate.trajectory)
+    report = replace(candidate.refine, shortfall=shortfall)
+    return replace(candidate, refine=report, lacking=wish.weight * shortfall)
 
 
 def _held(group: JointGroup, search: SearchOptions) -> tuple[int, ...]:

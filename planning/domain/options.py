@@ -122,15 +122,31 @@ class SearchOptions(Value):
 
 
 @dataclass(frozen=True, eq=False)
+class ClearanceWish(Value):
+    """Clearance that is wished for, beyond the margin that is demanded.
+
+    Attributes:
+        distance: Between bodies, but for those of one robot [m].
+        weight: By how much longer a motion may take for a metre less of what its clearance lacks
+            of the distance, on average along the motion [s/m].
+    """
+
+    distance: float
+    weight: float
+
+
+@dataclass(frozen=True, eq=False)
 class RefineOptions(Value):
     """Whether and how to optimise the path.
 
     Attributes:
         method: "trajopt"; "auto", which optimises only where the time left allows for it; or
             "none".
+        clearance: What the duration is weighed against; None for nothing.
     """
 
     method: Literal["none", "trajopt", "auto"] = "trajopt"
+    clearance: ClearanceWish | None = None
 
 
 @dataclass(frozen=True, eq=False)

@@ -23,6 +23,8 @@ class RefineReport(Value):
         duration_before: Optimiser's estimate for its initial guess [s].
         duration_after: Optimiser's estimate for its solution [s].
         lower_bound: No motion between the two ends takes less, whatever its way [s].
+        shortfall: By how much the clearance of the motion falls short of what was wished for, on
+            average over its time [m]; None if nothing was, or nothing was refined.
     """
 
     method: str
@@ -35,6 +37,7 @@ class RefineReport(Value):
     duration_before: float = 0.0
     duration_after: float = 0.0
     lower_bound: float = 0.0
+    shortfall: float | None = None
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,6 +1,7 @@
 """Buffers: how much more than its margin every pair of bodies keeps while we optimise."""
 
 from dataclasses import dataclass, field
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 from jaxtyping import Float64
@@ -15,6 +16,15 @@ _WISH = 0.003
 _WISH_WITHIN_ROBOT = 0.0005
 # Of the buffer, what the optimised curve must really have kept.
 _AUDITED = 1 / 3
+
+
+@runtime_checkable
+class Demands(Protocol):
+    """How far apart the optimiser keeps bodies."""
+
+    def demanded(self, body_a: str, body_b: str) -> float:
+        """Return the distance that it keeps between two bodies [m]."""
+        ...
 
 
 @dataclass(frozen=True, eq=False)

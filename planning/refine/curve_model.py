@@ -3,19 +3,21 @@
 The duration is that of the fastest pace b along the curve, which depends on the control points P
 through bounds that are bilinear in (P, b). They are linearised in both, distances in P, and the
 duration to second order in b. The model's minimiser within a box around P is the next curve; its
-own fastest pace says what it is truly worth. Distances are kept for a price, not at any price.
+own fastest pace says what it is truly worth. Distances are kept for a price, not at any price;
+those that are only wished for have a variable at every instant: what the nearest pair lacks there.
 """
 
-from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 from jaxtyping import Float64
 
 from planning.domain.joints import JointLimits
-from planning.refine.basis import Weights, centres, weights_at
+from planning.refine.basis import Weights, weights_at
 from planning.refine.nearness import Near, Nearness
+from planning.refine.numbering import numbering_of
 from planning.refine.pace import (
     RATE_PRICE,
     Bounds,
@@ -27,6 +29,7 @@ from planning.refine.pace import (
     haste_of,
 )
 from planning.refine.soft_rows import Rows, SoftProgram
+from planning.refine.wish import Wish
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 type Indices = np.ndarray[Any, np.dtype[np.intp]]
@@ -42,34 +45,10 @@ _RELUCTANCE = 1e-4
 _SLOWER, _FASTER = 0.7, 1.5
 # Rates that are nearer their bounds than this are looked at.
 _ACCELERATION_SEEN, _SPEED_SEEN = 0.3, 0.4
+# Than lacking a wished distance, lacking more than what is said to be lacking: so that it is said.
+_DEARER = 2.0
 # A box has an inside, even where the position limits leave none.
 _SLIT = 1e-6
-
-
-@dataclass(frozen=True)
-class Numbering:
-    """Variables: control points but the first and last, pace but the first and last.
-
-    What belongs to near instants has near numbers, which the solver likes; -1 is no variable.
-    """
-
-    points: Indices
-    pace: Indices
-    count: int
-
-
-@lru_cache(maxsize=8)
-def numbering_of(count: int, num_coordinates: int) -> Numbering:
-    """Return the numbering for a number of control points and of coordinates."""
-    n = len(grid_of(count).owners)
-    at = np.concatenate([np.repeat(centres(count)[1:-1], num_coordinates), np.arange(1, n) / n])
-    rank = np.empty(len(at), dtype=np.intp)
-    rank[np.argsort(at, kind="stable")] = np.arange(len(at))
-    points = np.full((count, num_coordinates), -1)
-    points[1:-1] = rank[: (count - 2) * num_coordinates].reshape(count - 2, num_coordinates)
-    return Numbering(
-        points, np.concatenate([[-1], rank[(count - 2) * num_coordinates :], [-1]]), len(at)
-    )
 
 
 @dataclass(frozen=True)
@@ -82,7 +61,9 @@ class Look:
         pace: The fastest, b at the grid, shape (n + 1,).
         duration: Of that pace [s].
         near: Pairs that are near at the instants.
-        cost: Duration and the price of distances that are too short [s].
+        wished: Pairs that are near enough for the wish, or None.
+        worth: Duration and what falling short of the wish costs [s].
+        cost: That, and the price of distances that are too short [s].
     """
 
     points: Array
@@ -90,11 +71,13 @@ class Look:
     pace: Array
     duration: float
     near: Near
+    wished: Near | None
+    worth: float
 
     @cached_property
     def cost(self) -> float:
         """What is minimised [s]."""
-        return self.duration + _DISTANCE_PRICE * float(np.maximum(-self.near.spare, 0.0).sum())
+        return self.worth + _DISTANCE_PRICE * float(np.maximum(-self.near.spare, 0.0).sum())
 
 
 class CurveModel:
@@ -106,17 +89,21 @@ class CurveModel:
         limits: JointLimits,
         bounds: Bounds,
         count: int,
-        instants: Float64[np.ndarray, " m"],
+        num_instants: int,
+        wish: Wish | None = None,
     ) -> None:
-        """Pose the problem; instants are in (0, 1)."""
+        """Pose the problem, with distances at instants evenly in (0, 1)."""
         self._nearness = nearness
+        self._wish = wish
         self._limits = limits
         self._bounds = bounds
         self._grid = grid_of(count)
-        self._numbers = numbering_of(count, len(bounds.velocity))
+        num_wishes = 0 if wish is None else num_instants
+        self._numbers = numbering_of(count, len(bounds.velocity), num_wishes)
         self._count = count
-        self.instants = instants
-        self._weights: Weights = weights_at(count, instants)
+        self.instants = np.linspace(0.0, 1.0, num_instants + 2)[1:-1]
+        self._weights: Weights = weights_at(count, self.instants)
+        self._wishing = self._weights
 
     def keep_distance_at(self, instants: Float64[np.ndarray, " m"]) -> None:
         """Demand distances at more instants from now on; what was looked at is to be seen again."""
@@ -127,8 +114,14 @@ class CurveModel:
         """Return what a curve is worth."""
         rates = Rates.of(self._grid, points, self._bounds)
         pace = fastest_pace(self._grid, rates)
+        duration = duration_of(self._grid, pace)
         near = self._nearness.within(self._weights.of(points), _REACH)
-        return Look(points, rates, pace, duration_of(self._grid, pace), near)
+        if self._wish is None:
+            return Look(points, rates, pace, duration, near, None, duration)
+        qs = self._wishing.of(points)
+        wished = self._wish.nearness.within(qs, _REACH)
+        worth = duration + self._wish.cost(wished, len(qs))
+        return Look(points, rates, pace, duration, near, wished, worth)
 
     def step(self, seen: Look, seconds: float) -> tuple[Array, float]:
         """Return the control points of the model's best curve, and what it promises to save [s].
@@ -144,7 +137,10 @@ class CurveModel:
         points = seen.points.copy()
         points[1:-1] += x[self._numbers.points[1:-1]] * side
         points[1:-1] = np.clip(points[1:-1], self._limits.lower, self._limits.upper)
-        promised = program.cost(np.zeros_like(x)) - program.cost(x)
+        still = np.zeros_like(x)
+        if self._wish is not None and seen.wished is not None:
+            still[self._numbers.lacks] = self._wish.lacks(seen.wished, len(self._numbers.lacks))
+        promised = program.cost(still) - program.cost(x)
         return points, promised * seen.duration
 
     def _program(self, seen: Look, side: Array) -> SoftProgram:
@@ -164,7 +160,13 @@ class CurveModel:
         if self._bounds.jerk is not None:
             rows.append(self._swing_rows(seen, side, self._bounds.jerk))
         if len(seen.near.at):
-            rows.append(self._distance_rows(seen, side))
+            price = _DISTANCE_PRICE / seen.duration
+            rows.append(self._distance_rows(seen.near, self._weights, side, price))
+        if self._wish is not None and seen.wished is not None:
+            lacks = self._numbers.lacks
+            each = self._wish.weight / (len(lacks) * seen.duration)
+            c[lacks], q[lacks], lower[lacks] = each * self._wish.distance, 0.0, 0.0
+            rows.append(self._wish_rows(seen.wished, self._wish.distance, side, _DEARER * each))
         return SoftProgram(c, q, lower, upper, tuple(rows))
 
     def _acceleration_rows(self, seen: Look, side: Array) -> Rows:
@@ -220,13 +222,22 @@ class CurveModel:
         columns = np.concatenate([points, pace], axis=-1)
         return np.broadcast_to(columns[:, :, None], (*points.shape[:2], 2, 4 + num_paces))
 
-    def _distance_rows(self, seen: Look, side: Array) -> Rows:
+    def _distance_rows(self, near: Near, weights: Weights, side: Array, price: float) -> Rows:
         """Keep distances that a step within the box could make too short."""
-        slopes = seen.near.gradient * side
-        some = np.flatnonzero(seen.near.spare < np.abs(slopes).sum(axis=1))
-        at = seen.near.at[some]
-        values = self._weights.local[at][:, :, None] * slopes[some][:, None]
-        columns = self._numbers.points[self._weights.owners[at]]
-        price = _DISTANCE_PRICE / seen.duration
+        some = np.flatnonzero(near.spare < np.abs(near.gradient * side).sum(axis=1))
+        at, slopes = near.at[some], near.gradient[some] * side
+        values = weights.local[at][:, :, None] * slopes[:, None]
+        columns = self._numbers.points[weights.owners[at]]
         size = len(some), values[0].size if len(some) else 0
-        return Rows(columns.reshape(size), values.reshape(size), -seen.near.spare[some], price)
+        return Rows(columns.reshape(size), values.reshape(size), -near.spare[some], price)
+
+    def _wish_rows(self, near: Near, distance: float, side: Array, price: float) -> Rows:
+        """Keep wished distances but for what the nearest pair lacks, in units of the distance."""
+        rows = self._distance_rows(near, self._wishing, side, price)
+        some = np.flatnonzero(near.spare < np.abs(near.gradient * side).sum(axis=1))
+        lacks = self._numbers.lacks[near.at[some]]
+        return replace(
+            rows,
+            columns=np.column_stack([rows.columns, lacks]),
+            values=np.column_stack([rows.values, np.full(len(some), distance)]),
+        )

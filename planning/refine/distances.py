@@ -8,12 +8,12 @@ from pydrake.multibody.tree import BodyIndex, JointIndex
 from pydrake.planning import CollisionCheckerParams, SceneGraphCollisionChecker
 
 from planning.domain.joints import JointGroup
-from planning.refine.buffers import Buffers
+from planning.refine.buffers import Demands
 from planning.world.drake_model import DrakeModel
 
 
 def group_checker(
-    model: DrakeModel, group: JointGroup, buffers: Buffers
+    model: DrakeModel, group: JointGroup, demands: Demands
 ) -> SceneGraphCollisionChecker:
     """Return a checker whose clearances are zero where a pair is at its demanded distance.
 
@@ -43,7 +43,7 @@ def group_checker(
             if not (checker.IsPartOfRobot(body_a) or checker.IsPartOfRobot(body_b)):
                 continue
             row, column = int(a), int(b)
-            demand = buffers.demanded(model.body_names[a], model.body_names[b])
+            demand = demands.demanded(model.body_names[a], model.body_names[b])
             padding[row, column] = padding[column, row] = demand
             if carriers[a] == carriers[b] and filters[row, column] == 0:
                 filters[row, column] = filters[column, row] = 1

@@ -8,7 +8,7 @@ from jaxtyping import Float64
 
 from planning.domain.joints import JointGroup
 from planning.kernel.native import native
-from planning.refine.buffers import Buffers
+from planning.refine.buffers import Demands
 from planning.refine.distances import group_checker
 from planning.world.drake_model import DrakeModel
 from planning.world.kernel_scene import KernelScene, kernel_scene_of
@@ -51,7 +51,7 @@ class KernelNearness:
         model: DrakeModel,
         group: JointGroup,
         state: Float64[np.ndarray, " num_positions"],
-        buffers: Buffers,
+        demands: Demands,
     ) -> None:
         """Prepare."""
         module: Any = native()
@@ -61,7 +61,7 @@ class KernelNearness:
             model.velocity_indices(group).astype(np.int64),
             model.follow(np.array(state)),
         )
-        demanded = {pair: buffers.demanded(*pair) for pair in set(scene.bodies)}
+        demanded = {pair: demands.demanded(*pair) for pair in set(scene.bodies)}
         self._demanded = np.array([demanded[pair] for pair in scene.bodies])
 
     def within(self, qs: Float64[np.ndarray, "m nq"], reach: float) -> Near:
@@ -80,10 +80,10 @@ class DrakeNearness:
         model: DrakeModel,
         group: JointGroup,
         state: Float64[np.ndarray, " num_positions"],
-        buffers: Buffers,
+        demands: Demands,
     ) -> None:
         """Prepare."""
-        self._checker = group_checker(model, group, buffers)
+        self._checker = group_checker(model, group, demands)
         self._model = model
         self._group = group
         self._state = state
@@ -106,9 +106,9 @@ class DrakeNearness:
         return Near(np.concatenate(at), np.concatenate(spare), np.vstack(gradients))
 
 
-def nearness_of(world: World, group: JointGroup, buffers: Buffers) -> Nearness:
+def nearness_of(world: World, group: JointGroup, demands: Demands) -> Nearness:
     """Return the kernel's measure, or Drake's where there is no kernel."""
     scene = kernel_scene_of(world.drake)
     if scene is None:
-        return DrakeNearness(world.drake, group, world.state, buffers)
-    return KernelNearness(scene, world.drake, group, world.state, buffers)
+        return DrakeNearness(world.drake, group, world.state, demands)
+    return KernelNearness(scene, world.drake, group, world.state, demands)

@@ -62,10 +62,10 @@ def refine(
         if best is None and not share.is_over:
             best, more, reason = task.descend(guess)
             steps += more
-    if best is not None and best.duration > _SATISFYING * task.least and not share.is_over:
+    if best is not None and best.worth > _SATISFYING * task.least and not share.is_over:
         other, more, _ = task.descend(_straightened(best.points))
         steps += more
-        best = other if other is not None and other.duration < best.duration else best
+        best = other if other is not None and other.worth < best.worth else best
     report = replace(report, rounds=steps, duration_before=task.duration_of(guesses[0]))
     if best is not None and steps == 0 and len(task.waypoints) == 2:
         return None, replace(report, reason="nothing is quicker than the straight path")

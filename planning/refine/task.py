@@ -19,6 +19,7 @@ from planning.refine.nearness import Nearness, nearness_of
 from planning.refine.pace import Bounds, Rates, duration_of, fastest_pace, grid_of
 from planning.refine.request import RefineRequest
 from planning.refine.ruled_nearness import RuledNearness
+from planning.refine.wish import Wish, wish_of
 from planning.world.world import Array, World
 
 # Iterations, not seconds, decide when to give up, so that the same request gives the same bytes.
@@ -51,6 +52,7 @@ class RefineTask:
     bounds: Bounds
     least: float
     nearness: Nearness
+    wish: Wish | None
     auditor: Auditor
 
     @classmethod
@@ -64,6 +66,7 @@ class RefineTask:
         bounds = Bounds.of(limits, jerk=request.jerk)
         nearness = chart.measured(nearness_of(world, group, buffers))
         tight = limits if rules is None else rules.fixing(limits)
+        wish = wish_of(world, group, request.margins, request.options.clearance)
         moved = Manifold(group.joints).minus(request.path.waypoints[-1], request.path.waypoints[0])
         return cls(
             request,
@@ -75,6 +78,7 @@ class RefineTask:
             bounds,
             least_duration(limits, moved, jerk=request.jerk),
             nearness if rules is None else RuledNearness(nearness, rules, chart.positions),
+            wish and wish.along(chart.measured(wish.nearness)),
             Auditor(world, group, buffers, rules),
         )
 
@@ -95,25 +99,24 @@ class RefineTask:
         return duration_of(grid, fastest_pace(grid, Rates.of(grid, points, self.bounds)))
 
     def descend(self, guess: Array) -> tuple[Look | None, int, str]:
-        """Return the quickest free curve that a descent finds, or None.
+        """Return the best free curve that a descent finds, or None.
 
         And how many steps it took, and why the last curve was refused.
         """
         length = float(np.linalg.norm(np.diff(self.waypoints, axis=0), axis=1).sum())
         count = int(np.clip(length / _APART, _FEWEST, _MOST))
-        instants = np.linspace(0.0, 1.0, count + 2)[1:-1]
-        model = CurveModel(self.nearness, self.box, self.bounds, len(guess), instants)
+        model = CurveModel(self.nearness, self.box, self.bounds, len(guess), count, self.wish)
         descent = Descent(model, guess)
         best: Look | None = None
         reason = "no time was left"
         for seen in descent.run(_MAX_STEPS):
-            if best is None or seen.duration < best.duration:
+            if best is None or seen.worth < best.worth:
                 reason, violated = self._refused(seen)
                 if not reason:
                     best = seen
                 if len(violated):
                     descent.keep_distance_at(violated, best)
-            if self.share.is_over or (best is not None and best.duration < _OPTIMAL * self.least):
+            if self.share.is_over or (best is not None and best.worth < _OPTIMAL * self.least):
                 break
         return best, descent.num_steps, reason
 

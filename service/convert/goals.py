@@ -17,6 +17,7 @@ from planning.domain.goal import (
 )
 from planning.domain.options import (
     CertifyOptions,
+    ClearanceWish,
     IkOptions,
     PoseMetric,
     RefineOptions,
@@ -41,7 +42,7 @@ from service.schemas.goal import (
     RelativeGoalWire,
 )
 from service.schemas.ik import IkWire
-from service.schemas.plan import CertifyWire, PlanRequest, RetimeWire
+from service.schemas.plan import CertifyWire, PlanRequest, RefineWire, RetimeWire
 from service.schemas.pose import PoseWire
 from service.schemas.search import CarWire, RoadmapWire, SearchWire
 
@@ -182,6 +183,11 @@ def search_value(search: SearchWire) -> SearchOptions:
     )
 
 
+def _refine(wire: RefineWire) -> RefineOptions:
+    wish = wire.clearance
+    return RefineOptions(wire.method, wish and ClearanceWish(wish.distance, wish.weight))
+
+
 def problem_value(request: PlanRequest) -> PlanningProblem:
     """Return the domain's problem; every field of the request is in it but for the scene."""
     return PlanningProblem(
@@ -190,7 +196,7 @@ def problem_value(request: PlanRequest) -> PlanningProblem:
         start=None if request.start is None else np.array(request.start, dtype=np.float64),
         ik=ik_value(request.ik),
         search=search_value(request.search),
-        refine=RefineOptions(request.refine.method),
+        refine=_refine(request.refine),
         retime=retime_value(request.retime),
         margin=request.margin,
         seed=request.seed,

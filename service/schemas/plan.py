@@ -27,6 +27,18 @@ EXAMPLE: dict[str, Any] = {
 }
 
 
+class ClearanceWishWire(Wire):
+    """Clearance that is wished for, beyond the margin that is demanded."""
+
+    distance: Annotated[Real, Field(gt=0, le=1)] = Field(
+        description="Between bodies, but for those of one robot [m]"
+    )
+    weight: Annotated[Real, Field(gt=0, le=1e4)] = Field(
+        description="By how much longer the motion may take for a metre less of what its clearance "
+        "lacks of the distance, on average along the motion [s/m]"
+    )
+
+
 class RefineWire(Wire):
     """Whether and how to optimise the path."""
 
@@ -35,6 +47,17 @@ class RefineWire(Wire):
         description="Optimise the duration; do so only if at least half a second is left; or leave "
         "the path as it is",
     )
+    clearance: ClearanceWishWire | None = Field(
+        default=None,
+        description="What the duration is weighed against; `none` has no use for it",
+    )
+
+    @model_validator(mode="after")
+    def _has_use(self) -> Self:
+        if self.method == "none" and self.clearance is not None:
+            message = "clearance is wished of an optimiser: method trajopt or auto"
+            raise ValueError(message)
+        return self
 
 
 class RetimeWire(MotionLimits):

@@ -29,6 +29,11 @@ class RefineReportWire(Answer):
     lower_bound: float = Field(
         description="What the slowest joint alone takes from start to goal [s]; nothing is quicker"
     )
+    shortfall: float | None = Field(
+        default=None,
+        description="By how much the clearance falls short of what was wished for, on average over "
+        "the motion [m]; null if nothing was wished for or refined",
+    )
 
 
 class BindingIntervalWire(Answer):

@@ -3,16 +3,18 @@
 import numpy as np
 import pytest
 
+from planning.domain.options import ClearanceWish
 from planning.refine.buffers import Buffers
 from planning.refine.curve_model import CurveModel
 from planning.refine.fit import fit_control_points, unwrapped
 from planning.refine.nearness import nearness_of
 from planning.refine.pace import Bounds
+from planning.refine.wish import wish_of
 
-INSTANTS = np.linspace(0, 1, 62)[1:-1]
+NUM_INSTANTS = 60
 
 
-def model_of(case) -> tuple[CurveModel, np.ndarray, Bounds]:
+def model_of(case, wish=None) -> tuple[CurveModel, np.ndarray, Bounds]:
     path, limits = case.request.path, case.request.limits
     waypoints = unwrapped(path)
     bounds = Bounds.of(limits, jerk=case.request.jerk)
@@ -20,12 +22,15 @@ def model_of(case) -> tuple[CurveModel, np.ndarray, Bounds]:
     buffers = Buffers.between(case.world, case.request.margins, ends)
     nearness = nearness_of(case.world, path.group, buffers)
     guess = fit_control_points(waypoints, bounds.velocity)
-    return CurveModel(nearness, limits, bounds, len(guess), INSTANTS), guess, bounds
+    wished = wish_of(case.world, path.group, case.request.margins, wish)
+    model = CurveModel(nearness, limits, bounds, len(guess), NUM_INSTANTS, wished)
+    return model, guess, bounds
 
 
+@pytest.mark.parametrize("wish", [None, ClearanceWish(0.08, 5.0)])
 @pytest.mark.parametrize("box", [0.001, 0.004])
-def test_a_small_step_brings_what_it_promises(case, box):
-    model, points, _ = model_of(case)
+def test_a_small_step_brings_what_it_promises(case, box, wish):
+    model, points, _ = model_of(case, wish)
     for _ in range(3):
         seen = model.look(points)
         points, promised = model.step(seen, box)

@@ -1,9 +1,11 @@
 """Requests become problems with nothing lost."""
 
 import numpy as np
+import pytest
+from pydantic import ValidationError
 
 from planning.domain.goal import ConfigurationGoal, JointGoal, PoseGoal, RegionGoal, RelativeGoal
-from planning.domain.options import IkOptions, PoseMetric
+from planning.domain.options import ClearanceWish, IkOptions, PoseMetric, RefineOptions
 from planning.domain.pose import Pose
 from planning.domain.problem import PlanningProblem
 from service.convert.goals import problem_value
@@ -34,7 +36,7 @@ def test_every_option_arrives():
             "resolution": 0.01,
             "num_states": 9,
         },
-        refine={"method": "none"},
+        refine={"method": "auto", "clearance": {"distance": 0.05, "weight": 2}},
         retime={
             "method": "ruckig",
             "velocity_scale": 0.5,
@@ -50,11 +52,19 @@ def test_every_option_arrives():
     assert [type(item) for item in search.parameters.values()] == [int, float, bool, str]
     assert (search.planner, search.attempts, search.num_states) == ("PRM", 2, 9)
     assert (search.allowed_planning_time, search.resolution) == (1.0, 0.01)
-    assert made.refine.method == "none"
+    assert made.refine == RefineOptions("auto", ClearanceWish(0.05, 2.0))
     assert (made.retime.method, made.retime.sample_period) == ("ruckig", 0.02)
     assert (made.retime.velocity_scale, made.retime.acceleration_scale) == (0.5, 0.25)
     assert (made.margin, made.seed) == (0.02, 7)
     np.testing.assert_array_equal(made.start, [0.5, 1.0])
+
+
+def test_a_clearance_is_not_wished_of_nobody():
+    with pytest.raises(ValidationError, match="method trajopt or auto"):
+        problem(
+            goal={"type": "joint", "positions": [1, 2]},
+            refine={"method": "none", "clearance": {"distance": 0.05, "weight": 2}},
+        )
 
 
 def test_one_or_several_joint_goals():

@@ -1,0 +1,80 @@
+"""Wish: clearance beyond what is demanded, as far as it is worth its time.
+
+minimise  T + weight * mean over the way of max(0, distance - clearance)
+
+where clearance is that of the nearest pair of bodies, not both of one robot, at each instant.
+"""
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from planning.domain.curve import TimedTrajectory
+from planning.domain.joints import JointGroup
+from planning.domain.options import ClearanceWish
+from planning.refine.nearness import Near, Nearness, nearness_of
+from planning.world.margins import PairMargins
+from planning.world.world import World
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
+
+# Nothing is ever this deep in anything: links of one robot are near by design [m].
+_UNWISHED = -10.0
+# Instants at which a motion is held against the wish.
+_NUM_SAMPLES = 201
+
+
+@dataclass(frozen=True)
+class _Wished:
+    distance: float
+    margins: PairMargins
+
+    def demanded(self, body_a: str, body_b: str) -> float:
+        """Return the distance that is wished for between two bodies [m]."""
+        return _UNWISHED if self.margins.are_of_one_robot(body_a, body_b) else self.distance
+
+
+@dataclass(frozen=True)
+class Wish:
+    """A wish in one scene.
+
+    Attributes:
+        nearness: Measures pairs, with the wished distance as what is demanded.
+        distance: That is wished for [m].
+        weight: What a metre less, all along the way, may cost [s/m].
+    """
+
+    nearness: Nearness
+    distance: float
+    weight: float
+
+    def along(self, nearness: Nearness) -> "Wish":
+        """Return the same wish, measured in other coordinates."""
+        return replace(self, nearness=nearness)
+
+    def cost(self, near: Near, num_instants: int) -> float:
+        """Return what falling short at so many instants costs [s]."""
+        return self.weight * self.distance * float(self.lacks(near, num_instants).mean())
+
+    def lacks(self, near: Near, num_instants: int) -> Array:
+        """Return what is lacking at every instant, as a share of the distance, shape (m,)."""
+        lacks = np.zeros(num_instants)
+        np.maximum.at(lacks, near.at, -near.spare / self.distance)
+        return lacks
+
+    def shortfall(self, trajectory: TimedTrajectory) -> float:
+        """Return by how much a motion's clearance falls short on average over its time [m]."""
+        times = np.linspace(0.0, trajectory.duration, _NUM_SAMPLES)
+        near = self.nearness.within(trajectory.positions(times), 0.0)
+        return self.distance * float(self.lacks(near, len(times)).mean())
+
+
+def wish_of(
+    world: World, group: JointGroup, margins: PairMargins, asked: ClearanceWish | None
+) -> Wish | None:
+    """Return what is wished for, if anything."""
+    if asked is None:
+        return None
+    wished = _Wished(asked.distance, margins)
+    return Wish(nearness_of(world, group, wished), asked.distance, asked.weight)
