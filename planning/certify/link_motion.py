@@ -78,20 +78,18 @@ class JointMotions:
             iq, iv = iq + joint.num_positions, iv + joint.num_velocities
         joints = [plant.get_joint(index) for index in plant.GetJointIndices()]
         by_start = {j.velocity_start(): j for j in joints if j.num_velocities() == 1}
-        for _ in model.couplings:
-            for c in model.couplings:
-                if c.leader_velocity in by_velocity and c.follower_velocity not in by_velocity:
-                    leader = by_velocity[c.leader_velocity]
-                    (own,) = _of_joint(by_start[c.follower_velocity], 0, 0)
-                    motion = replace(
-                        own,
-                        rate=leader.rate,
-                        position=leader.position,
-                        scale=c.multiplier * leader.scale,
-                        offset=c.multiplier * leader.offset + c.offset,
-                    )
-                    by_velocity[c.follower_velocity] = motion
-                    self._found[int(by_start[c.follower_velocity].index())] = [motion]
+        for c in model.following(group):
+            leader = by_velocity[c.leader_velocity]
+            (own,) = _of_joint(by_start[c.follower_velocity], 0, 0)
+            motion = replace(
+                own,
+                rate=leader.rate,
+                position=leader.position,
+                scale=c.multiplier * leader.scale,
+                offset=c.multiplier * leader.offset + c.offset,
+            )
+            by_velocity[c.follower_velocity] = motion
+            self._found[int(by_start[c.follower_velocity].index())] = [motion]
 
     def of(self, joint: Any) -> list[Motion]:
         """Return how a joint moves, part after part; nothing if it does not."""

@@ -159,12 +159,11 @@ def moving_joints(model: DrakeModel, group: JointGroup) -> list[MovingJoint]:
     moving = [MovingJoint(joint, i, 1.0) for i, joint in enumerate(joints)]
     found = {m.joint.velocity_start(): m for m in moving}
     by_start = {plant.get_joint(i).velocity_start(): plant.get_joint(i) for i in _moveable(plant)}
-    for _ in model.mimics:
-        for follower, leader, multiplier in model.mimics:
-            if leader in found and follower not in found:
-                source = found[leader]
-                scale = source.scale * abs(multiplier)
-                found[follower] = MovingJoint(by_start[follower], source.member, scale)
+    for c in model.following(group):
+        source = found[c.leader_velocity]
+        scale = source.scale * abs(c.multiplier)
+        joint = by_start[c.follower_velocity]
+        found[c.follower_velocity] = MovingJoint(joint, source.member, scale)
     return list(found.values())
 
 

@@ -138,11 +138,9 @@ def _moving(model: DrakeModel, request: CertifyRequest) -> tuple[Indices, Indice
     """
     own = model.velocity_indices(request.group)
     found = {int(column): (i, 1.0) for i, column in enumerate(own)}
-    for _ in model.mimics:
-        for follower, leader, multiplier in model.mimics:
-            if leader in found and follower not in found:
-                member, scale = found[leader]
-                found[follower] = member, scale * abs(multiplier)
+    for c in model.following(request.group):
+        member, scale = found[c.leader_velocity]
+        found[c.follower_velocity] = member, scale * abs(c.multiplier)
     columns = np.array(list(found), dtype=np.intp)
     members = np.array([member for member, _ in found.values()], dtype=np.intp)
     return columns, members, np.array([scale for _, scale in found.values()])

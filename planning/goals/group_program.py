@@ -8,6 +8,7 @@ from pydrake.multibody.inverse_kinematics import InverseKinematics
 from pydrake.solvers import SnoptSolver, SolverOptions
 
 from planning.domain.joints import JointGroup
+from planning.world.drake_model import Coupling
 from planning.world.world import World
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
@@ -30,17 +31,15 @@ class GroupProgram:
         self.context = drake.plant.GetMyMutableContextFromRoot(self._diagram_context)
         drake.plant.SetPositions(self.context, world.state)
         self.q_indices = drake.position_indices(group)
-        moving = set(self.q_indices.tolist())
-        for c in drake.couplings:
-            if c.leader_position in moving:
-                moving.add(c.follower_position)
+        followers = drake.following(group)
+        moving = {*self.q_indices.tolist(), *(c.follower_position for c in followers)}
         for index in drake.joint_indices.values():
             joint: Any = drake.plant.get_joint(index)
             if joint.position_start() not in moving:
                 joint.Lock(self.context)
         self.ik = InverseKinematics(drake.plant, self.context, with_joint_limits=True)
         self._bound(group)
-        self._couple(moving)
+        self._couple(followers)
         self._solver, self._options = SnoptSolver(), SolverOptions()
         self._options.SetOption(SnoptSolver.id(), "Major iterations limit", max_iterations)
 
@@ -64,10 +63,9 @@ class GroupProgram:
                 limits.lower[bounded], limits.upper[bounded], self.ik.q()[self.q_indices][bounded]
             )
 
-    def _couple(self, moving: set[int]) -> None:
+    def _couple(self, followers: tuple[Coupling, ...]) -> None:
         q = self.ik.q()
-        for c in self._world.drake.couplings:
-            if c.follower_position in moving:
-                pair = q[[c.follower_position, c.leader_position]]
-                row, value = np.array([[1.0, -c.multiplier]]), np.array([c.offset])
-                self.ik.get_mutable_prog().AddLinearEqualityConstraint(row, value, pair)
+        for c in followers:
+            pair = q[[c.follower_position, c.leader_position]]
+            row, value = np.array([[1.0, -c.multiplier]]), np.array([c.offset])
+            self.ik.get_mutable_prog().AddLinearEqualityConstraint(row, value, pair)

@@ -58,10 +58,7 @@ def reach_ball(world: World, group: JointGroup, frame: str) -> ReachBall:
 def _moving(world: World, group: JointGroup) -> set[int]:
     """Return the plant's coordinates that move with the group."""
     moving = {int(i) for i in world.drake.position_indices(group)}
-    for c in world.drake.couplings:
-        if c.leader_position in moving:
-            moving.add(c.follower_position)
-    return moving
+    return moving | {c.follower_position for c in world.drake.following(group)}
 
 
 def _path(tree: LinkTree, link: int, moving: set[int]) -> list[KernelLink]:

@@ -76,8 +76,7 @@ def _carriers(model: DrakeModel, group: JointGroup) -> dict[BodyIndex, JointInde
 
 def _moving(model: DrakeModel, group: JointGroup) -> set[JointIndex]:
     moving = {model.joint_indices[joint.name] for joint in group.joints}
-    positions = set(model.position_indices(group).tolist())
-    followers = {c.follower_position for c in model.couplings if c.leader_position in positions}
+    followers = {c.follower_position for c in model.following(group)}
     for index in model.joint_indices.values():
         if model.plant.get_joint(index).position_start() in followers:
             moving.add(index)

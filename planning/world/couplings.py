@@ -5,6 +5,7 @@ from collections.abc import Mapping, Sequence
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import BodyIndex, JointIndex
 
+from planning.errors import ModelInvalid
 from planning.world.drake_model import Coupling
 from planning.world.model_file import Mimic
 
@@ -26,13 +27,23 @@ def couplings(
     indices: Mapping[str, JointIndex],
     mimics: Sequence[tuple[str, Mimic]],
 ) -> tuple[Coupling, ...]:
-    """Return the joints that follow others, given each with the name of its robot."""
+    """Return the joints that follow others, none before its leader.
+
+    Args:
+        plant: Where they are.
+        indices: Of all joints, by `robot::joint`.
+        mimics: Each with the name of its robot, in any order.
+
+    Raises:
+        ModelInvalid: Joints follow each other in a circle, or one of several coordinates does.
+    """
     found: list[Coupling] = []
-    for robot, mimic in mimics:
+    for robot, mimic in _leaders_first(mimics):
         pair = [indices.get(f"{robot}::{name}") for name in (mimic.follower, mimic.leader)]
         if None in pair:
             continue  # a fixed joint may carry a leftover mimic tag: nothing moves
         follower, leader = (plant.get_joint(index) for index in pair if index)
+        _require_single(robot, mimic, follower.num_velocities(), leader.num_velocities())
         found.append(
             Coupling(
                 follower.position_start(),
@@ -44,3 +55,28 @@ def couplings(
             )
         )
     return tuple(found)
+
+
+def _require_single(robot: str, mimic: Mimic, *counts: int) -> None:
+    if set(counts) != {1}:
+        joints = [mimic.follower, mimic.leader]
+        message = f"robot {robot!r}: of the joints {joints}, one follows the other, and not both "
+        message += "are of one coordinate"
+        raise ModelInvalid(message, {"joints": joints, "reason": message})
+
+
+def _leaders_first(mimics: Sequence[tuple[str, Mimic]]) -> list[tuple[str, Mimic]]:
+    """Return the same in an order in which no joint comes before the one that it follows."""
+    ordered: list[tuple[str, Mimic]] = []
+    rest = list(mimics)
+    while rest:
+        waiting = {(robot, mimic.follower) for robot, mimic in rest}
+        ready = [entry for entry in rest if (entry[0], entry[1].leader) not in waiting]
+        if not ready:
+            robot = rest[0][0]
+            joints = sorted(mimic.follower for owner, mimic in rest if owner == robot)
+            message = f"robot {robot!r}: the joints {joints} follow each other in a circle"
+            raise ModelInvalid(message, {"joints": joints, "reason": message})
+        ordered += ready
+        rest = [entry for entry in rest if entry not in ready]
+    return ordered

@@ -41,7 +41,7 @@ class DrakeModel:
         bodies: The same, by full name.
         frames: Drake frames by full name; "world" is one of them.
         joint_indices: Drake's joint by full name.
-        couplings: Mimic joints; the plant itself does not know of them.
+        couplings: Mimic joints, none before its leader; the plant itself does not know of them.
         owners: The robot that holds an object, by the object's name.
         uses_kernel: Whether the native kernel may answer where it is sure, or Drake always does.
     """
@@ -61,6 +61,16 @@ class DrakeModel:
     def mimics(self) -> tuple[tuple[int, int, float], ...]:
         """(follower, leader, multiplier) of every coupling, as indices into v."""
         return tuple((c.follower_velocity, c.leader_velocity, c.multiplier) for c in self.couplings)
+
+    def following(self, group: JointGroup) -> tuple[Coupling, ...]:
+        """Return what moves with a group, as its joints' follower or as a follower's."""
+        moving = set(self.velocity_indices(group).tolist())
+        found: list[Coupling] = []
+        for c in self.couplings:
+            if c.leader_velocity in moving:
+                moving.add(c.follower_velocity)
+                found.append(c)
+        return tuple(found)
 
     def position_indices(self, group: JointGroup) -> Indices:
         """Return where the group's q is in the plant's, shape (nq,)."""

@@ -160,8 +160,8 @@ def require_burden(
     """
     world.require_frame(payload.frame)
     model = world.drake
-    own = model.velocity_indices(group)
-    moved = {int(v) for v in own} | {f for f, leader, _ in model.mimics if leader in own}
+    moved = {int(v) for v in model.velocity_indices(group)}
+    moved |= {c.follower_velocity for c in model.following(group)}
     joints = [model.plant.get_joint(index) for index in model.joint_indices.values()]
     moving = [joint.index() for joint in joints if joint.velocity_start() in moved]
     body = model.frames[payload.frame].body().index()

@@ -67,7 +67,7 @@ class Simulation:
         self._in_q = self._model.position_indices(self.group)
         self._in_v = self._model.velocity_indices(self.group)
         plant = self._model.plant
-        self._followers = [c for c in self._model.couplings if c.leader_velocity in self._in_v]
+        self._followers = self._model.following(group)
         self._forces = MultibodyForces(plant)
         self._root = self._model.diagram.CreateDefaultContext()
         self._context = plant.GetMyMutableContextFromRoot(self._root)

@@ -95,7 +95,7 @@ def test_followers_of_followers_move_too() -> None:
     builder = Builder()
     for _ in range(3):
         builder.link(P, Box(0.1, 0.1, 0.1))
-    builder.followers += [(2, 1, 3.0), (1, 0, -2.0)]
+    builder.followers += [(1, 0, -2.0), (2, 1, 3.0)]
     robot = builder.build()
     bounds = MotionBounds(robot.model, robot.group, collision_shapes(robot.model))
     moved = bounds.reaches(*poses(robot, np.zeros(1)), np.zeros(1), np.array([0.1]))

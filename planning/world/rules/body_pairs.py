@@ -35,9 +35,7 @@ def banded_pairs(
 def moved_bodies(model: DrakeModel, group: JointGroup) -> set[str]:
     """Return the full names of the bodies that the group moves, mimic joints included."""
     velocities = set(model.velocity_indices(group).tolist())
-    for follower, leader, _ in model.mimics:
-        if leader in velocities:
-            velocities.add(follower)
+    velocities |= {c.follower_velocity for c in model.following(group)}
     joints = [model.plant.get_joint(i) for i in model.plant.GetJointIndices()]
     moving = [
         joint.index()
