@@ -8,6 +8,7 @@ from planning.domain.curve import TimedTrajectory
 from planning.domain.deadline import Deadline
 from planning.domain.options import CertifyOptions, RetimeOptions
 from planning.domain.report import CertifyReport
+from planning.domain.stop_request import require_bounded_stops
 from planning.errors import ProblemInvalid
 from planning.timing import admit_timing
 from planning.world.positions import require_positions
@@ -45,8 +46,8 @@ def certify_trajectory(  # noqa: PLR0913  (a question in full)
 
     Raises:
         UnknownName: There is no such group, frame or joint.
-        ProblemInvalid: The trajectory is of other joints, start or goal do not fit the group, or a
-            limit makes no sense.
+        ProblemInvalid: The trajectory is of other joints, start or goal do not fit the group, a
+            limit makes no sense, or stops are not held to it that shall be over in time.
         DeadlineExceeded: Time ran out before the verdict.
         Canceled: Somebody asked for the end.
     """
@@ -62,7 +63,9 @@ def certify_trajectory(  # noqa: PLR0913  (a question in full)
             (goal, trajectory.end, "goal"),
         )
     )
-    options = admit_timing(world, joints, options or RetimeOptions(), begin, within="")
+    options, wanted = options or RetimeOptions(), wanted or CertifyOptions()
+    require_bounded_stops(options, wanted)
+    options = admit_timing(world, joints, options, begin, within="")
     limits = world.limits(joints).scaled(options.velocity_scale, options.acceleration_scale)
     request = CertifyRequest(
         group=joints,
@@ -78,6 +81,6 @@ def certify_trajectory(  # noqa: PLR0913  (a question in full)
         tool_limits=options.tool_limits,
         speed_zones=options.speed_zones,
         acceleration_bounds=options.acceleration_bounds,
-        options=wanted or CertifyOptions(),
+        options=wanted,
     )
     return certify(world.drake, request, deadline)

@@ -19,6 +19,7 @@ from planning.domain.path import JointPath
 from planning.domain.plan import MotionPlan, PlanPart, StageReports
 from planning.domain.problem import PlanningProblem
 from planning.domain.report import RefineReport, RetimeReport
+from planning.domain.stop_request import require_bounded_stops
 from planning.parts import no_search, tool_of
 from planning.search.demands import driven
 from planning.stopwatch import Stopwatch
@@ -79,6 +80,7 @@ def reverse_plan(
         )
         for part in reversed(parts)
     )
+    require_bounded_stops(problem.retime, problem.certify)
     options = admit_timing(world, group, problem.retime, back.start)
     request = CertifyRequest(
         group=group,

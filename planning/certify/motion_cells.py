@@ -30,6 +30,8 @@ class BlockRates:
         names: Of the blocks.
         forms: By order of derivative, the first first: coefficients, shape (n, k, blocks, size).
         limits: By order: what the norm of each block is limited to, shape (blocks,).
+        middles: What to take from accelerations first, where they are bounded by sign, shape
+            (blocks,).
         is_turning: Whether these are bounds on the size of an angular rate, and of its derivative:
             of any direction, and one coordinate each.
     """
@@ -37,6 +39,7 @@ class BlockRates:
     names: tuple[str, ...]
     forms: tuple[Float64[np.ndarray, "n k blocks size"], ...]
     limits: tuple[Float64[np.ndarray, " blocks"], ...]
+    middles: Float64[np.ndarray, " blocks"]
     is_turning: bool = False
 
 
@@ -100,11 +103,15 @@ def _by_size(request: CertifyRequest, forms: list[Array]) -> list[BlockRates]:
     found: list[BlockRates] = []
     if scalar:
         columns = [blocks[i][1][0] for i in scalar]
+        names = tuple(blocks[i][0] for i in scalar)
+        velocity, acceleration, *jerk = (limit[scalar] for limit in limits)
+        middles, acceleration = _by_sign(request, names, acceleration)
         found.append(
             BlockRates(
-                tuple(blocks[i][0] for i in scalar),
+                names,
                 tuple(form[:, :, columns, None] for form in forms[1:]),
-                tuple(limit[scalar] for limit in limits),
+                (velocity, acceleration, *jerk),
+                middles,
             )
         )
     turning = turning_blocks(request)
@@ -114,8 +121,20 @@ def _by_size(request: CertifyRequest, forms: list[Array]) -> list[BlockRates]:
             is_turning = name in turning and not has_fixed_axes(request, indices)
             rates = _turning(own) if is_turning else own[1:]
             bounds = tuple(limit[i : i + 1] for limit in limits)
-            found.append(BlockRates((name,), tuple(rates), bounds, is_turning))
+            found.append(BlockRates((name,), tuple(rates), bounds, np.zeros(1), is_turning))
     return found
+
+
+def _by_sign(request: CertifyRequest, names: tuple[str, ...], limits: Array) -> tuple[Array, Array]:
+    """Return the middles of the accelerations that scalar blocks may have, and how far from them.
+
+    A block without bounds by sign has its limit both ways.
+    """
+    bounds = request.acceleration_bounds
+    allowed = [bounds.get(name, (-np.inf, np.inf)) for name in names]
+    lowest = np.maximum([low for low, _ in allowed], -limits)
+    highest = np.minimum([high for _, high in allowed], limits)
+    return (highest + lowest) / 2, (highest - lowest) / 2
 
 
 def _turning(forms: list[Array]) -> list[Array]:

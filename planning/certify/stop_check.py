@@ -25,8 +25,9 @@ def stop_check(
 ) -> tuple[Check, StopReport]:
     """Return the longest stop along the path of a proven trajectory; see `stops`.
 
-    Everything else that was proven of the trajectory is true of a stop: it is the same path, and no
-    velocity is larger.
+    What was proven of places and velocities is true of a stop: it is the same path, and no velocity
+    is larger. Limits on accelerations of joints, by sign too, are kept, and those on jerk. Torques
+    and accelerations of frames are not looked at: a stop may take more of them than the trajectory.
 
     Raises:
         DeadlineExceeded: Time ran out.

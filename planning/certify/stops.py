@@ -8,7 +8,8 @@ free as the trajectory is. With y = s'^2, x = -s'' and, on a cell, constant x,
 **Acceleration limits.** On a cell of width h the condition |q'' y - q' x| <= a is asked for at both
 of its values of y, y_0 and y_0 - 2 x h, for every Bernstein coefficient: it then holds on the whole
 cell, being convex in (q', q'') and affine in y. Each is a quadratic inequality in x; where the
-motion comes to a stand within the cell, y = 0 takes the place of the second. The largest x
+motion comes to a stand within the cell, y = 0 takes the place of the second. Where bounds differ by
+sign, |q'' y - q' x - m| <= a is asked for, about their middle m. The largest x
 that satisfies all of them is taken, or none (x = 0: the trajectory's own acceleration times y <= 1,
 which is within limits, as was shown of it). So each stop brakes as hard as its cells allow.
 
@@ -130,10 +131,12 @@ def ramps(cells: MotionCells, at: Indices, y: Array) -> Array:
         if rates.is_turning:
             slope = -slope
         bound = (rates.limits[1] * MAX_UTILISATION) ** 2
-        begun = bend * y[:, None, None, None]
+        middle = rates.middles[:, None] * MAX_UTILISATION
+        begun = bend * y[:, None, None, None] - middle
         over = slope + 2 * width[:, None, None, None] * bend
         # On entering, on leaving, and at a stand.
-        for i, (first, part) in enumerate(((begun, slope), (begun, over), (0 * begun, slope))):
+        stood = np.broadcast_to(-middle, begun.shape)
+        for i, (first, part) in enumerate(((begun, slope), (begun, over), (stood, slope))):
             least, most = _between(first, part, bound)
             lows[i], highs[i] = np.maximum(lows[i], least), np.minimum(highs[i], most)
     stands = np.where(highs[[0, 2]].min(axis=0) >= lows[0], highs[[0, 2]].min(axis=0), 0.0)
@@ -185,6 +188,7 @@ def _is_kept(cells: MotionCells, at: Indices, u0: Array, u1: Array, lasting: flo
         vdot = _times(second, _cubed(rate, 2)) + _times(first, ramp)
         vddot = _times(third, _cubed(rate, 3)) + _times(first, twist)
         vddot += 3 * _times(second, np.stack([ramp[0] * rate[1], ramp[1] * rate[0]]))
+        vdot -= rates.middles[:, None] * MAX_UTILISATION
         for bounded, limit in ((vdot, rates.limits[1]), (vddot, rates.limits[2])):
             sizes = np.linalg.norm(np.abs(bounded).max(axis=0), axis=2)
             kept &= (sizes <= limit * MAX_UTILISATION).all(axis=1)

@@ -154,9 +154,10 @@ class CertifyOptions(Value):
     """What to find out about a motion once it is proven; by default nothing.
 
     Attributes:
-        stop_anywhere: Whether to bound the longest stop along the path, from any instant.
+        stop_anywhere: Whether to bound the longest stop along the path, from any instant. Stops
+            keep the limits of joints, but not those on torques and on accelerations of frames.
         max_stopping_time: No stop may take longer [s], which asks for their bound as well; None for
-            as long as it takes.
+            as long as it takes. Not together with limits that stops do not keep.
         robustness: Whether to bound how far off obstacles and joints may be.
     """
 

@@ -5,7 +5,9 @@ from typing import Any
 from planning.domain.car_request import agreed_steering, require_directed
 from planning.domain.foreign_planners import unknown_planner
 from planning.domain.steering import Steering
+from planning.domain.stop_request import require_bounded_stops
 from planning.errors import UnknownName
+from service.convert.goals import certify_value, retime_value
 from service.desk import Desk, spec_of
 from service.jobs.records import Job
 from service.regions.choice import regions_payload
@@ -45,7 +47,8 @@ async def submit_plan(request: PlanRequest, key: str | None, scenes: SceneShelf,
         UnknownName: The scene has no such group, joint, frame or configuration, or nobody has
             the planner.
         ProblemInvalid: A base cannot drive as is asked, or a planner cannot search for that, or
-            regions are named and no planner needs them.
+            regions are named and no planner needs them, or stops shall be over in time that are
+            not held to all limits.
         WrongCount: A list of positions does not fit the group.
         IdempotencyConflict: The key was used for another request.
         NoRegions: The planner GCS is asked for, and no regions fit.
@@ -58,6 +61,7 @@ async def submit_plan(request: PlanRequest, key: str | None, scenes: SceneShelf,
     require_goal(record, group, request.goal)
     require_constraints(record, group, request.path_constraints)
     require_motion_limits(record, group, request.retime)
+    require_bounded_stops(retime_value(request.retime), certify_value(request.certify))
     require_joints(group, request.ik.joint_weights)
     require_planner(await desk.planners(), request.search)
     require_search_names(group, request.search)

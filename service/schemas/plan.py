@@ -102,7 +102,8 @@ class CertifyWire(Wire):
     )
     max_stopping_time: Annotated[Real, Field(gt=0, le=86_400)] | None = Field(
         default=None,
-        description="No stop may take longer [s], and `stop_anywhere` is meant; null for no bound",
+        description="No stop may take longer [s], and `stop_anywhere` is meant; null for no bound. "
+        "Refused with `effort` and with accelerations in `tool_limits`, which stops need not keep",
     )
     robustness: Annotated[bool, Strict()] = Field(
         default=False,

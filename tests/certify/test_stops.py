@@ -13,6 +13,7 @@ from planning.certify.certifier import CertifyRequest, certify
 from planning.certify.motion_cells import motion_cells
 from planning.certify.stops import hardest_stops, ramps, smooth_durations, smooth_stops
 from planning.domain.certificate import Certificate
+from planning.domain.curve import JointSpline
 from planning.domain.deadline import Deadline
 from planning.domain.options import CertifyOptions, RetimeOptions
 from planning.domain.path import JointPath
@@ -20,38 +21,54 @@ from planning.domain.report import CertifyReport
 from planning.execute.time_scaling import ramp_bounds
 from planning.retime.blend import blend_corners
 from planning.retime.retimer import retime
+from planning.retime.signed_acceleration import SignedAcceleration
 from planning.world.margins import PairMargins
 from planning.world.world import World
 from tests.certify.chains import Builder, P
 from tests.certify.conftest import quintic, request_for
 from tests.conftest import bundled_world, limits_of
 
+# Lowest and highest acceleration of every joint, where they differ.
+type BySign = tuple[float, float] | None
+
 STOPS = CertifyOptions(stop_anywhere=True)
 # What limits may be passed by, and what rounding adds in these tests.
 ALLOWED = 1 + 2e-6
 
 
-def slide(length: float, method: str = "toppra") -> CertifyRequest:
+def held(
+    request: CertifyRequest, spline: JointSpline, method: str, bounds: BySign
+) -> CertifyRequest:
+    """Return the request of the quickest motion along a curve."""
+    columns = {name: indices[0] for name, indices in request.group.blocks} if bounds else {}
+    signed = dict.fromkeys(columns, bounds)
+    others = (SignedAcceleration(signed, tuple(columns.values())),) if bounds else ()
+    trajectory, _ = retime(spline, request.limits, RetimeOptions(method=method), others)
+    jerk = method == "ruckig"
+    return replace(request, trajectory=trajectory, jerk=jerk, acceleration_bounds=signed)
+
+
+def slide(length: float, method: str = "toppra", bounds: BySign = None) -> CertifyRequest:
     """Return a slide at 2 m/s under 10 m/s^2 and 100 m/s^3, as quick as may be."""
     builder = Builder()
     builder.link(P, Sphere(0.05))
     robot = builder.build()
     limits = limits_of(robot.group)
     path = JointPath(robot.group, np.array([[0.0], [length]]))
-    trajectory, _ = retime(path.spline, limits, RetimeOptions(method=method))
-    request = robot.request(trajectory, PairMargins(0.0))
-    return replace(request, limits=limits, jerk=method == "ruckig")
+    resting = quintic(robot.group, np.zeros(1), np.array([length]), 10.0)
+    request = robot.request(resting, PairMargins(0.0))
+    return held(replace(request, limits=limits), path.spline, method, bounds)
 
 
-def detour(seed: int, method: str) -> tuple[World, CertifyRequest]:
+def detour(seed: int, method: str, bounds: BySign = None) -> tuple[World, CertifyRequest]:
     """Return a motion of the UR5e over a corner that is rounded; it may well collide."""
     world = bundled_world("ur5e_pickup")
     group = world.group("arm")
     rng = np.random.default_rng(seed)
     rows = world.positions(group) + np.concatenate([np.zeros((1, 6)), rng.normal(0, 0.4, (3, 6))])
     spline = blend_corners(JointPath(group, rows), 0.1, 1 if method == "toppra" else 2)
-    trajectory, _ = retime(spline, world.limits(group), RetimeOptions(method=method))
-    return world, replace(request_for(world, "arm", trajectory), jerk=method == "ruckig")
+    resting = quintic(group, rows[0], rows[-1], 10.0)
+    return world, held(request_for(world, "arm", resting), spline, method, bounds)
 
 
 def judged(world: World, request: CertifyRequest) -> tuple[Certificate, CertifyReport]:
@@ -60,9 +77,18 @@ def judged(world: World, request: CertifyRequest) -> tuple[Certificate, CertifyR
 
 def use(request: CertifyRequest, rates: np.ndarray, order: int) -> float:
     bounds = (request.limits.velocity, request.limits.acceleration, request.limits.jerk)[order - 1]
+    signed = request.acceleration_bounds if order == 2 else {}
+    columns = dict(request.group.blocks)
     return max(
-        float(np.linalg.norm(rates[:, list(block)], axis=1).max() / bound)
-        for block, bound in zip(request.limits.blocks, bounds, strict=True)
+        *(
+            float(np.linalg.norm(rates[:, list(block)], axis=1).max() / bound)
+            for block, bound in zip(request.limits.blocks, bounds, strict=True)
+        ),
+        *(
+            float((rates[:, columns[name][0]] / bound).max())
+            for name, either in signed.items()
+            for bound in either
+        ),
     )
 
 
@@ -111,10 +137,28 @@ def test_what_is_reported_of_one_joint_is_what_is_known() -> None:
     assert (report.stop.tool_distance, report.stop.frame) == (None, "")
 
 
-@given(seed=st.integers(0, 1000), start=st.floats(0, 0.95))
+@pytest.mark.parametrize("method", ["toppra", "ruckig"])
+@pytest.mark.parametrize(("bounds", "lasting"), [((-2.0, 10.0), 1.0), ((-10.0, 2.0), 0.2)])
+def test_a_joint_stops_as_its_bounds_by_sign_allow(
+    method: str, bounds: tuple[float, float], lasting: float
+) -> None:
+    """From 2 m/s, which take 1 s to lose at 2 m/s^2, and 0.2 s at 10 m/s^2."""
+    request = replace(slide(8.0, method, bounds), options=STOPS)
+    cells = motion_cells(request, 200 if request.jerk else 600)
+    stops = smooth_stops(cells) if request.jerk else hardest_stops(cells)
+    middle = float(stops.times[len(stops.times) // 2])
+    assert lasting / ALLOWED <= middle < (2.2 * lasting if request.jerk else lasting + 0.03)
+
+
+EITHER_WAY = st.sampled_from([None, (-1.0, 2.5), (-2.5, 1.0)])
+
+
+@given(seed=st.integers(0, 1000), start=st.floats(0, 0.95), bounds=EITHER_WAY)
 @settings(max_examples=6)
-def test_hardest_stops_keep_the_limits_at_every_instant(seed: int, start: float) -> None:
-    _, request = detour(seed, "toppra")
+def test_hardest_stops_keep_the_limits_at_every_instant(
+    seed: int, start: float, bounds: BySign
+) -> None:
+    _, request = detour(seed, "toppra", bounds)
     cells = motion_cells(request, 600)
     first = int(start * len(cells.begins))
     clock, worst = ridden(request, first)
@@ -143,10 +187,10 @@ def test_an_execution_that_brakes_step_by_step_is_hardly_quicker(seed: int, star
     assert 0.98 * quickest - 2e-3 <= told <= 1.15 * quickest + 0.01
 
 
-@given(seed=st.integers(0, 1000))
+@given(seed=st.integers(0, 1000), bounds=EITHER_WAY)
 @settings(max_examples=6)
-def test_smooth_stops_keep_the_limits_at_every_instant(seed: int) -> None:
-    _, request = detour(seed, "ruckig")
+def test_smooth_stops_keep_the_limits_at_every_instant(seed: int, bounds: BySign) -> None:
+    _, request = detour(seed, "ruckig", bounds)
     motion = request.trajectory
     cells = motion_cells(request, 150)
     durations = smooth_durations(cells)

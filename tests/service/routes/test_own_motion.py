@@ -5,6 +5,8 @@ import copy
 import numpy as np
 import pytest
 
+ACCELERATION = {"frame": "arm::tcp", "acceleration": 1.0}
+
 
 def post(client, scene, what, **body):
     return client.post(f"/v1/trajectories/{what}", json={"scene": scene, "group": "arm", **body})
@@ -122,6 +124,19 @@ def test_stops_and_robustness_are_told_where_they_are_asked_for(client, scene, e
     refused = post(client, scene, "certify", trajectory=exact, certify=hasty).json()
     assert not refused["certificate"]["proven"]
     assert refused["certificate"]["checks"][-1]["passed"] is False
+
+
+@pytest.mark.parametrize("limits", [{"effort": True}, {"tool_limits": [ACCELERATION]}])
+def test_stops_have_no_bound_where_they_are_not_held_to_all_limits(client, scene, exact, limits):
+    certify = {"max_stopping_time": 1.0}
+    goal = {"type": "configuration", "name": "ready"}
+    body = {"scene": scene, "group": "arm", "goal": goal, "retime": limits, "certify": certify}
+    for refused in (
+        post(client, scene, "certify", trajectory=exact, certify=certify, **limits),
+        client.post("/v1/plans", json=body),
+    ):
+        assert (refused.status_code, refused.json()["code"]) == (422, "problem_invalid")
+        assert refused.json()["evidence"]["field"] == "certify.max_stopping_time"
 
 
 BAD = {
