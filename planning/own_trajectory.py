@@ -1,8 +1,9 @@
 """certify_trajectory(): the certifier by itself, for a motion that somebody else made."""
 
+from dataclasses import replace
 from typing import Any
 
-from planning.certify.certifier import CertifyRequest, certify
+from planning.certify.certifier import certify
 from planning.domain.certificate import Certificate
 from planning.domain.curve import TimedTrajectory
 from planning.domain.deadline import Deadline
@@ -10,6 +11,7 @@ from planning.domain.options import CertifyOptions, RetimeOptions
 from planning.domain.report import CertifyReport
 from planning.domain.stop_request import require_bounded_stops
 from planning.errors import ProblemInvalid
+from planning.proof_request import proof_request
 from planning.timing import admit_timing
 from planning.world.positions import require_positions
 from planning.world.world import World
@@ -66,21 +68,10 @@ def certify_trajectory(  # noqa: PLR0913  (a question in full)
     options, wanted = options or RetimeOptions(), wanted or CertifyOptions()
     require_bounded_stops(options, wanted)
     options = admit_timing(world, joints, options, begin, within="")
-    limits = world.limits(joints).scaled(options.velocity_scale, options.acceleration_scale)
-    request = CertifyRequest(
-        group=joints,
-        trajectory=trajectory,
-        state=world.state,
+    request = replace(
+        proof_request(world, joints, trajectory, options, world.margins(margin)),
         start=begin,
         goals=end[None],
-        limits=limits,
-        margins=world.margins(margin),
-        jerk=options.method == "ruckig",
-        effort=options.effort,
-        payload=options.payload,
-        tool_limits=options.tool_limits,
-        speed_zones=options.speed_zones,
-        acceleration_bounds=options.acceleration_bounds,
         options=wanted,
     )
     return certify(world.drake, request, deadline)

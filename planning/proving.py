@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from planning.candidates import candidates, deadlines
-from planning.certify.certifier import CertifyRequest, certify
+from planning.certify.certifier import certify
 from planning.certify.refusal import failed_checks, not_certified
 from planning.clearances import clearances
 from planning.domain.certificate import Certificate
@@ -32,6 +32,7 @@ from planning.parts import (
     timed_legs,
 )
 from planning.plan_task import SEARCHING, PlanTask
+from planning.proof_request import proof_request
 from planning.retime.path_limit import PathLimit
 from planning.retime.path_limits import path_limits
 from planning.ruled import search_ruled
@@ -212,22 +213,13 @@ def _search_padded(task: PlanTask, round_: int, padding: float, deadline: Deadli
 def _certify(task: PlanTask, motion: Motion) -> tuple[Certificate, CertifyReport]:
     goal, timing = task.problem.goal, task.problem.retime
     allowed = (goal.max_shift, goal.max_turn) if isinstance(goal, LineGoal) else ()
-    request = CertifyRequest(
-        group=task.group,
-        trajectory=motion.trajectory,
-        state=task.world.state,
+    request = replace(
+        proof_request(task.world, task.group, motion.trajectory, timing, task.margins),
         start=task.start,
         goals=ends_of(task.goals),
         limits=task.limits.scaled(timing.velocity_scale, timing.acceleration_scale),
-        margins=task.margins,
-        jerk=timing.method == "ruckig",
         constraints=task.problem.constraints,
         lines=motion.sections(*allowed),
-        effort=timing.effort,
-        payload=timing.payload,
-        tool_limits=timing.tool_limits,
-        speed_zones=timing.speed_zones,
-        acceleration_bounds=timing.acceleration_bounds,
         options=task.problem.certify,
     )
     return certify(task.world.drake, request, deadlines(task.problem, task.deadline)[1])

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from planning.certify.certifier import CertifyRequest, certify
+from planning.certify.certifier import certify
 from planning.certify.refusal import not_certified
 from planning.domain.certificate import Certificate
 from planning.domain.curve import TimedTrajectory
@@ -21,6 +21,7 @@ from planning.domain.problem import PlanningProblem
 from planning.domain.report import RefineReport, RetimeReport
 from planning.domain.stop_request import require_bounded_stops
 from planning.parts import no_search, tool_of
+from planning.proof_request import proof_request
 from planning.search.demands import driven
 from planning.stopwatch import Stopwatch
 from planning.timing import admit_timing
@@ -82,22 +83,10 @@ def reverse_plan(
     )
     require_bounded_stops(problem.retime, problem.certify)
     options = admit_timing(world, group, problem.retime, back.start)
-    request = CertifyRequest(
-        group=group,
-        trajectory=back,
-        state=world.state,
-        start=back.start,
-        goals=back.end[None],
-        limits=world.limits(group).scaled(options.velocity_scale, options.acceleration_scale),
-        margins=world.margins(problem.margin),
-        jerk=options.method == "ruckig",
+    request = replace(
+        proof_request(world, group, back, options, world.margins(problem.margin)),
         constraints=problem.constraints,
         lines=_lines(world, group, problem, back, turned),
-        effort=options.effort,
-        payload=options.payload,
-        tool_limits=options.tool_limits,
-        speed_zones=options.speed_zones,
-        acceleration_bounds=options.acceleration_bounds,
         options=problem.certify,
     )
     with watch.stage("certify"):

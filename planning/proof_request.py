@@ -1,0 +1,45 @@
+"""What a motion is held against: everything that the options of its timing ask for."""
+
+from planning.certify.request import CertifyRequest
+from planning.domain.curve import TimedTrajectory
+from planning.domain.joints import JointGroup
+from planning.domain.options import RetimeOptions
+from planning.world.margins import PairMargins
+from planning.world.world import World
+
+
+def proof_request(
+    world: World,
+    group: JointGroup,
+    trajectory: TimedTrajectory,
+    options: RetimeOptions,
+    margins: PairMargins,
+) -> CertifyRequest:
+    """Return the request to prove a motion from where it begins to where it ends.
+
+    Who asks for more, or for other ends, replaces the rest.
+
+    Args:
+        world: The scene.
+        group: What moves.
+        trajectory: The motion.
+        options: Limits besides the group's own, admitted by `admit_timing`; `method` says whether
+            jerk is limited.
+        margins: The distances to keep.
+    """
+    limits = world.limits(group)
+    return CertifyRequest(
+        group=group,
+        trajectory=trajectory,
+        state=world.state,
+        start=trajectory.start,
+        goals=trajectory.end[None],
+        limits=limits.scaled(options.velocity_scale, options.acceleration_scale),
+        margins=margins,
+        jerk=options.method == "ruckig",
+        tool_limits=options.tool_limits,
+        speed_zones=options.speed_zones,
+        acceleration_bounds=options.acceleration_bounds,
+        effort=options.effort,
+        payload=options.payload,
+    )
