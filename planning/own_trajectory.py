@@ -7,6 +7,7 @@ from planning.certify.certifier import certify
 from planning.domain.certificate import Certificate
 from planning.domain.curve import TimedTrajectory
 from planning.domain.deadline import Deadline
+from planning.domain.joints import JointGroup
 from planning.domain.options import CertifyOptions, RetimeOptions
 from planning.domain.report import CertifyReport
 from planning.domain.stop_request import require_bounded_stops
@@ -54,10 +55,7 @@ def certify_trajectory(  # noqa: PLR0913  (a question in full)
         Canceled: Somebody asked for the end.
     """
     joints = world.group(group)
-    if trajectory.joints != joints.joints:
-        names = [joint.name for joint in joints.joints]
-        message = f"the trajectory is not one of the joints {names}, in this order"
-        raise ProblemInvalid(message, {"field": "trajectory", "expected": names})
+    require_joints(joints, trajectory, "trajectory")
     begin, end = (
         reached if asked is None else require_positions(joints, asked, field)
         for asked, reached, field in (
@@ -75,3 +73,20 @@ def certify_trajectory(  # noqa: PLR0913  (a question in full)
         options=wanted,
     )
     return certify(world.drake, request, deadline)
+
+
+def require_joints(group: JointGroup, trajectory: TimedTrajectory, field: str) -> None:
+    """Go on only if a trajectory is one of a group's joints.
+
+    Args:
+        group: What shall move.
+        trajectory: How.
+        field: What the caller calls the trajectory.
+
+    Raises:
+        ProblemInvalid: It is not.
+    """
+    if trajectory.joints != group.joints:
+        names = [joint.name for joint in group.joints]
+        message = f"the {field} is not one of the joints {names}, in this order"
+        raise ProblemInvalid(message, {"field": field, "expected": names})

@@ -1,19 +1,27 @@
 """stop_motion() and splice_motion(): leave a running motion, for a stand or for another motion."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from planning.certify.certifier import CertifyRequest, certify
+from planning.certify.certifier import certify
 from planning.certify.refusal import failed_checks, not_certified
 from planning.domain.certificate import Certificate
+from planning.domain.constraint import PathConstraint
 from planning.domain.curve import TimedTrajectory
 from planning.domain.deadline import Deadline
+from planning.domain.joints import JointGroup, JointLimits
+from planning.domain.motion_limits import AccelerationBounds
 from planning.domain.motion_state import MotionState
+from planning.domain.options import RetimeOptions
 from planning.domain.report import CertifyReport
 from planning.domain.value import Value
 from planning.errors import RetimingFailed
+from planning.own_trajectory import require_joints
+from planning.proof_request import proof_request
 from planning.retime.state_to_state import to_rest, to_state
+from planning.timing import admit_timing
+from planning.world.rules.admission import require_constraints
 from planning.world.world import World
 
 # Instants of a new motion at which it may be joined.
@@ -35,18 +43,61 @@ class ProvenMotion(Value):
     certify: CertifyReport
 
 
-def stop_motion(
+@dataclass(frozen=True)
+class _Leaving:
+    """What is left, and what holds on whatever way leads from it."""
+
+    world: World
+    group: JointGroup
+    running: TimedTrajectory
+    options: RetimeOptions
+    constraints: tuple[PathConstraint, ...]
+    margin: float | None
+
+    @property
+    def limits(self) -> JointLimits:
+        factors = self.options.velocity_scale, self.options.acceleration_scale
+        return self.world.limits(self.group).scaled(*factors)
+
+    @property
+    def by_sign(self) -> AccelerationBounds:
+        return self.options.acceleration_bounds
+
+    def first_proven(self, made: list[TimedTrajectory], deadline: Deadline) -> ProvenMotion:
+        """Return the first motion that is proven to keep everything from its first instant on."""
+        refused: list[str] = []
+        failed: Certificate | None = None
+        margins = self.world.margins(self.margin)
+        for motion in made:
+            request = replace(
+                proof_request(self.world, self.group, motion, self.options, margins),
+                jerk=True,
+                constraints=self.constraints,
+                origin=self.running.start,
+            )
+            certificate, report = certify(self.world.drake, request, deadline)
+            if certificate.proven:
+                return ProvenMotion(motion, certificate, report)
+            failed = certificate
+            refused.append(f"in {motion.duration:.3f} s: {failed_checks(certificate)}")
+        raise not_certified(failed, refused)
+
+
+def stop_motion(  # noqa: PLR0913  (a question in full)
     world: World,
     group: str,
     running: TimedTrajectory,
     time: float,
     *,
     deadline: Deadline,
+    options: RetimeOptions | None = None,
+    constraints: tuple[PathConstraint, ...] = (),
     margin: float | None = None,
 ) -> ProvenMotion:
     """Return the quickest stop from an instant of a motion, under jerk limits.
 
-    Every joint brakes by itself, so the stop leaves the path; it is proven like any motion.
+    Every joint brakes by itself, so the stop leaves the path; it is proven like any motion, and
+    held to what the motion was planned with only as far as that is told here.
 
     Args:
         world: The scene, loaded.
@@ -54,21 +105,25 @@ def stop_motion(
         running: What it does.
         time: When it shall begin to stop [s].
         deadline: When to give up.
+        options: Scales of the limits, and limits besides; the rest of them has no meaning here.
+            What they and the constraints say of the start they say of where `running` begins.
+        constraints: What it shall keep.
         margin: Distance to keep [m]; None for the scene's.
 
     Raises:
-        UnknownName: There is no such group.
+        UnknownName: There is no such group, body, frame or joint.
+        ProblemInvalid: `running` is of other joints, or a limit or constraint makes no sense.
         RetimingFailed: A joint is planar or floating, or there is no such stop.
         NotCertified: The stop cannot be proven; evidence has the failed checks.
         DeadlineExceeded: Time ran out.
         Canceled: Somebody asked for the end.
     """
-    joints = world.group(group)
-    made = to_rest(joints.joints, world.limits(joints), MotionState.of(running, time))
-    return _first_proven(world, group, [made], margin, deadline)
+    leaving = _leaving(world, group, running, options, constraints, margin)
+    made = to_rest(running.joints, leaving.limits, MotionState.of(running, time), leaving.by_sign)
+    return leaving.first_proven([made], deadline)
 
 
-def splice_motion(
+def splice_motion(  # noqa: PLR0913  (a question in full)
     world: World,
     group: str,
     running: TimedTrajectory,
@@ -76,11 +131,15 @@ def splice_motion(
     onto: TimedTrajectory,
     *,
     deadline: Deadline,
+    options: RetimeOptions | None = None,
+    constraints: tuple[PathConstraint, ...] = (),
+    margin: float | None = None,
 ) -> ProvenMotion:
     """Return the quickest proven way from an instant of a motion into another one, without a rest.
 
     The other motion is joined at one of some instants, in the state that it has there; the sooner
-    all is over the better.
+    all is over the better. All of it, the rest of the other motion too, is held to what is told
+    here.
 
     Args:
         world: The scene, loaded.
@@ -89,21 +148,28 @@ def splice_motion(
         time: When it leaves that [s].
         onto: What it shall go over to.
         deadline: When to give up.
+        options: Scales of the limits, and limits besides; the rest of them has no meaning here.
+            What they and the constraints say of the start they say of where `running` begins.
+        constraints: What it shall keep.
+        margin: Distance to keep [m]; None for the scene's.
 
     Raises:
-        UnknownName: There is no such group.
+        UnknownName: There is no such group, body, frame or joint.
+        ProblemInvalid: A motion is of other joints, or a limit or constraint makes no sense.
         RetimingFailed: A joint is planar or floating, or no state of the other motion is reached.
         NotCertified: No way over can be proven; evidence has the failed checks of the last.
         DeadlineExceeded: Time ran out.
         Canceled: Somebody asked for the end.
     """
-    joints = world.group(group)
-    limits, state = world.limits(joints), MotionState.of(running, time)
+    leaving = _leaving(world, group, running, options, constraints, margin)
+    require_joints(leaving.group, onto, "onto")
+    limits, state = leaving.limits, MotionState.of(running, time)
     made: list[TimedTrajectory] = []
     failure: RetimingFailed | None = None
     for instant in np.linspace(0.0, onto.duration, _JOINTS)[:-1]:
         try:
-            over = to_state(joints.joints, limits, state, MotionState.of(onto, float(instant)))
+            there = MotionState.of(onto, float(instant))
+            over = to_state(running.joints, limits, state, there, leaving.by_sign)
         except RetimingFailed as fault:
             failure = fault
             continue
@@ -111,35 +177,20 @@ def splice_motion(
     if not made and failure is not None:
         raise failure
     made.sort(key=lambda motion: motion.duration)
-    return _first_proven(world, group, made, None, deadline)
+    return leaving.first_proven(made, deadline)
 
 
-def _first_proven(
+def _leaving(
     world: World,
     group: str,
-    made: list[TimedTrajectory],
+    running: TimedTrajectory,
+    options: RetimeOptions | None,
+    constraints: tuple[PathConstraint, ...],
     margin: float | None,
-    deadline: Deadline,
-) -> ProvenMotion:
-    """Return the first motion that is proven to keep everything from its first instant on."""
+) -> _Leaving:
+    """Return what is left, once it makes sense."""
     joints = world.group(group)
-    refused: list[str] = []
-    failed: Certificate | None = None
-    for motion in made:
-        request = CertifyRequest(
-            group=joints,
-            trajectory=motion,
-            state=world.state,
-            start=motion.start,
-            goals=motion.end[None],
-            limits=world.limits(joints),
-            margins=world.margins(margin),
-            jerk=True,
-            is_under_way=True,
-        )
-        certificate, report = certify(world.drake, request, deadline)
-        if certificate.proven:
-            return ProvenMotion(motion, certificate, report)
-        failed = certificate
-        refused.append(f"in {motion.duration:.3f} s: {failed_checks(certificate)}")
-    raise not_certified(failed, refused)
+    require_joints(joints, running, "running")
+    require_constraints(world, joints, constraints)
+    admitted = admit_timing(world, joints, options or RetimeOptions(), running.start, "options.")
+    return _Leaving(world, joints, running, admitted, constraints, margin)

@@ -37,7 +37,7 @@ def rest_check(request: CertifyRequest) -> Check:
     """Return the largest speed at both ends; at the last alone, if it begins under way."""
     rates, duration = request.forms[1], request.trajectory.duration
     first, last = float(np.abs(rates[:, 0, 0]).max()), float(np.abs(rates[:, -1, -1]).max())
-    is_first = first >= last and not request.is_under_way
+    is_first = first >= last and request.origin is None
     speed, time = (first, 0.0) if is_first else (last, duration)
     return Check("rest", speed, _SLOW, "rad/s or m/s", 0.0, speed <= _SLOW, "", time)
 
@@ -57,7 +57,7 @@ def continuity_checks(request: CertifyRequest) -> list[Check]:
     checks.append(_jump("velocity continuity", shares, _RATE_JUMP, "1", between))
     if request.jerk:
         after, before = _at_begins(request, 2), _at_ends(request, 2)
-        first = np.zeros_like(after[:1]) if request.is_under_way else after[:1]
+        first = after[:1] if request.origin is None else np.zeros_like(after[:1])
         steps = np.concatenate([first, after[1:] - before[:-1], before[-1:]])
         shares = _shares(request, steps, request.limits.acceleration)
         name = "acceleration continuity"

@@ -39,7 +39,7 @@ def _shape_faults(request: CertifyRequest) -> list[str]:
         ("breaks", curve.breaks, (n + 1,)),
         ("bases", curve.bases, (n, nq)),
         ("coefficients", curve.coefficients, (n, terms, nv)),
-        ("start", request.start, (nq,)),
+        *((name, q, (nq,)) for name, q in _begins(request)),
         ("goals", request.goals, (max(1, len(request.goals)), nq)),
         ("state", request.state, (max(nq, request.state.size),)),
         *((name, getattr(limits, name), (nq,)) for name in ("lower", "upper")),
@@ -53,13 +53,19 @@ def _shape_faults(request: CertifyRequest) -> list[str]:
     return faults if n else [*faults, "it has no piece"]
 
 
+def _begins(request: CertifyRequest) -> list[tuple[str, Array]]:
+    """Return the start, and the origin where there is one."""
+    origin = [] if request.origin is None else [("origin", request.origin)]
+    return [("start", request.start), *origin]
+
+
 def _number_faults(request: CertifyRequest) -> list[str]:
     curve, limits = request.trajectory, request.limits
     finite = [
         ("breaks", curve.breaks),
         ("bases", curve.bases),
         ("coefficients", curve.coefficients),
-        ("start", request.start),
+        *_begins(request),
         ("goals", request.goals),
         ("state", request.state),
     ]
@@ -79,10 +85,11 @@ def _size_faults(request: CertifyRequest) -> list[str]:
     faults: list[str] = []
     if not (curve.breaks[0] == 0 and (np.diff(curve.breaks) > 0).all()):
         return ["times do not increase from 0"]
-    everything = [curve.bases, request.start, request.goals, *request.forms]
+    places = [curve.bases, request.start, request.reference, request.goals]
+    everything = [*places, *request.forms]
     if not all(array.min() >= -_LARGEST and array.max() <= _LARGEST for array in everything):
         faults.append(f"a position or rate is beyond {_LARGEST:g}")
-    if any(_unit_fault(request, q) for q in (curve.bases, request.start, request.goals)):
+    if any(_unit_fault(request, q) for q in places):
         faults.append("a quaternion is not of unit length")
     return faults
 

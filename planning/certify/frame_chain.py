@@ -74,7 +74,7 @@ def _links(model: DrakeModel, request: CertifyRequest, name: str) -> list[_Link]
     moving = moving_joints(model, request.group)
     chains = joint_chains(model, moving)
     context = model.plant.CreateDefaultContext()
-    full = model.embed(request.group, request.start, request.state)
+    full = model.embed(request.group, request.reference, request.state)
     model.plant.SetPositions(context, full)
     frame = model.frames[name]
     ends: list[tuple[int, MovingJoint, Array, Array]] = []

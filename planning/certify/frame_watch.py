@@ -23,7 +23,7 @@ class FrameWatch:
     """
 
     def __init__(self, model: DrakeModel, request: CertifyRequest, name: str) -> None:
-        """Put the group at the request's start.
+        """Put the group at the request's reference.
 
         Raises:
             ModelInvalid: A joint of a kind that cannot be certified.
@@ -38,7 +38,7 @@ class FrameWatch:
         self._placed = PlacedShapes(model, shapes, self._bounds)
         self._context = model.plant.CreateDefaultContext()
         self.rotation, self.origin = np.eye(3), np.zeros(3)
-        self.go_to(request.start)
+        self.go_to(request.reference)
 
     def go_to(self, q: Array) -> None:
         """Put the group at q, shape (nq,), and all else where it is."""

@@ -59,7 +59,7 @@ def tight_check(name: str, constraint: TightLimits, request: CertifyRequest) -> 
 
 def _away(request: CertifyRequest, joint: Joint, iq: int, iv: int) -> tuple[float, int]:
     """Return how far a joint goes from the start at most, in any coordinate, and the piece."""
-    curve, start = request.trajectory, request.start
+    curve, start = request.trajectory, request.reference
     moves = request.forms[0][iv : iv + joint.num_velocities]
     if joint.type is JointType.FLOATING:
         inverse = rotation.conjugate(start[iq : iq + 4])

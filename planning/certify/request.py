@@ -38,10 +38,11 @@ class CertifyRequest(Value):
         lines: Parts of the motion that shall follow straight lines.
         tool_limits: Limits of frames; names and numbers in them are trusted, as in the next two.
         speed_zones: Boxes in which frames are slower; what moves with the group counts where the
-            start puts it.
+            `reference` puts it.
         acceleration_bounds: Lowest and highest accelerations of joints.
         options: What else to find out.
-        is_under_way: Whether it goes on from a motion, so that it need not begin at rest.
+        origin: Where the motion began that this one goes on from, so that it need not begin at
+            rest, shape (nq,); None if it begins by itself.
         effort: Whether joint torques and forces are limited.
         payload: What the group carries that the scene does not show.
     """
@@ -60,9 +61,14 @@ class CertifyRequest(Value):
     speed_zones: tuple[SpeedZone, ...] = ()
     acceleration_bounds: AccelerationBounds = field(default_factory=dict)
     options: CertifyOptions = field(default_factory=CertifyOptions)
-    is_under_way: bool = False
+    origin: Float64[np.ndarray, " nq"] | None = None
     effort: bool = False
     payload: Payload | None = None
+
+    @property
+    def reference(self) -> Array:
+        """The configuration that zones and constraints mean by the start, shape (nq,)."""
+        return self.start if self.origin is None else self.origin
 
     @cached_property
     def forms(self) -> tuple[Array, ...]:

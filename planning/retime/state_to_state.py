@@ -5,6 +5,7 @@ RSS 2021. Each joint has phases of constant jerk; where a phase of any joint beg
 begin a new piece of degree 3.
 """
 
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -12,6 +13,7 @@ import ruckig
 
 from planning.domain.curve import TimedTrajectory
 from planning.domain.joints import Joint, JointLimits, JointType
+from planning.domain.motion_limits import AccelerationBounds
 from planning.domain.motion_state import MotionState
 from planning.errors import RetimingFailed
 
@@ -26,13 +28,18 @@ _BRIEF = 1e-9
 _PLAIN = {JointType.REVOLUTE, JointType.CONTINUOUS, JointType.PRISMATIC}
 
 
-def to_rest(joints: tuple[Joint, ...], limits: JointLimits, state: MotionState) -> TimedTrajectory:
+def to_rest(
+    joints: tuple[Joint, ...],
+    limits: JointLimits,
+    state: MotionState,
+    bounds: AccelerationBounds = MappingProxyType({}),
+) -> TimedTrajectory:
     """Return the quickest stop: every joint brakes by itself, wherever that ends.
 
     Raises:
         RetimingFailed: A joint is planar or floating, or ruckig finds none.
     """
-    wanted = _input(joints, limits, state)
+    wanted = _input(joints, limits, state, bounds)
     wanted.control_interface = ruckig.ControlInterface.Velocity
     wanted.synchronization = ruckig.Synchronization.No
     wanted.target_velocity = wanted.target_acceleration = [0.0] * len(joints)
@@ -40,21 +47,27 @@ def to_rest(joints: tuple[Joint, ...], limits: JointLimits, state: MotionState) 
 
 
 def to_state(
-    joints: tuple[Joint, ...], limits: JointLimits, state: MotionState, target: MotionState
+    joints: tuple[Joint, ...],
+    limits: JointLimits,
+    state: MotionState,
+    target: MotionState,
+    bounds: AccelerationBounds = MappingProxyType({}),
 ) -> TimedTrajectory:
     """Return the quickest motion to a state that is moving or not; all joints arrive together.
 
     Raises:
         RetimingFailed: A joint is planar or floating, or ruckig finds none.
     """
-    wanted = _input(joints, limits, state)
+    wanted = _input(joints, limits, state, bounds)
     wanted.target_position = target.q.tolist()
     wanted.target_velocity = target.v.tolist()
     wanted.target_acceleration = target.vdot.tolist()
     return _solved(joints, wanted)
 
 
-def _input(joints: tuple[Joint, ...], limits: JointLimits, state: MotionState) -> Any:
+def _input(
+    joints: tuple[Joint, ...], limits: JointLimits, state: MotionState, bounds: AccelerationBounds
+) -> Any:
     others = [joint.name for joint in joints if joint.type not in _PLAIN]
     if others:
         message = (
@@ -65,8 +78,12 @@ def _input(joints: tuple[Joint, ...], limits: JointLimits, state: MotionState) -
     wanted.current_position = state.q.tolist()
     wanted.current_velocity = state.v.tolist()
     wanted.current_acceleration = state.vdot.tolist()
+    own = [bounds.get(joint.name, (-np.inf, np.inf)) for joint in joints]
+    lowest = np.maximum([low for low, _ in own], -limits.acceleration)
+    highest = np.minimum([high for _, high in own], limits.acceleration)
+    wanted.min_acceleration = (lowest * _ROOM).tolist()
     wanted.max_velocity, wanted.max_acceleration, wanted.max_jerk = (
-        (bound * _ROOM).tolist() for bound in (limits.velocity, limits.acceleration, limits.jerk)
+        (bound * _ROOM).tolist() for bound in (limits.velocity, highest, limits.jerk)
     )
     return wanted
 
