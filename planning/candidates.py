@@ -20,7 +20,6 @@ from planning.refine.wish import Wish, wish_of
 from planning.retime.blend import blend_corners
 from planning.retime.explain import explain_duration
 from planning.retime.path_limit import PathLimit
-from planning.retime.path_limits import path_limits
 from planning.retime.retimer import retime
 from planning.stopwatch import Stopwatch
 from planning.world.margins import PairMargins
@@ -75,13 +74,15 @@ def deadlines(problem: PlanningProblem, deadline: Deadline) -> tuple[Deadline, D
     return deadline.over_when_canceled, deadline.uncancelable
 
 
-def candidates(
+def candidates(  # noqa: PLR0913  (a question in full)
     world: World,
     path: JointPath,
     problem: PlanningProblem,
     margins: PairMargins,
     deadline: Deadline,
     watch: Stopwatch,
+    *,
+    path_limits: tuple[PathLimit, ...],
 ) -> Iterator[Candidate]:
     """Yield timed motions along a path: the better of refined and rounded first.
 
@@ -94,7 +95,7 @@ def candidates(
     hasty, deadline = deadlines(problem, deadline)
     group, retime_options = world.group(problem.group), problem.retime
     limits = world.limits(group)
-    timing = _Timing(limits, path_limits(world, group, retime_options), retime_options, watch)
+    timing = _Timing(limits, path_limits, retime_options, watch)
     with watch.stage("refine"):
         scaled = limits.scaled(retime_options.velocity_scale, retime_options.acceleration_scale)
         rules = _rules(world, path, problem)

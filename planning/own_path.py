@@ -18,6 +18,7 @@ from planning.domain.report import CertifyReport, RetimeReport
 from planning.domain.value import Value
 from planning.errors import ProblemInvalid
 from planning.own_trajectory import certify_trajectory
+from planning.retime.path_limits import path_limits
 from planning.stopwatch import Stopwatch
 from planning.timing import admit_timing
 from planning.world.positions import require_positions
@@ -92,7 +93,13 @@ def retime_path(
     refused: list[str] = []
     failed: Certificate | None = None
     made = candidates(
-        world, path, problem, world.margins(margin), deadline, Stopwatch(deadline.clock)
+        world,
+        path,
+        problem,
+        world.margins(margin),
+        deadline,
+        Stopwatch(deadline.clock),
+        path_limits=path_limits(world, joints, timing),
     )
     for candidate in made:
         certificate, report = certify_trajectory(

@@ -23,7 +23,7 @@ from planning.domain.problem import PlanningProblem
 from planning.domain.report import RefineReport, RetimeReport
 from planning.domain.search_report import SearchReport
 from planning.retime.explain import explain_duration
-from planning.retime.path_limits import path_limits as asked_limits
+from planning.retime.path_limit import PathLimit
 from planning.retime.retimer import retime
 from planning.world.world import Array, World
 
@@ -113,6 +113,7 @@ def timed_legs(
     legs: Sequence[tuple[PartKind, Leg]],
     problem: PlanningProblem,
     begin: Array,
+    path_limits: Sequence[PathLimit],
 ) -> tuple[Part, ...]:
     """Time legs one after another, each along a smooth curve through its waypoints.
 
@@ -122,17 +123,17 @@ def timed_legs(
         legs: What they are for, and the legs.
         problem: Its options say how.
         begin: Where the first one begins, shape (nq,); whole turns of joints go on from here.
+        path_limits: What the problem limits besides the joints.
 
     Raises:
         RetimingFailed: A leg cannot be timed.
     """
     limits, parts = world.limits(group), list[Part]()
-    others = asked_limits(world, group, problem.retime) if legs else ()
     for kind, leg in legs:
         rows = np.concatenate([begin[None], leg.positions])
         positions = JointPath(group, rows).continuous.waypoints[1:]
         curve = cubic_through(group.joints, leg.fractions, positions)
-        how = limits, freely_timed(problem).retime, others
+        how = limits, freely_timed(problem).retime, path_limits
         trajectory, report = retime(curve, *how)
         if problem.retime.explain:
             report = replace(report, explanation=explain_duration(curve, trajectory, *how))

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 
 from planning.domain.deadline import Deadline
 from planning.domain.goal_configurations import GoalConfigurations
@@ -12,6 +13,8 @@ from planning.domain.pool import AttemptPool
 from planning.domain.problem import PlanningProblem
 from planning.domain.roadmap import Roadmap
 from planning.domain.search_report import AttemptReport
+from planning.retime.path_limit import PathLimit
+from planning.retime.path_limits import path_limits
 from planning.stopwatch import Stopwatch
 from planning.world.margins import PairMargins
 from planning.world.rules.path_rules import PathRules
@@ -56,6 +59,11 @@ class PlanTask:
     rules: PathRules | None
     roadmap: Roadmap | None = None
     pool: AttemptPool | None = None
+
+    @cached_property
+    def path_limits(self) -> tuple[PathLimit, ...]:
+        """What limits motions besides their joints, built once for all that are timed."""
+        return path_limits(self.world, self.group, self.problem.retime)
 
     def tell_best(self, attempt: AttemptReport) -> None:
         """Report the best path so far."""

@@ -1,5 +1,6 @@
 """From goals to a proven motion: search, refine, retime and certify, until one is proven."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -11,8 +12,7 @@ from planning.clearances import clearances
 from planning.domain.certificate import Certificate
 from planning.domain.deadline import Deadline
 from planning.domain.goal import LineGoal
-from planning.domain.joints import JointLimits
-from planning.domain.options import RetimeOptions
+from planning.domain.line import Leg
 from planning.domain.plan import Progress
 from planning.domain.planner_graph import PlannerGraph
 from planning.domain.report import CertifyReport, RefineReport
@@ -23,6 +23,8 @@ from planning.motion import Motion
 from planning.paddings import endpoint_padding
 from planning.parts import (
     NOT_REFINED,
+    Part,
+    PartKind,
     ends_of,
     free_part,
     freely_timed,
@@ -33,11 +35,10 @@ from planning.parts import (
 )
 from planning.plan_task import SEARCHING, PlanTask
 from planning.proof_request import proof_request
-from planning.retime.path_limit import PathLimit
-from planning.retime.path_limits import path_limits
 from planning.ruled import search_ruled
 from planning.search.mapped import report_of
 from planning.search.solver import SearchResult, SearchTask, search
+from planning.world.world import Array
 
 # How often the search is asked again, each time with half the resolution, before we give up.
 _MAX_ROUNDS = 4
@@ -76,9 +77,7 @@ def prove_lines(task: PlanTask) -> Proven:
     """Time and certify lines; there is nothing to search."""
     task.report(Progress("retime", 0.5, "timing the lines"))
     with task.watch.stage("retime"):
-        motion = Motion(
-            timed_legs(task.world, task.group, named_lines(task.lines), task.problem, task.start)
-        ).lasting(*_timing(task))
+        motion = _lasting(task, _timed(task, named_lines(task.lines), task.start))
     task.report(Progress("certify", 0.8, "certifying the lines"))
     with task.watch.stage("certify"):
         certificate, report = _certify(task, motion)
@@ -99,17 +98,22 @@ def prove_search(task: PlanTask) -> Proven:
             found = _search(task, 0) if round_ == 0 else _search_again(task, round_)
         with task.watch.stage("retime"):
             legs = named_legs(task.goals.legs[found.goal_row]) if task.goals.legs else []
-            end = found.path.waypoints[-1]
-            tail = timed_legs(task.world, task.group, legs, task.problem, end)
+            tail = _timed(task, legs, found.path.waypoints[-1])
         task.report(Progress("refine", 0.5, "refining and timing"))
         problem = freely_timed(task.problem) if tail else task.problem
         for candidate in candidates(
-            task.world, found.path, problem, task.margins, task.deadline, task.watch
+            task.world,
+            found.path,
+            problem,
+            task.margins,
+            task.deadline,
+            task.watch,
+            path_limits=task.path_limits,
         ):
+            with task.watch.stage("retime"):
+                motion = _lasting(task, (free_part(found.path, candidate), *tail))
             task.report(Progress("certify", 0.8, f"certifying the {candidate.name}"))
             with task.watch.stage("certify"):
-                motion = Motion((free_part(found.path, candidate), *tail))
-                motion = motion.lasting(*_timing(task))
                 certificate, report = _certify(task, motion)
             if certificate.proven:
                 seen = replace(report, candidates=len(refused) + 1, refused=tuple(refused))
@@ -129,10 +133,15 @@ def prove_search(task: PlanTask) -> Proven:
     raise not_certified(failed, refused)
 
 
-def _timing(task: PlanTask) -> tuple[RetimeOptions, JointLimits, tuple[PathLimit, ...]]:
-    options = task.problem.retime
-    others = path_limits(task.world, task.group, options)
-    return options, task.world.limits(task.group), others
+def _timed(task: PlanTask, legs: Sequence[tuple[PartKind, Leg]], begin: Array) -> tuple[Part, ...]:
+    """Return legs as parts, timed under all that limits the motion."""
+    return timed_legs(task.world, task.group, legs, task.problem, begin, task.path_limits)
+
+
+def _lasting(task: PlanTask, parts: tuple[Part, ...]) -> Motion:
+    """Return the motion that parts make, as long as was asked for."""
+    limits = task.world.limits(task.group)
+    return Motion(parts).lasting(task.problem.retime, limits, task.path_limits)
 
 
 def _require_hope(certificate: Certificate, refused: list[str]) -> None:

@@ -1,6 +1,7 @@
 """Plans under torque limits: proven, explained, heavier with what is held."""
 
 import time
+from typing import Any
 
 import numpy as np
 import pytest
@@ -14,6 +15,7 @@ from planning.domain.payload import Payload
 from planning.domain.plan import MotionPlan
 from planning.domain.problem import PlanningProblem
 from planning.errors import ProblemInvalid, RetimingFailed
+from planning.world.dynamics import GroupDynamics
 from planning.world.world import World
 from tests.conftest import bundled_world
 
@@ -121,3 +123,19 @@ def test_what_is_held_burdens_in_the_proof_and_in_the_plot() -> None:
     # A point instead of a can: the same weight, a little less inertia.
     assert peaks[2] == pytest.approx(peaks[1], rel=0.01)
     assert plots == pytest.approx(peaks, rel=0.03)
+
+
+def test_what_limits_a_motion_is_built_once_for_all_that_is_timed(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    made: list[GroupDynamics] = []
+
+    def counted(*args: Any) -> GroupDynamics:
+        made.append(GroupDynamics(*args))
+        return made[-1]
+
+    monkeypatch.setattr("planning.retime.path_limits.GroupDynamics", counted)
+    retime = RetimeOptions(effort=True, payload=SEVEN, duration=4.0)
+    found = solve(retime, refine=RefineOptions("none"))
+    assert found.certificate.proven
+    assert len(made) == 1
