@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float64
 
+from planning.certify.equal_parts import equal_parts
 from planning.certify.request import CertifyRequest
 from planning.certify.tool_rates import Cells, ToolRates
 from planning.domain import rotation
@@ -100,9 +101,8 @@ def _bounds(
     counts = np.maximum(1, np.ceil(cells.widths * np.sqrt(wanted))).astype(np.int64)
     scale = max(1.0, counts.sum() / _MAX_SAMPLES)
     counts = np.maximum(1, np.floor(counts / scale)).astype(np.int64)
-    owners = np.repeat(np.arange(len(counts)), counts)
-    steps = np.repeat(cells.widths / counts, counts)
-    within = np.arange(len(owners)) - np.repeat(np.cumsum(counts) - counts, counts)
+    owners, within = equal_parts(counts)
+    steps = (cells.widths / counts)[owners]
     times = np.append(cells.begins[owners] + within * steps, section.end)
     R_WT, p_wt = rates.poses(times, deadline)
     gaps = steps**2 / 8

@@ -13,6 +13,7 @@ from jaxtyping import Float64
 
 from planning.certify import bernstein
 from planning.certify.angular_rates import angular_change
+from planning.certify.equal_parts import equal_parts
 from planning.certify.limit_checks import RATES, has_fixed_axes, turning_blocks
 from planning.certify.request import CertifyRequest
 
@@ -77,9 +78,8 @@ def motion_cells(request: CertifyRequest, count: int) -> MotionCells:
     curve = request.trajectory
     pieces = np.diff(curve.breaks)
     counts = np.maximum(1, np.ceil(pieces / (curve.duration / count))).astype(np.int64)
-    owners = np.repeat(np.arange(len(pieces)), counts)
-    widths = np.repeat(pieces / counts, counts)
-    within = np.arange(len(owners)) - np.repeat(np.cumsum(counts) - counts, counts)
+    owners, within = equal_parts(counts)
+    widths = (pieces / counts)[owners]
     begins = curve.breaks[owners] + within * widths
     terms = curve.coefficients.shape[1]
     powers = [curve.tangents(begins, k) / factorial(k) for k in range(terms)]

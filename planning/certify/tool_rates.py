@@ -20,6 +20,7 @@ from jaxtyping import Float64
 from pydrake.multibody.tree import JacobianWrtVariable
 
 from planning.certify.angular_rates import angular_change
+from planning.certify.equal_parts import equal_parts
 from planning.certify.request import CertifyRequest
 from planning.domain.deadline import Deadline
 from planning.domain.joints import JointType
@@ -93,9 +94,8 @@ class ToolRates:
         rates, changes = rates * self._scales, changes * self._scales
         widths = np.diff(breaks)[pieces]
         counts = np.maximum(1, np.ceil(rates.sum(axis=1) * widths / _FAR)).astype(np.int64)
-        owners = np.repeat(np.arange(len(pieces)), counts)
-        widths = np.repeat(widths / counts, counts)
-        within = np.arange(len(owners)) - np.repeat(np.cumsum(counts) - counts, counts)
+        owners, within = equal_parts(counts)
+        widths = (widths / counts)[owners]
         begins = breaks[pieces][owners] + within * widths
         rates, changes = rates[owners], changes[owners]
         turning, arms = self._columns_at(begins + widths / 2)

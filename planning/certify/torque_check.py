@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from planning.certify import bernstein
+from planning.certify.equal_parts import equal_parts
 from planning.certify.limit_checks import MAX_UTILISATION
 from planning.certify.links import links_of
 from planning.certify.request import CertifyRequest
@@ -114,9 +115,8 @@ class _Search:
     def _first(self, counts: Any) -> _Segments:
         """Return segments of the whole motion."""
         widths = np.diff(self._request.trajectory.breaks)
-        pieces = np.repeat(np.arange(len(widths)), counts)
+        pieces, within = equal_parts(counts)
         halves = (widths / counts)[pieces] / 2
-        within = np.arange(len(pieces)) - np.repeat(np.cumsum(counts) - counts, counts)
         return _Segments(pieces, (2 * within + 1) * halves, halves)
 
     def _uses(self, segments: _Segments) -> _Uses:
