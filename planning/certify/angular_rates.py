@@ -19,6 +19,7 @@ import numpy as np
 from jaxtyping import Float64
 
 from planning.certify import bernstein
+from planning.certify.taylor import skew
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
@@ -101,7 +102,7 @@ def _model(tangents: list[Array], half: Array, order: int) -> tuple[Array, Array
     middle = np.stack([bernstein.halves(part)[0][:, -1] for part in tangents], axis=1)
     lengths = [np.linalg.norm(part, axis=2).max(axis=1) for part in tangents]
     bounds = np.stack(lengths, axis=1)[:, :, None]
-    omega = velocity_series(cross_products(middle), middle, -1.0)
+    omega = velocity_series(skew(middle), middle, -1.0)
     majorant = velocity_series(bounds[..., None], bounds, 1.0)
     lag = order - 1
     falling = np.array([factorial(j + lag) / factorial(j) for j in range(_ORDER + 2)])
@@ -133,11 +134,3 @@ def velocity_series(adjoint: Array, delta: Array, sign: float) -> Array:
         if np.abs(term).max() <= 1e-18 * np.abs(total).max():
             break
     return total.reshape(count, length, width)
-
-
-def cross_products(vectors: Array) -> Array:
-    """Return the matrices that multiply with vectors by the cross product, shape (*n, 3, 3)."""
-    x, y, z = np.moveaxis(vectors, -1, 0)
-    zero = np.zeros_like(x)
-    rows = [[zero, -z, y], [z, zero, -x], [-y, x, zero]]
-    return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
