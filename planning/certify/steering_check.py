@@ -46,9 +46,10 @@ def steering_checks(request: CertifyRequest) -> list[Check]:
     curvature 1 / turning radius. The true one is at most the resolution larger.
     """
     checks: list[Check] = []
+    cars = steering_of(request.group)
     iq = iv = 0
     for joint in request.group.joints:
-        steering = steering_of(request.group).get(joint.name)
+        steering = cars.get(joint.name)
         if steering is not None:
             checks.append(_check(f"steering {joint.name}", request, (iq, iv), steering))
         iq += joint.num_positions
@@ -60,7 +61,7 @@ def _check(name: str, request: CertifyRequest, at: tuple[int, int], car: Steerin
     bound = 1 + TIGHT
     widths = np.diff(request.trajectory.breaks)
     times_ = (request.trajectory.breaks[:-1, None] + _LOOKS * widths[:, None]).ravel()
-    value, where, time = _worst(request, at[1], times_, car)
+    value, where, time = _worst(request, at, times_, car)
     nodes = _nodes(request, *at)
     most = _most(request, at[1], car)
     if nodes is None:
@@ -70,7 +71,7 @@ def _check(name: str, request: CertifyRequest, at: tuple[int, int], car: Steerin
         top, row, fraction = bernstein.peak(np.ascontiguousarray(excess), dust / 2)
         if not top <= dust:
             when = float(nodes.begins[row] + fraction * nodes.widths[row])
-            seen, _, _ = _worst(request, at[1], np.array([when]), car)
+            seen, _, _ = _worst(request, at, np.array([when]), car)
             value = max(value, seen)
             return Check(name, value, bound, "1", max(0.0, most - value), False, kind, when)  # noqa: FBT003
     return Check(name, value, bound, "1", max(0.0, bound - value), True, where, time)  # noqa: FBT003
@@ -87,11 +88,11 @@ def _most(request: CertifyRequest, iv: int, car: Steering) -> float:
 
 
 def _worst(
-    request: CertifyRequest, iv: int, instants: Array, car: Steering
+    request: CertifyRequest, at: tuple[int, int], instants: Array, car: Steering
 ) -> tuple[float, str, float]:
     """Return the largest share of what is allowed at some instants, of what, and when."""
-    curve = request.trajectory
-    yaw = curve.positions(instants)[:, _yaw_index(request, iv)]
+    curve, (iq, iv) = request.trajectory, at
+    yaw = curve.positions(instants)[:, iq + 2]
     x, y, turn = curve.tangents(instants, 1)[:, iv : iv + 3].T
     c, s = np.cos(yaw), np.sin(yaw)
     ahead, aside = c * x + s * y, c * y - s * x
@@ -105,17 +106,6 @@ def _worst(
     where = max(shares, key=lambda kind: float(shares[kind].max()))
     row = int(np.argmax(shares[where]))
     return float(shares[where][row]), where, float(instants[row])
-
-
-def _yaw_index(request: CertifyRequest, iv: int) -> int:
-    """Return where the yaw of the joint whose velocities begin at iv is in q."""
-    iq = at = 0
-    for joint in request.group.joints:
-        if at == iv:
-            break
-        iq += joint.num_positions
-        at += joint.num_velocities
-    return iq + 2
 
 
 @dataclass(frozen=True)
