@@ -188,7 +188,6 @@ class RetimeOptions(Value):
         acceleration_bounds: Besides the limits of joints, lowest (negative) and highest
             acceleration [rad/s^2 or m/s^2], by name of a scalar joint or of a block of one
             coordinate (`JointGroup.blocks`). The scales change none of these three.
-        tool_limits: Of frames, besides the limits of joints; the scales do not change them.
         effort: Whether the limits on joint torques and forces are kept, and proven.
         payload: What the group carries that the scene does not show; it counts for efforts.
     """
