@@ -13,7 +13,7 @@ from planning.domain.joints import JointGroup, JointLimits, JointType
 from planning.domain.manifold import Manifold
 from planning.domain.options import IkOptions, SearchOptions
 from planning.domain.path import JointPath
-from planning.domain.plan import Progress
+from planning.domain.plan import Progress, ignore_progress
 from planning.domain.pose import Pose
 from planning.domain.region_request import require_convex
 from planning.domain.regions import RegionOptions, Regions
@@ -39,10 +39,6 @@ type Array = np.ndarray[Any, np.dtype[np.float64]]
 _STRIDE = 0.1
 # Share of the time that is left for finding one path.
 _PATH_SHARE = 0.1
-
-
-def ignore_progress(_: Progress) -> None:
-    """Do nothing with it."""
 
 
 def grow_regions(

@@ -18,7 +18,7 @@ from planning.domain.deadline import Deadline
 from planning.domain.goal import LineGoal
 from planning.domain.goal_configurations import GoalConfigurations
 from planning.domain.line import Leg
-from planning.domain.plan import MotionPlan, Progress, StageReports
+from planning.domain.plan import MotionPlan, Progress, StageReports, ignore_progress
 from planning.domain.pool import AttemptPool
 from planning.domain.problem import PlanningProblem
 from planning.domain.stop_request import require_bounded_stops
@@ -41,10 +41,6 @@ from planning.world.world import World
 
 # Of the time, what building a roadmap may take.
 _ROADMAP_SHARE = 0.6
-
-
-def ignore_progress(_: Progress) -> None:
-    """Do nothing with it."""
 
 
 def plan(

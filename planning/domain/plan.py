@@ -100,3 +100,7 @@ class Progress:
     fraction: float
     detail: str = ""
     best_length: float | None = None
+
+
+def ignore_progress(_: Progress) -> None:
+    """Do nothing with it."""
