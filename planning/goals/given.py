@@ -32,6 +32,8 @@ from planning.world.world import World
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 type GivenGoal = JointGoal | ConfigurationGoal
 
+# Of so many of the given ones it is asked what is near, and what would do.
+_MOST = 64
 # Of what remains of the time for goals, what the search for the nearest may take.
 _SHARE = 0.5
 
@@ -116,7 +118,9 @@ def what_would_do(
         `nearest` and `relaxation` as evidence, and the same as words for a message.
     """
     group = query.group
-    rows = clip_dust(world.limits(group), Manifold(group.joints), given_rows(world, query, goal))
+    rows = clip_dust(
+        world.limits(group), Manifold(group.joints), given_rows(world, query, goal)[:_MOST]
+    )
     rules = query.rules
     tight = world if rules is None else world.limited(group, rules.fixing(world.limits(group)))
     found = NearestJointSearch(tight, query, rows, rng, deadline.share(_SHARE)).run()

@@ -12,8 +12,6 @@ from planning.goals.start import limit_violations, pair_evidence
 from planning.world.rules.body_pairs import moved_bodies
 from planning.world.world import World
 
-# So many of the configurations are looked at.
-_MOST = 32
 # Shares of the least distance that are tried as a margin, and what they stay below it by [m].
 _SHARES, _BELOW = (1.0, 0.9, 0.5, 0.0), 1e-6
 
@@ -31,7 +29,7 @@ def relaxation_of(
         query: What was asked.
         rows: The configurations that were asked for.
     """
-    faults = [_faults(world, query, q) for q in rows[:_MOST]]
+    faults = [_faults(world, query, q) for q in rows]
     best = min(range(len(faults)), key=lambda k: (_kinds(faults[k]), _depth(faults[k]), k))
     limits, pairs, constraints = faults[best]
     return {

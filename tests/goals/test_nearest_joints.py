@@ -244,6 +244,13 @@ def test_of_many_the_nearest_and_the_least_wrong_are_told() -> None:
     assert near["goal_index"] == 2
 
 
+def test_of_very_many_some_are_looked_at() -> None:
+    world = bundled_world(PICKUP)
+    rows = np.array(PLACES[0]) + np.linspace(0.0, 0.01, 200)[:, None]
+    near = refused(world, to(*rows)).evidence["nearest"]
+    assert near["distance"] < refused_at(PLACES[0])["nearest"]["distance"] + 1e-6
+
+
 def rules_of(world: World) -> dict[str, PathConstraint]:
     group = world.group("arm")
     tool, start = group.tool_frames[0], world.positions(group)
