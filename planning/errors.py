@@ -136,7 +136,7 @@ class StartOutOfLimits(PlanningFailure):
 
 
 class GoalOutOfLimits(PlanningFailure):
-    """Every goal configuration violates position limits; evidence: `joints`."""
+    """Every goal configuration violates position limits; evidence: `joints`, `nearest`."""
 
     code = "goal_out_of_limits"
     stage = "goals"
@@ -145,7 +145,7 @@ class GoalOutOfLimits(PlanningFailure):
 class GoalInCollision(PlanningFailure):
     """Goal configurations exist and all collide.
 
-    Evidence: `funnel`; `pairs` of given ones; `nearest` and `relaxation` of those of a tool frame.
+    Evidence: `funnel`, `nearest` and `relaxation`; `pairs` of given ones.
     """
 
     code = "goal_in_collision"
@@ -167,7 +167,10 @@ class StartViolatesConstraint(PlanningFailure):
 
 
 class GoalViolatesConstraint(PlanningFailure):
-    """Every goal configuration violates path constraints; evidence: `violations`, a tally."""
+    """Every goal configuration violates path constraints.
+
+    Evidence: `violations`, a tally; `nearest` and `relaxation` of given ones.
+    """
 
     code = "goal_violates_constraint"
     stage = "goals"

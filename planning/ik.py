@@ -65,7 +65,7 @@ def solve_ik(  # noqa: PLR0913  (a question in full)
     rules = PathRules.compiled(world, joints, constraints, q) if constraints else None
     query = GoalQuery(joints, goal, q, world.margins(margin), chosen, chosen.max_trials, rules)
     found = find_goals(world, query, np.random.default_rng(seed), deadline)
-    return found if rules is None else kept_goals(rules, found)
+    return kept_goals(world, query, found, seed, deadline)
 
 
 def assess_configurations(

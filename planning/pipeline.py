@@ -87,7 +87,7 @@ def plan(
         query = GoalQuery(group, problem.goal, start, margins, problem.ik, rules=rules)
         goals, lines = _goals(world, query, problem.seed, deadline.share(0.5))
         if rules is not None:
-            goals = kept_goals(rules, goals)
+            goals = kept_goals(world, query, goals, problem.seed, deadline.share(0.5))
             rules = rules.leaving_room(start, goals.entries)
     roadmap = None
     if problem.search.roadmap is not None and not lines:

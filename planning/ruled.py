@@ -8,9 +8,12 @@ from jaxtyping import Float64
 
 from planning.domain.constraint import PathConstraint
 from planning.domain.deadline import Deadline
+from planning.domain.goal import ConfigurationGoal, JointGoal
 from planning.domain.goal_configurations import GoalConfigurations
 from planning.domain.joints import JointGroup, JointLimits
 from planning.errors import GoalViolatesConstraint, StartViolatesConstraint
+from planning.goals.given import what_would_do
+from planning.goals.goal_query import GoalQuery
 from planning.search.lock import search_locked
 from planning.search.task import SearchResult, SearchTask
 from planning.stopwatch import Stopwatch
@@ -44,21 +47,30 @@ def admit_rules(
     return rules
 
 
-def kept_goals(rules: PathRules, goals: GoalConfigurations) -> GoalConfigurations:
-    """Return the goal configurations that keep the rules, on their lines too.
+def kept_goals(
+    world: World, query: GoalQuery, goals: GoalConfigurations, seed: int, deadline: Deadline
+) -> GoalConfigurations:
+    """Return the goal configurations that keep the query's rules, on their lines too.
 
     Raises:
-        GoalViolatesConstraint: There is none.
+        GoalViolatesConstraint: There is none; of given ones evidence has the nearest that does.
     """
+    rules, goal = query.rules, query.goal
+    if rules is None:
+        return goals
     found = [_violations(rules, goals, row) for row in range(len(goals.positions))]
     rows = [row for row, violations in enumerate(found) if not violations]
     if not rows:
         tally = _tally(found)
+        evidence, words = dict[str, Any](), ""
+        if isinstance(goal, JointGoal | ConfigurationGoal):
+            rng = np.random.default_rng(seed)
+            evidence, words = what_would_do(world, query, goal, rng, deadline)
         message = (
             f"every one of {len(found)} goal configurations violates a path constraint; "
-            f"the nearest to none: {_words(tally[0]['least'])}"
+            f"the nearest to none: {_words(tally[0]['least'])}{words}"
         )
-        raise GoalViolatesConstraint(message, {"violations": tally})
+        raise GoalViolatesConstraint(message, {"violations": tally, **evidence})
     return GoalConfigurations(
         goals.positions[rows],
         tuple(goals.target_indices[row] for row in rows),

@@ -1,4 +1,4 @@
-"""What the goals stage found: configurations, or the nearest pose that it could."""
+"""What the goals stage found: configurations, or the nearest to what it could not reach."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -49,6 +49,53 @@ class NearestPose(Value):
             "binding": self.binding,
             "joints": list(self.joints),
             "pairs": [list(pair) for pair in self.pairs],
+        }
+
+
+@dataclass(frozen=True, eq=False)
+class NearestConfiguration(Value):
+    """The nearest feasible configuration to some that were asked for, of which none is.
+
+    Attributes:
+        positions: The group's q, within limits, free, and keeping the path constraints, shape
+            (nq,).
+        distance: From the one that was asked for, in the weighted joint metric [rad or m].
+        differences: q [-] what was asked for, shape (nv,) [rad or m].
+        names: Of these coordinates.
+        goal_index: To which of those asked for it is the nearest.
+        pairs: The pairs of bodies that would be nearer than their margin, were it any nearer.
+        constraints: The path constraints that would be violated.
+        joints: The coordinates at their limits that differ from what was asked for.
+    """
+
+    positions: Float64[np.ndarray, " nq"]
+    distance: float
+    differences: Float64[np.ndarray, " nv"]
+    names: tuple[str, ...]
+    goal_index: int
+    pairs: tuple[tuple[str, str], ...] = ()
+    constraints: tuple[str, ...] = ()
+    joints: tuple[str, ...] = ()
+
+    @property
+    def binding(self) -> str:
+        """What keeps it from being nearer: the first of those that do."""
+        if self.pairs:
+            return "collision"
+        return "path_constraint" if self.constraints else "limits"
+
+    @property
+    def evidence(self) -> dict[str, Any]:
+        """All of it as JSON has it."""
+        return {
+            "positions": self.positions.tolist(),
+            "distance": self.distance,
+            "differences": dict(zip(self.names, self.differences.tolist(), strict=True)),
+            "goal_index": self.goal_index,
+            "binding": self.binding,
+            "joints": list(self.joints),
+            "pairs": [list(pair) for pair in self.pairs],
+            "constraints": list(self.constraints),
         }
 
 

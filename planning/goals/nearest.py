@@ -10,7 +10,7 @@ from planning.domain.deadline import Deadline
 from planning.domain.goal_configurations import NearestPose
 from planning.domain.pose import Pose
 from planning.goals.goal_query import GoalQuery
-from planning.goals.nearest_program import Target, pulled
+from planning.goals.nearest_program import Target, pulled, to_pose
 from planning.goals.pose_tries import PoseTries
 from planning.goals.tool_target import ToolTarget
 from planning.world.world import World
@@ -79,7 +79,7 @@ class NearestSearch:
         for i, q in begun:
             if self._deadline.is_over and self._best is not None:
                 break
-            self._consider(pulled(self._world, self._query, self._targets[i], q)[None], [i])
+            self._consider(self._pulled(self._targets[i], q)[None], [i])
         for _ in range(_MAX_ROUNDS):
             if self._best is None or self._deadline.is_over or not self._nearer(self._best):
                 break
@@ -124,7 +124,7 @@ class NearestSearch:
         self._consider(rows, [best.index] * len(rows))
         if self._best is None or self._best.cost >= _NEWS * best.cost:
             return False
-        q = pulled(self._world, self._query, target, self._best.q)
+        q = self._pulled(target, self._best.q)
         self._consider(q[None], [best.index])
         return True
 
@@ -156,6 +156,10 @@ class NearestSearch:
             cost = self._cost(pose, i)
             if self._best is None or cost < self._best.cost:
                 self._best = _Found(cost, np.array(q), pose, i)
+
+    def _pulled(self, target: Target, q: Array, *, is_apart: bool = True) -> Array:
+        pull = to_pose(self._world, self._query, target)
+        return pulled(self._world, self._query, pull, q, is_apart=is_apart)
 
     def _frame_poses(self, full: Array) -> Array:
         return self._world.frame_poses(self._targets[0].frame, full)
@@ -196,6 +200,6 @@ class NearestSearch:
     def _is_kept_off(self, best: _Found) -> bool:
         """Whether the best comes nearer once bodies may touch."""
         target = self._targets[best.index]
-        q = pulled(self._world, self._query, target, best.q, is_apart=False)
+        q = self._pulled(target, best.q, is_apart=False)
         (x_wt,) = self._frame_poses(self._world.embed(self._query.group, q[None]))
         return self._cost(Pose.from_matrix(x_wt), best.index) < _OWED * best.cost

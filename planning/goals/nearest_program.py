@@ -1,13 +1,12 @@
-"""Drake's program for the pose nearest to a target: joint limits kept, bodies kept apart."""
+"""Drake's program for what is nearest to a goal: joint limits kept, bodies kept apart."""
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 from jaxtyping import Float64
 from pydrake.math import RigidTransform, RotationMatrix
 
-from planning.domain.options import PoseMetric
-from planning.domain.pose import Pose
 from planning.goals.goal_query import GoalQuery
 from planning.goals.group_program import GroupProgram
 from planning.goals.region_target import RegionTarget
@@ -16,6 +15,8 @@ from planning.world.world import World
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 type Target = ToolTarget | RegionTarget
+# Adds to a program what draws it to a goal from where it is, q of shape (nq,).
+type Pull = Callable[[GroupProgram, Array], None]
 
 _MAJOR_ITERATIONS = 60
 _MAX_ROUNDS = 6
@@ -33,14 +34,14 @@ _LARGEST_ANGLE = 3.0
 def pulled(
     world: World,
     query: GoalQuery,
-    target: Target,
+    pull: Pull,
     q: Float64[np.ndarray, " nq"],
     *,
     is_apart: bool = True,
 ) -> Float64[np.ndarray, " nq"]:
-    """Return where sequential quadratic programming (SNOPT) leads q on its way to a target.
+    """Return where sequential quadratic programming (SNOPT) leads q on its way to a goal.
 
-    A local minimum of the pose metric if all goes well; whoever asks checks what it is. Bodies are
+    A local minimum of the distance if all goes well; whoever asks checks what it is. Bodies are
     kept apart unless `is_apart` is False; limits are always kept.
     """
     limits = world.limits(query.group)
@@ -53,8 +54,7 @@ def pulled(
         # What the solver leaves is made up for, once it is little.
         slack += depth + _SLACK if 0 < depth < _SMALL else 0.0
         program = GroupProgram(world, query.group, _MAJOR_ITERATIONS)
-        reached = world.frame_pose(target.frame, world.embed(query.group, q))
-        _add_cost(world, program, target, reached, query.options.pose_metric)
+        pull(program, q)
         for pair, margin in pairs.items():
             program.ik.AddDistanceConstraint(pair, margin + slack, np.inf)
         moved = np.clip(program.solve(q), limits.lower, limits.upper)
@@ -65,22 +65,26 @@ def pulled(
     return q
 
 
-def _add_cost(
-    world: World, program: GroupProgram, target: Target, reached: Pose, metric: PoseMetric
-) -> None:
-    """Pull the frame to the pose within tolerance that is closest to where it is.
+def to_pose(world: World, query: GoalQuery, target: Target) -> Pull:
+    """Return the pull of a tool frame to the pose within tolerance that is closest to where it is.
 
     Drake's cost of a rotation is c (1 - cos theta); with c = 2 w^2 theta / sin theta at the present
     theta it has the slope of (w theta)^2 there, so both have the same minima once settled.
     """
+    metric = query.options.pose_metric
     frame, origin = world.drake.frames[target.frame], world.drake.plant.world_frame()
-    wanted = target.closest(reached)
-    x_wg = RigidTransform(wanted.matrix)
-    weight = metric.translation**2 * np.eye(3)
-    program.ik.AddPositionCost(origin, x_wg.translation(), frame, np.zeros(3), weight)
-    theta = min(reached.distance(wanted)[1], _LARGEST_ANGLE)
-    slope = 2 * metric.rotation**2 / float(np.sinc(theta / np.pi))
-    program.ik.AddOrientationCost(origin, x_wg.rotation(), frame, RotationMatrix(), slope)
+
+    def pull(program: GroupProgram, q: Array) -> None:
+        reached = world.frame_pose(target.frame, world.embed(query.group, q))
+        wanted = target.closest(reached)
+        x_wg = RigidTransform(wanted.matrix)
+        weight = metric.translation**2 * np.eye(3)
+        program.ik.AddPositionCost(origin, x_wg.translation(), frame, np.zeros(3), weight)
+        theta = min(reached.distance(wanted)[1], _LARGEST_ANGLE)
+        slope = 2 * metric.rotation**2 / float(np.sinc(theta / np.pi))
+        program.ik.AddOrientationCost(origin, x_wg.rotation(), frame, RotationMatrix(), slope)
+
+    return pull
 
 
 def _near_pairs(

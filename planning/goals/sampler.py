@@ -8,9 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from planning.domain.body_pair import BodyPair
 from planning.domain.deadline import Deadline
-from planning.domain.funnel import Funnel, funnel_evidence
 from planning.domain.goal import (
     ConfigurationGoal,
     GoalPredicate,
@@ -22,9 +20,9 @@ from planning.domain.goal import (
 )
 from planning.domain.goal_configurations import GoalConfigurations
 from planning.domain.joints import JointGroup
-from planning.domain.manifold import Manifold
-from planning.errors import GoalInCollision, GoalOutOfLimits, ProblemInvalid
+from planning.errors import ProblemInvalid
 from planning.goals.aims import Aiming, aiming_of
+from planning.goals.given import given_configurations
 from planning.goals.goal_query import GoalQuery
 from planning.goals.joint_metric import JointMetric
 from planning.goals.leg_judge import leg_judge, with_legs
@@ -33,16 +31,8 @@ from planning.goals.pose_solvers import DrakePoseSolver, PoseSolver, kernel_pose
 from planning.goals.predicate_search import accepted_by
 from planning.goals.ranking import Distinct, equivalents, nearest_first
 from planning.goals.refusal import refusal
-from planning.goals.start import (
-    clip_dust,
-    describe_pairs,
-    limit_violations,
-    pair_evidence,
-    within_limits,
-)
-from planning.goals.tally import Tally, tallied
+from planning.goals.tally import tallied
 from planning.goals.tool_target import ToolTarget
-from planning.world.positions import require_positions
 from planning.world.world import World
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
@@ -75,48 +65,8 @@ def find_goals(
             return _reaching(world, query, rng, deadline)
         case GoalPredicate() as goal:
             return accepted_by(world, query, goal, rng, deadline)
-        case ConfigurationGoal() as goal:
-            rows = world.configuration(query.group, goal.name)[None]
-        case JointGoal() as goal:
-            rows = np.stack([
-                require_positions(query.group, q, f"goal.positions.{i}")
-                for i, q in enumerate(goal.positions)
-            ])
-    return _given(world, query, rows)
-
-
-def _given(world: World, query: GoalQuery, rows: Array) -> GoalConfigurations:
-    """Keep those of the given configurations that are within limits and free."""
-    group, limits = query.group, world.limits(query.group)
-    manifold = Manifold(group.joints)
-    rows = clip_dust(limits, manifold, rows)
-    inside = np.flatnonzero(within_limits(limits, rows))
-    if not len(inside):
-        outside = limit_violations(limits, group, rows[0])
-        worst = max(outside, key=lambda entry: entry["violation"])
-        message = (
-            f"no goal configuration is within limits: {worst['joint']} = {worst['position']:.6g} "
-            f"is not in [{worst['lower']:.6g}, {worst['upper']:.6g}]"
-        )
-        raise GoalOutOfLimits(message, {"joints": outside})
-    is_free = world.collision_oracle(group, query.margins).are_free(rows[inside])
-    tally = Tally()
-    pairs = tuple[BodyPair, ...]()
-    for k in np.flatnonzero(~is_free):
-        violations = world.violations(group, rows[inside[k]], query.margins)
-        is_free[k] = not violations
-        pairs = pairs or violations
-        tally.add(violations, query.margins)
-    free = inside[is_free]
-    counts = len(rows), len(rows), len(inside), len(free), len(free)
-    funnel = Funnel(*counts, tally.summary, approach_ok=len(free))
-    if not len(free):
-        message = f"every goal configuration collides: {describe_pairs(pairs, query.margins)}"
-        evidence = {"funnel": funnel_evidence(funnel), "pairs": pair_evidence(pairs, query.margins)}
-        raise GoalInCollision(message, evidence)
-    metric = JointMetric.from_names(group, query.options.joint_weights)
-    found, indices = nearest_first(metric, query.start, rows[free], free, len(free))
-    return GoalConfigurations(found, indices, funnel)
+        case JointGoal() | ConfigurationGoal() as goal:
+            return given_configurations(world, query, goal, rng, deadline)
 
 
 def _reaching(

@@ -8,6 +8,7 @@ from planning.domain.curve import JointSpline
 from planning.domain.joints import JointGroup, JointLimits
 from planning.refine.buffers import Buffers
 from planning.world.rules.path_rules import PathRules
+from planning.world.rules.predicate_rule import PredicateRule
 from planning.world.world import World
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
@@ -17,6 +18,8 @@ _STEP = 0.01
 # ...unless that makes fewer or more samples than these.
 _FEWEST, _MOST = 400, 2000
 _POSITION_DUST = 1e-9
+# A predicate is asked about the whole curve so many times, each time between the others.
+_GLANCES = 16
 
 
 class Auditor:
@@ -49,6 +52,14 @@ class Auditor:
         taken = np.flatnonzero(~free)
         stretches = np.split(taken, np.flatnonzero(np.diff(taken) > 1) + 1)
         return np.array([s[stretch[len(stretch) // 2]] for stretch in stretches if len(stretch)])
+
+
+def is_accepted(curve: JointSpline, rules: tuple[PredicateRule, ...]) -> bool:
+    """Return whether predicates accept samples of the curve: some of all of it first."""
+    count = int(np.clip(np.ceil(length_of(curve) / _STEP), _FEWEST, _MOST))
+    positions = curve.positions(np.linspace(0.0, 1.0, count + 1))
+    looks = [positions[begin::_GLANCES] for begin in range(_GLANCES)]
+    return all(bool(rule.are_kept(some).all()) for rule in rules for some in looks)
 
 
 def within_limits(curve: JointSpline, limits: JointLimits) -> bool:

@@ -16,7 +16,6 @@ from planning.refine.audit import length_of
 from planning.refine.basis import centres
 from planning.refine.chart import FlatChart, chart_of
 from planning.refine.request import RefineRequest
-from planning.refine.ruled_nearness import unknown_rules
 from planning.refine.soft_rows import solver_name
 from planning.refine.task import RefineTask
 from planning.world.kernel_scene import kernel_scene_of
@@ -93,9 +92,6 @@ def _refusal(world: World, request: RefineRequest, share: Deadline) -> str:
     unfit = _unfit(world, request.path)
     if unfit:
         return unfit
-    unknown = () if request.rules is None else unknown_rules(request.rules)
-    if unknown:
-        return f"it does not know {', '.join(unknown)}"
     if request.options.method == "auto" and share.remaining < _SHARE * _AMPLE:
         return f"less than {_AMPLE:g} s were left"
     return "no time was left" if share.is_over else ""

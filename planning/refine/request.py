@@ -20,8 +20,8 @@ class RefineRequest(Value):
         margins: Distances to keep.
         options: Whether to refine at all.
         jerk: Whether the retimer will bound jerk, so that it counts here too.
-        rules: Path constraints, or None. Boxes and cones count as distances do, locked joints and
-            tighter limits as limits; a path under others is left alone.
+        rules: Path constraints, or None. Boxes, cones and bands count as distances do, locked
+            joints and tighter limits as limits; a predicate accepts a curve or does not.
         held: Coordinates of v that stay as they are at the start.
     """
 

@@ -1,39 +1,45 @@
 """Path constraints as distances: how much room each leaves along a curve, and how it changes."""
 
-from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 from jaxtyping import Float64
 
+from planning.refine.band_nearness import BandNearness
+from planning.refine.chart import Chart
 from planning.refine.nearness import Near, Nearness
+from planning.world.rules.band_rule import BandRule
 from planning.world.rules.box_rule import BoxRule
 from planning.world.rules.cone_rule import ConeRule
-from planning.world.rules.joint_rules import LimitRule, LockRule
 from planning.world.rules.path_rules import PathRules
+from planning.world.rules.predicate_rule import PredicateRule
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # Of the difference quotients [rad or m].
 _STEP = 1e-6
+# Of a band's room, what an audited curve must really have kept.
+_AUDITED = 1 / 2
 
 
 class RuledNearness:
-    """The inner measure, and boxes and cones as if they were pairs of bodies.
+    """The inner measure, and boxes, cones and bands as if they were pairs of bodies.
 
-    The room of a rule counts in its own unit, a radian like a metre.
+    The room of a rule counts in its own unit, a radian like a metre. Predicates have no gradient.
     """
 
-    def __init__(
-        self, inner: Nearness, rules: PathRules, positions: Callable[[Array], Array]
-    ) -> None:
-        """Add to `inner` what has a gradient; `positions` makes configurations of coordinates."""
-        self._inner, self._positions = inner, positions
+    def __init__(self, inner: Nearness, rules: PathRules, chart: Chart) -> None:
+        """Add to `inner` what has a gradient, in coordinates of a chart."""
+        self._inner, self._positions = inner, chart.positions
         self._rules = [rule for rule in rules.rules if isinstance(rule, BoxRule | ConeRule)]
+        self._bands = [
+            BandNearness(rule, chart) for rule in rules.rules if isinstance(rule, BandRule)
+        ]
 
     def within(self, qs: Float64[np.ndarray, "m nq"], reach: float) -> Near:
         """Return the pairs and rules with less than `reach` [m or rad] beyond what is demanded."""
-        near = [self._inner.within(qs, reach)]
+        near = [measure.within(qs, reach) for measure in [self._inner, *self._bands]]
         near += [self._near(rule, qs, reach) for rule in self._rules]
         return Near(
             np.concatenate([part.at for part in near]),
@@ -50,7 +56,21 @@ class RuledNearness:
         return Near(at, spare[at], gradient)
 
 
-def unknown_rules(rules: PathRules) -> tuple[str, ...]:
-    """Return the labels of rules that have no gradient here, and are no limits either."""
-    known = BoxRule | ConeRule | LimitRule | LockRule
-    return tuple(rule.label for rule in rules.rules if not isinstance(rule, known))
+def audited(rules: PathRules) -> PathRules:
+    """Return the rules that every sample of a curve must keep, predicates left out.
+
+    A curve that was drawn to a bound of a band is at it but for what the solver leaves.
+    """
+    kept = [rule for rule in rules.rules if not isinstance(rule, PredicateRule)]
+    return replace(
+        rules,
+        rules=tuple(
+            rule.leaving(_AUDITED * rule.room) if isinstance(rule, BandRule) else rule
+            for rule in kept
+        ),
+    )
+
+
+def predicates(rules: PathRules) -> tuple[PredicateRule, ...]:
+    """Return the rules that have no gradient."""
+    return tuple(rule for rule in rules.rules if isinstance(rule, PredicateRule))

@@ -8,7 +8,7 @@ from planning.domain.curve import JointSpline
 from planning.domain.deadline import Deadline
 from planning.domain.joints import JointLimits
 from planning.domain.manifold import Manifold
-from planning.refine.audit import Auditor, within_limits
+from planning.refine.audit import Auditor, is_accepted, within_limits
 from planning.refine.buffers import Buffers
 from planning.refine.chart import Chart, chart_of
 from planning.refine.curve_model import CurveModel, Look
@@ -18,8 +18,9 @@ from planning.refine.least_duration import least_duration
 from planning.refine.nearness import Nearness, nearness_of
 from planning.refine.pace import Bounds, Rates, duration_of, fastest_pace, grid_of
 from planning.refine.request import RefineRequest
-from planning.refine.ruled_nearness import RuledNearness
+from planning.refine.ruled_nearness import RuledNearness, audited, predicates
 from planning.refine.wish import Wish, wish_of
+from planning.world.rules.predicate_rule import PredicateRule
 from planning.world.world import Array, World
 
 # Iterations, not seconds, decide when to give up, so that the same request gives the same bytes.
@@ -29,6 +30,9 @@ _APART = 0.045
 _FEWEST, _MOST = 60, 200
 # Nothing is to be gained from a motion that is this near to the least possible duration.
 _OPTIMAL = 1.002
+# So many curves that a predicate refuses are enough: nothing leads to others.
+_MOST_REJECTED = 2
+_REJECTED = "a predicate rejects the optimised curve"
 
 
 @dataclass(frozen=True)
@@ -41,6 +45,7 @@ class RefineTask:
         limits: The request's, as tight as its rules make them.
         box: The same with coordinates for positions.
         least: The duration that no motion beats [s].
+        predicates: What every sample must be accepted by, though no gradient leads there.
     """
 
     request: RefineRequest
@@ -54,6 +59,7 @@ class RefineTask:
     nearness: Nearness
     wish: Wish | None
     auditor: Auditor
+    predicates: tuple[PredicateRule, ...] = ()
 
     @classmethod
     def of(cls, world: World, request: RefineRequest, share: Deadline) -> "RefineTask":
@@ -77,9 +83,10 @@ class RefineTask:
             _holding(chart.box(tight), waypoints[0], request.held),
             bounds,
             least_duration(limits, moved, jerk=request.jerk),
-            nearness if rules is None else RuledNearness(nearness, rules, chart.positions),
+            nearness if rules is None else RuledNearness(nearness, rules, chart),
             wish and wish.along(chart.measured(wish.nearness)),
-            Auditor(world, group, buffers, rules),
+            Auditor(world, group, buffers, rules and audited(rules)),
+            () if rules is None else predicates(rules),
         )
 
     def curve_of(self, seen: Look) -> JointSpline:
@@ -108,15 +115,20 @@ class RefineTask:
         model = CurveModel(self.nearness, self.box, self.bounds, len(guess), count, self.wish)
         descent = Descent(model, guess)
         best: Look | None = None
-        reason = "no time was left"
+        reason, rejected = "no time was left", 0
         for seen in descent.run(_MAX_STEPS):
             if best is None or seen.worth < best.worth:
                 reason, violated = self._refused(seen)
+                rejected += reason == _REJECTED
                 if not reason:
                     best = seen
                 if len(violated):
                     descent.keep_distance_at(violated, best)
-            if self.share.is_over or (best is not None and best.worth < _OPTIMAL * self.least):
+            if (
+                self.share.is_over
+                or rejected >= _MOST_REJECTED
+                or (best is not None and best.worth < _OPTIMAL * self.least)
+            ):
                 break
         return best, descent.num_steps, reason
 
@@ -131,6 +143,8 @@ class RefineTask:
             return f"the optimised curve {what} at s = {where}", violated
         if not within_limits(curve, self.limits):
             return "the optimised curve leaves the position limits", violated
+        if not is_accepted(curve, self.predicates):
+            return _REJECTED, violated
         return "", violated
 
 

@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from planning.domain.constraint import DistanceBand, PathConstraint, PathPredicate
 from planning.domain.deadline import Deadline
 from planning.domain.manifold import Manifold
 from planning.domain.options import RefineOptions, RetimeOptions
@@ -24,6 +25,9 @@ from planning.refine.soft_rows import solver_name
 from planning.retime.blend import blend_corners
 from planning.retime.retimer import retime
 from planning.world.loading import load_world
+from planning.world.rules.path_rules import PathRules
+from planning.world.world import World
+from tests.refine.conftest import Case, case_of
 
 FINE = np.linspace(0, 1, 400)
 
@@ -254,3 +258,74 @@ def test_mimic_joints_follow(pickup):
     curve, report = refine(pickup, request, Deadline.after(60, time.monotonic))
     assert curve is not None, report.reason
     assert report.duration_after == pytest.approx(report.lower_bound, rel=2e-2)
+
+
+# A block whose corner is at (0.6, 0), and a path that turns about it.
+BLOCK = ([1.2, 1.0, 0.2], [0.0, -0.5, 0.0])
+ABOUT = [[-0.5, 0.1], [0.3, 0.17], [0.62, 0.12], [0.72, 0.02], [0.75, -0.3], [0.72, -0.6]]
+
+
+def ruled_case(world: World, *constraints: PathConstraint) -> Case:
+    group = world.group("puck")
+    ends = np.array(ABOUT)[[0, -1]]
+    rules = PathRules.compiled(world, group, constraints, ends[0])
+    return case_of(world, "puck", ABOUT, rules=rules.leaving_room(ends[0], ends[1:]))
+
+
+@pytest.mark.parametrize("kernel", [True, False])
+def test_a_curve_under_a_band_keeps_it_and_is_quicker(make_puck, kernel):
+    world = make_puck([BLOCK])
+    world = load_world(world.scene, world.library, kernel=kernel)
+    case = ruled_case(world, DistanceBand(None, None, 0.05, 0.16))
+    curve, report = case.refined()
+    assert curve is not None, report.reason
+    assert report.duration_after < report.duration_before
+    at = curve.positions(np.linspace(0, 1, 5001))
+    away = np.linalg.norm(np.maximum(at - [0.6, 0.0], 0.0), axis=1) - 0.02
+    assert 0.05 <= away.min() < 0.055
+    assert away.max() <= 0.16
+    rounded = blend_corners(case.request.path, 0.03, 1)
+    limits, options = case.request.limits, RetimeOptions("toppra")
+    before, after = (retime(one, limits, options)[0].duration for one in (rounded, curve))
+    assert after < 0.95 * before
+
+
+def test_without_its_band_a_curve_would_leave_it(make_puck):
+    """The upper bound is what holds the puck near the block: the corner is cut without."""
+    curve, _ = ruled_case(make_puck([BLOCK]), DistanceBand(None, None, 0.05, np.inf)).refined()
+    at = curve.positions(np.linspace(0, 1, 501))
+    away = np.linalg.norm(np.maximum(at - [0.6, 0.0], 0.0), axis=1) - 0.02
+    assert away.max() > 0.16
+
+
+def test_a_predicate_that_accepts_changes_nothing(make_puck):
+    world = make_puck([BLOCK])
+    plain, _ = case_of(world, "puck", ABOUT).refined()
+    curve, report = ruled_case(world, PathPredicate(lambda _: True, 0.01)).refined()
+    assert report.improved
+    np.testing.assert_array_equal(curve.coefficients, plain.coefficients)
+
+
+def test_a_predicate_keeps_what_it_accepts(make_puck):
+    """A lower ceiling than the quickest curve wants, which the path keeps."""
+    curve, report = ruled_case(
+        make_puck([BLOCK]), PathPredicate(lambda q: bool(q[0] < 0.78), 0.01)
+    ).refined()
+    assert curve is None or (curve.positions(np.linspace(0, 1, 2001))[:, 0] < 0.78).all()
+    assert report.improved or "predicate" in report.reason
+
+
+def test_a_predicate_that_rejects_is_soon_left_alone(make_puck, monkeypatch):
+    judged = []
+    looked = task.is_accepted
+    monkeypatch.setattr(task, "is_accepted", lambda *a: judged.append(looked(*a)) or judged[-1])
+    calls = count()
+    rule = PathPredicate(lambda _: next(calls) < 0, 0.01)
+    curve, report = ruled_case(make_puck([BLOCK]), rule).refined()
+    assert curve is None
+    assert not report.improved
+    assert "predicate" in report.reason
+    assert judged == [False] * len(judged)
+    assert 1 <= len(judged) <= 4
+    # Of each curve a few samples were enough.
+    assert next(calls) < 2000

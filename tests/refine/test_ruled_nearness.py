@@ -3,11 +3,23 @@
 import numpy as np
 import pytest
 
-from planning.domain.constraint import KeepIn, KeepOut, OrientationCone, PathConstraint, PlacedBox
+from planning.domain.constraint import (
+    DistanceBand,
+    KeepIn,
+    KeepOut,
+    OrientationCone,
+    PathConstraint,
+    PlacedBox,
+)
+from planning.domain.joints import JointGroup
+from planning.domain.path import JointPath
 from planning.domain.pose import Pose
+from planning.refine.band_nearness import BandNearness
 from planning.refine.buffers import Buffers
+from planning.refine.chart import FlatChart
 from planning.refine.nearness import nearness_of
 from planning.refine.ruled_nearness import RuledNearness
+from planning.world.loading import load_world
 from planning.world.rules.path_rules import PathRules
 from tests.conftest import bundled_world
 
@@ -15,6 +27,10 @@ FRAME = "arm::tool0"
 BOX = PlacedBox(np.array([0.5, 0.4, 0.6]), Pose.from_parts([0.4, 0.1, 0.4], rpy=[0.1, 0.2, 0.3]))
 DIRECTION = np.array([0.3, -0.2, 1.0])
 FAR = 100.0
+
+
+def along(group: JointGroup, q: np.ndarray) -> FlatChart:
+    return FlatChart(JointPath(group, np.stack([q, q + 1.0])))
 
 
 @pytest.mark.parametrize(
@@ -33,7 +49,7 @@ def test_room_and_gradient_are_those_of_the_rule(constraint: PathConstraint) -> 
     rules = PathRules.compiled(world, group, (constraint,), start)
     buffers = Buffers.between(world, world.margins(), world.embed(group, start[None]))
     bare = nearness_of(world, group, buffers)
-    near = RuledNearness(bare, rules, np.asarray)
+    near = RuledNearness(bare, rules, along(group, start))
     qs = start + rng.normal(0.0, 0.5, (40, 6))
     seen, others = near.within(qs, FAR), bare.within(qs, FAR)
     num = len(others.at)
@@ -59,5 +75,49 @@ def test_what_leaves_much_room_is_not_told() -> None:
     rules = PathRules.compiled(world, group, (KeepIn(FRAME, wide),), start)
     buffers = Buffers.between(world, world.margins(), world.embed(group, start[None]))
     bare = nearness_of(world, group, buffers)
-    seen = RuledNearness(bare, rules, np.asarray).within(start[None], 0.1)
+    seen = RuledNearness(bare, rules, along(group, start)).within(start[None], 0.1)
     assert len(seen.at) == len(bare.within(start[None], 0.1).at)
+
+
+WALLS = [([0.4, 1.0, 0.2], [-0.5, 0.0, 0.0]), ([0.4, 0.6, 0.2], [0.45, 0.0, 0.0])]
+
+
+def distances(qs: np.ndarray) -> np.ndarray:
+    """Return how far a puck is from each of the walls, shape (m, 2)."""
+    sides = np.array([size[:2] for size, _ in WALLS]) / 2
+    middles = np.array([centre[:2] for _, centre in WALLS])
+    beyond = np.maximum(np.abs(qs[:, None] - middles) - sides, 0.0)
+    return np.linalg.norm(beyond, axis=2) - 0.02
+
+
+@pytest.mark.parametrize("kernel", [True, False])
+@pytest.mark.parametrize("far", [0.2, np.inf])
+def test_a_band_has_room_to_both_bounds(make_puck, kernel: bool, far: float) -> None:
+    world = make_puck(WALLS)
+    world = load_world(world.scene, world.library, kernel=kernel)
+    group = world.group("puck")
+    band = DistanceBand(None, None, 0.05, far)
+    (rule,) = PathRules.compiled(world, group, (band,), np.zeros(2)).rules
+    rule = rule.leaving(0.004)
+    measure = BandNearness(rule, along(group, np.zeros(2)))
+    rng = np.random.default_rng(1)
+    qs = rng.uniform([-0.25, -0.9], [0.2, 0.9], (60, 2))
+    qs = qs[distances(qs).min(axis=1) > 0.001]
+    seen = measure.within(qs, 0.3)
+    told = np.full(len(qs), np.inf)
+    np.minimum.at(told, seen.at, seen.spare)
+    nearest = distances(qs).min(axis=1)
+    room = np.minimum(nearest - 0.054, far - 0.004 - nearest)
+    is_told = room < 0.3
+    np.testing.assert_allclose(told[is_told], np.maximum(room, -0.3)[is_told], atol=1e-6)
+    np.testing.assert_array_equal(told[room > 1e-6] > 0, True)
+    np.testing.assert_array_equal(
+        (told > 0)[np.abs(room) > 1e-5], rule.are_kept(qs)[np.abs(room) > 1e-5]
+    )
+    # Row by row, what is told beforehand of a short way is what comes.
+    way = rng.normal(size=2) * 1e-5
+    there = measure.within(qs + way, 0.3)
+    np.testing.assert_array_equal(there.at, seen.at)
+    errors = np.abs(there.spare - seen.spare - seen.gradient @ way)
+    assert np.median(errors) < 1e-9
+    assert (errors < 1e-7).mean() > 0.95

@@ -155,6 +155,21 @@ def test_a_start_outside_limits_fails_with_the_joint(client, scene, request_of):
     assert "elbow" in failure["detail"]
 
 
+def test_a_configuration_in_collision_fails_with_the_nearest(client, request_of):
+    leaning = [0.0] * 6
+    request = request_of(goal={"type": "joint", "positions": [leaning]})
+    failure = client.post("/v1/plans?wait=40", json=request).json()["failure"]
+    assert failure["code"] == "goal_in_collision"
+    nearest, relaxation = failure["evidence"]["nearest"], failure["evidence"]["relaxation"]
+    assert nearest["binding"] == "collision"
+    away = np.array(list(nearest["differences"].values()))
+    np.testing.assert_allclose(np.array(leaning) + away, nearest["positions"], atol=1e-12)
+    assert nearest["distance"] == pytest.approx(np.linalg.norm(away))
+    told = {body for pair in relaxation["obstacles"] for body in pair["bodies"]}
+    assert relaxation["remove"]
+    assert set(relaxation["remove"]) <= told
+
+
 def test_an_unreachable_pose_fails_with_the_nearest(client, request_of):
     goal = {"type": "pose", "poses": [{"position": [5, 0, 0]}]}
     request = request_of(goal=goal, ik={"max_trials": 20})

@@ -1,0 +1,143 @@
+"""Configurations that were asked for by their numbers or by a name."""
+
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float64
+
+from planning.domain.body_pair import BodyPair
+from planning.domain.deadline import Deadline
+from planning.domain.funnel import Funnel, funnel_evidence
+from planning.domain.goal import ConfigurationGoal, JointGoal
+from planning.domain.goal_configurations import GoalConfigurations, NearestConfiguration
+from planning.domain.manifold import Manifold
+from planning.errors import GoalInCollision, GoalOutOfLimits
+from planning.goals.goal_query import GoalQuery
+from planning.goals.joint_binding import described
+from planning.goals.joint_metric import JointMetric
+from planning.goals.joint_relaxation import relaxation_of
+from planning.goals.nearest_joints import NearestJointSearch
+from planning.goals.ranking import nearest_first
+from planning.goals.start import (
+    clip_dust,
+    describe_pairs,
+    limit_violations,
+    pair_evidence,
+    within_limits,
+)
+from planning.goals.tally import Tally
+from planning.world.positions import require_positions
+from planning.world.world import World
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
+type GivenGoal = JointGoal | ConfigurationGoal
+
+# Of so many of the given ones it is asked what is near, and what would do.
+_MOST = 64
+# Of what remains of the time for goals, what the search for the nearest may take.
+_SHARE = 0.5
+
+
+def given_configurations(
+    world: World,
+    query: GoalQuery,
+    goal: GivenGoal,
+    rng: np.random.Generator,
+    deadline: Deadline,
+) -> GoalConfigurations:
+    """Return those of the given configurations that are within limits and free, nearest first.
+
+    Raises:
+        GoalOutOfLimits: Every one violates position limits.
+        GoalInCollision: Every one within limits collides.
+        ProblemInvalid: One has the wrong count.
+        UnknownName: There is no configuration of that name.
+    """
+    group, limits = query.group, world.limits(query.group)
+    rows = clip_dust(limits, Manifold(group.joints), given_rows(world, query, goal))
+    inside = np.flatnonzero(within_limits(limits, rows))
+    if not len(inside):
+        outside = limit_violations(limits, group, rows[0])
+        worst = max(outside, key=lambda entry: entry["violation"])
+        evidence, words = what_would_do(world, query, goal, rng, deadline)
+        message = (
+            f"no goal configuration is within limits: {worst['joint']} = {worst['position']:.6g} "
+            f"is not in [{worst['lower']:.6g}, {worst['upper']:.6g}]{words}"
+        )
+        raise GoalOutOfLimits(message, {"joints": outside, **evidence})
+    is_free = world.collision_oracle(group, query.margins).are_free(rows[inside])
+    tally = Tally()
+    pairs = tuple[BodyPair, ...]()
+    for k in np.flatnonzero(~is_free):
+        violations = world.violations(group, rows[inside[k]], query.margins)
+        is_free[k] = not violations
+        pairs = pairs or violations
+        tally.add(violations, query.margins)
+    free = inside[is_free]
+    counts = len(rows), len(rows), len(inside), len(free), len(free)
+    funnel = Funnel(*counts, tally.summary, approach_ok=len(free))
+    if not len(free):
+        evidence, words = what_would_do(world, query, goal, rng, deadline)
+        evidence |= {
+            "funnel": funnel_evidence(funnel),
+            "pairs": pair_evidence(pairs, query.margins),
+        }
+        hits = describe_pairs(pairs, query.margins)
+        message = f"every goal configuration collides: {hits}{words}"
+        raise GoalInCollision(message, evidence)
+    metric = JointMetric.from_names(group, query.options.joint_weights)
+    found, indices = nearest_first(metric, query.start, rows[free], free, len(free))
+    return GoalConfigurations(found, indices, funnel)
+
+
+def given_rows(world: World, query: GoalQuery, goal: GivenGoal) -> Float64[np.ndarray, "n nq"]:
+    """Return the configurations as they were given.
+
+    Raises:
+        ProblemInvalid: One has the wrong count.
+        UnknownName: There is no configuration of that name.
+    """
+    if isinstance(goal, ConfigurationGoal):
+        return world.configuration(query.group, goal.name)[None]
+    return np.stack([
+        require_positions(query.group, q, f"goal.positions.{i}")
+        for i, q in enumerate(goal.positions)
+    ])
+
+
+def what_would_do(
+    world: World,
+    query: GoalQuery,
+    goal: GivenGoal,
+    rng: np.random.Generator,
+    deadline: Deadline,
+) -> tuple[dict[str, Any], str]:
+    """Return the nearest feasible configuration and the relaxations, of given ones that are not.
+
+    Returns:
+        `nearest` and `relaxation` as evidence, and the same as words for a message.
+    """
+    group = query.group
+    rows = clip_dust(
+        world.limits(group), Manifold(group.joints), given_rows(world, query, goal)[:_MOST]
+    )
+    rules = query.rules
+    tight = world if rules is None else world.limited(group, rules.fixing(world.limits(group)))
+    found = NearestJointSearch(tight, query, rows, rng, deadline.share(_SHARE)).run()
+    nearest = found and described(world, query, tight.limits(group), rows[found.index], found)
+    evidence = {
+        "nearest": nearest and nearest.evidence,
+        "relaxation": relaxation_of(world, query, rows),
+    }
+    return evidence, "" if nearest is None else _words(nearest)
+
+
+def _words(nearest: NearestConfiguration) -> str:
+    binding = [*("-".join(pair) for pair in nearest.pairs), *nearest.constraints]
+    binding += [f"the limit of {name}" for name in nearest.joints]
+    most = int(np.argmax(np.abs(nearest.differences)))
+    return (
+        f"; the nearest feasible configuration is {nearest.distance:.4g} away "
+        f"({nearest.names[most]} by {nearest.differences[most]:.4g}), where "
+        f"{', '.join(binding)} {'bind' if len(binding) > 1 else 'binds'}"
+    )
