@@ -13,10 +13,12 @@ from planning.refine.buffers import Buffers
 from planning.refine.chart import Chart, chart_of
 from planning.refine.curve_model import CurveModel, Look
 from planning.refine.descent import Descent
+from planning.refine.felt import pace_along
 from planning.refine.fit import fit_control_points
 from planning.refine.least_duration import least_duration
+from planning.refine.loads import loads_of, signed_accelerations, unsigned
 from planning.refine.nearness import Nearness, nearness_of
-from planning.refine.pace import Bounds, Rates, duration_of, fastest_pace, grid_of
+from planning.refine.pace import Bounds, duration_of, grid_of
 from planning.refine.request import RefineRequest
 from planning.refine.ruled_nearness import RuledNearness
 from planning.refine.wish import Wish, wish_of
@@ -63,11 +65,19 @@ class RefineTask:
         waypoints = chart.waypoints
         ends = world.embed(group, chart.positions(waypoints[[0, -1]]))
         buffers = Buffers.between(world, request.margins, ends)
-        bounds = Bounds.of(limits, jerk=request.jerk)
+        signed = signed_accelerations(group, request.others.acceleration_bounds)
+        loads = loads_of(world, group, limits, request.others)
+        known = unsigned(signed) if request.jerk and signed is not None else signed
+        bounds = Bounds.of(limits, jerk=request.jerk, signed=known, loads=loads)
         nearness = chart.measured(nearness_of(world, group, buffers))
         tight = limits if rules is None else rules.fixing(limits)
         wish = wish_of(world, group, request.margins, request.options.clearance)
         moved = Manifold(group.joints).minus(request.path.waypoints[-1], request.path.waypoints[0])
+        least = max(
+            least_duration(limits, moved, jerk=request.jerk, signed=signed),
+            *(load.least_duration(waypoints[[0, -1]]) for load in loads),
+            0.0,
+        )
         return cls(
             request,
             share,
@@ -76,11 +86,17 @@ class RefineTask:
             tight,
             _holding(chart.box(tight), waypoints[0], request.held),
             bounds,
-            least_duration(limits, moved, jerk=request.jerk),
+            least,
             nearness if rules is None else RuledNearness(nearness, rules, chart.positions),
             wish and wish.along(chart.measured(wish.nearness)),
             Auditor(world, group, buffers, rules),
         )
+
+    @property
+    def is_held(self) -> bool:
+        """Whether the joints can hold the robot still at the start and at the goal."""
+        ends = self.waypoints[[0, -1]]
+        return all((np.abs(load.held(ends)) <= 1).all() for load in self.bounds.loads)
 
     def curve_of(self, seen: Look) -> JointSpline:
         """Return a curve in the form in which it goes on."""
@@ -95,8 +111,8 @@ class RefineTask:
 
     def duration_of(self, points: Array) -> float:
         """Return what a curve takes [s], free or not."""
-        grid = grid_of(len(points))
-        return duration_of(grid, fastest_pace(grid, Rates.of(grid, points, self.bounds)))
+        _, pace, _ = pace_along(points, self.bounds)
+        return duration_of(grid_of(len(points)), pace)
 
     def descend(self, guess: Array) -> tuple[Look | None, int, str]:
         """Return the best free curve that a descent finds, or None.
@@ -129,6 +145,8 @@ class RefineTask:
             what = "is too near to something"
             what += "" if self.request.rules is None else " or breaks a path constraint"
             return f"the optimised curve {what} at s = {where}", violated
+        if seen.felt is not None and seen.felt.excess > 0:
+            return "gravity is more than a joint can hold on the optimised curve", violated
         if not within_limits(curve, self.limits):
             return "the optimised curve leaves the position limits", violated
         return "", violated
