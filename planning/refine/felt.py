@@ -6,9 +6,10 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float64
 
-from planning.refine.load import Load
+from planning.refine.load import MOST_HELD, Load
+from planning.refine.moments import Moments, grid_weights
 from planning.refine.pace import Bounds, PaceRows, Rates, fastest_pace, grid_of
-from planning.refine.strain import MOST_HELD, Strain, grid_weights
+from planning.refine.strain import Strain
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
@@ -53,9 +54,10 @@ class Felt:
 
     def strains(self, b: Float64[np.ndarray, " n_plus_1"], duration: float) -> tuple[Strain, ...]:
         """Return the strains at a pace that takes so long, and those without motion."""
-        moving = (Strain.of(load, self.count, self.states, b) for load in self.loads)
+        moments = Moments.of(self.count, self.states, b)
         price = _EXCESS_PRICE * MOST_HELD / duration
-        still = (Strain.still(load, self.count, self.states[0], price) for load in self.loads)
+        moving = (Strain.of(load, moments) for load in self.loads)
+        still = (Strain.still(load, moments, price) for load in self.loads)
         return (*moving, *still)
 
 

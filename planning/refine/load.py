@@ -12,6 +12,8 @@ from jaxtyping import Float64
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
+# Of what a joint can do, what holding still may take: nothing is timed that cannot be stopped.
+MOST_HELD = 0.98
 # Of a difference quotient, relative to 1 + |x|.
 _STEP = 1e-6
 
@@ -54,7 +56,10 @@ class Load(Protocol):
         ...
 
     def held(self, q: Float64[np.ndarray, "m nq"]) -> Float64[np.ndarray, "m k"]:
-        """Return what standing still asks for over what is allowed, if it asks for anything."""
+        """Return what standing still asks for over what is allowed, if it asks for anything.
+
+        What of this is beyond `MOST_HELD` no pace changes: it is not in the vectors.
+        """
         ...
 
     def least_duration(self, ends: Float64[np.ndarray, "2 nq"]) -> float:

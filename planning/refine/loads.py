@@ -1,14 +1,16 @@
-"""The loads and signed accelerations that limits besides those of joints make for the optimiser."""
+"""The bounds that a request makes for the optimiser, besides rates of joints those of loads."""
 
 from typing import Any
 
 import numpy as np
 from jaxtyping import Float64
 
-from planning.domain.joints import JointGroup, JointLimits
+from planning.domain.joints import JointGroup
 from planning.domain.manifold import Manifold
-from planning.domain.motion_limits import AccelerationBounds, MotionLimits
+from planning.domain.motion_limits import AccelerationBounds
 from planning.refine.load import Load
+from planning.refine.pace import Bounds
+from planning.refine.request import RefineRequest
 from planning.refine.tool_load import ToolLoad
 from planning.refine.torque_load import TorqueLoad
 from planning.world.dynamics import GroupDynamics
@@ -18,23 +20,19 @@ from planning.world.world import World
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 
-def loads_of(
-    world: World, group: JointGroup, limits: JointLimits, others: MotionLimits
-) -> tuple[Load, ...]:
-    """Return the loads; none of a group with a joint that floats, whose coordinates are no v.
+def bounds_of(world: World, request: RefineRequest) -> Bounds:
+    """Return the bounds.
 
     Raises:
         UnknownName: A frame does not exist.
         ProblemInvalid: The group does not move the payload.
     """
-    if not Manifold(group.joints).is_flat:
-        return ()
-    tools = (
-        ToolLoad(ToolKinematics(world, group, limit.frame), limit) for limit in others.tool_limits
-    )
-    if not others.effort:
-        return tuple(tools)
-    return (TorqueLoad.of(GroupDynamics(world, group, others.payload), limits), *tools)
+    signed = signed_accelerations(request.path.group, request.others.acceleration_bounds)
+    if signed is not None and request.jerk:
+        # Retimers that bound jerk know but one bound for both signs.
+        signed = np.abs(signed).min(axis=0) * np.array([[-1.0], [1.0]])
+    loads = _loads(world, request)
+    return Bounds.of(request.limits, jerk=request.jerk, signed=signed, loads=loads)
 
 
 def signed_accelerations(
@@ -50,7 +48,14 @@ def signed_accelerations(
     return found
 
 
-def unsigned(signed: Float64[np.ndarray, "2 nv"]) -> Float64[np.ndarray, "2 nv"]:
-    """Return the nearer of both bounds for both signs: all that retimers know that bound jerk."""
-    nearer = np.abs(signed).min(axis=0)
-    return np.stack([-nearer, nearer])
+def _loads(world: World, request: RefineRequest) -> tuple[Load, ...]:
+    """Return the loads; none of a group with a joint that floats, whose coordinates are no v."""
+    group, others = request.path.group, request.others
+    if not Manifold(group.joints).is_flat:
+        return ()
+    tools = tuple(
+        ToolLoad(ToolKinematics(world, group, limit.frame), limit) for limit in others.tool_limits
+    )
+    if not others.effort:
+        return tools
+    return TorqueLoad.of(GroupDynamics(world, group, others.payload), request.limits), *tools

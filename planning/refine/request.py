@@ -23,7 +23,7 @@ class RefineRequest(Value):
         jerk: Whether the retimer will bound jerk, so that it counts here too.
         rules: Path constraints, or None. Boxes and cones count as distances do, locked joints and
             tighter limits as limits; a path under others is left alone.
-        others: Limits besides those of joints that the retimer will keep, so that they count here too.
+        others: What else the retimer will limit, so that it counts here too.
         held: Coordinates of v that stay as they are at the start.
     """
 

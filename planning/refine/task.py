@@ -16,7 +16,8 @@ from planning.refine.descent import Descent
 from planning.refine.felt import pace_along
 from planning.refine.fit import fit_control_points
 from planning.refine.least_duration import least_duration
-from planning.refine.loads import loads_of, signed_accelerations, unsigned
+from planning.refine.load import Load
+from planning.refine.loads import bounds_of, signed_accelerations
 from planning.refine.nearness import Nearness, nearness_of
 from planning.refine.pace import Bounds, duration_of, grid_of
 from planning.refine.request import RefineRequest
@@ -65,19 +66,10 @@ class RefineTask:
         waypoints = chart.waypoints
         ends = world.embed(group, chart.positions(waypoints[[0, -1]]))
         buffers = Buffers.between(world, request.margins, ends)
-        signed = signed_accelerations(group, request.others.acceleration_bounds)
-        loads = loads_of(world, group, limits, request.others)
-        known = unsigned(signed) if request.jerk and signed is not None else signed
-        bounds = Bounds.of(limits, jerk=request.jerk, signed=known, loads=loads)
+        bounds = bounds_of(world, request)
         nearness = chart.measured(nearness_of(world, group, buffers))
         tight = limits if rules is None else rules.fixing(limits)
         wish = wish_of(world, group, request.margins, request.options.clearance)
-        moved = Manifold(group.joints).minus(request.path.waypoints[-1], request.path.waypoints[0])
-        least = max(
-            least_duration(limits, moved, jerk=request.jerk, signed=signed),
-            *(load.least_duration(waypoints[[0, -1]]) for load in loads),
-            0.0,
-        )
         return cls(
             request,
             share,
@@ -86,7 +78,7 @@ class RefineTask:
             tight,
             _holding(chart.box(tight), waypoints[0], request.held),
             bounds,
-            least,
+            _least(request, bounds.loads),
             nearness if rules is None else RuledNearness(nearness, rules, chart.positions),
             wish and wish.along(chart.measured(wish.nearness)),
             Auditor(world, group, buffers, rules),
@@ -150,6 +142,15 @@ class RefineTask:
         if not within_limits(curve, self.limits):
             return "the optimised curve leaves the position limits", violated
         return "", violated
+
+
+def _least(request: RefineRequest, loads: tuple[Load, ...]) -> float:
+    """Return a duration that no motion between the path's ends beats [s]."""
+    group, ends = request.path.group, request.path.waypoints[[0, -1]]
+    moved = Manifold(group.joints).minus(ends[1], ends[0])
+    signed = signed_accelerations(group, request.others.acceleration_bounds)
+    least = least_duration(request.limits, moved, jerk=request.jerk, signed=signed)
+    return max(least, *(load.least_duration(ends) for load in loads), 0.0)
 
 
 def _holding(box: JointLimits, q: Array, held: tuple[int, ...]) -> JointLimits:

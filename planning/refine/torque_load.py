@@ -1,7 +1,8 @@
 """TorqueLoad: torques and forces of joints, over their limits.
 
 Along a curve tau = ahead u + bend b + held: what holds the robot still does not slow down with it.
-Of a limit only what gravity leaves is left to the motion.
+Of a limit only what gravity leaves is left to the motion; where gravity takes more than it may,
+what it takes at most leaves. That is too little to go on, but tells a better way from a worse one.
 """
 
 from dataclasses import dataclass
@@ -11,15 +12,11 @@ import numpy as np
 from jaxtyping import Float64
 
 from planning.domain.joints import JointLimits
-from planning.refine.load import difference_quotients
+from planning.refine.load import MOST_HELD, difference_quotients
 from planning.world.dynamics import GroupDynamics
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 type Indices = np.ndarray[Any, np.dtype[np.intp]]
-
-# What is left for motion, at least, as a share of the limit, where gravity takes more than it may:
-# too little to go on, but a better way has to be told from a worse one.
-_LEAST = 0.02
 
 
 @dataclass(frozen=True)
@@ -45,12 +42,18 @@ class TorqueLoad:
 
     def vectors(self, q: Array, v: Array, vdot: Array) -> Array:
         """Return torque over limit, a vector of one component for each joint."""
-        efforts = self.dynamics.efforts(q, v, vdot) - self.dynamics.damping * v
-        return (efforts[:, self.columns] / self.efforts)[:, :, None]
+        held = self.held(q)
+        beyond = held - np.clip(held, -MOST_HELD, MOST_HELD)
+        return (self._ratios(q, v, vdot) - beyond)[:, :, None]
 
     def slopes(self, q: Array, v: Array, vdot: Array) -> Array:
         """Return their derivatives by differences."""
-        return difference_quotients(self.vectors, q, v, vdot)
+        found = difference_quotients(self._ratios, q, v, vdot)
+        is_beyond = np.abs(self.held(q)) > MOST_HELD
+        some = np.flatnonzero(is_beyond.any(axis=1))
+        (by_q,) = difference_quotients(self.held, q[some])
+        found[0, some] -= np.where(is_beyond[some, :, None], by_q, 0.0)
+        return found[:, :, :, None]
 
     def pace_rows(self, q: Array, rate: Array, curvature: Array) -> tuple[Array, Array]:
         """Return two rows for every joint, in units of what gravity leaves."""
@@ -58,7 +61,7 @@ class TorqueLoad:
         ahead, bend, held = (
             part[:, self.columns] / self.efforts for part in (found.ahead, found.bend, found.held)
         )
-        more, less = np.maximum(1 - held, _LEAST), np.maximum(1 + held, _LEAST)
+        more, less = (np.maximum(1 + sign * held, 1 - MOST_HELD) for sign in (-1, 1))
         return (
             np.concatenate([ahead / more, -ahead / less], axis=1),
             np.concatenate([bend / more, -bend / less], axis=1),
@@ -67,8 +70,12 @@ class TorqueLoad:
     def held(self, q: Array) -> Array:
         """Return what gravity takes."""
         still = np.zeros_like(q)
-        return self.vectors(q, still, still)[:, :, 0]
+        return self._ratios(q, still, still)
 
     def least_duration(self, ends: Array) -> float:  # noqa: ARG002  (none is known)
         """Return 0."""
         return 0.0
+
+    def _ratios(self, q: Array, v: Array, vdot: Array) -> Array:
+        efforts = self.dynamics.efforts(q, v, vdot) - self.dynamics.damping * v
+        return efforts[:, self.columns] / self.efforts
