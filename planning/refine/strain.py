@@ -16,6 +16,8 @@ type Indices = np.ndarray[Any, np.dtype[np.intp]]
 
 # Ratios that are nearer their bounds than this are looked at.
 _SEEN = 0.5
+# The same of what holding still takes, which changes with the way alone.
+_HELD_SEEN = 0.75
 # How far a step may change what a row sums up, in units of its entries: b may grow by half.
 _REACH = 1.5
 # Of the planes about a vector, from its own [rad].
@@ -70,7 +72,7 @@ class Strain:
         """Look at what the load asks for without any motion."""
         moments = moments.taken(np.flatnonzero(moments.places > moments.intervals))
         held = load.held(moments.states[0])
-        seen = np.flatnonzero((np.abs(held) > _SEEN).any(axis=1))
+        seen = np.flatnonzero((np.abs(held) > _HELD_SEEN).any(axis=1))
         moments = moments.taken(seen)
         (by_q,) = difference_quotients(load.held, moments.states[0])
         none = np.zeros_like(by_q)
