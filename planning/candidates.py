@@ -8,6 +8,7 @@ import numpy as np
 from planning.domain.curve import JointSpline, TimedTrajectory
 from planning.domain.deadline import Deadline
 from planning.domain.joints import JointGroup, JointLimits
+from planning.domain.motion_limits import MotionLimits
 from planning.domain.options import RetimeOptions, SearchOptions
 from planning.domain.path import JointPath
 from planning.domain.problem import PlanningProblem
@@ -106,6 +107,7 @@ def candidates(  # noqa: PLR0913  (a question in full)
             problem.refine,
             jerk=retime_options.method == "ruckig",
             held=_held(group, problem.search),
+            others=_others(retime_options),
             rules=rules and rules.leaving_room(path.waypoints[0], path.waypoints[-1:]),
         )
         refined, report = refine(world, request, hasty)
@@ -143,6 +145,12 @@ def _wished(candidate: Candidate, wish: Wish) -> Candidate:
     shortfall = wish.shortfall(candidate.trajectory)
     report = replace(candidate.refine, shortfall=shortfall)
     return replace(candidate, refine=report, lacking=wish.weight * shortfall)
+
+
+def _others(options: RetimeOptions) -> MotionLimits:
+    return MotionLimits(
+        options.tool_limits, options.acceleration_bounds, options.effort, options.payload
+    )
 
 
 def _held(group: JointGroup, search: SearchOptions) -> tuple[int, ...]:

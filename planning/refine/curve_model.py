@@ -16,6 +16,7 @@ from jaxtyping import Float64
 
 from planning.domain.joints import JointLimits
 from planning.refine.basis import Weights, weights_at
+from planning.refine.felt import Felt, pace_along
 from planning.refine.nearness import Near, Nearness
 from planning.refine.numbering import numbering_of
 from planning.refine.pace import (
@@ -24,11 +25,11 @@ from planning.refine.pace import (
     Rates,
     both_ends,
     duration_of,
-    fastest_pace,
     grid_of,
     haste_of,
 )
 from planning.refine.soft_rows import Rows, SoftProgram
+from planning.refine.strain import Strain
 from planning.refine.wish import Wish
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
@@ -63,7 +64,9 @@ class Look:
         near: Pairs that are near at the instants.
         wished: Pairs that are near enough for the wish, or None.
         worth: Duration and what falling short of the wish costs [s].
-        cost: That, and the price of distances that are too short [s].
+        felt: What loads do, if there are any.
+        cost: The worth, and the price of distances that are too short and of torques that are too
+            large without any motion [s].
     """
 
     points: Array
@@ -73,11 +76,18 @@ class Look:
     near: Near
     wished: Near | None
     worth: float
+    felt: Felt | None
+
+    @cached_property
+    def strains(self) -> tuple[Strain, ...]:
+        """Loads at that pace."""
+        return () if self.felt is None else self.felt.strains(self.pace, self.duration)
 
     @cached_property
     def cost(self) -> float:
         """What is minimised [s]."""
-        return self.worth + _DISTANCE_PRICE * float(np.maximum(-self.near.spare, 0.0).sum())
+        held = 0.0 if self.felt is None else self.felt.cost
+        return self.worth + held + _DISTANCE_PRICE * float(np.maximum(-self.near.spare, 0.0).sum())
 
 
 class CurveModel:
@@ -112,16 +122,15 @@ class CurveModel:
 
     def look(self, points: Float64[np.ndarray, "k nq"]) -> Look:
         """Return what a curve is worth."""
-        rates = Rates.of(self._grid, points, self._bounds)
-        pace = fastest_pace(self._grid, rates)
+        rates, pace, felt = pace_along(points, self._bounds)
         duration = duration_of(self._grid, pace)
         near = self._nearness.within(self._weights.of(points), _REACH)
         if self._wish is None:
-            return Look(points, rates, pace, duration, near, None, duration)
+            return Look(points, rates, pace, duration, near, None, duration, felt)
         qs = self._wishing.of(points)
         wished = self._wish.nearness.within(qs, _REACH)
         worth = duration + self._wish.cost(wished, len(qs))
-        return Look(points, rates, pace, duration, near, wished, worth)
+        return Look(points, rates, pace, duration, near, wished, worth, felt)
 
     def step(self, seen: Look, seconds: float) -> tuple[Array, float]:
         """Return the control points of the model's best curve, and what it promises to save [s].
@@ -159,6 +168,8 @@ class CurveModel:
         rows = [self._acceleration_rows(seen, side), self._speed_rows(seen, side)]
         if self._bounds.jerk is not None:
             rows.append(self._swing_rows(seen, side, self._bounds.jerk))
+        numbers = self._numbers
+        rows += [strain.rows(numbers.points, numbers.pace, side) for strain in seen.strains]
         if len(seen.near.at):
             price = _DISTANCE_PRICE / seen.duration
             rows.append(self._distance_rows(seen.near, self._weights, side, price))
@@ -179,7 +190,8 @@ class CurveModel:
         by_pace = np.stack([at_low * b[:-1, None, None], at_high * b[1:, None, None]], axis=-1)
         values = np.concatenate([by_point, by_pace.transpose(0, 2, 1, 3)], axis=-1)
         now = seen.rates.accelerations(grid, b).transpose(0, 2, 1)
-        rows = Rows.both_signs(self._columns(2), values, now, RATE_PRICE)
+        bounds = self._bounds.signed[:, None, :, None]
+        rows = Rows.between(self._columns(2), values, now, bounds, RATE_PRICE)
         return rows.taken(rows.least > _ACCELERATION_SEEN - 1)
 
     def _speed_rows(self, seen: Look, side: Array) -> Rows:

@@ -16,6 +16,7 @@ from jaxtyping import Float64
 
 from planning.domain.joints import JointLimits
 from planning.refine.basis import num_spans, weights_at
+from planning.refine.load import Load
 from planning.refine.soft_rows import Rows, SoftProgram
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
@@ -36,34 +37,59 @@ _SLOWEST = 1e-9
 
 @dataclass(frozen=True)
 class Bounds:
-    """Bounds on the rates of every coordinate, positive and finite, shape (nq,).
+    """Bounds on the rates of every coordinate, positive and finite, shape (nq,), and on loads.
 
     Attributes:
         velocity: [rad/s or m/s].
-        acceleration: [rad/s^2 or m/s^2].
+        acceleration: The larger of the bounds of either sign [rad/s^2 or m/s^2].
         jerk: [rad/s^3 or m/s^3]; None if it is not bounded.
+        signed: Lowest and highest acceleration over `acceleration`, shape (2, nq): -1 and 1 where
+            it has no sign.
+        loads: What else bounds the pace.
     """
 
     velocity: Array
     acceleration: Array
     jerk: Array | None
+    signed: Array
+    loads: tuple[Load, ...] = ()
 
     @classmethod
-    def of(cls, limits: JointLimits, *, jerk: bool) -> "Bounds":
-        """Return the bounds that imply a group's limits."""
+    def of(
+        cls,
+        limits: JointLimits,
+        *,
+        jerk: bool,
+        signed: Float64[np.ndarray, "2 nv"] | None = None,
+        loads: tuple[Load, ...] = (),
+    ) -> "Bounds":
+        """Return the bounds that imply a group's limits.
+
+        Args:
+            limits: Of the group.
+            jerk: Whether jerk is limited.
+            signed: Lowest and highest accelerations besides these [rad/s^2 or m/s^2], infinite
+                where there are none.
+            loads: What else bounds the pace.
+        """
         velocity, acceleration, jerks = (
             np.minimum(limits.per_coordinate(rates), _UNBOUNDED_RATE)
             for rates in (limits.velocity, limits.acceleration, limits.jerk)
         )
-        if not jerk:
-            return cls(velocity, acceleration, None)
-        # With jerk bounds a coordinate comes to speed in v / a + a / j, or 2 sqrt(v / j).
-        ramp = np.where(
-            acceleration**2 < velocity * jerks,
-            velocity / acceleration + acceleration / jerks,
-            2 * np.sqrt(velocity / jerks),
-        )
-        return cls(velocity, velocity / ramp, _JERK_SHARE * jerks)
+        either = np.stack([acceleration, acceleration])
+        if signed is not None:
+            either = np.minimum(either, np.abs(signed))
+        if jerk:
+            # With jerk bounds a coordinate comes to speed in v / a + a / j, or 2 sqrt(v / j).
+            ramp = np.where(
+                either**2 < velocity * jerks,
+                velocity / either + either / jerks,
+                2 * np.sqrt(velocity / jerks),
+            )
+            either = velocity / ramp
+        larger = either.max(axis=0)
+        shares = np.array([[-1.0], [1.0]]) * (either / larger)
+        return cls(velocity, larger, _JERK_SHARE * jerks if jerk else None, shares, loads)
 
 
 @dataclass(frozen=True)
@@ -108,12 +134,14 @@ class Rates:
         pull: r' over acceleration, likewise.
         bend: r'' over acceleration, likewise.
         swing: r''' over jerk, or zero, shape (n, nq).
+        signed: Lowest and highest of what `accelerations` returns, shape (2, nq).
     """
 
     speed: Array
     pull: Array
     bend: Array
     swing: Array
+    signed: Array
 
     @classmethod
     def of(cls, grid: Grid, points: Float64[np.ndarray, "k nq"], bounds: Bounds) -> "Rates":
@@ -128,6 +156,7 @@ class Rates:
             first / bounds.acceleration,
             second / bounds.acceleration,
             swing,
+            bounds.signed,
         )
 
     def caps(self) -> Array:
@@ -138,9 +167,13 @@ class Rates:
         return 1 / np.maximum(np.maximum(fastest**2, wildest ** (2 / 3)), _STANDSTILL)
 
     def accelerations(self, grid: Grid, b: Float64[np.ndarray, " n_plus_1"]) -> Array:
-        """Return acceleration over its bound, shape (n, 2, nq)."""
+        """Return acceleration over the larger of its bounds, shape (n, 2, nq)."""
         u = np.diff(b) / (2 * grid.step)
         return self.bend * both_ends(b)[..., None] + self.pull * u[:, None, None]
+
+    def worst(self, grid: Grid, b: Float64[np.ndarray, " n_plus_1"]) -> float:
+        """Return the largest acceleration over the bound of its sign."""
+        return float((self.accelerations(grid, b)[..., None, :] / self.signed).max())
 
     def slopes(self, grid: Grid) -> tuple[Array, Array]:
         """Return how those depend on b at the low and at the high end of their interval."""
@@ -156,30 +189,78 @@ def both_ends(b: Any) -> Any:
     return np.stack([b[:-1], b[1:]], axis=1)
 
 
-def fastest_pace(grid: Grid, rates: Rates) -> Float64[np.ndarray, " n_plus_1"]:
+@dataclass(frozen=True)
+class PaceRows:
+    """What else bounds the pace: ahead u + bend b <= 1 at every grid point, on both sides of it.
+
+    Attributes:
+        ahead: Shape (n + 1, rows).
+        bend: Likewise.
+    """
+
+    ahead: Array
+    bend: Array
+
+    def caps(self) -> Array:
+        """Return bounds on b at every grid point but the ends, by the rows that know no u."""
+        steady = np.where(self.ahead == 0, self.bend, 0.0).max(axis=1, initial=0.0)
+        return 1 / np.maximum(steady[1:-1], _STANDSTILL)
+
+    def worst(self, grid: Grid, b: Float64[np.ndarray, " n_plus_1"]) -> float:
+        """Return the largest value of a row."""
+        u = np.diff(b)[:, None, None] / (2 * grid.step)
+        values = both_ends(self.ahead) * u + both_ends(self.bend * b[:, None])
+        return float(values.max(initial=0.0))
+
+    def rows(self, grid: Grid, caps: Array, columns: Indices) -> Rows:
+        """Return those that can bind, in units of caps at the grid.
+
+        Args:
+            grid: Of the pace.
+            caps: Of b, shape (n + 1,).
+            columns: Of b at both ends of every interval, shape (n, 2).
+        """
+        a = both_ends(self.ahead) / (2 * grid.step)
+        slopes = np.stack([-a, a], axis=-1)
+        for end in (0, 1):
+            slopes[:, end, :, end] += both_ends(self.bend)[:, end]
+        values = -slopes * both_ends(caps)[:, None, None]
+        matched = np.broadcast_to(columns[:, None, None], values.shape).reshape(-1, 2)
+        values = values.reshape(-1, 2)
+        rows = Rows(matched, values, np.full(len(values), -1.0), RATE_PRICE)
+        return rows.taken(np.minimum(values, 0).sum(axis=1) < -1)
+
+
+def fastest_pace(
+    grid: Grid, rates: Rates, others: PaceRows | None = None
+) -> Float64[np.ndarray, " n_plus_1"]:
     """Return the largest b.
 
     It is the largest at every grid point at once (Pham and Pham, "A new approach to time-optimal
     path parameterization based on reachability analysis", 2018), so that maximising a sum gives it.
     """
     n = len(grid.owners)
-    caps = np.concatenate([[0.0], rates.caps(), [0.0]])
+    inner = rates.caps() if others is None else np.minimum(rates.caps(), others.caps())
+    caps = np.concatenate([[0.0], inner, [0.0]])
     at_low, at_high = rates.slopes(grid)
     values = np.stack(
         [at_low * caps[:-1, None, None], at_high * caps[1:, None, None]], axis=-1
     ).transpose(0, 2, 1, 3)
     number = np.concatenate([[-1], np.arange(n - 1), [-1]])
     columns = np.broadcast_to(both_ends(number)[:, None, None], values.shape)
-    rows = Rows.both_signs(columns, values, np.zeros(values.shape[:-1]), RATE_PRICE)
+    now = np.zeros(values.shape[:-1])
+    rows = Rows.between(columns, values, now, rates.signed[:, None, :, None], RATE_PRICE)
     rows = rows.taken(np.minimum(rows.values, 0).sum(axis=1) < -1)
-    inner = n - 1
+    many = (rows,) if others is None else (rows, others.rows(grid, caps, both_ends(number)))
+    size = n - 1
     program = SoftProgram(
-        np.full(inner, -1 / inner), np.zeros(inner), np.zeros(inner), np.ones(inner), (rows,)
+        np.full(size, -1 / size), np.zeros(size), np.zeros(size), np.ones(size), many
     )
     b = np.zeros(n + 1)
     b[1:-1] = np.clip(program.solve(), _SLOWEST, 1.0) * caps[1:-1]
     # The solver keeps rows to its tolerance; the whole pace is slowed down by the worst.
-    return b / max(1.0, float(np.abs(rates.accelerations(grid, b)).max()))
+    worst = rates.worst(grid, b)
+    return b / max(1.0, worst if others is None else max(worst, others.worst(grid, b)))
 
 
 def duration_of(grid: Grid, b: Float64[np.ndarray, " n_plus_1"]) -> float:

@@ -55,6 +55,8 @@ def refine(
         return None, replace(report, reason=refusal)
     task = RefineTask.of(world, request, share)
     report = replace(report, solver=solver_name(), lower_bound=task.least)
+    if not task.is_held:
+        return None, replace(report, reason="gravity is more than a joint can hold at an end")
     best, steps, reason = None, 0, ""
     guesses = [task.fitted(closeness) for closeness in _CLOSE]
     for guess in guesses:

@@ -1,8 +1,9 @@
 """RefineRequest: what to refine."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from planning.domain.joints import JointLimits
+from planning.domain.motion_limits import MotionLimits
 from planning.domain.options import RefineOptions
 from planning.domain.path import JointPath
 from planning.domain.value import Value
@@ -22,6 +23,7 @@ class RefineRequest(Value):
         jerk: Whether the retimer will bound jerk, so that it counts here too.
         rules: Path constraints, or None. Boxes, cones and bands count as distances do, locked
             joints and tighter limits as limits; a predicate accepts a curve or does not.
+        others: What else the retimer will limit, so that it counts here too.
         held: Coordinates of v that stay as they are at the start.
     """
 
@@ -31,4 +33,5 @@ class RefineRequest(Value):
     options: RefineOptions
     jerk: bool = False
     rules: PathRules | None = None
+    others: MotionLimits = field(default_factory=MotionLimits)
     held: tuple[int, ...] = ()

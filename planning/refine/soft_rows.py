@@ -37,18 +37,25 @@ class Rows:
     price: float
 
     @classmethod
-    def both_signs(
+    def between(
         cls,
         columns: Int[np.ndarray, "*m entries"],
         values: Float64[np.ndarray, "*m entries"],
         now: Float64[np.ndarray, " *m"],
+        bounds: Float64[np.ndarray, "2 ..."],
         price: float,
     ) -> "Rows":
-        """Return rows that keep now + values . x between -1 and 1, a pair for each."""
+        """Return rows that keep now + values . x between two bounds, a pair for each.
+
+        In units of the bounds, the first of which is negative and the second positive; their other
+        axes are those of `now`, or wide 1.
+        """
+        low, high = bounds
         entries = columns.shape[-1]
-        pairs = np.stack([-values, values], axis=-2).reshape(-1, entries)
+        pairs = np.stack([-values / high[..., None], -values / low[..., None]], axis=-2)
         twice = np.repeat(columns.reshape(-1, entries), 2, axis=0)
-        return cls(twice, pairs, np.stack([now - 1, -now - 1], axis=-1).ravel(), price)
+        least = np.stack([now / high - 1, now / low - 1], axis=-1)
+        return cls(twice, pairs.reshape(-1, entries), least.ravel(), price)
 
     def taken(self, which: Any) -> "Rows":
         """Return those rows only."""

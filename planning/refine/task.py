@@ -13,10 +13,13 @@ from planning.refine.buffers import Buffers
 from planning.refine.chart import Chart, chart_of
 from planning.refine.curve_model import CurveModel, Look
 from planning.refine.descent import Descent
+from planning.refine.felt import pace_along
 from planning.refine.fit import fit_control_points
 from planning.refine.least_duration import least_duration
+from planning.refine.load import Load
+from planning.refine.loads import bounds_of, signed_accelerations
 from planning.refine.nearness import Nearness, nearness_of
-from planning.refine.pace import Bounds, Rates, duration_of, fastest_pace, grid_of
+from planning.refine.pace import Bounds, duration_of, grid_of
 from planning.refine.request import RefineRequest
 from planning.refine.ruled_nearness import RuledNearness, audited, predicates
 from planning.refine.wish import Wish, wish_of
@@ -69,11 +72,10 @@ class RefineTask:
         waypoints = chart.waypoints
         ends = world.embed(group, chart.positions(waypoints[[0, -1]]))
         buffers = Buffers.between(world, request.margins, ends)
-        bounds = Bounds.of(limits, jerk=request.jerk)
+        bounds = bounds_of(world, request)
         nearness = chart.measured(nearness_of(world, group, buffers))
         tight = limits if rules is None else rules.fixing(limits)
         wish = wish_of(world, group, request.margins, request.options.clearance)
-        moved = Manifold(group.joints).minus(request.path.waypoints[-1], request.path.waypoints[0])
         return cls(
             request,
             share,
@@ -82,12 +84,18 @@ class RefineTask:
             tight,
             _holding(chart.box(tight), waypoints[0], request.held),
             bounds,
-            least_duration(limits, moved, jerk=request.jerk),
+            _least(request, bounds.loads),
             nearness if rules is None else RuledNearness(nearness, rules, chart),
             wish and wish.along(chart.measured(wish.nearness)),
             Auditor(world, group, buffers, rules and audited(rules)),
             () if rules is None else predicates(rules),
         )
+
+    @property
+    def is_held(self) -> bool:
+        """Whether the joints can hold the robot still at the start and at the goal."""
+        ends = self.waypoints[[0, -1]]
+        return all((np.abs(load.held(ends)) <= 1).all() for load in self.bounds.loads)
 
     def curve_of(self, seen: Look) -> JointSpline:
         """Return a curve in the form in which it goes on."""
@@ -102,8 +110,8 @@ class RefineTask:
 
     def duration_of(self, points: Array) -> float:
         """Return what a curve takes [s], free or not."""
-        grid = grid_of(len(points))
-        return duration_of(grid, fastest_pace(grid, Rates.of(grid, points, self.bounds)))
+        _, pace, _ = pace_along(points, self.bounds)
+        return duration_of(grid_of(len(points)), pace)
 
     def descend(self, guess: Array) -> tuple[Look | None, int, str]:
         """Return the best free curve that a descent finds, or None.
@@ -141,11 +149,22 @@ class RefineTask:
             what = "is too near to something"
             what += "" if self.request.rules is None else " or breaks a path constraint"
             return f"the optimised curve {what} at s = {where}", violated
+        if seen.felt is not None and seen.felt.excess > 0:
+            return "gravity is more than a joint can hold on the optimised curve", violated
         if not within_limits(curve, self.limits):
             return "the optimised curve leaves the position limits", violated
         if not is_accepted(curve, self.predicates):
             return _REJECTED, violated
         return "", violated
+
+
+def _least(request: RefineRequest, loads: tuple[Load, ...]) -> float:
+    """Return a duration that no motion between the path's ends beats [s]."""
+    group, ends = request.path.group, request.path.waypoints[[0, -1]]
+    moved = Manifold(group.joints).minus(ends[1], ends[0])
+    signed = signed_accelerations(group, request.others.acceleration_bounds)
+    least = least_duration(request.limits, moved, jerk=request.jerk, signed=signed)
+    return max(least, *(load.least_duration(ends) for load in loads), 0.0)
 
 
 def _holding(box: JointLimits, q: Array, held: tuple[int, ...]) -> JointLimits:

@@ -5,13 +5,16 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from planning.domain.joints import Joint, JointLimits, JointType
+from planning.domain.joints import Joint, JointGroup, JointLimits, JointType
 from planning.domain.options import RetimeOptions
 from planning.refine.basis import centres, spline_of
-from planning.refine.least_duration import least_duration
+from planning.refine.least_duration import least_duration, rest_to_rest
+from planning.refine.loads import signed_accelerations
 from planning.refine.pace import Bounds, Rates, duration_of, fastest_pace, grid_of, haste_of
 from planning.refine.power_basis import joint_spline
+from planning.retime.path_limits import path_limits
 from planning.retime.retimer import retime
+from tests.conftest import bundled_world
 
 SEEDS = st.integers(0, 2**32 - 1)
 
@@ -110,3 +113,71 @@ def test_haste_is_the_slope_of_the_duration(seed):
     more[i] *= 1 + h
     slope = (duration_of(grid, more) - duration_of(grid, b)) / h
     assert -haste_of(grid, b)[i] == pytest.approx(slope, rel=1e-4)
+
+
+def signed_of(rng: np.random.Generator, size: int) -> np.ndarray:
+    return np.stack([-rng.uniform(1, 30, size), rng.uniform(1, 30, size)])
+
+
+@settings(max_examples=20, deadline=None)
+@given(seed=SEEDS, jerk=st.booleans())
+def test_bounds_of_either_sign_are_kept_and_met(seed, jerk):
+    rng = np.random.default_rng(seed)
+    limits = limits_of(rng, 3)
+    signed = signed_of(rng, 3)
+    bounds = Bounds.of(limits, jerk=jerk, signed=signed)
+    lowest, highest = bounds.signed * bounds.acceleration
+    assert (lowest >= np.maximum(signed[0], -limits.acceleration) * (1 + 1e-12)).all()
+    assert (highest <= np.minimum(signed[1], limits.acceleration) * (1 + 1e-12)).all()
+    points, grid = curve_of(rng, 12, 3), grid_of(12)
+    rates = Rates.of(grid, points, bounds)
+    pace = fastest_pace(grid, rates)
+    accelerations = rates.accelerations(grid, pace) * bounds.acceleration
+    shares = np.maximum(accelerations / lowest, accelerations / highest).max(axis=(1, 2))
+    assert shares.max() <= 1 + 1e-9
+    nearby = np.maximum(shares[1:], shares[:-1])
+    assert np.maximum(pace[1:-1] / rates.caps(), nearby).min() > 0.98
+
+
+@settings(max_examples=20, deadline=None)
+@given(seed=SEEDS)
+def test_speeding_up_and_slowing_down_differ_by_hand(seed):
+    rng = np.random.default_rng(seed)
+    limits, way = limits_of(rng, 1), rng.uniform(0.05, 3.0)
+    signed = signed_of(rng, 1)
+    down, up = np.minimum(np.abs(signed[:, 0]), limits.acceleration)
+    top = min(limits.velocity[0], np.sqrt(2 * way * up * down / (up + down)))
+    expected = way / top + top / 2 * (1 / up + 1 / down)
+    for moved in (way, -way):
+        least = least_duration(limits, np.array([moved]), jerk=False, signed=signed)
+        assert least == pytest.approx(expected)
+    bounds = Bounds.of(limits, jerk=False, signed=signed)
+    assert duration(centres(14)[:, None] * way, bounds) == pytest.approx(expected, rel=0.02)
+
+
+@settings(max_examples=10, deadline=None)
+@given(seed=SEEDS)
+def test_under_signed_bounds_too_it_is_what_the_retimer_finds(seed):
+    rng = np.random.default_rng(seed)
+    limits, points = limits_of(rng, 3), curve_of(rng, 12, 3)
+    world = bundled_world("ur5e_pickup")  # Bounds of joints want nothing of it.
+    joints = tuple(Joint(f"g::j{i}", JointType.REVOLUTE) for i in range(3))
+    group = JointGroup("g", joints, ())
+    asked = {"g::j0": (-2.0, 9.0), "g::j2": (-8.0, 1.5)}
+    options = RetimeOptions(acceleration_bounds=asked)
+    spline = joint_spline(joints, spline_of(points))
+    timed, _ = retime(spline, limits, options, path_limits(world, group, options))
+    signed = signed_accelerations(group, asked)
+    found = duration(points, Bounds.of(limits, jerk=False, signed=signed))
+    assert found == pytest.approx(timed.duration, rel=0.1)
+    moved = points[-1] - points[0]
+    assert least_duration(limits, moved, jerk=False, signed=signed) < 1.02 * timed.duration
+
+
+@pytest.mark.parametrize(
+    ("speed", "acceleration", "seconds"),
+    [(2.0, np.inf, 1.5), (np.inf, 3.0, 2.0), (1.0, 1.0, 4.0), (1.0, 0.1, 2 * np.sqrt(30.0))],
+)
+def test_the_least_time_of_a_way_by_hand(speed, acceleration, seconds):
+    assert rest_to_rest(np.array([3.0]), speed, acceleration)[0] == pytest.approx(seconds)
+    assert rest_to_rest(np.zeros(1), speed, acceleration)[0] == 0.0

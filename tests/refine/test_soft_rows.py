@@ -66,9 +66,12 @@ def test_rows_that_contradict_one_another_share_the_damage(natively):
 
 
 @given(seed=st.integers(0, 2**32 - 1))
-def test_both_signs_keep_a_sum_within_one(seed):
+def test_rows_between_bounds_keep_a_sum_within_them(seed):
     rng = np.random.default_rng(seed)
     values, now, x = rng.normal(size=(5, 2)), rng.normal(size=5), rng.normal(size=2)
-    rows = Rows.both_signs(np.tile([0, 1], (5, 1)), values, now, 2.0)
-    excess = np.maximum(np.abs(now + values @ x) - 1, 0).sum()
+    low, high = -rng.uniform(0.1, 2.0, 5), rng.uniform(0.1, 2.0, 5)
+    rows = Rows.between(np.tile([0, 1], (5, 1)), values, now, np.stack([low, high]), 2.0)
+    sums = now + values @ x
+    # In units of the bound that is exceeded.
+    excess = np.maximum(np.maximum(sums / high, sums / low) - 1, 0).sum()
     assert rows.cost(x) == pytest.approx(2.0 * excess)

@@ -1,0 +1,119 @@
+"""Strain: a load along a curve at one pace, and how it changes with both: rows of the model."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float64
+
+from planning.refine.load import MOST_HELD, Load, difference_quotients
+from planning.refine.moments import Moments, grid_weights
+from planning.refine.pace import RATE_PRICE
+from planning.refine.soft_rows import Rows
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
+type Indices = np.ndarray[Any, np.dtype[np.intp]]
+
+# Ratios that are nearer their bounds than this are looked at.
+_SEEN = 0.5
+# The same of what holding still takes, which changes with the way alone.
+_HELD_SEEN = 0.75
+# How far a step may change what a row sums up, in units of its entries: b may grow by half.
+_REACH = 1.5
+# Of the planes about a vector, from its own [rad].
+_TILTS = (0.2, 0.5)
+_BOTH = np.array([-1.0, 1.0])
+
+
+@dataclass(frozen=True)
+class Strain:
+    """One load's ratios at both ends of every interval of the grid, where they are large.
+
+    Attributes:
+        places: Which points of the grid, shape (m,).
+        intervals: Of which u is, shape (m,).
+        now: The ratios, shape (m, rows).
+        by_point: Their slopes by coordinates of control points, shape (m, rows, 4, nq).
+        by_pace: By b at both ends of the interval, relative to it, shape (m, rows, 2).
+        bound: Of the ratios.
+        price: Of exceeding the bound by its own size, in durations.
+    """
+
+    places: Indices
+    intervals: Indices
+    now: Array
+    by_point: Array
+    by_pace: Array
+    bound: float = 1.0
+    price: float = RATE_PRICE
+
+    @classmethod
+    def of(cls, load: Load, moments: Moments) -> "Strain":
+        """Look at the load in the course of a motion."""
+        vectors = load.vectors(*moments.motion)
+        seen = np.flatnonzero((np.linalg.norm(vectors, axis=2) > _SEEN).any(axis=1))
+        vectors, moments = vectors[seen], moments.taken(seen)
+        normals = _normals(vectors)
+        rows = len(seen), normals.shape[1] * normals.shape[2]
+        by_q, by_v, by_vdot = (
+            np.einsum("mbrd,mbdj->mbrj", normals, part).reshape(*rows, part.shape[-1])
+            for part in load.slopes(*moments.motion)
+        )
+        return cls(
+            moments.places,
+            moments.intervals,
+            np.einsum("mbrd,mbd->mbr", normals, vectors).reshape(rows),
+            moments.by_point(by_q, by_v, by_vdot),
+            moments.by_pace(by_v, by_vdot),
+        )
+
+    @classmethod
+    def still(cls, load: Load, moments: Moments, price: float) -> "Strain":
+        """Look at what the load asks for without any motion."""
+        moments = moments.taken(np.flatnonzero(moments.places > moments.intervals))
+        held = load.held(moments.states[0])
+        seen = np.flatnonzero((np.abs(held) > _HELD_SEEN).any(axis=1))
+        moments = moments.taken(seen)
+        (by_q,) = difference_quotients(load.held, moments.states[0])
+        none = np.zeros_like(by_q)
+        by_point, by_pace = moments.by_point(by_q, none, none), moments.by_pace(none, none)
+        ends = moments.places, moments.intervals
+        return cls(*ends, held[seen], by_point, by_pace, MOST_HELD, price)
+
+    def rows(self, points: Indices, pace: Indices, side: Array) -> Rows:
+        """Return the rows that a step can make bind.
+
+        Args:
+            points: Columns of the control points' coordinates, shape (k, nq).
+            pace: Columns of b, shape (n + 1,).
+            side: Of the box around control points, shape (nq,).
+        """
+        m, rows = self.now.shape
+        by_point = (self.by_point * side).reshape(m, rows, 4 * len(side))
+        values = np.concatenate([by_point, self.by_pace], axis=2)
+        owners = grid_weights(len(points)).owners[self.places]
+        around = np.stack([pace[self.intervals], pace[self.intervals + 1]], axis=-1)
+        columns = np.concatenate([points[owners].reshape(m, 4 * points.shape[1]), around], axis=1)
+        columns = np.broadcast_to(columns[:, None], values.shape)
+        bounds = self.bound * _BOTH[:, None, None]
+        found = Rows.between(columns, values, self.now, bounds, self.price)
+        return found.taken(found.least > -_REACH * np.abs(found.values).sum(axis=1))
+
+
+def _normals(vectors: Float64[np.ndarray, "m balls dims"]) -> Float64[np.ndarray, "m balls k dims"]:
+    """Return outward normals of planes that touch the unit ball near where vectors point.
+
+    One says how a vector's length changes; those around it keep a step from going far along the
+    plane of the first, where it would leave the ball.
+    """
+    if vectors.shape[2] == 1:
+        return np.ones((*vectors.shape, 1))
+    length = np.linalg.norm(vectors, axis=2, keepdims=True)
+    ahead = np.where(length > 0, vectors, np.eye(3)[0]) / np.where(length > 0, length, 1.0)
+    least = np.eye(3)[np.abs(ahead).argmin(axis=2)]
+    side = np.cross(ahead, least)
+    side /= np.linalg.norm(side, axis=2, keepdims=True)
+    up = np.cross(ahead, side)
+    around = np.stack([side, up, -side, -up], axis=2)
+    tilted = [np.cos(angle) * ahead[:, :, None] + np.sin(angle) * around for angle in _TILTS]
+    return np.concatenate([ahead[:, :, None], *tilted], axis=2)

@@ -1,0 +1,125 @@
+"""ToolLoad: how fast the origin of a frame moves, over its limits.
+
+Along a curve the origin's way is p(s): p' = J r', p'' = J r'' + J' r'. Its speed |p'| sqrt(b)
+bounds b alone. Its acceleration p'' b + p' u is in the half plane on one side of p', as b is not
+negative: there the disc is replaced by half a polygon within it.
+"""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from planning.domain.motion_limits import ToolLimit
+from planning.refine.least_duration import rest_to_rest
+from planning.refine.load import difference_quotients
+from planning.world.tool_kinematics import ToolKinematics
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
+
+# Of the difference quotient for J', as a way of the joints [rad or m].
+_STEP = 1e-4
+# Sides of half the polygon. It lacks 1 - cos(pi / 96), 0.05 %, of the disc's radius: what more it
+# lacked the model, which knows the disc, would promise again and again and never bring.
+_SIDES = 48
+_ANGLES = (np.arange(_SIDES) + 0.5) * np.pi / _SIDES
+_APOTHEM = float(np.cos(np.pi / (2 * _SIDES)))
+_TINY = 1e-300
+
+
+@dataclass(frozen=True)
+class ToolLoad:
+    """Speed and acceleration of one frame, whichever are limited.
+
+    Attributes:
+        kinematics: Of the frame.
+        limit: One of its two at least.
+    """
+
+    kinematics: ToolKinematics
+    limit: ToolLimit
+
+    def vectors(self, q: Array, v: Array, vdot: Array) -> Array:
+        """Return velocity and acceleration over their limits, whichever are limited."""
+        if self.limit.acceleration is None:
+            return (self.kinematics.velocities(q, v) / self._speed)[:, None]
+        velocity, acceleration = self._rates(q, v, vdot)
+        pushed = acceleration / self._acceleration
+        if self.limit.speed is None:
+            return pushed[:, None]
+        return np.stack([velocity / self._speed, pushed], axis=1)
+
+    def pace_rows(self, q: Array, rate: Array, curvature: Array) -> tuple[Array, Array]:
+        """Return one row for the speed, and those of the polygon for the acceleration."""
+        if self.limit.acceleration is None:
+            way = self.kinematics.velocities(q, rate)
+            steady = (_lengths(way) / self._speed) ** 2
+            return np.zeros_like(steady), steady
+        way, turn = self._rates(q, rate, curvature)
+        ahead, steady = _lengths(way), (_lengths(way) / self._speed) ** 2
+        unit = way / np.maximum(ahead, _TINY)
+        straight = np.sum(turn * unit, axis=1, keepdims=True)
+        across = _lengths(turn - straight * unit)
+        radius = self._acceleration * _APOTHEM
+        cosines, sines = np.cos(_ANGLES), np.sin(_ANGLES)
+        return (
+            np.concatenate([np.zeros_like(steady), cosines * ahead / radius], axis=1),
+            np.concatenate([steady, (cosines * straight + sines * across) / radius], axis=1),
+        )
+
+    def slopes(self, q: Array, v: Array, vdot: Array) -> Array:
+        """Return the vectors' derivatives.
+
+        J is the derivative of the origin's position, so that J' v grows with v by 2 d(J v)/dq.
+        """
+        jacobian = self.kinematics.jacobians(q)[:, 3:]
+        none = np.zeros_like(jacobian)
+        if self.limit.acceleration is None:
+            (turned,) = difference_quotients(lambda at: self._velocities(at, v), q)
+            return (np.stack([turned, jacobian, none]) / self._speed)[:, :, None]
+        (both,) = difference_quotients(lambda at: np.stack(self._rates(at, v, vdot), axis=1), q)
+        turned, bent = both[:, 0], both[:, 1]
+        by_acceleration = np.stack([bent, 2 * turned, jacobian]) / self._acceleration
+        if self.limit.speed is None:
+            return by_acceleration[:, :, None]
+        by_velocity = np.stack([turned, jacobian, none]) / self._speed
+        return np.stack([by_velocity, by_acceleration], axis=2)
+
+    def held(self, q: Array) -> Array:
+        """Return nothing."""
+        return np.zeros((len(q), 0))
+
+    def least_duration(self, ends: Array) -> float:
+        """Return what the straight way in space takes."""
+        _, p_wt = self.kinematics.poses(ends)
+        way = float(np.linalg.norm(p_wt[1] - p_wt[0]))
+        return float(rest_to_rest(np.array([way]), self._speed, self._acceleration)[0])
+
+    @property
+    def _speed(self) -> float:
+        return np.inf if self.limit.speed is None else self.limit.speed
+
+    @property
+    def _acceleration(self) -> float:
+        return np.inf if self.limit.acceleration is None else self.limit.acceleration
+
+    def _velocities(self, q: Array, v: Array) -> Array:
+        """Return J v; v may have fewer rows, which repeat."""
+        return self.kinematics.velocities(q, _repeated(v, len(q)))
+
+    def _rates(self, q: Array, v: Array, vdot: Array) -> tuple[Array, Array]:
+        """Return the origin's velocity and acceleration: J v, and J vdot + J' v; likewise."""
+        v, vdot = _repeated(v, len(q)), _repeated(vdot, len(q))
+        reach = _STEP / np.maximum(_lengths(v), _TINY)
+        places = np.concatenate([q, q, q + reach * v, q - reach * v])
+        found = self.kinematics.velocities(places, np.concatenate([v, vdot, v, v]))
+        velocity, pushed, later, sooner = found.reshape(4, len(q), 3)
+        return velocity, pushed + (later - sooner) / (2 * reach)
+
+
+def _repeated(rows: Array, count: int) -> Array:
+    return np.tile(rows, (count // max(len(rows), 1), 1))
+
+
+def _lengths(vectors: Array) -> Array:
+    return np.linalg.norm(vectors, axis=1, keepdims=True)

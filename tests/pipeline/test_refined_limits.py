@@ -1,0 +1,99 @@
+"""Refinement that knows limits besides those of joints: proven, and quicker for it."""
+
+import time
+
+import numpy as np
+import pytest
+
+import planning
+from planning import candidates
+from planning.domain.deadline import Deadline
+from planning.domain.goal import JointGoal
+from planning.domain.motion_limits import MotionLimits, ToolLimit
+from planning.domain.options import RefineOptions, RetimeOptions, SearchOptions
+from planning.domain.payload import Payload
+from planning.domain.plan import MotionPlan
+from planning.domain.problem import PlanningProblem
+from planning.errors import RetimingFailed
+from tests.conftest import bundled_world
+from tests.refine.arms import ARMS
+
+FRAMES = {name: frame for name, (_, _, frame, _) in ARMS.items()}
+# In the scenes' open part, and behind what is in the way.
+OPEN = {
+    "ur5e": [0.9, -1.97, 2.27, -2.17, -1.07, 0.3],
+    "panda": [0.9, -1.19, 0.7, -2.96, 0.5, 1.87, 1.69],
+}
+BEHIND = {
+    "ur5e": [-0.44, -1.29, 2.47, -1.48, -2.83, 2.49],
+    "panda": [-0.77, -1.66, -0.96, -2.9, 2.15, 0.08, -1.37],
+}
+BOUNDS = {
+    "ur5e": {"arm::shoulder_pan_joint": (-2.0, 9.0), "arm::shoulder_lift_joint": (-9.0, 1.0)},
+    "panda": {"panda::panda_joint1": (-2.0, 9.0), "panda::panda_joint2": (-9.0, 1.0)},
+}
+SPEED = {
+    name: RetimeOptions(tool_limits=(ToolLimit(frame, speed=0.4),))
+    for name, frame in FRAMES.items()
+}
+ACCELERATION = {
+    name: RetimeOptions(tool_limits=(ToolLimit(frame, acceleration=1.5),))
+    for name, frame in FRAMES.items()
+}
+SIGNED = {name: RetimeOptions(acceleration_bounds=bounds) for name, bounds in BOUNDS.items()}
+RUCKIG = RetimeOptions("ruckig", tool_limits=SPEED["panda"].tool_limits)
+
+
+def carrying(name: str, mass: float) -> RetimeOptions:
+    carried = Payload.from_parts(FRAMES[name], mass, (0.0, 0.0, 0.05))
+    return RetimeOptions(effort=True, payload=carried)
+
+
+CASES = {
+    "ur5e, speed": ("ur5e", OPEN, SPEED["ur5e"]),
+    "ur5e, acceleration": ("ur5e", OPEN, ACCELERATION["ur5e"]),
+    "ur5e, signed": ("ur5e", BEHIND, SIGNED["ur5e"]),
+    "panda, speed": ("panda", OPEN, SPEED["panda"]),
+    "panda, acceleration": ("panda", OPEN, ACCELERATION["panda"]),
+    "panda, signed": ("panda", BEHIND, SIGNED["panda"]),
+    "panda, torque": ("panda", BEHIND, carrying("panda", 3.5)),
+    "panda, ruckig": ("panda", OPEN, RUCKIG),
+}
+
+
+def solve(name: str, goal: list[float], timing: RetimeOptions, refine: str) -> MotionPlan:
+    scene, group, _, _ = ARMS[name]
+    problem = PlanningProblem(
+        group,
+        JointGoal(np.array([goal])),
+        search=SearchOptions(allowed_planning_time=30.0),
+        refine=RefineOptions(refine),
+        retime=timing,
+        seed=2,
+    )
+    within = Deadline.after(30.0, time.monotonic)
+    return planning.plan(problem, bundled_world(scene), deadline=within)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("case", CASES)
+def test_a_plan_is_proven_and_quicker(case: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    name, goals, timing = CASES[case]
+    found = solve(name, goals[name], timing, "trajopt")
+    assert found.certificate.proven
+    assert found.stages.refine.improved
+    plain = solve(name, goals[name], timing, "none")
+    monkeypatch.setattr(candidates, "_others", lambda _: MotionLimits())
+    blind = solve(name, goals[name], timing, "trajopt")
+    quickest = min(plain.trajectory.duration, blind.trajectory.duration)
+    assert found.stages.refine.lower_bound < found.trajectory.duration < 0.98 * quickest
+
+
+@pytest.mark.slow
+def test_a_way_on_which_gravity_is_too_much_is_left_for_one_on_which_it_is_not() -> None:
+    goal = [-0.56, -1.54, 2.28, 0.26, -1.25, -0.61]
+    with pytest.raises(RetimingFailed, match="held still"):
+        solve("ur5e", goal, carrying("ur5e", 9.0), "none")
+    found = solve("ur5e", goal, carrying("ur5e", 9.0), "trajopt")
+    assert found.certificate.proven
+    assert next(c for c in found.certificate.checks if c.name == "torque").value <= 1

@@ -1,0 +1,173 @@
+"""What loads say of a motion is true, and so are their slopes."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from planning.domain.curve import JointSpline
+from planning.domain.motion_limits import MotionLimits, ToolLimit
+from planning.domain.options import RetimeOptions
+from planning.domain.path import JointPath
+from planning.refine.basis import spline_of
+from planning.refine.felt import Felt, pace_along
+from planning.refine.load import MOST_HELD
+from planning.refine.loads import bounds_of
+from planning.refine.moments import Moments
+from planning.refine.pace import duration_of, grid_of
+from planning.refine.power_basis import joint_spline
+from planning.retime.path_limits import path_limits
+from planning.retime.retimer import retime
+from tests.conftest import bundled_world
+from tests.refine.arms import (
+    ARMS,
+    KINDS,
+    arm_of,
+    bounds_under,
+    curve_points,
+    limits_of,
+    request_of,
+)
+
+SEEDS = st.integers(0, 2**32 - 1)
+EACH = pytest.mark.parametrize(("name", "kind"), [(name, kind) for name in ARMS for kind in KINDS])
+SOME = settings(max_examples=4, deadline=None)
+
+
+def lengths(felt: Felt, pace: np.ndarray) -> np.ndarray:
+    """Return the loads at both ends of every interval, shape (m, balls)."""
+    moments = Moments.of(felt.count, felt.states, pace)
+    found = [np.linalg.norm(load.vectors(*moments.motion), axis=2) for load in felt.loads]
+    return np.concatenate(found, axis=1)
+
+
+@EACH
+@SOME
+@given(seed=SEEDS)
+def test_slopes_are_those_of_the_vectors(name, kind, seed):
+    rng = np.random.default_rng(seed)
+    (load,) = bounds_under(name, limits_of(name, kind)).loads
+    points = curve_points(name, rng)
+    state = np.stack([points, rng.normal(size=points.shape), 3 * rng.normal(size=points.shape)])
+    way, h = rng.normal(size=state.shape), 1e-5
+    change = load.vectors(*(state + h * way)) - load.vectors(*(state - h * way))
+    expected = np.einsum("kmbdj,kmj->mbd", load.slopes(*state), way)
+    scale = 1 + np.abs(expected).max()
+    np.testing.assert_allclose(change / (2 * h), expected, atol=2e-4 * scale)
+
+
+@EACH
+@SOME
+@given(seed=SEEDS)
+def test_strains_tell_what_another_curve_at_another_pace_feels(name, kind, seed):
+    rng = np.random.default_rng(seed)
+    bounds = bounds_under(name, limits_of(name, kind))
+    points = curve_points(name, rng)
+    _, pace, felt = pace_along(points, bounds)
+    (strain,) = [s for s in felt.strains(pace, 1.0) if s.bound == 1.0]
+    assert len(strain.places) > 0
+    moved, faster, h = rng.normal(size=points.shape), rng.normal(size=len(pace)), 1e-6
+    after = Felt.of(points + h * moved, bounds.loads)
+    before = Felt.of(points - h * moved, bounds.loads)
+    change = lengths(after, pace * (1 + h * faster)) - lengths(before, pace * (1 - h * faster))
+    change /= 2 * h
+    owners = np.minimum(strain.places // 4, len(points) - 4)[:, None] + np.arange(4)
+    told = np.einsum("mrkj,mkj->mr", strain.by_point, moved[owners])
+    told += np.einsum("mre,me->mr", strain.by_pace, faster[strain.intervals[:, None] + [0, 1]])
+    place = 2 * strain.intervals + (strain.places - strain.intervals)
+    # Of every ball the first plane touches it where the vector points; torques have a sign.
+    balls = change.shape[1]
+    told = told.reshape(len(place), balls, -1)[:, :, 0]
+    now = strain.now.reshape(len(place), balls, -1)[:, :, 0]
+    large = np.abs(now) > 0.1
+    signed = np.sign(now) * told
+    scale = 1 + np.abs(told).max()
+    np.testing.assert_allclose(signed[large], change[place][large], atol=1e-3 * scale)
+
+
+@EACH
+@SOME
+@given(seed=SEEDS)
+def test_the_pace_keeps_loads_and_meets_something_everywhere(name, kind, seed):
+    bounds = bounds_under(name, limits_of(name, kind))
+    points = curve_points(name, np.random.default_rng(seed))
+    rates, pace, felt = pace_along(points, bounds)
+    grid = grid_of(len(points))
+    loads = lengths(felt, pace)
+    assert loads.max() <= 1 + 1e-6
+    assert rates.worst(grid, pace) <= 1 + 1e-9
+    shares = np.maximum(
+        np.abs(rates.accelerations(grid, pace)).max(axis=(1, 2)),
+        loads.max(axis=1).reshape(-1, 2).max(axis=1),
+    )
+    used = np.maximum(pace[1:-1] / rates.caps(), np.maximum(shares[1:], shares[:-1]))
+    assert used.min() > 0.97
+
+
+@EACH
+@SOME
+@given(seed=SEEDS)
+def test_the_duration_is_what_the_retimer_finds(name, kind, seed):
+    world, group = arm_of(name)
+    others = limits_of(name, kind)
+    bounds = bounds_under(name, others)
+    points = curve_points(name, np.random.default_rng(seed), 14)
+    _, pace, _ = pace_along(points, bounds)
+    options = RetimeOptions(
+        tool_limits=others.tool_limits, effort=others.effort, payload=others.payload
+    )
+    curve: JointSpline = joint_spline(group.joints, spline_of(points))
+    timed, _ = retime(curve, world.limits(group), options, path_limits(world, group, options))
+    # Its grid is coarser, on which a pace changes less freely.
+    found = duration_of(grid_of(len(points)), pace)
+    assert 0.97 * timed.duration < found < 1.15 * timed.duration
+
+
+def test_what_is_not_asked_for_is_not_felt():
+    bounds = bounds_under("ur5e", MotionLimits())
+    assert bounds.loads == ()
+    np.testing.assert_array_equal(bounds.signed, [[-1.0] * 6, [1.0] * 6])
+    _, _, felt = pace_along(curve_points("ur5e", np.random.default_rng(0)), bounds)
+    assert felt is None
+
+
+def test_a_load_that_is_nowhere_near_makes_no_rows():
+    others = MotionLimits((ToolLimit("arm::tcp", speed=100.0, acceleration=1e4),))
+    bounds = bounds_under("ur5e", others)
+    points = curve_points("ur5e", np.random.default_rng(1))
+    _, pace, felt = pace_along(points, bounds)
+    for strain in felt.strains(pace, 1.0):
+        numbers = np.arange(points.size).reshape(points.shape), np.arange(len(pace))
+        assert len(strain.rows(*numbers, np.ones(6)).least) == 0
+
+
+def test_joints_that_float_leave_loads_to_the_retimer():
+    world = bundled_world("window_3d")
+    group = world.group("body")
+    frame = group.tool_frames[0]
+    path = JointPath(group, np.stack([world.positions(group)] * 2))
+    others = MotionLimits((ToolLimit(frame, speed=0.1),))
+    assert bounds_of(world, request_of(world, path, others)).loads == ()
+
+
+@given(seed=SEEDS)
+@SOME
+def test_what_gravity_takes_too_much_of_costs_and_is_told(seed):
+    rng = np.random.default_rng(seed)
+    others = limits_of("panda", "torque")
+    (load,) = bounds_under("panda", others).loads
+    points = curve_points("panda", rng)
+    weak = type(load)(load.dynamics, load.columns, load.efforts * 0.3)
+    felt = Felt.of(points, (weak,))
+    held = np.abs(weak.held(felt.states[0]))
+    assert felt.excess == pytest.approx(np.maximum(held - MOST_HELD, 0).sum())
+    assert felt.excess > 0
+    _, strain = felt.strains(np.ones(len(felt.states[0])), 1.0)
+    moved, h = rng.normal(size=points.shape), 1e-6
+    at = strain.places
+    change = weak.held(Felt.of(points + h * moved, (weak,)).states[0][at])
+    change = (change - weak.held(Felt.of(points - h * moved, (weak,)).states[0][at])) / (2 * h)
+    owners = np.minimum(at // 4, len(points) - 4)[:, None] + np.arange(4)
+    told = np.einsum("mrkj,mkj->mr", strain.by_point, moved[owners])
+    np.testing.assert_allclose(told, change, atol=1e-4 * (1 + np.abs(change).max()))
+    assert not strain.by_pace.any()
