@@ -8,7 +8,7 @@ from service.schemas.check import PairWire
 from service.schemas.goal import DeviationWire
 from service.schemas.numbers import NonNegative, Positions, Real, Triple
 from service.schemas.pose import PoseWire
-from service.schemas.wire import Answer, Name, Wire
+from service.schemas.wire import Answer, Boolean, Name, Wire
 
 
 class FoundDeviationWire(Answer):
@@ -62,7 +62,7 @@ class LineRequest(Wire):
         default_factory=DeviationWire,
         description="How far from the line straight ways between the waypoints may lead",
     )
-    poses: bool = Field(default=False, description="Whether to answer the tool's poses as well")
+    poses: Boolean = Field(default=False, description="Whether to answer the tool's poses as well")
     allowed_time: Annotated[Real, Field(gt=0, le=60)] = Field(
         default=5.0, description="Give up after this long [s]"
     )

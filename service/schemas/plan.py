@@ -10,7 +10,7 @@ from service.schemas.ik import IkWire
 from service.schemas.motion_limit import MotionLimits
 from service.schemas.numbers import WHOLE, NonNegative, Positions, Real, Scale
 from service.schemas.search import SearchWire
-from service.schemas.wire import Identifier, Name, Wire
+from service.schemas.wire import Boolean, Identifier, Name, Wire
 
 EXAMPLE: dict[str, Any] = {
     "scene": "scn_3f0c5b1e9a7d4c62",
@@ -85,7 +85,7 @@ class RetimeWire(MotionLimits):
         description="How long the motion shall take [s]; null for the least that the limits allow, "
         "and less than that is `retiming_failed`",
     )
-    explain: Annotated[bool, Strict()] = Field(
+    explain: Boolean = Field(
         default=False,
         description="Say which limit binds when, and what relaxing it would save "
         "(`stages.retime.explanation`); takes some 20 ms for each part",
@@ -95,7 +95,7 @@ class RetimeWire(MotionLimits):
 class CertifyWire(Wire):
     """What to find out about the motion once it is proven; told in the report on `certify`."""
 
-    stop_anywhere: Annotated[bool, Strict()] = Field(
+    stop_anywhere: Boolean = Field(
         default=False,
         description="Bound the longest stop along the path, from any instant: a check `stop`, and "
         "`stop` in the report; takes some 0.1 s, 0.5 s with jerk limits",
@@ -104,7 +104,7 @@ class CertifyWire(Wire):
         default=None,
         description="No stop may take longer [s], and `stop_anywhere` is meant; null for no bound",
     )
-    robustness: Annotated[bool, Strict()] = Field(
+    robustness: Boolean = Field(
         default=False,
         description="Bound how far off obstacles and joints may be: `robustness` in the report; "
         "takes some 0.2 s",
