@@ -186,9 +186,12 @@ def test_a_planar_body_has_bounds_on_its_turn_alone() -> None:
     assert turn.max() <= 0.3
     speed = next(c for c in found.certificate.checks if c.name == "tool_speed body::body")
     assert 0.19 < speed.value <= 0.2
-    linear = replace(problem.retime, acceleration_bounds={"body::base_joint.linear": (-1, 1)})
-    with pytest.raises(UnknownName, match="angular"):
-        planning.plan(replace(problem, retime=linear), world, deadline=deadline())
+    for wrong in ("body::base_joint", "body::base_joint.x", "body::base_joint.linear"):
+        bounds = replace(problem.retime, acceleration_bounds={wrong: (-1, 1)})
+        with pytest.raises(UnknownName) as refused:
+            planning.plan(replace(problem, retime=bounds), world, deadline=deadline())
+        assert "what can: ['body::base_joint.angular']" in refused.value.detail
+        assert "has no sign: ['body::base_joint.linear']" in refused.value.detail
 
 
 @pytest.mark.parametrize(
