@@ -138,7 +138,7 @@ def retime_value(retime: RetimeWire) -> RetimeOptions:
         method=retime.method,
         velocity_scale=retime.velocity_scale,
         acceleration_scale=retime.acceleration_scale,
-        sample_period=retime.sample_period,
+        sample_period=retime.period,
         duration=retime.duration,
         explain=retime.explain,
         **motion_limits(retime),

@@ -6,6 +6,7 @@ from planning.domain.car_request import agreed_steering, require_directed
 from planning.domain.foreign_planners import unknown_planner
 from planning.domain.steering import Steering
 from planning.errors import UnknownName
+from service.convert.trajectories import require_one_sampling
 from service.desk import Desk, spec_of
 from service.jobs.records import Job
 from service.regions.choice import regions_payload
@@ -45,7 +46,7 @@ async def submit_plan(request: PlanRequest, key: str | None, scenes: SceneShelf,
         UnknownName: The scene has no such group, joint, frame or configuration, or nobody has
             the planner.
         ProblemInvalid: A base cannot drive as is asked, or a planner cannot search for that, or
-            regions are named and no planner needs them.
+            regions are named and no planner needs them, or samples are asked for twice.
         WrongCount: A list of positions does not fit the group.
         IdempotencyConflict: The key was used for another request.
         NoRegions: The planner GCS is asked for, and no regions fit.
@@ -58,6 +59,7 @@ async def submit_plan(request: PlanRequest, key: str | None, scenes: SceneShelf,
     require_goal(record, group, request.goal)
     require_constraints(record, group, request.path_constraints)
     require_motion_limits(record, group, request.retime)
+    require_one_sampling(request.retime.sample_period, request.retime.num_points)
     require_joints(group, request.ik.joint_weights)
     require_planner(await desk.planners(), request.search)
     require_search_names(group, request.search)

@@ -12,6 +12,9 @@ from service.schemas.numbers import WHOLE, NonNegative, Positions, Real, Scale
 from service.schemas.search import SearchWire
 from service.schemas.wire import Boolean, Identifier, Name, Wire
 
+# Between samples [s].
+DEFAULT_PERIOD = 0.01
+
 EXAMPLE: dict[str, Any] = {
     "scene": "scn_3f0c5b1e9a7d4c62",
     "group": "arm",
@@ -71,14 +74,15 @@ class RetimeWire(MotionLimits):
     acceleration_scale: Scale = Field(
         default=1.0, description="Factor on every acceleration and jerk limit, 0..1"
     )
-    sample_period: Annotated[Real, Field(ge=1e-3, le=10)] = Field(
-        default=0.01,
-        description="Of the delivered samples [s]; 200000 at most, more are `problem_invalid`",
+    sample_period: Annotated[Real, Field(ge=1e-3, le=10)] | None = Field(
+        default=DEFAULT_PERIOD,
+        description="Of the delivered samples [s]; 200000 at most, more are `problem_invalid`; "
+        "null where `num_points` says how many",
     )
     num_points: Annotated[int, Strict(), Field(ge=2, le=200_000), WHOLE] | None = Field(
         default=None,
         description="Deliver so many samples, evenly in time, first and last instants included; "
-        "null for one every `sample_period`",
+        "null for one every `sample_period`; not both",
     )
     duration: Annotated[Real, Field(gt=0, le=86_400)] | None = Field(
         default=None,
@@ -90,6 +94,19 @@ class RetimeWire(MotionLimits):
         description="Say which limit binds when, and what relaxing it would save "
         "(`stages.retime.explanation`); takes some 20 ms for each part",
     )
+
+    @model_validator(mode="before")
+    @classmethod
+    def _know_no_period_of_points(cls, given: Any) -> Any:
+        """Let the default go where a number of points stands: whoever gives both is refused."""
+        if isinstance(given, dict) and given.get("num_points") is not None:
+            return {"sample_period": None, **given}
+        return given
+
+    @property
+    def period(self) -> float:
+        """Between samples [s], where `num_points` does not say how many there are."""
+        return self.sample_period or DEFAULT_PERIOD
 
 
 class CertifyWire(Wire):
