@@ -1,8 +1,7 @@
 """Preflight of limits on a motion: the frames and joints that they name are the scene's."""
 
-from planning.domain.joints import Joint, JointType
 from planning.domain.motion_limits import require_signs
-from service.scenes.preflight import Group, require_frames
+from service.scenes.preflight import Group, joints_of, require_frames
 from service.scenes.records import SceneRecord
 from service.schemas.motion_limit import MotionLimits
 
@@ -18,5 +17,4 @@ def require_motion_limits(scene: SceneRecord, group: Group, limits: MotionLimits
         require_frames(scene, [zone.frame, zone.box.pose.frame])
     if limits.payload is not None:
         require_frames(scene, [limits.payload.frame])
-    joints = [Joint(joint["name"], JointType(joint["type"])) for joint in group["joints"]]
-    require_signs(limits.acceleration_bounds, joints)
+    require_signs(limits.acceleration_bounds, joints_of(group))
