@@ -112,6 +112,22 @@ def own(world: World, options: RetimeOptions) -> planning.RetimedPath:
     return planning.retime_path(world, "arm", path, deadline=deadline(), options=options)
 
 
+def test_the_plot_shows_the_use_of_each_by_the_name_of_its_check(pickup: World) -> None:
+    options = RetimeOptions(tool_limits=LIMITS, speed_zones=(ZONE,), acceleration_bounds=BOUNDS)
+    made = own(pickup, options)
+    used = planning.motion_series(pickup, "arm", made.trajectory, 81, options).utilisation
+    peaks = {
+        check.name: check.value / check.bound
+        for check in made.certificate.checks
+        if check.name.startswith(("tool", "speed_zone"))
+    }
+    assert set(used) - {"velocity", "acceleration", "jerk", "torque"} == set(peaks)
+    for name, peak in {**peaks, "acceleration": 1.0}.items():
+        assert 0.95 * peak < used[name].max() <= peak + 1e-3, name
+    plain = planning.motion_series(pickup, "arm", made.trajectory, 3).utilisation
+    assert set(plain) == {"velocity", "acceleration", "jerk", "torque"}
+
+
 @pytest.mark.parametrize("method", ["toppra", "ruckig"])
 def test_an_own_path_keeps_them_and_what_is_quicker_is_refused(pickup: World, method: str) -> None:
     options = RetimeOptions(

@@ -38,6 +38,8 @@ def test_a_plan_has_a_check_for_each(client, scene):
     checks = named(job["result"]["certificate"])
     assert all(checks[name]["passed"] for name in CHECKS)
     assert checks["tool_speed arm::tcp"]["value"] <= checks["tool_speed arm::tcp"]["bound"] == 0.2
+    drawing = client.get(f"/v1/plans/{job['id']}/plots/utilisation.svg").text
+    assert all(f">{name}</text>" in drawing for name in [*CHECKS, "torque", "acceleration"])
     retime = job["result"]["stages"]["retime"]
     assert retime["binding"]["tool_speed"] == "arm::tcp"
     assert {"speed_zone", "tool_speed", "acceleration_bounds"} & {
