@@ -4,8 +4,8 @@ from typing import Any
 
 from planning.domain.car_request import agreed_steering, require_directed
 from planning.domain.foreign_planners import unknown_planner
-from planning.domain.steering import Steering
 from planning.errors import UnknownName
+from service.convert.goals import steering_value
 from service.convert.trajectories import require_one_sampling
 from service.desk import Desk, spec_of
 from service.jobs.records import Job
@@ -124,7 +124,7 @@ def require_cars(group: Group, search: SearchWire) -> None:
             group can have no regions and the planner GCS is asked for.
     """
     asked = {
-        name: Steering(space.turning_radius, space.reverse)
+        name: steering_value(space)
         for name, space in search.spaces.items()
         if isinstance(space, CarWire)
     }
