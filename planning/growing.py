@@ -15,7 +15,7 @@ from planning.domain.options import IkOptions, SearchOptions
 from planning.domain.path import JointPath
 from planning.domain.plan import Progress, ignore_progress
 from planning.domain.pose import Pose
-from planning.domain.region_request import require_convex
+from planning.domain.region_request import require_convex, require_one_turn
 from planning.domain.regions import RegionOptions, Regions
 from planning.domain.steering import steering_of
 from planning.errors import (
@@ -112,11 +112,12 @@ def domain_of(world: World, group: JointGroup, options: RegionOptions) -> tuple[
 
     Raises:
         ProblemInvalid: The group has a joint that floats or is steered, or nothing bounds a
-            coordinate.
+            coordinate, or the bounds of one are wider than a turn.
         UnknownName: The group has no coordinate that the bounds name.
     """
     kinds = {joint.name: joint.type for joint in group.joints}
     require_convex(kinds, steering_of(group), "group")
+    require_one_turn(group.joints, options.bounds)
     limits = world.limits(group)
     lower, upper = np.array(limits.lower), np.array(limits.upper)
     turns = np.array([

@@ -22,6 +22,8 @@ from planning.world.world import CollisionJudge, World
 
 # RRTConnect's steps where nothing else is asked for [rad or m].
 _USUAL_STRIDE = 0.5
+# Messages have no more of what is violated than that; the evidence has all.
+_MOST_TOLD = 3
 
 
 def admit_rules(
@@ -42,7 +44,7 @@ def admit_rules(
     rules = PathRules.compiled(world, group, constraints, start)
     violations = rules.violations(start)
     if violations:
-        message = f"the start violates {_words(violations[0])}"
+        message = f"the start violates {'; '.join(map(_violated, violations[:_MOST_TOLD]))}"
         raise StartViolatesConstraint(message, {"violations": violations})
     return rules
 
@@ -66,10 +68,7 @@ def kept_goals(
         if isinstance(goal, JointGoal | ConfigurationGoal):
             rng = np.random.default_rng(seed)
             evidence, words = what_would_do(world, query, goal, rng, deadline)
-        message = (
-            f"every one of {len(found)} goal configurations violates a path constraint; "
-            f"the nearest to none: {_words(tally[0]['least'])}{words}"
-        )
+        message = _refusal(len(found), tally) + words
         raise GoalViolatesConstraint(message, {"violations": tally, **evidence})
     return GoalConfigurations(
         goals.positions[rows],
@@ -113,12 +112,27 @@ def _violations(rules: PathRules, goals: GoalConfigurations, row: int) -> list[d
     return []
 
 
-def _words(violation: dict[str, Any]) -> str:
-    whose = f"{violation['joint']}: " if "joint" in violation else ""
-    return (
-        f"{violation['constraint']} ({whose}{violation['value']:.4g} {violation['unit']}, "
-        f"bound {violation['bound']:.4g})"
+def _refusal(count: int, tally: list[dict[str, Any]]) -> str:
+    """Return why none of some goal configurations will do, as words."""
+    told = tally[:_MOST_TOLD]
+    if count == 1:
+        words = "; ".join(_violated(entry["least"]) for entry in told)
+        return f"the goal configuration violates {words}"
+    words = "; ".join(
+        f"{entry['count']} violate {_violated(entry['least'], ', the least by')}" for entry in told
     )
+    return f"none of {count} goal configurations keeps the path constraints: {words}"
+
+
+def _violated(violation: dict[str, Any], by: str = " by") -> str:
+    """Return a constraint's index and kind, and by how much it is violated."""
+    index, _, kind = str(violation["constraint"]).partition(": ")
+    value, bound, unit = violation["value"], violation["bound"], violation["unit"]
+    if unit == "1":
+        return f"{index} ({kind}), which says no"
+    at = f" at {violation['joint']}" if "joint" in violation else ""
+    amount = f"{abs(value - bound):.4g} {unit}"
+    return f"{index} ({kind}){by} {amount}{at} ({value:.4g} {unit}, bound {bound:.4g} {unit})"
 
 
 def _tally(found: list[list[dict[str, Any]]]) -> list[dict[str, Any]]:

@@ -1,6 +1,7 @@
 """A motion against its limits over time: the numbers of its plots."""
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -8,8 +9,10 @@ from jaxtyping import Float64
 
 from planning.domain.curve import TimedTrajectory
 from planning.domain.joints import JointGroup, JointLimits
-from planning.domain.payload import Payload
+from planning.domain.options import RetimeOptions
 from planning.domain.value import Value
+from planning.retime.path_limits import path_limits
+from planning.timing import admit_timing
 from planning.world.dynamics import GroupDynamics
 from planning.world.world import World
 
@@ -34,6 +37,9 @@ class MotionSeries(Value):
         clearance: Smallest signed distance of any two bodies that may collide [m], half a metre
             where all are farther apart.
         pairs: Whose it is, or two empty names.
+        shares: How much is used of each limit that was asked for besides those of joints [1], by
+            its check in the certificate: `acceleration`, `tool_speed <frame>`,
+            `tool_acceleration <frame>`, `speed_zone <name>`, which is zero outside of the zone.
     """
 
     group: JointGroup
@@ -44,10 +50,15 @@ class MotionSeries(Value):
     efforts: Float64[np.ndarray, "m nv"]
     clearance: Float64[np.ndarray, " m"]
     pairs: tuple[tuple[str, str], ...]
+    shares: Mapping[str, Float64[np.ndarray, "m limits"]]
 
     @property
     def utilisation(self) -> dict[str, Array]:
-        """Rate or effort over its limit, by name, each of shape (m, num_blocks)."""
+        """Rate or effort over its limit, by the name of its check, each of shape (m, limits).
+
+        Of joints there is a column for each block, and for `acceleration` one more for each that
+        has bounds by sign.
+        """
         limits = self.limits
         amounts = {
             "velocity": (self.rates[0], limits.velocity),
@@ -55,13 +66,16 @@ class MotionSeries(Value):
             "jerk": (self.rates[2], limits.jerk),
             "torque": (self.efforts, limits.effort),
         }
-        return {
+        used = {
             name: np.stack(
                 [np.linalg.norm(values[:, list(block)], axis=1) for block in limits.blocks], axis=1
             )
             / bound
             for name, (values, bound) in amounts.items()
         }
+        for name, more in self.shares.items():
+            used[name] = np.concatenate([used[name], more], axis=1) if name in used else more
+        return used
 
 
 def motion_series(
@@ -69,7 +83,7 @@ def motion_series(
     group: str,
     trajectory: TimedTrajectory,
     count: int = 201,
-    payload: Payload | None = None,
+    options: RetimeOptions | None = None,
 ) -> MotionSeries:
     """Return a motion's numbers at evenly spread instants.
 
@@ -81,14 +95,16 @@ def motion_series(
         group: What moves.
         trajectory: The motion, one of the group's joints.
         count: Of instants, at least 2.
-        payload: What the group carries that the scene does not show.
+        options: The limits besides those of joints, and what the group carries that the scene does
+            not show.
 
     Raises:
-        UnknownName: There is no such group, or no such frame as the payload's.
-        ProblemInvalid: The group does not move the payload.
+        UnknownName: There is no such group, frame or joint.
+        ProblemInvalid: A limit makes no sense, or the group does not move the payload.
     """
     joints = world.group(group)
-    dynamics = GroupDynamics(world, joints, payload)
+    asked = admit_timing(world, joints, options or RetimeOptions(), trajectory.start)
+    dynamics = GroupDynamics(world, joints, asked.payload)
     times = np.linspace(0.0, trajectory.duration, count)
     q = trajectory.positions(times)
     probe = world.distance_probe(world.margins())
@@ -102,4 +118,23 @@ def motion_series(
         efforts=dynamics.efforts(q, trajectory.velocities(times), trajectory.accelerations(times)),
         clearance=np.array([pairs[0].distance if pairs else _FARTHEST for pairs in nearest]),
         pairs=tuple(pairs[0].bodies if pairs else ("", "") for pairs in nearest),
+        shares=_shares(world, joints, asked, trajectory, times),
     )
+
+
+def _shares(
+    world: World,
+    group: JointGroup,
+    options: RetimeOptions,
+    trajectory: TimedTrajectory,
+    times: Array,
+) -> dict[str, Array]:
+    """Return how much of the limits besides those of joints is used, by the names of checks."""
+    shares: dict[str, list[Array]] = {}
+    # Torques have a series of their own, limited or not.
+    for limit in path_limits(world, group, replace(options, effort=False)):
+        for where, share in limit.shares(trajectory, times).items():
+            is_of_joint = limit.name == "acceleration_bounds"
+            name = "acceleration" if is_of_joint else f"{limit.name} {where}"
+            shares.setdefault(name, []).append(share)
+    return {name: np.stack(columns, axis=1) for name, columns in shares.items()}

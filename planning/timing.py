@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 
 from planning.domain.joints import JointGroup
-from planning.domain.motion_limits import SpeedZone
+from planning.domain.motion_limits import SpeedZone, require_signs
 from planning.domain.options import RetimeOptions
-from planning.errors import ProblemInvalid, UnknownName
+from planning.errors import ProblemInvalid
 from planning.world.dynamics import require_burden
 from planning.world.world import Array, World
 
@@ -68,10 +68,8 @@ def _require_zones(world: World, zones: tuple[SpeedZone, ...], within: str) -> N
 
 
 def _require_bounds(group: JointGroup, options: RetimeOptions, within: str) -> None:
-    known = [name for name, indices in group.blocks if len(indices) == 1]
+    require_signs(options.acceleration_bounds, group.joints)
     for name, (lowest, highest) in options.acceleration_bounds.items():
-        if name not in known:
-            raise UnknownName.among("joint", name, known)
         is_apart = -np.inf < lowest < 0 < highest < np.inf
         field = f"{within}acceleration_bounds.{name}"
         _demand(is_apart, field, "the lowest must be negative, the highest positive")

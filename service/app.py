@@ -3,7 +3,7 @@
 from collections.abc import AsyncGenerator
 from contextlib import asynccontextmanager
 
-from fastapi import FastAPI
+from fastapi import Depends, FastAPI
 
 from service import openapi, problems
 from service.body_limit import BodyLimit
@@ -21,11 +21,13 @@ from service.routes import (
     scenes,
     trajectories,
 )
+from service.routes.known_query import require_known_query
 from service.settings import Settings
 
 _DESCRIPTION = (
     "Plans robot motion and proves it. SI units, radians, quaternions as `[w, x, y, z]`. Unknown "
-    "fields and non-finite numbers are refused. Errors are `application/problem+json` (RFC 9457)."
+    "fields, unknown query parameters and non-finite numbers are refused. Errors are "
+    "`application/problem+json` (RFC 9457)."
 )
 _ROUTES = (
     scenes,
@@ -37,7 +39,6 @@ _ROUTES = (
     trajectories,
     own_motion,
     executions,
-    operations,
 )
 
 
@@ -69,5 +70,7 @@ def create_app(settings: Settings | None = None) -> FastAPI:
     problems.install(app)
     openapi.install(app)
     for part in _ROUTES:
-        app.include_router(part.router)
+        app.include_router(part.router, dependencies=[Depends(require_known_query)])
+    # Who probes or scrapes adds to its queries what it likes.
+    app.include_router(operations.router)
     return app

@@ -17,6 +17,9 @@ from planning.world.drake_model import DrakeModel
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
+_NAMES = {1: "tool_speed", 2: "tool_acceleration"}
+_UNITS = {1: "m/s", 2: "m/s^2"}
+
 
 def tool_checks(model: DrakeModel, request: CertifyRequest, deadline: Deadline) -> list[Check]:
     """Return a check for every limit of a frame and every zone; values are guaranteed bounds.
@@ -28,12 +31,10 @@ def tool_checks(model: DrakeModel, request: CertifyRequest, deadline: Deadline) 
     """
     by_frame: dict[str, list[Quantity]] = {}
     for limit in request.tool_limits:
-        if limit.speed is not None:
-            named = f"tool_speed {limit.frame}", limit.speed
-            by_frame.setdefault(limit.frame, []).append(_Speed(*named))
-        if limit.acceleration is not None:
-            named = f"tool_acceleration {limit.frame}", limit.acceleration
-            by_frame.setdefault(limit.frame, []).append(_Acceleration(*named))
+        for order, rate in enumerate((limit.speed, limit.acceleration), start=1):
+            if rate is not None:
+                quantity = _Rate(f"{_NAMES[order]} {limit.frame}", rate, order)
+                by_frame.setdefault(limit.frame, []).append(quantity)
     for zone in request.speed_zones:
         by_frame.setdefault(zone.frame, []).append(_zone(model, request, zone))
     return [
@@ -44,25 +45,23 @@ def tool_checks(model: DrakeModel, request: CertifyRequest, deadline: Deadline) 
 
 
 @dataclass(frozen=True)
-class _Speed:
+class _Rate:
+    """The size of the origin's velocity (order 1) or acceleration (order 2)."""
+
     name: str
     limit: float
-    unit: str = "m/s"
+    order: int
+
+    @property
+    def unit(self) -> str:
+        return _UNITS[self.order]
 
     def look(self, spans: Spans) -> tuple[Array, Array]:
-        seen = np.stack([_length(part.velocity) for part in (spans.begin, spans.end)])
-        return seen.max(axis=0) + spans.strays[1], seen
+        seen = np.stack([_length(self._of(part)) for part in (spans.begin, spans.end)])
+        return seen.max(axis=0) + spans.strays[self.order], seen
 
-
-@dataclass(frozen=True)
-class _Acceleration:
-    name: str
-    limit: float
-    unit: str = "m/s^2"
-
-    def look(self, spans: Spans) -> tuple[Array, Array]:
-        seen = np.stack([_length(part.acceleration) for part in (spans.begin, spans.end)])
-        return seen.max(axis=0) + spans.strays[2], seen
+    def _of(self, part: Sighting) -> Array:
+        return part.velocity if self.order == 1 else part.acceleration
 
 
 @dataclass(frozen=True)

@@ -1,5 +1,6 @@
 """Joints, groups of joints, and what they may do."""
 
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from enum import StrEnum
 from functools import cached_property
@@ -90,6 +91,20 @@ class Joint(Value):
         if pairs is None:
             return ((self.name, (0,)),)
         return tuple((f"{self.name}.{kind}", indices) for kind, indices in pairs)
+
+
+def offsets_of(
+    joints: Iterable[Joint], is_meant: Callable[[Joint], bool]
+) -> tuple[tuple[int, int], ...]:
+    """Return where the coordinates of each joint that is meant begin in q and in v."""
+    found: list[tuple[int, int]] = []
+    iq = iv = 0
+    for joint in joints:
+        if is_meant(joint):
+            found.append((iq, iv))
+        iq += joint.num_positions
+        iv += joint.num_velocities
+    return tuple(found)
 
 
 @dataclass(frozen=True, eq=False)

@@ -14,7 +14,7 @@ import numpy as np
 from jaxtyping import Float64
 
 from planning.domain import rotation
-from planning.domain.joints import Joint, JointType
+from planning.domain.joints import Joint, JointType, offsets_of
 from planning.domain.value import Value
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
@@ -44,14 +44,7 @@ class Manifold(Value):
     @cached_property
     def _floating(self) -> tuple[tuple[int, int], ...]:
         """The offset in q and in v of each floating joint."""
-        found: list[tuple[int, int]] = []
-        iq = iv = 0
-        for joint in self.joints:
-            if joint.type is JointType.FLOATING:
-                found.append((iq, iv))
-            iq += joint.num_positions
-            iv += joint.num_velocities
-        return tuple(found)
+        return offsets_of(self.joints, lambda joint: joint.type is JointType.FLOATING)
 
     @cached_property
     def _plain(self) -> tuple[list[int], list[int]]:

@@ -1,14 +1,37 @@
 """Limits on a motion besides those of single joints: of frames, in boxes, by sign."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 
 from planning.domain.constraint import PlacedBox
+from planning.domain.joints import Joint
 from planning.domain.payload import Payload
 from planning.domain.value import Value
+from planning.errors import UnknownName
 
 # Lowest and highest acceleration of joints [rad/s^2 or m/s^2], by name.
 type AccelerationBounds = Mapping[str, tuple[float, float]]
+
+
+def require_signs(names: Iterable[str], joints: Iterable[Joint]) -> None:
+    """Go on only if names of acceleration bounds are of blocks of one coordinate.
+
+    Raises:
+        UnknownName: One is not; what can be bounded is told, and what cannot because it has no
+            sign.
+    """
+    blocks = [block for joint in joints for block in joint.blocks]
+    single = [name for name, indices in blocks if len(indices) == 1]
+    by_norm = [name for name, indices in blocks if len(indices) > 1]
+    for name in names:
+        if name not in single:
+            fault = UnknownName.among("joint", name, single)
+            hint = "".join(f"did you mean {near!r}? " for near in fault.evidence["nearest"][:1])
+            message = (
+                f"acceleration_bounds: {name!r} cannot be bounded; {hint}what can: {single}; "
+                f"what cannot, as it is limited by a norm, which has no sign: {by_norm}"
+            )
+            raise UnknownName(message, {**fault.evidence, "by_norm": by_norm})
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,9 +1,13 @@
 """What a group must be like to have regions, and to plan in them."""
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from math import tau
 
-from planning.domain.joints import JointType
+from planning.domain.joints import Joint, JointType
 from planning.errors import ProblemInvalid
+
+# What bounds in rounded numbers, as -3.1416 to 3.1416, may be wider than a turn [rad].
+_ROUNDED = 1e-3
 
 
 def require_convex(joints: Mapping[str, JointType], cars: Collection[str], field: str) -> None:
@@ -28,3 +32,25 @@ def require_convex(joints: Mapping[str, JointType], cars: Collection[str], field
         names = sorted(cars)
         message = f"{field}: ways inside regions are straight; {', '.join(names)} cannot drive them"
         raise ProblemInvalid(message, {"field": field, "joints": names})
+
+
+def require_one_turn(joints: Iterable[Joint], bounds: Mapping[str, Sequence[float]]) -> None:
+    """Go on only if bounds of angles on a circle hold no posture twice.
+
+    Args:
+        joints: All of the group's joints; none floats.
+        bounds: Lowest and highest value by position name [rad or m].
+
+    Raises:
+        ProblemInvalid: Bounds of a continuous joint or of a yaw are wider than a turn.
+    """
+    for joint in joints:
+        for name, is_circle in zip(joint.position_names, joint.wraps, strict=True):
+            low, high = bounds.get(name, (0.0, 0.0))
+            if is_circle and high - low > tau + _ROUNDED:
+                field = f"bounds.{name}"
+                message = (
+                    f"{field}: [{low:g}, {high:g}] is {high - low:.6g} rad wide, and after one "
+                    f"turn ({tau:.6g} rad) every posture comes again; give one turn or less"
+                )
+                raise ProblemInvalid(message, {"field": field, "bounds": [low, high]})

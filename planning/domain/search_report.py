@@ -73,8 +73,8 @@ class SearchReport(Value):
 
     Attributes:
         planner: OMPL's name; of several, whose solution was kept; "roadmap" if it was a roadmap's.
-        attempts: Solutions asked for.
-        solved: Exact solutions found.
+        attempts: How many were made: none where a straight line was free or a roadmap knew a way.
+        solved: How many of them found an exact solution.
         num_states_checked: Configurations checked for collision, shortcutting included.
         num_motions_checked: Edges checked.
         raw_length: Length of the kept solution before shortcutting.

@@ -15,7 +15,7 @@ from typing import Any, override
 import numpy as np
 from jaxtyping import Float64
 
-from planning.domain.joints import JointGroup
+from planning.domain.joints import JointGroup, offsets_of
 from planning.domain.manifold import Manifold
 from planning.domain.value import Value
 
@@ -91,14 +91,7 @@ class SteeredManifold(Manifold):
     @cached_property
     def offsets(self) -> tuple[tuple[int, int], ...]:
         """Where the coordinates of each steered joint begin in q and in v."""
-        found: list[tuple[int, int]] = []
-        iq = iv = 0
-        for joint in self.joints:
-            if joint.name in self.cars:
-                found.append((iq, iv))
-            iq += joint.num_positions
-            iv += joint.num_velocities
-        return tuple(found)
+        return offsets_of(self.joints, lambda joint: joint.name in self.cars)
 
     @override
     def plus(self, q: Float64[np.ndarray, "*#n nq"], delta: Float64[np.ndarray, "*#n nv"]) -> Array:

@@ -122,7 +122,7 @@ def _report(
         roadmap = report_of(task.roadmap, "straight_line")
     return SearchReport(
         planner=tally.winner or query.planner,
-        attempts=task.options.num_attempts,
+        attempts=tally.num_attempts,
         solved=tally.num_solved,
         num_states_checked=query.oracle.num_states,
         num_motions_checked=tally.num_motions + fine.num_motions,

@@ -7,7 +7,7 @@ import yaml
 from pydantic import Field, ValidationError
 
 from planning.errors import ModelInvalid
-from planning.world.strict import Number, Positive, Strictest
+from planning.world.strict import Boolean, Number, Positive, Strictest
 
 type Range = Annotated[list[Number], Field(min_length=2, max_length=2)]
 
@@ -38,7 +38,7 @@ class SteeringCard(Strictest):
     """How a planar joint is steered: its tightest turn [m], and whether it drives backwards."""
 
     turning_radius: Positive
-    reverse: bool = True
+    reverse: Boolean = True
 
 
 class LimitsCard(Strictest):

@@ -22,7 +22,7 @@ from planning.domain.scene import (
 )
 from planning.domain.shapes import HalfSpace
 from planning.world.shape_document import ShapeDocument
-from planning.world.strict import Distance, Number, Positive, Strictest
+from planning.world.strict import Boolean, Distance, Number, Positive, Strictest, Unit
 
 type Name = Annotated[
     str, StringConstraints(min_length=1, max_length=128, pattern=r"^[A-Za-z0-9_.\-]+$")
@@ -32,7 +32,6 @@ type Path_ = Annotated[
 ]
 type Triple = Annotated[list[Number], Field(min_length=3, max_length=3)]
 type Quadruple = Annotated[list[Number], Field(min_length=4, max_length=4)]
-type Unit = Annotated[float, Field(allow_inf_nan=False, ge=0, le=1)]
 
 
 class PoseDocument(Strictest):
@@ -113,7 +112,7 @@ class ObjectDocument(Strictest):
     pose: PoseDocument = Field(
         default_factory=PoseDocument, description="X_WO; of an attached object X_FO, in its frame"
     )
-    movable: bool = Field(default=False, description="Whether it may be attached")
+    movable: Boolean = Field(default=False, description="Whether it may be attached")
     color: list[Unit] | None = Field(
         default=None, min_length=3, max_length=4, description="RGB or RGBA, each 0 to 1"
     )

@@ -1,8 +1,8 @@
-"""Strict building blocks of documents: no unknown keys, no NaN, no numbers in quotes."""
+"""Strict building blocks of documents: no unknown keys, no NaN, nothing in quotes but text."""
 
 from typing import Annotated, Any
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, Strict
 
 
 def _no_lookalikes(number: Any) -> Any:
@@ -19,11 +19,13 @@ type Number = Annotated[
 type Positive = Annotated[
     float, BeforeValidator(_no_lookalikes), Field(allow_inf_nan=False), Field(ge=1e-6, le=1e4)
 ]
-
-
 type Distance = Annotated[
     float, BeforeValidator(_no_lookalikes), Field(allow_inf_nan=False), Field(ge=0, le=10)
 ]
+type Unit = Annotated[
+    float, BeforeValidator(_no_lookalikes), Field(allow_inf_nan=False), Field(ge=0, le=1)
+]
+type Boolean = Annotated[bool, Strict()]
 
 
 class Strictest(BaseModel):

@@ -7,7 +7,7 @@ import typer
 
 from service.cli.goal import goal_of, group_of
 from service.cli.plan import finished, write
-from service.cli.screen import console, follow, show_execution, show_failure, show_plans
+from service.cli.screen import console, follow, show_execution, show_failure, show_plans, unit_of
 from service.cli.session import scene_text, session
 from service.client.client import Client
 from service.schemas.execution import Execution, ExecutionState
@@ -47,9 +47,9 @@ def demo(
             plans[f"to {target}"] = job
             start = job.result.goal_configuration if job.result else None
         executions = {name: executed(client, name, job, speed) for name, job in plans.items()}
-        show_plans(plans)
+        show_plans(plans, unit_of(group))
         for name, execution in executions.items():
-            show_execution(name, execution)
+            show_execution(name, execution, unit_of(group))
         for i, (name, job) in enumerate(plans.items(), 1):
             file = out / f"{_SCENE}-{i}-{name.replace(' ', '-')}.html"
             write(client, job, file)

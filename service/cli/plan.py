@@ -6,7 +6,7 @@ from typing import Annotated, Any
 import typer
 
 from service.cli.goal import goal_of, group_of, start_of
-from service.cli.screen import console, follow, show_failure, show_plans
+from service.cli.screen import console, follow, show_failure, show_plans, unit_of
 from service.cli.session import scene_text, session
 from service.client.client import Client
 from service.schemas.job import Job
@@ -45,7 +45,7 @@ def plan(  # noqa: PLR0913  (one parameter per option)
             "seed": seed,
         }
         job = finished(client, f"to {to}", request)
-        show_plans({f"to {to}": job})
+        show_plans({f"to {to}": job}, unit_of(moving))
         if out is not None:
             write(client, job, out)
             console.print(f"written to {out}", markup=False)

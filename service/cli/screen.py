@@ -12,11 +12,18 @@ from service.schemas.execution import Execution
 from service.schemas.job import Job
 from service.schemas.problem import Failure
 from service.schemas.result import PlanResult
+from service.schemas.summary import GroupWire
 
 console = Console(highlight=False)
 complaints = Console(stderr=True, highlight=False)
 
-_STAGES = ("load", "goals", "search", "refine", "retime", "certify", "total")
+# As the timings call them; the last is all of planning, for which the scene was loaded before.
+_TIMES = {
+    **{stage: stage for stage in ("goals", "search", "shortcut", "refine", "retime", "certify")},
+    "total": "total",
+    "load": "not in the total: loading the scene",
+}
+_TURNS = {"revolute", "continuous"}
 
 
 def follow(title: str, events: Iterable[Event]) -> dict[str, Any]:
@@ -46,31 +53,38 @@ def _described(event: Event) -> str:
     return str(event.data.get("stage") or event.data.get("state") or event.type)
 
 
-def show_plans(plans: Mapping[str, Job]) -> None:
-    """Print the summary of plans that succeeded, a column each."""
+def unit_of(group: GroupWire) -> str:
+    """Return what lengths in a group's joint space are measured in."""
+    turns = {joint.type in _TURNS for joint in group.joints}
+    shifts = {joint.type == "prismatic" for joint in group.joints}
+    return "rad" if turns == {True} else "m" if shifts == {True} else "rad or m"
+
+
+def show_plans(plans: Mapping[str, Job], unit: str = "rad or m") -> None:
+    """Print plans that succeeded, a column each; `unit` is of joint-space lengths."""
     table = Table(title="What was planned, and what is proven of it", title_justify="left")
     table.add_column("")
     for name in plans:
         table.add_column(name, justify="right")
-    columns = [_facts(job) for job in plans.values()]
+    columns = [_facts(job, unit) for job in plans.values()]
     for row in dict.fromkeys(row for column in columns for row in column):
         table.add_row(row, *(column.get(row, "") for column in columns))
     console.print(table)
 
 
-def _facts(job: Job) -> dict[str, str]:
+def _facts(job: Job, unit: str) -> dict[str, str]:
     result = job.result
     if result is None:
         return {"state": str(job.state)}
     facts = {
-        f"{stage}, ms": f"{1000 * job.timings[stage]:.0f}"
-        for stage in _STAGES
-        if stage in job.timings
+        f"{told}, ms": f"{1000 * job.timings[name]:.0f}"
+        for name, told in _TIMES.items()
+        if name in job.timings
     }
-    return {**facts, **_motion_facts(result), **_proof_facts(result)}
+    return {**facts, **_motion_facts(result, unit), **_proof_facts(result)}
 
 
-def _motion_facts(result: PlanResult) -> dict[str, str]:
+def _motion_facts(result: PlanResult, unit: str) -> dict[str, str]:
     funnel, search, retime = result.stages.goals.funnel, result.stages.search, result.stages.retime
     refine = result.stages.refine
     return {
@@ -81,7 +95,7 @@ def _motion_facts(result: PlanResult) -> dict[str, str]:
         "IK: distinct": str(funnel.distinct),
         "planner": search.planner,
         "configurations checked": str(search.num_states_checked),
-        "path length, rad": f"{search.length:.3f}",
+        f"path length, {unit}": f"{search.length:.3f}",
         "refined": "yes" if refine.improved else f"no: {refine.reason or refine.method}",
         "timed by": retime.method,
         "duration, s": f"{retime.duration:.3f}",
@@ -103,15 +117,15 @@ def _proof_facts(result: PlanResult) -> dict[str, str]:
     }
 
 
-def show_execution(name: str, execution: Execution) -> None:
-    """Print how an execution ended, in a line."""
+def show_execution(name: str, execution: Execution, unit: str = "rad or m") -> None:
+    """Print how an execution ended, in a line; `unit` is of joint-space lengths."""
     status = execution.status
     if status is None:
         console.print(f"{name}: {execution.state}")
         return
     console.print(
         f"{name}: {execution.state} after {status.time:.2f} s, never further than "
-        f"{status.max_tracking_error:.1e} rad from the plan, {len(status.contacts)} contacts"
+        f"{status.max_tracking_error:.1e} {unit} from the plan, {len(status.contacts)} contacts"
     )
 
 

@@ -61,10 +61,15 @@ def pose_wire(pose: Pose) -> dict[str, object]:
     }
 
 
+def target_value(pose: PoseWire) -> PoseTarget:
+    """Return the domain's pose with the frame that it is given in."""
+    return PoseTarget(pose_value(pose), pose.frame)
+
+
 def pose_goal_value(goal: PoseGoalWire) -> PoseGoal:
     """Return the domain's pose goal."""
     return PoseGoal(
-        targets=tuple(PoseTarget(pose_value(pose), pose.frame) for pose in goal.poses),
+        targets=tuple(map(target_value, goal.poses)),
         frame=goal.frame or "",
         position_tolerance=np.array(goal.tolerance.position, dtype=np.float64),
         rotation_tolerance=np.array(goal.tolerance.rotation, dtype=np.float64),
@@ -75,8 +80,9 @@ def pose_goal_value(goal: PoseGoalWire) -> PoseGoal:
 
 def line_goal_value(poses: list[PoseWire], frame: str | None, deviation: DeviationWire) -> LineGoal:
     """Return the domain's goal of lines through poses."""
-    targets = tuple(PoseTarget(pose_value(pose), pose.frame) for pose in poses)
-    return LineGoal(targets, frame or "", deviation.position, deviation.rotation)
+    return LineGoal(
+        tuple(map(target_value, poses)), frame or "", deviation.position, deviation.rotation
+    )
 
 
 def _way(vector: list[float] | None) -> np.ndarray[Any, np.dtype[np.float64]] | None:
@@ -91,7 +97,7 @@ def region_goal_value(goal: RegionGoalWire) -> RegionGoal:
     position[[axis in goal.free_axes for axis in ("x", "y", "z")]] = np.inf
     turn[[axis in goal.free_axes for axis in ("rx", "ry", "rz")]] = np.pi
     return RegionGoal(
-        targets=tuple(PoseTarget(pose_value(pose), pose.frame) for pose in poses or ()),
+        targets=tuple(map(target_value, poses or ())),
         frame=goal.frame or "",
         position_tolerance=position,
         rotation_tolerance=turn,
@@ -138,7 +144,7 @@ def retime_value(retime: RetimeWire) -> RetimeOptions:
         method=retime.method,
         velocity_scale=retime.velocity_scale,
         acceleration_scale=retime.acceleration_scale,
-        sample_period=retime.sample_period,
+        sample_period=retime.period,
         duration=retime.duration,
         explain=retime.explain,
         **motion_limits(retime),
@@ -155,6 +161,11 @@ def certify_value(certify: CertifyWire) -> CertifyOptions:
     return CertifyOptions(certify.stop_anywhere, certify.max_stopping_time, certify.robustness)
 
 
+def steering_value(car: CarWire) -> Steering:
+    """Return how the domain says that a base is steered."""
+    return Steering(car.turning_radius, car.reverse)
+
+
 def search_value(search: SearchWire) -> SearchOptions:
     """Return the domain's search options."""
     return SearchOptions(
@@ -168,9 +179,7 @@ def search_value(search: SearchWire) -> SearchOptions:
         weights=dict(search.weights),
         bounds={name: (low, high) for name, (low, high) in search.bounds.items()},
         spaces={
-            name: Steering(space.turning_radius, space.reverse)
-            if isinstance(space, CarWire)
-            else space
+            name: steering_value(space) if isinstance(space, CarWire) else space
             for name, space in search.spaces.items()
         },
         solve_time=search.solve_time,

@@ -7,7 +7,7 @@ import numpy as np
 from planning import Displacement, Fineness, LineTrace
 from planning.domain.goal import PoseTarget
 from planning.domain.line_trace import LineStop
-from service.convert.goals import pose_value, pose_wire
+from service.convert.goals import pose_wire, target_value
 from service.convert.numbers import listed
 from service.convert.verdicts import pair_wire
 from service.schemas.line import DisplacementWire, LineRequest
@@ -16,7 +16,7 @@ from service.schemas.line import DisplacementWire, LineRequest
 def way_value(request: LineRequest) -> PoseTarget | Displacement:
     """Return where a line shall lead."""
     if request.pose is not None:
-        return PoseTarget(pose_value(request.pose), request.pose.frame)
+        return target_value(request.pose)
     way = request.displacement or DisplacementWire(vector=[0.0, 0.0, 0.0])
     return Displacement(np.array(way.vector, dtype=np.float64), way.frame)
 

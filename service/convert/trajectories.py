@@ -15,6 +15,24 @@ IN_BODY = ("retime.sample_period", "retime.num_points")
 IN_QUERY = ("period", "points")
 
 
+def require_one_sampling(
+    period: float | None, num_points: int | None, names: tuple[str, str] = IN_BODY
+) -> None:
+    """Go on only if a request does not say twice how to sample.
+
+    Args:
+        period: Between samples [s]; None if it is not given.
+        num_points: How many samples; None if it is not given.
+        names: What the request calls these two.
+
+    Raises:
+        ProblemInvalid: Both are given.
+    """
+    if period is not None and num_points is not None:
+        message = f"`{names[0]}` and `{names[1]}` cannot both be given: one follows from the other"
+        raise ProblemInvalid(message, {"field": names[1]})
+
+
 def sampled_wire(
     trajectory: TimedTrajectory,
     period: float,

@@ -4,10 +4,10 @@ from typing import Any
 
 from planning.domain.car_request import agreed_steering, require_directed
 from planning.domain.foreign_planners import unknown_planner
-from planning.domain.steering import Steering
 from planning.domain.stop_request import require_bounded_stops
 from planning.errors import UnknownName
-from service.convert.goals import certify_value, retime_value
+from service.convert.goals import certify_value, retime_value, steering_value
+from service.convert.trajectories import require_one_sampling
 from service.desk import Desk, spec_of
 from service.jobs.records import Job
 from service.regions.choice import regions_payload
@@ -48,7 +48,7 @@ async def submit_plan(request: PlanRequest, key: str | None, scenes: SceneShelf,
             the planner.
         ProblemInvalid: A base cannot drive as is asked, or a planner cannot search for that, or
             regions are named and no planner needs them, or stops shall be over in time that are
-            not held to all limits.
+            not held to all limits, or samples are asked for twice.
         WrongCount: A list of positions does not fit the group.
         IdempotencyConflict: The key was used for another request.
         NoRegions: The planner GCS is asked for, and no regions fit.
@@ -62,6 +62,7 @@ async def submit_plan(request: PlanRequest, key: str | None, scenes: SceneShelf,
     require_constraints(record, group, request.path_constraints)
     require_motion_limits(record, group, request.retime)
     require_bounded_stops(retime_value(request.retime), certify_value(request.certify))
+    require_one_sampling(request.retime.sample_period, request.retime.num_points)
     require_joints(group, request.ik.joint_weights)
     require_planner(await desk.planners(), request.search)
     require_search_names(group, request.search)
@@ -126,7 +127,7 @@ def require_cars(group: Group, search: SearchWire) -> None:
             group can have no regions and the planner GCS is asked for.
     """
     asked = {
-        name: Steering(space.turning_radius, space.reverse)
+        name: steering_value(space)
         for name, space in search.spaces.items()
         if isinstance(space, CarWire)
     }

@@ -2,10 +2,11 @@
 
 from typing import Any
 
-from planning.errors import ProblemInvalid
+from service.convert.trajectories import IN_QUERY, require_one_sampling
 from service.errors import NotFinished
 from service.jobs.records import Job
 from service.plans.versions import versions
+from service.schemas.plan import DEFAULT_PERIOD
 
 
 def job_brief(job: Job) -> dict[str, Any]:
@@ -53,13 +54,11 @@ def sampling_of(job: Job, period: float | None, num_points: int | None) -> dict[
     Raises:
         ProblemInvalid: Both are asked for.
     """
-    if period is not None and num_points is not None:
-        message = "`period` and `points` cannot both be given: one follows from the other"
-        raise ProblemInvalid(message, {"field": "points"})
+    require_one_sampling(period, num_points, IN_QUERY)
     own = job.payload["request"]["retime"]
     if period is None and num_points is None:
         num_points = own.get("num_points")
-    return {"period": period or own["sample_period"], "num_points": num_points}
+    return {"period": period or own["sample_period"] or DEFAULT_PERIOD, "num_points": num_points}
 
 
 def graph_of(job: Job) -> dict[str, Any]:

@@ -25,6 +25,9 @@ _STYLE: dict[Any, Any] = {
 }
 _LINE, _LIMIT, _FAINT = "#1f4e79", "#b03a2e", "#7f8c8d"
 _WIDTH, _ROW, _MARGIN = 7.0, 0.95, 0.9
+# Of a legend: its height by entry [in], and how long a name may be. Ten colours take turns.
+_ENTRY, _LONGEST = 0.19, 40
+_STROKES = ("-", "--", "-.", ":")
 _UNITS = {1: "/s", 2: "/s²", 3: "/s³"}
 
 
@@ -85,12 +88,13 @@ def _clearance(figure: Figure, series: MotionSeries) -> None:
 def _utilisation(figure: Figure, series: MotionSeries) -> None:
     used = {name: values.max(axis=1) for name, values in series.utilisation.items()}
     shown = {name: values for name, values in used.items() if np.isfinite(values).all()}
-    figure.set_size_inches(_WIDTH, 3.0)
+    figure.set_size_inches(_WIDTH, max(3.0, _ENTRY * (len(shown) + 1)))
     axes = figure.subplots()
-    for name, values in shown.items():
-        axes.plot(series.times, values, label=name, linewidth=1.1)
+    for i, (name, values) in enumerate(shown.items()):
+        told = name if len(name) <= _LONGEST else f"{name[:_LONGEST]}..."
+        axes.plot(series.times, values, label=told, linewidth=1.1, linestyle=_STROKES[i // 10 % 4])
     axes.axhline(1.0, color=_LIMIT, linestyle="--", linewidth=0.8)
-    axes.set_title("largest use of any joint's limit (1: all of it)", fontsize=8)
+    axes.set_title("use of the limits, of the joint that uses most (1: all of it)", fontsize=8)
     # A jerk that nobody limits would hide all others.
     axes.set_ylim(0.0, 1.5)
     axes.set_xlabel("time [s]")

@@ -1,10 +1,11 @@
 """Admission: what must be so before regions are grown."""
 
+from planning.domain.region_request import require_one_turn
 from planning.errors import UnknownName
 from service.desk import Desk, spec_of
 from service.jobs.records import Job
 from service.regions.fitness import own_cars, require_fit
-from service.scenes.preflight import require_group
+from service.scenes.preflight import joints_of, require_group
 from service.scenes.shelf import SceneShelf
 from service.schemas.regions import RegionsRequest
 
@@ -22,7 +23,7 @@ async def submit_regions(
     Raises:
         UnknownResource: There is no such scene or revision.
         UnknownName: The scene has no such group, or the group no such coordinate.
-        ProblemInvalid: The group can have no regions.
+        ProblemInvalid: The group can have no regions, or bounds are wider than a turn.
         IdempotencyConflict: The key was used for another request.
         QueueFull: The queue is full.
     """
@@ -32,6 +33,7 @@ async def submit_regions(
     for name in request.bounds:
         if name not in group["position_names"]:
             raise UnknownName.among("position", name, group["position_names"])
+    require_one_turn(joints_of(group), request.bounds)
     payload = {
         **await desk.scene_payload(record),
         "request": request.model_dump(mode="json"),

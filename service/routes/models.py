@@ -13,7 +13,9 @@ from service.schemas.summary import ModelList, ModelWire
 router = APIRouter(prefix="/v1/models", tags=["models"])
 
 
-@router.get("", operation_id="listModels", response_model=ModelList, responses=problems(429, 503))
+@router.get(
+    "", operation_id="listModels", response_model=ModelList, responses=problems(422, 429, 503)
+)
 async def list_models(desk: DeskDep) -> object:
     """List the robots that scenes may name."""
     return await desk.ask("service.tasks.models:name_models", desk.common)

@@ -2,6 +2,7 @@
 
 from fastapi import APIRouter
 
+from service.convert.trajectories import require_one_sampling
 from service.dependencies import DeskDep, ScenesDep
 from service.routes.answers import problems
 from service.scenes.preflight import require_count, require_group
@@ -28,6 +29,7 @@ async def retime(request: RetimeRequest, scenes: ScenesDep, desk: DeskDep) -> ob
     for i, q in enumerate(request.waypoints):
         require_count(group, q, f"waypoints.{i}")
     require_motion_limits(record, group, request.retime)
+    require_one_sampling(request.retime.sample_period, request.retime.num_points)
     return await desk.ask_scene("service.tasks.own_motion:retime", record, request)
 
 

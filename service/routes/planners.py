@@ -10,7 +10,7 @@ router = APIRouter(prefix="/v1/planners", tags=["planners"])
 
 
 @router.get(
-    "", operation_id="listPlanners", response_model=PlannerList, responses=problems(429, 503)
+    "", operation_id="listPlanners", response_model=PlannerList, responses=problems(422, 429, 503)
 )
 async def list_planners(desk: DeskDep) -> object:
     """List the planners that a plan may name, with their parameters."""

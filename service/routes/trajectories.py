@@ -110,7 +110,7 @@ async def get_plot(job: PlanJob, desk: DeskDep, name: Chart) -> Response:
         **{part: job.payload[part] for part in ("scene", "library")},
         "group": job.payload["request"]["group"],
         "trajectory": polynomial_of(job),
-        "payload": job.payload["request"]["retime"].get("payload"),
+        "retime": job.payload["request"]["retime"],
         "name": name,
     }
     drawing = await desk.ask("service.tasks.plots:plot", payload)

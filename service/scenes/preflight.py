@@ -3,6 +3,7 @@
 from collections.abc import Iterable, Sequence
 from typing import Any
 
+from planning.domain.joints import Joint, JointType
 from planning.errors import UnknownName
 from service.errors import WrongCount
 from service.scenes.records import SceneRecord
@@ -41,6 +42,11 @@ def require_group(scene: SceneRecord, name: str) -> Group:
         if name == group["name"] or name in group["aliases"]:
             return group
     raise UnknownName.among("group", name, [group["name"] for group in groups])
+
+
+def joints_of(group: Group) -> list[Joint]:
+    """Return a group's joints as the domain has them."""
+    return [Joint(joint["name"], JointType(joint["type"])) for joint in group["joints"]]
 
 
 def require_frames(scene: SceneRecord, names: Sequence[str]) -> None:

@@ -1,7 +1,7 @@
 """Preflight of limits on a motion: the frames and joints that they name are the scene's."""
 
-from planning.errors import UnknownName
-from service.scenes.preflight import Group, require_frames
+from planning.domain.motion_limits import require_signs
+from service.scenes.preflight import Group, joints_of, require_frames
 from service.scenes.records import SceneRecord
 from service.schemas.motion_limit import MotionLimits
 
@@ -17,11 +17,4 @@ def require_motion_limits(scene: SceneRecord, group: Group, limits: MotionLimits
         require_frames(scene, [zone.frame, zone.box.pose.frame])
     if limits.payload is not None:
         require_frames(scene, [limits.payload.frame])
-    known = [
-        f"{joint['name']}.angular" if joint["type"] == "planar" else joint["name"]
-        for joint in group["joints"]
-        if joint["type"] != "floating"
-    ]
-    for name in limits.acceleration_bounds:
-        if name not in known:
-            raise UnknownName.among("joint", name, known)
+    require_signs(limits.acceleration_bounds, joints_of(group))

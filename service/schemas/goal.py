@@ -10,6 +10,10 @@ from service.schemas.wire import Name, Wire
 
 type Shift = Annotated[Real, Field(ge=1e-6, le=1)]
 type Turn = Annotated[Real, Field(ge=1e-5, le=3)]
+type ToolFrame = Annotated[
+    Name | None,
+    Field(description="The tool frame: any that the group moves; null for its default"),
+]
 
 
 class DeviationWire(Wire):
@@ -66,9 +70,7 @@ class PoseGoalWire(Wire):
     poses: Annotated[list[PoseWire], Field(min_length=1, max_length=1000)] = Field(
         description="The candidates; `goal_index` of the result says which one was reached"
     )
-    frame: Name | None = Field(
-        default=None, description="The tool frame: any that the group moves; null for its default"
-    )
+    frame: ToolFrame = None
     tolerance: ToleranceWire = Field(
         default_factory=ToleranceWire, description="How far off it may be"
     )
@@ -97,9 +99,7 @@ class LineGoalWire(Wire):
     pose: PoseWire = Field(
         description="Where the line ends; the rotation turns along with the translation"
     )
-    frame: Name | None = Field(
-        default=None, description="The tool frame: any that the group moves; null for its default"
-    )
+    frame: ToolFrame = None
     deviation: DeviationWire = Field(
         default_factory=DeviationWire,
         description="How far from the line the motion may be, between samples too",
@@ -127,9 +127,7 @@ class PathGoalWire(Wire):
     poses: Annotated[list[PoseWire], Field(min_length=1, max_length=1000)] = Field(
         description="In this order; frames that move count where the start puts them"
     )
-    frame: Name | None = Field(
-        default=None, description="The tool frame: any that the group moves; null for its default"
-    )
+    frame: ToolFrame = None
     deviation: DeviationWire = Field(
         default_factory=DeviationWire,
         description="How far from the lines the motion may be, between samples too",
@@ -157,9 +155,7 @@ class RegionGoalWire(Wire):
         default=None, description="The middles of the regions; or one as `pose`"
     )
     pose: PoseWire | None = Field(default=None, description="The middle of the only region")
-    frame: Name | None = Field(
-        default=None, description="The tool frame: any that the group moves; null for its default"
-    )
+    frame: ToolFrame = None
     tolerance: ToleranceWire = Field(
         default_factory=ToleranceWire,
         description="How far from the middle the region goes, by its axes",
@@ -217,9 +213,7 @@ class RelativeGoalWire(Wire):
 
     type: Literal["relative"] = Field(description="Says which goal this is")
     displacement: DisplacementWire = Field(description="By how much")
-    frame: Name | None = Field(
-        default=None, description="The tool frame: any that the group moves; null for its default"
-    )
+    frame: ToolFrame = None
     reference: Name | None = Field(
         default=None,
         description="The frame by whose axes, as they are at the start, the tool is shifted, and "

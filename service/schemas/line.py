@@ -5,10 +5,10 @@ from typing import Annotated, Literal, Self
 from pydantic import ConfigDict, Field, model_validator
 
 from service.schemas.check import PairWire
-from service.schemas.goal import DeviationWire
+from service.schemas.goal import DeviationWire, ToolFrame
 from service.schemas.numbers import NonNegative, Positions, Real, Triple
 from service.schemas.pose import PoseWire
-from service.schemas.wire import Answer, Name, Wire
+from service.schemas.wire import Answer, Boolean, Name, Wire
 
 
 class FoundDeviationWire(Answer):
@@ -49,9 +49,7 @@ class LineRequest(Wire):
     displacement: DisplacementWire | None = Field(
         default=None, description="Or the way from where the tool stands"
     )
-    frame: Name | None = Field(
-        default=None, description="The tool frame: any that the group moves; null for its default"
-    )
+    frame: ToolFrame = None
     margin: Annotated[NonNegative, Field(le=10)] | None = Field(
         default=None, description="Distance that everything keeps [m]; null for the scene's"
     )
@@ -62,7 +60,7 @@ class LineRequest(Wire):
         default_factory=DeviationWire,
         description="How far from the line straight ways between the waypoints may lead",
     )
-    poses: bool = Field(default=False, description="Whether to answer the tool's poses as well")
+    poses: Boolean = Field(default=False, description="Whether to answer the tool's poses as well")
     allowed_time: Annotated[Real, Field(gt=0, le=60)] = Field(
         default=5.0, description="Give up after this long [s]"
     )

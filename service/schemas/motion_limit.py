@@ -2,12 +2,12 @@
 
 from typing import Annotated, Self
 
-from pydantic import ConfigDict, Field, Strict, model_validator
+from pydantic import ConfigDict, Field, model_validator
 
 from service.schemas.constraint import BoxWire
 from service.schemas.numbers import Coordinate, Real
 from service.schemas.payload import PayloadWire
-from service.schemas.wire import Name, Wire
+from service.schemas.wire import Boolean, Name, Wire
 
 type Speed = Annotated[Real, Field(ge=1e-3, le=1e3)]
 type AccelerationPair = Annotated[list[Coordinate], Field(min_length=2, max_length=2)]
@@ -70,7 +70,7 @@ class MotionLimits(Wire):
         description="Lowest (below 0) and highest (above 0) acceleration, by name of a joint with "
         "one coordinate, or `joint.angular` of a planar one [rad/s^2 or m/s^2]",
     )
-    effort: Annotated[bool, Strict()] = Field(
+    effort: Boolean = Field(
         default=False,
         description="Whether joint torques and forces stay within their limits, gravity and all "
         "that is carried included: check `torque` of the certificate",

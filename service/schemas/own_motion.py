@@ -11,7 +11,7 @@ from service.schemas.problem import Failure
 from service.schemas.report import CertifyReportWire, RetimeReportWire
 from service.schemas.result import CertificateWire
 from service.schemas.trajectory import TrajectoryWire
-from service.schemas.wire import Answer, Identifier, Name, Wire
+from service.schemas.wire import Answer, Boolean, Identifier, Name, Wire
 
 type Rows = Annotated[list[Positions], Field(min_length=2, max_length=20_000)]
 type Instants = Annotated[list[NonNegative], Field(min_length=2, max_length=20_001)]
@@ -60,9 +60,7 @@ class RetimeRequest(_InScene):
         "space [rad or m]"
     )
     retime: RetimeWire = Field(default_factory=RetimeWire, description="How to time it")
-    polynomial: Annotated[bool, Strict()] = Field(
-        default=False, description="Add the exact piecewise polynomial"
-    )
+    polynomial: Boolean = Field(default=False, description="Add the exact piecewise polynomial")
 
 
 class RetimeStages(Answer):
@@ -135,7 +133,7 @@ class CertifyMotionRequest(_InScene, MotionLimits):
     goal: Positions | None = Field(
         default=None, description="Where it shall end [rad or m]; null for where it does"
     )
-    limit_jerk: Annotated[bool, Strict()] = Field(
+    limit_jerk: Boolean = Field(
         default=False, description="Hold it against the limits on jerk as well"
     )
     velocity_scale: Scale = Field(default=1.0, description="Factor on every velocity limit, 0..1")

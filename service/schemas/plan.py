@@ -10,7 +10,10 @@ from service.schemas.ik import IkWire
 from service.schemas.motion_limit import MotionLimits
 from service.schemas.numbers import WHOLE, NonNegative, Positions, Real, Scale
 from service.schemas.search import SearchWire
-from service.schemas.wire import Identifier, Name, Wire
+from service.schemas.wire import Boolean, Identifier, Name, Wire
+
+# Between samples [s].
+DEFAULT_PERIOD = 0.01
 
 EXAMPLE: dict[str, Any] = {
     "scene": "scn_3f0c5b1e9a7d4c62",
@@ -71,31 +74,45 @@ class RetimeWire(MotionLimits):
     acceleration_scale: Scale = Field(
         default=1.0, description="Factor on every acceleration and jerk limit, 0..1"
     )
-    sample_period: Annotated[Real, Field(ge=1e-3, le=10)] = Field(
-        default=0.01,
-        description="Of the delivered samples [s]; 200000 at most, more are `problem_invalid`",
+    sample_period: Annotated[Real, Field(ge=1e-3, le=10)] | None = Field(
+        default=DEFAULT_PERIOD,
+        description="Of the delivered samples [s]; 200000 at most, more are `problem_invalid`; "
+        "null where `num_points` says how many",
     )
     num_points: Annotated[int, Strict(), Field(ge=2, le=200_000), WHOLE] | None = Field(
         default=None,
         description="Deliver so many samples, evenly in time, first and last instants included; "
-        "null for one every `sample_period`",
+        "null for one every `sample_period`; not both",
     )
     duration: Annotated[Real, Field(gt=0, le=86_400)] | None = Field(
         default=None,
         description="How long the motion shall take [s]; null for the least that the limits allow, "
         "and less than that is `retiming_failed`",
     )
-    explain: Annotated[bool, Strict()] = Field(
+    explain: Boolean = Field(
         default=False,
         description="Say which limit binds when, and what relaxing it would save "
         "(`stages.retime.explanation`); takes some 20 ms for each part",
     )
 
+    @model_validator(mode="before")
+    @classmethod
+    def _know_no_period_of_points(cls, given: Any) -> Any:
+        """Let the default go where a number of points stands: whoever gives both is refused."""
+        if isinstance(given, dict) and given.get("num_points") is not None:
+            return {"sample_period": None, **given}
+        return given
+
+    @property
+    def period(self) -> float:
+        """Between samples [s], where `num_points` does not say how many there are."""
+        return self.sample_period or DEFAULT_PERIOD
+
 
 class CertifyWire(Wire):
     """What to find out about the motion once it is proven; told in the report on `certify`."""
 
-    stop_anywhere: Annotated[bool, Strict()] = Field(
+    stop_anywhere: Boolean = Field(
         default=False,
         description="Bound the longest stop along the path, from any instant: a check `stop`, and "
         "`stop` in the report; takes some 0.1 s, 0.5 s with jerk limits",
@@ -105,7 +122,7 @@ class CertifyWire(Wire):
         description="No stop may take longer [s], and `stop_anywhere` is meant; null for no bound. "
         "Refused with `effort` and with accelerations in `tool_limits`, which stops need not keep",
     )
-    robustness: Annotated[bool, Strict()] = Field(
+    robustness: Boolean = Field(
         default=False,
         description="Bound how far off obstacles and joints may be: `robustness` in the report; "
         "takes some 0.2 s",

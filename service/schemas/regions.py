@@ -43,7 +43,8 @@ class RegionsRequest(Wire):
         default={},
         max_length=256,
         description="Lowest and highest value to grow in [rad or m], by position name, within the "
-        "limits; angles that may turn further are taken from -pi to pi",
+        "limits; angles that may turn further are taken from -pi to pi, those on a circle over "
+        "one turn at most",
     )
     margin: Annotated[NonNegative, Field(le=10)] | None = Field(
         default=None, description="Distance that regions keep [m]; null for the scene's"

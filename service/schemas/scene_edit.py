@@ -6,7 +6,7 @@ from pydantic import ConfigDict, Field, Strict, model_validator
 
 from planning.world.scene_document import ObjectDocument, PoseDocument
 from service.schemas.numbers import WHOLE, Coordinate, Positions
-from service.schemas.wire import Name, Wire
+from service.schemas.wire import Boolean, Name, Wire
 
 type Pair = Annotated[list[Name], Field(min_length=2, max_length=2)]
 
@@ -63,7 +63,7 @@ class AttachOperationWire(Wire):
             "that they carry outside the robot's default group, such as fingers"
         ),
     )
-    keep: Annotated[bool, Strict()] = Field(
+    keep: Boolean = Field(
         default=True,
         description="Whether it stays where it is in the world at the scene's positions",
     )

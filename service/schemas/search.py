@@ -5,10 +5,10 @@ from typing import Annotated, Literal
 from pydantic import Discriminator, Field, Strict, Tag
 
 from service.schemas.numbers import WHOLE, Coordinate, Integer, Real
-from service.schemas.wire import Identifier, Name, Wire
+from service.schemas.wire import Boolean, Identifier, Name, Wire
 
 type Interval = Annotated[list[Coordinate], Field(min_length=2, max_length=2)]
-type ParameterValue = bool | Integer | Real | Annotated[str, Field(max_length=256)]
+type ParameterValue = Boolean | Integer | Real | Annotated[str, Field(max_length=256)]
 
 
 class RoadmapWire(Wire):
@@ -32,7 +32,7 @@ class CarWire(Wire):
     turning_radius: Annotated[Real, Field(ge=1e-3, le=1e3)] = Field(
         description="Of its tightest turn, at the origin of the base [m]"
     )
-    reverse: bool = Field(
+    reverse: Boolean = Field(
         default=True,
         description="Whether it drives backwards too (Reeds and Shepp's curves) or not (Dubins')",
     )
@@ -115,12 +115,12 @@ class SearchWire(Wire):
         default="length",
         description="By what solutions are compared, and improved by planners that improve them",
     )
-    approximate: bool = Field(
+    approximate: Boolean = Field(
         default=False,
         description="Whether a failure tells, as evidence `approximate`, the nearest configuration "
         "to a goal that was reached",
     )
-    keep_graph: bool = Field(
+    keep_graph: Boolean = Field(
         default=False, description="Whether the planner's graph is kept for GET /plans/{id}/graph"
     )
     on_cancel: Literal["discard", "best"] = Field(

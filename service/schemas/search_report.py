@@ -58,8 +58,11 @@ class SearchReportWire(Answer):
     planner: str = Field(
         description="OMPL's name; of several, whose solution was kept; `roadmap` for a roadmap's"
     )
-    attempts: int = Field(description="Solutions asked for")
-    solved: int = Field(description="Exact solutions found")
+    attempts: int = Field(
+        description="How many were made; 0 where a straight line was free (`direct`) or a roadmap "
+        "knew a way, so that none was needed"
+    )
+    solved: int = Field(description="How many of the attempts found an exact solution")
     num_states_checked: int = Field(description="Configurations checked for collision")
     num_motions_checked: int = Field(description="Edges checked")
     raw_length: float = Field(description="Of the kept solution, before shortcutting [rad or m]")

@@ -2,10 +2,12 @@
 
 from typing import Annotated
 
-from pydantic import BaseModel, ConfigDict, StringConstraints
+from pydantic import BaseModel, ConfigDict, Strict, StringConstraints
 
 type Name = Annotated[str, StringConstraints(min_length=1, max_length=256)]
 type Identifier = Annotated[str, StringConstraints(min_length=1, max_length=128)]
+# Whoever writes "no" or 0 would be surprised by one answer or the other.
+type Boolean = Annotated[bool, Strict()]
 
 
 class Wire(BaseModel):

@@ -41,7 +41,7 @@ def retime(payload: dict[str, Any], channel: Channel) -> dict[str, Any]:
             nothing = dict.fromkeys(("trajectory", "certificate", "stages"))
             return {**nothing, "failure": failure_wire(failure)}
     timing = request.retime
-    sampled = sampled_wire(found.trajectory, timing.sample_period, timing.num_points)
+    sampled = sampled_wire(found.trajectory, timing.period, timing.num_points)
     exact = polynomial_wire(found.trajectory) if request.polynomial else None
     return {
         "trajectory": {**sampled, "polynomial": exact},

@@ -51,7 +51,7 @@ def plan_motion(payload: dict[str, Any], channel: Channel) -> dict[str, Any]:
 def delivered(found: MotionPlan, request: PlanRequest, loaded: float) -> dict[str, Any]:
     """Return what a job keeps of a plan; loading the scene took `loaded` [s]."""
     return {
-        "result": plan_wire(found, request.retime.sample_period, request.retime.num_points),
+        "result": plan_wire(found, request.retime.period, request.retime.num_points),
         "polynomial": polynomial_wire(found.trajectory),
         "timings": {"load": loaded, **found.timings},
         "digest": found.digest,

@@ -3,9 +3,10 @@
 from typing import Any
 
 from planning import motion_series
+from service.convert.goals import retime_value
 from service.convert.trajectories import trajectory_value
 from service.plots.charts import draw
-from service.schemas.payload import PayloadWire
+from service.schemas.plan import RetimeWire
 from service.tasks.channel import Channel
 from service.tasks.worlds import borrow_world
 
@@ -17,7 +18,7 @@ def plot(payload: dict[str, Any], _: Channel) -> dict[str, Any]:
         InputError: The scene does not load any more.
     """
     trajectory = trajectory_value(payload["trajectory"])
-    carried = payload["payload"] and PayloadWire.model_validate(payload["payload"]).value()
+    options = retime_value(RetimeWire.model_validate(payload["retime"]))
     with borrow_world(payload) as world:
-        series = motion_series(world, payload["group"], trajectory, payload=carried)
+        series = motion_series(world, payload["group"], trajectory, options=options)
     return {"svg": draw(payload["name"], series)}

@@ -230,7 +230,25 @@ def test_a_goal_that_moves_a_locked_joint_is_refused() -> None:
     (entry,) = caught.value.evidence["violations"]
     assert entry["count"] == 1
     assert entry["least"]["value"] == pytest.approx(0.1)
-    assert "constraint 0: locked_joints" in caught.value.detail
+    assert caught.value.detail == (
+        "the goal configuration violates constraint 0 (locked_joints) by 0.1 rad or m at "
+        "panda::panda_joint1 (0.1 rad or m, bound 1e-06 rad or m)"
+    )
+
+
+def test_goals_that_all_violate_are_told_with_every_constraint() -> None:
+    world = bundled_world("maze_2d")
+    start = world.positions(world.group("body"))
+    rows = start + np.array([[0.01, 0.0, 0.0], [0.02, 0.0, 0.0]])
+    never = PathPredicate(lambda q: bool(q[0] <= start[0]), 0.05, "is_left")
+    box = PlacedBox(np.array([0.03, 1.0, 1.0]), Pose.from_parts([*start[:2], 0.0]))
+    with pytest.raises(GoalViolatesConstraint) as caught:
+        solve(world, "body", JointGoal(rows), never, KeepIn("body::body", box))
+    assert caught.value.detail == (
+        "none of 2 goal configurations keeps the path constraints: "
+        "2 violate constraint 0 (predicate is_left), which says no; "
+        "1 violate constraint 1 (keep_in), the least by 0.005 m (0.005 m, bound 0 m)"
+    )
 
 
 def test_a_start_that_violates_is_refused_with_what_was_measured() -> None:
@@ -242,6 +260,7 @@ def test_a_start_that_violates_is_refused_with_what_was_measured() -> None:
     assert violation["constraint"] == "constraint 1: distance_band"
     assert violation["value"] == pytest.approx(0.075, abs=1e-5)
     assert violation["bound"] == 0.05
+    assert "violates constraint 1 (distance_band) by 0.025 m (0.075 m, bound" in caught.value.detail
 
 
 def test_goals_that_violate_are_dropped_and_counted() -> None:

@@ -145,6 +145,11 @@ def test_the_domain_is_bounded_or_refused():
     yaw = group.position_names[2]
     lower, upper = domain_of(world, group, RegionOptions(bounds={yaw: (-0.1, 0.2)}))
     assert (lower[2], upper[2]) == (-0.1, 0.2)
+    lower, upper = domain_of(world, group, RegionOptions(bounds={yaw: (0.0, 6.2832)}))
+    assert (lower[2], upper[2]) == (0.0, 6.2832)
+    with pytest.raises(ProblemInvalid, match="one turn") as wide:
+        domain_of(world, group, RegionOptions(bounds={yaw: (-4.0, 4.0)}))
+    assert wide.value.evidence["bounds"] == [-4.0, 4.0]
     with pytest.raises(UnknownName):
         domain_of(world, group, RegionOptions(bounds={"nothing": (0, 1)}))
     x = group.position_names[0]

@@ -112,6 +112,22 @@ def own(world: World, options: RetimeOptions) -> planning.RetimedPath:
     return planning.retime_path(world, "arm", path, deadline=deadline(), options=options)
 
 
+def test_the_plot_shows_the_use_of_each_by_the_name_of_its_check(pickup: World) -> None:
+    options = RetimeOptions(tool_limits=LIMITS, speed_zones=(ZONE,), acceleration_bounds=BOUNDS)
+    made = own(pickup, options)
+    used = planning.motion_series(pickup, "arm", made.trajectory, 81, options).utilisation
+    peaks = {
+        check.name: check.value / check.bound
+        for check in made.certificate.checks
+        if check.name.startswith(("tool", "speed_zone"))
+    }
+    assert set(used) - {"velocity", "acceleration", "jerk", "torque"} == set(peaks)
+    for name, peak in {**peaks, "acceleration": 1.0}.items():
+        assert 0.95 * peak < used[name].max() <= peak + 1e-3, name
+    plain = planning.motion_series(pickup, "arm", made.trajectory, 3).utilisation
+    assert set(plain) == {"velocity", "acceleration", "jerk", "torque"}
+
+
 @pytest.mark.parametrize("method", ["toppra", "ruckig"])
 def test_an_own_path_keeps_them_and_what_is_quicker_is_refused(pickup: World, method: str) -> None:
     options = RetimeOptions(
@@ -186,9 +202,12 @@ def test_a_planar_body_has_bounds_on_its_turn_alone() -> None:
     assert turn.max() <= 0.3
     speed = next(c for c in found.certificate.checks if c.name == "tool_speed body::body")
     assert 0.19 < speed.value <= 0.2
-    linear = replace(problem.retime, acceleration_bounds={"body::base_joint.linear": (-1, 1)})
-    with pytest.raises(UnknownName, match="angular"):
-        planning.plan(replace(problem, retime=linear), world, deadline=deadline())
+    for wrong in ("body::base_joint", "body::base_joint.x", "body::base_joint.linear"):
+        bounds = replace(problem.retime, acceleration_bounds={wrong: (-1, 1)})
+        with pytest.raises(UnknownName) as refused:
+            planning.plan(replace(problem, retime=bounds), world, deadline=deadline())
+        assert "what can: ['body::base_joint.angular']" in refused.value.detail
+        assert "has no sign: ['body::base_joint.linear']" in refused.value.detail
 
 
 @pytest.mark.parametrize(

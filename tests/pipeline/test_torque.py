@@ -117,7 +117,7 @@ def test_what_is_held_burdens_in_the_proof_and_in_the_plot() -> None:
             world, "arm", motion, deadline=within(20.0), options=options
         )
         peaks.append(torque_of(found).value)
-        series = planning.motion_series(world, "arm", motion, 31, payload)
+        series = planning.motion_series(world, "arm", motion, 31, options)
         plots.append(series.utilisation["torque"].max())
     assert peaks[1] > 1.2 * peaks[0]
     # A point instead of a can: the same weight, a little less inertia.

@@ -108,11 +108,12 @@ def test_what_the_oracle_raises_comes_out(plane, make_oracle, soon, crossing, na
 
 def test_a_free_straight_line_is_taken_at_once(plane, make_oracle, soon, crossing):
     empty = make_oracle(lambda qs: np.ones(len(qs), dtype=bool))
-    task = crossing(seed=1)
+    task = crossing(seed=1, attempts=6)
     found = search(*plane, empty, task, soon)
     assert_sound(plane[0], empty, task, found)
     assert found.goal_row == 0
     assert found.report.direct
+    assert (found.report.attempts, found.report.solved, found.report.attempts_log) == (0, 0, ())
     assert len(found.path.waypoints) == 2
     assert found.report.length == pytest.approx(np.linalg.norm(task.goals[0] - task.start))
 

@@ -41,6 +41,11 @@ def client(app):
 
 
 @pytest.fixture(scope="session")
+def document(client):
+    return client.get("/openapi.json").json()
+
+
+@pytest.fixture(scope="session")
 def scene(client):
     """The id of a posted scene with an arm, a block and a post."""
     return client.post("/v1/scenes", json=BLOCK_SCENE).json()["id"]

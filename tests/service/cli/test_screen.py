@@ -5,6 +5,8 @@ import pytest
 from service.cli import screen
 from service.client.events import Event
 from service.schemas.job import Job
+from service.schemas.scene import Scene
+from service.schemas.summary import JointWire
 
 
 @pytest.fixture
@@ -22,6 +24,34 @@ def test_the_summary_has_stages_funnel_length_duration_and_proof(solved, capsys)
         assert wanted in told
     assert f"{job.result.certificate.min_clearance:.4f}" in told
     assert " and ".join(job.result.certificate.pair) in told
+
+
+@pytest.mark.usefixtures("wide")
+def test_what_is_not_in_the_total_stands_below_it(solved, capsys):
+    screen.show_plans({"to ready": Job.model_validate(solved)})
+    rows = [line for line in capsys.readouterr().out.splitlines() if ", ms" in line]
+    total = next(i for i, row in enumerate(rows) if "total, ms" in row)
+    assert [("loading the scene" in row, "not in the total" in row) for row in rows] == [
+        (i > total, i > total) for i in range(len(rows))
+    ]
+
+
+@pytest.mark.usefixtures("wide")
+@pytest.mark.parametrize(
+    ("types", "unit"),
+    [
+        (["revolute", "continuous"], "rad"),
+        (["prismatic", "prismatic"], "m"),
+        (["prismatic", "revolute"], "rad or m"),
+        (["planar"], "rad or m"),
+    ],
+)
+def test_lengths_have_the_unit_of_the_joints(client, scene, solved, capsys, types, unit):
+    group = Scene.model_validate(client.get(f"/v1/scenes/{scene}").json()).groups[0]
+    joints = [JointWire(name="r::j", type=type_) for type_ in types]
+    measured = screen.unit_of(group.model_copy(update={"joints": joints}))
+    screen.show_plans({"to ready": Job.model_validate(solved)}, measured)
+    assert f"path length, {unit} " in capsys.readouterr().out
 
 
 @pytest.mark.usefixtures("wide")

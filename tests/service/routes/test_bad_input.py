@@ -214,6 +214,30 @@ def test_bad_parameters(client, query):
     assert answer.json()["code"] == "request_invalid"
 
 
+def test_parameters_that_nobody_declared_are_refused_everywhere(client, document):
+    for path, verbs in document["paths"].items():
+        for verb in set(verbs) & {"get", "post", "patch", "delete"} if "/v1/" in path else ():
+            answer = client.request(verb, path, params={"foo": "1"}, json={})
+            problem = answer.json()
+            assert (answer.status_code, problem["code"]) == (422, "unknown_name"), (verb, path)
+            declared = verbs[verb].get("parameters", [])
+            known = sorted(one["name"] for one in declared if one["in"] == "query")
+            assert problem["evidence"]["known"] == known
+
+
+def test_a_misspelt_parameter_is_told_the_right_one(client):
+    answer = client.get("/v1/scenes?cursr=3")
+    assert answer.status_code == 422
+    assert "'cursr' does not exist; did you mean 'cursor'?" in answer.json()["detail"]
+    waited = client.post("/v1/plans?wiat=3", json={})
+    assert "did you mean 'wait'?" in waited.json()["detail"]
+
+
+@pytest.mark.parametrize("path", ["/healthz", "/readyz", "/metrics", "/docs", "/openapi.json"])
+def test_probes_may_add_what_they_like(client, path):
+    assert client.get(path, params={"probe": "1"}).status_code == 200
+
+
 @pytest.mark.parametrize("query", ["period=0", "period=nan", "scale=0", "scale=2", "format=xml"])
 def test_bad_parameters_of_trajectories(client, solved, query):
     answer = client.get(f"/v1/plans/{solved['id']}/trajectory?{query}")

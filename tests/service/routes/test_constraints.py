@@ -52,7 +52,8 @@ def test_a_violated_constraint_on_joints_says_which(client, scene):
     assert failure["code"] == "start_violates_constraint"
     (violation,) = failure["evidence"]["violations"]
     assert violation["joint"] == elbow
-    assert f"joint_limits ({elbow}: " in failure["detail"]
+    assert "constraint 0 (joint_limits) by " in failure["detail"]
+    assert f"at {elbow} (" in failure["detail"]
     failure = planned(client, scene, {"type": "locked_joints", "joints": [wrist, elbow]})["failure"]
     assert failure["code"] == "goal_violates_constraint"
     (tally,) = failure["evidence"]["violations"]

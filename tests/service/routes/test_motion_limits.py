@@ -38,6 +38,8 @@ def test_a_plan_has_a_check_for_each(client, scene):
     checks = named(job["result"]["certificate"])
     assert all(checks[name]["passed"] for name in CHECKS)
     assert checks["tool_speed arm::tcp"]["value"] <= checks["tool_speed arm::tcp"]["bound"] == 0.2
+    drawing = client.get(f"/v1/plans/{job['id']}/plots/utilisation.svg").text
+    assert all(f">{name}</text>" in drawing for name in [*CHECKS, "torque", "acceleration"])
     retime = job["result"]["stages"]["retime"]
     assert retime["binding"]["tool_speed"] == "arm::tcp"
     assert {"speed_zone", "tool_speed", "acceleration_bounds"} & {
@@ -128,3 +130,17 @@ def test_a_frame_that_does_not_move_keeps_every_limit(client, scene, frame):
         ]
         assert values == [0, 0], certificate
         assert certificate["proven"]
+
+
+def test_a_planar_joint_is_told_what_of_it_can_be_bounded(client):
+    scene = {"robots": [{"name": "body", "model": "planar_l"}]}
+    body = {
+        "scene": client.post("/v1/scenes", json=scene).json()["id"],
+        "group": "body",
+        "goal": {"type": "joint", "positions": [0.1, 0, 0]},
+        "retime": {"acceleration_bounds": {"body::base_joint.x": [-1, 1]}},
+    }
+    answer = client.post("/v1/plans", json=body)
+    assert answer.status_code == 409
+    assert answer.json()["evidence"]["known"] == ["body::base_joint.angular"]
+    assert "body::base_joint.linear" in answer.json()["detail"]

@@ -211,3 +211,19 @@ def test_more_samples_than_anybody_reads_are_refused(client, scene, solved, slow
         assert word in refused.json()["detail"]
     few = post(client, scene, "retime", **ways, retime={**slow, "num_points": 50}).json()
     assert len(few["trajectory"]["times"]) == 50
+
+
+@pytest.mark.parametrize("period", [0.01, 0.02])
+def test_samples_are_asked_for_in_one_way(client, scene, solved, period):
+    twice = {"sample_period": period, "num_points": 50}
+    goal = {"type": "configuration", "name": "ready"}
+    refusals = [
+        post(client, scene, "retime", waypoints=solved["result"]["path"], retime=twice),
+        client.post(
+            "/v1/plans", json={"scene": scene, "group": "arm", "goal": goal, "retime": twice}
+        ),
+    ]
+    for refused in refusals:
+        assert (refused.status_code, refused.json()["code"]) == (422, "problem_invalid")
+        for word in ("retime.sample_period", "retime.num_points"):
+            assert word in refused.json()["detail"]

@@ -152,6 +152,8 @@ def test_what_does_not_exist_is_named(client, square, scene):
     assert (answer.status_code, answer.json()["code"]) == (409, "unknown_name")
     answer = client.post(path, json={**REQUEST, "bounds": {"x": [0, 1]}})
     assert answer.json()["code"] == "unknown_name"
+    answer = client.post(path, json={**REQUEST, "bounds": {"body::base_joint.yaw": [-4, 4]}})
+    assert (answer.status_code, answer.json()["code"]) == (422, "problem_invalid")
     assert client.post(path, json={**REQUEST, "num_regions": 0}).status_code == 422
     assert client.get("/v1/scenes/scn_nothing/regions").status_code == 404
     for verb, tail in (("GET", ""), ("POST", "/cancel"), ("GET", "/events")):

@@ -95,6 +95,8 @@ def test_a_plan_is_as_slow_as_it_likes_if_its_samples_are_few(client, scene):
     back = client.post(f"/v1/plans/{job['id']}/reverse?wait=40").json()
     assert len(back["result"]["trajectory"]["times"]) == 20
     assert len(trajectory(client, job).json()["times"]) == 20
+    again = {**job["request"], "retime": {**job["request"]["retime"], "velocity_scale": 1.0}}
+    assert client.post("/v1/plans", json=again).status_code == 202
 
 
 def test_the_replay_is_a_page_by_itself(client, solved):

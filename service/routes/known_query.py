@@ -1,0 +1,25 @@
+"""Query parameters that nobody declared are refused: a misspelt cursor is no first page."""
+
+from fastapi import Request
+from fastapi.dependencies.models import Dependant
+from fastapi.routing import APIRoute
+
+from planning.errors import UnknownName
+
+
+def require_known_query(request: Request) -> None:
+    """Go on only if the endpoint, or what it depends on, declares every parameter of the query.
+
+    Raises:
+        UnknownName: It does not.
+    """
+    route = request.scope["route"]
+    known = _declared(route.dependant) if isinstance(route, APIRoute) else set[str]()
+    for name in request.query_params:
+        if name not in known:
+            raise UnknownName.among("query parameter", name[:80], known)
+
+
+def _declared(dependant: Dependant) -> set[str]:
+    own = {field.alias for field in dependant.query_params}
+    return own.union(*(_declared(further) for further in dependant.dependencies))

@@ -1,0 +1,54 @@
+"""Booleans in bodies are true or false: no text, no numbers, wherever they stand."""
+
+from collections.abc import Iterator
+
+import pytest
+from pydantic import BaseModel, TypeAdapter, ValidationError
+
+import service.app
+from planning.world.strict import Strictest
+from service.schemas.search import CarWire
+from service.schemas.wire import Wire
+
+assert service.app  # it imports every wire type there is
+
+
+def descendants(base: type[BaseModel]) -> Iterator[type[BaseModel]]:
+    for child in base.__subclasses__():
+        yield child
+        yield from descendants(child)
+
+
+def booleans() -> dict[str, TypeAdapter]:
+    """Return the fields of all bodies that may be booleans and nothing else."""
+    fields = {
+        f"{model.__name__}.{name}": TypeAdapter(field.rebuild_annotation())
+        for base in (Wire, Strictest)
+        for model in descendants(base)
+        for name, field in model.model_fields.items()
+    }
+    return {
+        name: adapter
+        for name, adapter in fields.items()
+        if adapter.json_schema().get("type") == "boolean"
+    }
+
+
+BOOLEANS = booleans()
+
+
+def test_every_body_was_looked_at():
+    assert {"CarWire.reverse", "SearchWire.approximate", "ObjectDocument.movable"} <= set(BOOLEANS)
+
+
+@pytest.mark.parametrize("name", BOOLEANS)
+def test_lookalikes_are_no_booleans(name):
+    assert BOOLEANS[name].validate_json("true") is True
+    for wrong in ("no", "true", "1", 0, 1, 1.0, None):
+        with pytest.raises(ValidationError):
+            BOOLEANS[name].validate_python(wrong)
+
+
+def test_a_car_is_told_what_is_wrong():
+    with pytest.raises(ValidationError, match="reverse"):
+        CarWire.model_validate({"turning_radius": 1, "reverse": "no"})
