@@ -1,10 +1,8 @@
 """Desk: where endpoints hand in jobs and questions; one dispatcher stands behind it."""
 
 import asyncio
-import hashlib
-import json
 import secrets
-from collections.abc import AsyncIterator, Mapping
+from collections.abc import AsyncIterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -15,6 +13,7 @@ from pydantic import BaseModel
 from service.errors import UnknownResource
 from service.jobs.dispatcher import Dispatcher
 from service.jobs.errors import UnknownJob
+from service.jobs.key import Key
 from service.jobs.records import Job, JobSpec, LoggedEvent
 from service.jobs.store import JobStore
 from service.scenes.records import SceneRecord
@@ -206,10 +205,10 @@ def spec_of(
     payload: dict[str, Any],
     *,
     scene: SceneRecord,
-    key: str | None,
+    key: Key,
     allowed: float | None = None,
 ) -> JobSpec:
-    """Return the spec of a job about a scene; `payload["request"]` is what its key stands for."""
+    """Return the spec of a job about a scene."""
     return JobSpec(
         lane=lane,
         task=task,
@@ -219,10 +218,6 @@ def spec_of(
         warm_key=scene.digest,
         allowed=allowed,
         max_attempts=_ATTEMPTS[lane],
-        key=key,
-        request_digest=_digest(payload["request"]),
+        key=key.text,
+        request_digest=key.digest,
     )
-
-
-def _digest(request: Mapping[str, Any]) -> str:
-    return hashlib.sha256(json.dumps(request, sort_keys=True).encode()).hexdigest()

@@ -7,6 +7,7 @@ from planning.domain.foreign_planners import unknown_planner
 from planning.domain.steering import Steering
 from planning.errors import UnknownName
 from service.desk import Desk, spec_of
+from service.jobs.key import Key
 from service.jobs.records import Job
 from service.regions.choice import regions_payload
 from service.regions.fitness import asks_for_regions, own_cars, require_fit
@@ -62,9 +63,10 @@ async def submit_plan(request: PlanRequest, key: str | None, scenes: SceneShelf,
     require_planner(await desk.planners(), request.search)
     require_search_names(group, request.search)
     require_cars(group, request.search)
+    asked = request.model_dump(mode="json")
     payload = {
         **await desk.scene_payload(record),
-        "request": request.model_dump(mode="json"),
+        "request": asked,
         "revision": record.revision,
         **await regions_payload(request, record, desk),
         "roadmaps": desk.roadmaps,
@@ -73,7 +75,8 @@ async def submit_plan(request: PlanRequest, key: str | None, scenes: SceneShelf,
     if request.search.on_cancel == "best":
         payload["cancel_grace"] = _BEST_GRACE
     allowed = request.search.allowed_planning_time + SLACK
-    return desk.submit(spec_of("plan", TASK, payload, scene=record, key=key, allowed=allowed))
+    named = Key(key, asked)
+    return desk.submit(spec_of("plan", TASK, payload, scene=record, key=named, allowed=allowed))
 
 
 def require_planner(planners: list[dict[str, Any]], search: SearchWire) -> None:

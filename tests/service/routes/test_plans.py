@@ -1,7 +1,5 @@
 """Plans over HTTP: asked for, waited for, polled, streamed, stopped."""
 
-import uuid
-
 import numpy as np
 import pytest
 
@@ -92,16 +90,6 @@ def test_events_are_numbered_and_replayed(client, solved):
     middle = len(events) // 2
     assert events_of(client, path, **{"Last-Event-ID": events[middle].id}) == events[middle + 1 :]
     assert events_of(client, path, **{"Last-Event-ID": "not ours"}) == events
-
-
-def test_an_idempotency_key_gives_the_same_plan_again(client, request_of):
-    headers = {"Idempotency-Key": uuid.uuid4().hex}
-    first = client.post("/v1/plans", json=request_of(), headers=headers).json()
-    again = client.post("/v1/plans", json=request_of(), headers=headers)
-    assert again.json()["id"] == first["id"]
-    other = client.post("/v1/plans", json=request_of(seed=9), headers=headers)
-    assert other.status_code == 409
-    assert other.json()["code"] == "idempotency_conflict"
 
 
 def test_pages_of_plans_join_up_and_filter(client, scene, solved):
