@@ -2,6 +2,8 @@
 
 from typing import Any
 
+from anyio import to_thread
+
 from planning.domain.car_request import agreed_steering, require_directed
 from planning.domain.foreign_planners import unknown_planner
 from planning.domain.steering import Steering
@@ -9,7 +11,7 @@ from planning.errors import UnknownName
 from service.desk import Desk, spec_of
 from service.jobs.key import Key
 from service.jobs.records import Job
-from service.regions.choice import regions_payload
+from service.regions.choice import chosen_regions, regions_file
 from service.regions.fitness import asks_for_regions, own_cars, require_fit
 from service.scenes.preflight import (
     Group,
@@ -19,6 +21,7 @@ from service.scenes.preflight import (
     require_group,
     require_joints,
 )
+from service.scenes.records import SceneRecord
 from service.scenes.shelf import SceneShelf
 from service.scenes.timing import require_motion_limits
 from service.schemas.plan import PlanRequest
@@ -63,20 +66,30 @@ async def submit_plan(request: PlanRequest, key: str | None, scenes: SceneShelf,
     require_planner(await desk.planners(), request.search)
     require_search_names(group, request.search)
     require_cars(group, request.search)
-    asked = request.model_dump(mode="json")
+    regions = await chosen_regions(request, record, desk)
     payload = {
         **await desk.scene_payload(record),
-        "request": asked,
+        "request": _settled(request, record, regions),
         "revision": record.revision,
-        **await regions_payload(request, record, desk),
         "roadmaps": desk.roadmaps,
         "cores": desk.cores,
     }
+    if regions is not None:
+        payload["regions"] = await to_thread.run_sync(regions_file, desk.regions_folder, regions)
     if request.search.on_cancel == "best":
         payload["cancel_grace"] = _BEST_GRACE
     allowed = request.search.allowed_planning_time + SLACK
-    named = Key(key, asked)
+    named = Key(key, request.model_dump(mode="json"))
     return desk.submit(spec_of("plan", TASK, payload, scene=record, key=named, allowed=allowed))
+
+
+def _settled(request: PlanRequest, record: SceneRecord, regions: Job | None) -> dict[str, Any]:
+    """Return the request with what time would decide: asked again, it gives the same bytes."""
+    settled = request.model_dump(mode="json")
+    settled["revision"] = record.revision
+    if regions is not None:
+        settled["search"]["regions"] = regions.id
+    return settled
 
 
 def require_planner(planners: list[dict[str, Any]], search: SearchWire) -> None:

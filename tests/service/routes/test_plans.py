@@ -107,6 +107,11 @@ def test_pages_of_plans_join_up_and_filter(client, scene, solved):
     assert client.get("/v1/plans?scene=nothing").json() == {"items": [], "next": None}
 
 
+def test_a_plan_says_which_revision_it_is_for(client, scene, solved):
+    latest = client.get(f"/v1/scenes/{scene}").json()["revision"]
+    assert solved["request"]["revision"] == latest
+
+
 def test_cancel_is_harmless_after_the_end(client, solved):
     for _ in range(2):
         answer = client.post(f"/v1/plans/{solved['id']}/cancel")
