@@ -4,6 +4,7 @@ import asyncio
 import secrets
 from collections.abc import AsyncIterator
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -139,13 +140,18 @@ class Desk:
         self, lane: str, *, scene: str | None = None, warm_key: str | None = None
     ) -> AsyncIterator[Job]:
         """Yield the jobs of a lane in a scene, or with a scene's content, newest first."""
-        cursor: str | None = None
+        wanted = {"scene": scene, "warm_key": warm_key}
+        before: int | None = None
+        limit = 1
+        # Mostly the first one is what somebody looks for, and jobs may be large.
         while True:
-            page = await self.page(lane, _CHUNK, cursor, scene=scene, warm_key=warm_key)
-            for job in page.jobs:
+            read = partial(self._store.page, lane, wanted, before=before, limit=limit)
+            found = await to_thread.run_sync(read)
+            for job in found:
                 yield job
-            if (cursor := page.following) is None:
+            if len(found) < limit:
                 return
+            before, limit = found[-1].serial, min(2 * limit, _CHUNK)
 
     async def wait(self, job: Job, seconds: float) -> Job:
         """Return a job when it has ended, or as it is after so many seconds."""
