@@ -29,7 +29,8 @@ from service.schemas.search import CarWire, SearchWire
 
 TASK = "service.tasks.plan:plan_motion"
 
-# A plan minds its deadline by itself; a process that is this much too late hangs [s].
+# A plan minds its deadline by itself, from when its scene is loaded, which may take seconds; a
+# process that is this much too late hangs [s].
 SLACK = 15.0
 # To time and prove the best path so far after a cancel [s].
 _BEST_GRACE = 0.9
