@@ -1,12 +1,14 @@
 """Which regions a plan is given."""
 
 import json
+import os
 from collections.abc import AsyncIterator
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
 from planning.errors import ProblemInvalid
-from planning.whole_files import write_whole
+from planning.whole_files import clear_out, write_whole
 from service.desk import Desk
 from service.errors import NoRegions
 from service.jobs.records import Job
@@ -17,6 +19,8 @@ from service.schemas.plan import PlanRequest
 from service.schemas.search import SearchWire
 
 _MOST_NAMED = 20
+# Some hundred files; many more than can be waited for at once.
+_MOST_BYTES = 2**29
 
 
 async def chosen_regions(request: PlanRequest, record: SceneRecord, desk: Desk) -> Job | None:
@@ -93,9 +97,16 @@ def _told(job: Job) -> dict[str, Any]:
 
 
 def regions_file(folder: Path, job: Job) -> str:
-    """Return the file from which slots read the regions, written if it is not there yet."""
+    """Return the file from which slots read the regions, written if it is not there yet.
+
+    Files that no plan has asked for since many others were are removed: what plans wait for stays.
+    """
     grown: dict[str, Any] = (job.result or {})["result"]
     path = folder / f"{grown['digest']}.json"
-    if not path.is_file():
+    try:
+        os.utime(path)
+    except FileNotFoundError:
         write_whole(path, json.dumps(grown))
+        with suppress(OSError):
+            clear_out(folder, _MOST_BYTES)
     return str(path)
