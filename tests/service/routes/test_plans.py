@@ -170,7 +170,11 @@ def test_a_pose_is_approached_in_a_straight_line(client, scene):
     assert parts[1]["length"] == pytest.approx(0.08)
     checks = {check["name"]: check for check in job["result"]["certificate"]["checks"]}
     assert checks["line"]["passed"]
-    assert job["result"]["stages"]["goals"]["funnel"]["approach_ok"] >= 1
+    funnel = job["result"]["stages"]["goals"]["funnel"]
+    assert funnel["approach_ok"] >= 1
+    assert funnel["summary"].startswith(f"{funnel['tried']} tried")
+    shares = sum(entry["share"] for entry in funnel["rejected"])
+    assert shares + funnel["distinct"] / funnel["tried"] == pytest.approx(1)
 
 
 def test_a_blocked_line_is_a_failure_with_its_evidence(client, scene):
