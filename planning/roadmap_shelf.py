@@ -11,7 +11,7 @@ from typing import Any, Protocol, runtime_checkable
 import numpy as np
 
 from planning.domain.roadmap import Roadmap
-from planning.whole_files import write_whole
+from planning.whole_files import clear_out, write_whole
 
 type Array = np.ndarray[Any, np.dtype[Any]]
 
@@ -79,7 +79,7 @@ class RoadmapShelf:
         if self._folder is not None:
             with suppress(OSError):
                 write_whole(self._file(self._folder, roadmap.key), json.dumps(_plain(roadmap)))
-                self._clear_out(self._folder)
+                clear_out(self._folder, self._most_bytes_on_disk)
 
     def _keep(self, roadmap: Roadmap) -> None:
         self._kept[roadmap.key] = roadmap
@@ -101,18 +101,6 @@ class RoadmapShelf:
         except (OSError, ValueError, KeyError, TypeError, RecursionError):
             return None
         return found if found is not None and found.key == key else None
-
-    def _clear_out(self, folder: Path) -> None:
-        """Remove the files that were not used for longest, if there is too much of them."""
-        files = sorted(
-            ((file.stat(), file) for file in folder.glob("*.json")),
-            key=lambda entry: -entry[0].st_mtime,
-        )
-        total = 0
-        for place, (status, file) in enumerate(files):
-            total += status.st_size
-            if place and total > self._most_bytes_on_disk:
-                file.unlink(missing_ok=True)
 
     @staticmethod
     def _file(folder: Path, key: str) -> Path:

@@ -1,6 +1,7 @@
-"""Files that other processes see either whole or not at all."""
+"""Files that other processes see either whole or not at all, and not for ever."""
 
 import tempfile
+from contextlib import suppress
 from pathlib import Path
 
 
@@ -15,3 +16,25 @@ def write_whole(target: Path, text: str) -> None:
         written = Path(part) / target.name
         written.write_text(text, "utf-8")
         written.replace(target)
+
+
+def clear_out(folder: Path, most_bytes: int) -> None:
+    """Remove the JSON files of a folder that were not touched for longest, if there is too much.
+
+    Args:
+        folder: Whose files whoever uses them touches, so that they stay.
+        most_bytes: Of all together; the last one that was touched stays whatever its size.
+
+    Raises:
+        OSError: One cannot be removed; one that is gone already is no fault.
+    """
+    found: list[tuple[float, int, Path]] = []
+    for file in folder.glob("*.json"):
+        with suppress(FileNotFoundError):
+            status = file.stat()
+            found.append((status.st_mtime, status.st_size, file))
+    total = 0
+    for place, (_, size, file) in enumerate(sorted(found, reverse=True)):
+        total += size
+        if place and total > most_bytes:
+            file.unlink(missing_ok=True)

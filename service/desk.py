@@ -1,11 +1,10 @@
 """Desk: where endpoints hand in jobs and questions; one dispatcher stands behind it."""
 
 import asyncio
-import hashlib
-import json
 import secrets
-from collections.abc import AsyncIterator, Mapping
+from collections.abc import AsyncIterator
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +14,7 @@ from pydantic import BaseModel
 from service.errors import UnknownResource
 from service.jobs.dispatcher import Dispatcher
 from service.jobs.errors import UnknownJob
+from service.jobs.key import Key
 from service.jobs.records import Job, JobSpec, LoggedEvent
 from service.jobs.store import JobStore
 from service.scenes.records import SceneRecord
@@ -140,13 +140,18 @@ class Desk:
         self, lane: str, *, scene: str | None = None, warm_key: str | None = None
     ) -> AsyncIterator[Job]:
         """Yield the jobs of a lane in a scene, or with a scene's content, newest first."""
-        cursor: str | None = None
+        wanted = {"scene": scene, "warm_key": warm_key}
+        before: int | None = None
+        limit = 1
+        # Mostly the first one is what somebody looks for, and jobs may be large.
         while True:
-            page = await self.page(lane, _CHUNK, cursor, scene=scene, warm_key=warm_key)
-            for job in page.jobs:
+            read = partial(self._store.page, lane, wanted, before=before, limit=limit)
+            found = await to_thread.run_sync(read)
+            for job in found:
                 yield job
-            if (cursor := page.following) is None:
+            if len(found) < limit:
                 return
+            before, limit = found[-1].serial, min(2 * limit, _CHUNK)
 
     async def wait(self, job: Job, seconds: float) -> Job:
         """Return a job when it has ended, or as it is after so many seconds."""
@@ -206,10 +211,10 @@ def spec_of(
     payload: dict[str, Any],
     *,
     scene: SceneRecord,
-    key: str | None,
+    key: Key,
     allowed: float | None = None,
 ) -> JobSpec:
-    """Return the spec of a job about a scene; `payload["request"]` is what its key stands for."""
+    """Return the spec of a job about a scene."""
     return JobSpec(
         lane=lane,
         task=task,
@@ -219,10 +224,6 @@ def spec_of(
         warm_key=scene.digest,
         allowed=allowed,
         max_attempts=_ATTEMPTS[lane],
-        key=key,
-        request_digest=_digest(payload["request"]),
+        key=key.text,
+        request_digest=key.digest,
     )
-
-
-def _digest(request: Mapping[str, Any]) -> str:
-    return hashlib.sha256(json.dumps(request, sort_keys=True).encode()).hexdigest()

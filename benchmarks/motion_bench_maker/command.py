@@ -5,14 +5,13 @@ import json
 import tempfile
 from pathlib import Path
 
+from benchmarks.motion_bench_maker.bounds import print_bounds
 from benchmarks.motion_bench_maker.problems import data_folder, read_problems, round_robin
 from benchmarks.motion_bench_maker.robots import ROBOTS, robot_files, robot_library
-from benchmarks.motion_bench_maker.runs import Bench, GoalKind, Runs
+from benchmarks.motion_bench_maker.runs import Bench, Runs
 from benchmarks.motion_bench_maker.summary import document
-from benchmarks.motion_bench_maker.table import print_tables
+from benchmarks.motion_bench_maker.table import GOALS, print_tables
 from planning.kernel.native import kernel_name
-
-GOALS: tuple[GoalKind, ...] = ("joint", "pose")
 
 
 def bench(options: argparse.Namespace, core: int) -> None:
@@ -43,6 +42,8 @@ def bench(options: argparse.Namespace, core: int) -> None:
         "first plans of the process warmed up and are not counted; failed plans count in total"
     )
     print_tables(done, drake, head, note)
+    if options.refine != "none":
+        print_bounds(done)
 
 
 def _drake_only(arm: Bench, done: Runs, count: int) -> tuple[Runs | None, str]:

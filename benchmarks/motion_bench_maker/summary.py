@@ -84,6 +84,7 @@ def _document(done: Runs, drake: Runs | None, goal: GoalKind) -> dict[str, Any]:
                 "problem": run.problem.name,
                 "duration_s": round(run.duration, 3),
                 "lower_bound_s": round(run.lower_bound, 3),
+                "improved": run.improved,
             }
             for run in solved
         ],

@@ -15,15 +15,15 @@ from benchmarks.motion_bench_maker.summary import (
     stage_times,
 )
 
-_WIDTH = 170
-_GOALS: tuple[GoalKind, ...] = ("joint", "pose")
+WIDTH = 170
+GOALS: tuple[GoalKind, ...] = ("joint", "pose")
 
 
 def print_tables(done: Runs, drake: Runs | None, head: str, drake_note: str) -> None:
     """Print times, motions, failures, and Drake alone."""
-    console = Console(width=_WIDTH, highlight=False)
+    console = Console(width=WIDTH, highlight=False)
     console.print(head)
-    for goal in _GOALS:
+    for goal in GOALS:
         runs = of_goal(done.runs, goal)
         console.print(_times(runs, f"{goal} goals: milliseconds, median / mean / p95"))
         console.print(_motions(done, runs, f"{goal} goals: motions"))
@@ -33,7 +33,7 @@ def print_tables(done: Runs, drake: Runs | None, head: str, drake_note: str) -> 
     console.print(drake_note)
     if drake is None:
         return
-    for goal in _GOALS:
+    for goal in GOALS:
         runs = of_goal(drake.runs, goal)
         console.print(_times(runs, f"{goal} goals, Drake only: milliseconds"))
         if (times := ratio(done, drake, goal)) is not None:

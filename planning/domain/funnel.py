@@ -122,6 +122,7 @@ def funnel_evidence(funnel: Funnel) -> dict[str, Any]:
         "within_limits": funnel.within_limits,
         "collision_free": funnel.collision_free,
         "breaking": funnel.breaking,
+        "violating": funnel.violating,
         "approach_ok": funnel.approach_ok,
         "distinct": funnel.distinct,
         "rejected_by": [

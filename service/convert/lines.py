@@ -10,14 +10,14 @@ from planning.domain.line_trace import LineStop
 from service.convert.goals import pose_wire, target_value
 from service.convert.numbers import listed
 from service.convert.verdicts import pair_wire
-from service.schemas.line import DisplacementWire, LineRequest
+from service.schemas.line import LineRequest, WayWire
 
 
 def way_value(request: LineRequest) -> PoseTarget | Displacement:
     """Return where a line shall lead."""
     if request.pose is not None:
         return target_value(request.pose)
-    way = request.displacement or DisplacementWire(vector=[0.0, 0.0, 0.0])
+    way = request.displacement or WayWire(vector=[0.0, 0.0, 0.0])
     return Displacement(np.array(way.vector, dtype=np.float64), way.frame)
 
 

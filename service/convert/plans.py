@@ -3,8 +3,8 @@
 import dataclasses
 from typing import Any
 
+from planning import funnel_evidence
 from planning.domain.certificate import Certificate
-from planning.domain.funnel import Funnel
 from planning.domain.plan import MotionPlan, StageReports
 from service.convert.numbers import finite, listed
 from service.convert.trajectories import sampled_wire
@@ -51,20 +51,13 @@ def certificate_wire(certificate: Certificate) -> dict[str, Any]:
     }
 
 
-def funnel_wire(funnel: Funnel) -> dict[str, Any]:
-    """Return an IK funnel for the wire."""
-    tallies = [dataclasses.asdict(tally) for tally in funnel.rejected_by]
-    blocked = [dataclasses.asdict(tally) for tally in funnel.blocked_by]
-    return {**dataclasses.asdict(funnel), "rejected_by": tallies, "blocked_by": blocked}
-
-
 def stages_wire(stages: StageReports) -> dict[str, Any]:
     """Return the reports of all stages for the wire."""
     certify = dataclasses.asdict(stages.certify)
     return {
         "goals": {
             "num_configurations": len(stages.goals.positions),
-            "funnel": funnel_wire(stages.goals.funnel),
+            "funnel": funnel_evidence(stages.goals.funnel),
         },
         "search": dataclasses.asdict(stages.search),
         "refine": dataclasses.asdict(stages.refine),

@@ -2,6 +2,7 @@
 
 from service.desk import Desk, spec_of
 from service.executions.whereabouts import require_at_start
+from service.jobs.key import Key
 from service.jobs.records import Job
 from service.plans.wire import polynomial_of
 from service.scenes.preflight import require_group
@@ -28,16 +29,17 @@ async def submit_execution(
     wanted = plan.payload["request"]
     record = await scenes.get(wanted["scene"], plan.payload["revision"])
     group = require_group(record, wanted["group"])
+    asked = request.model_dump(mode="json")
     payload = {
         **{part: plan.payload[part] for part in ("scene", "library")},
-        "request": request.model_dump(mode="json"),
+        "request": asked,
         "scene_id": record.id,
         "group": group["name"],
         "trajectory": polynomial,
         "speed": request.speed,
         "controls": desk.new_controls(),
     }
-    spec = spec_of("execution", TASK, payload, scene=record, key=key)
+    spec = spec_of("execution", TASK, payload, scene=record, key=Key(key, asked))
     # Two requests at once must not both find the robot at rest.
     async with desk.admitting_motion:
         if desk.known(spec) is None:

@@ -2,6 +2,8 @@
 
 from typing import Any
 
+from anyio import to_thread
+
 from planning.domain.car_request import agreed_steering, require_directed
 from planning.domain.foreign_planners import unknown_planner
 from planning.domain.stop_request import require_bounded_stops
@@ -9,8 +11,9 @@ from planning.errors import UnknownName
 from service.convert.goals import certify_value, retime_value, steering_value
 from service.convert.trajectories import require_one_sampling
 from service.desk import Desk, spec_of
+from service.jobs.key import Key
 from service.jobs.records import Job
-from service.regions.choice import regions_payload
+from service.regions.choice import chosen_regions, regions_file
 from service.regions.fitness import asks_for_regions, own_cars, require_fit
 from service.scenes.preflight import (
     Group,
@@ -20,6 +23,7 @@ from service.scenes.preflight import (
     require_group,
     require_joints,
 )
+from service.scenes.records import SceneRecord
 from service.scenes.shelf import SceneShelf
 from service.scenes.timing import require_motion_limits
 from service.schemas.plan import PlanRequest
@@ -27,7 +31,8 @@ from service.schemas.search import CarWire, SearchWire
 
 TASK = "service.tasks.plan:plan_motion"
 
-# A plan minds its deadline by itself; a process that is this much too late hangs [s].
+# A plan minds its deadline by itself, from when its scene is loaded, which may take seconds; a
+# process that is this much too late hangs [s].
 SLACK = 15.0
 # To time and prove the best path so far after a cancel [s].
 _BEST_GRACE = 0.9
@@ -67,18 +72,30 @@ async def submit_plan(request: PlanRequest, key: str | None, scenes: SceneShelf,
     require_planner(await desk.planners(), request.search)
     require_search_names(group, request.search)
     require_cars(group, request.search)
+    regions = await chosen_regions(request, record, desk)
     payload = {
         **await desk.scene_payload(record),
-        "request": request.model_dump(mode="json"),
+        "request": _settled(request, record, regions),
         "revision": record.revision,
-        **await regions_payload(request, record, desk),
         "roadmaps": desk.roadmaps,
         "cores": desk.cores,
     }
+    if regions is not None:
+        payload["regions"] = await to_thread.run_sync(regions_file, desk.regions_folder, regions)
     if request.search.on_cancel == "best":
         payload["cancel_grace"] = _BEST_GRACE
     allowed = request.search.allowed_planning_time + SLACK
-    return desk.submit(spec_of("plan", TASK, payload, scene=record, key=key, allowed=allowed))
+    named = Key(key, request.model_dump(mode="json"))
+    return desk.submit(spec_of("plan", TASK, payload, scene=record, key=named, allowed=allowed))
+
+
+def _settled(request: PlanRequest, record: SceneRecord, regions: Job | None) -> dict[str, Any]:
+    """Return the request with what time would decide: asked again, it gives the same bytes."""
+    settled = request.model_dump(mode="json")
+    settled["revision"] = record.revision
+    if regions is not None:
+        settled["search"]["regions"] = regions.id
+    return settled
 
 
 def require_planner(planners: list[dict[str, Any]], search: SearchWire) -> None:

@@ -3,6 +3,7 @@
 from typing import Any
 
 from service.desk import Desk, spec_of
+from service.jobs.key import Key
 from service.jobs.records import Job
 from service.plans.admission import SLACK
 from service.plans.wire import polynomial_of
@@ -45,4 +46,6 @@ async def submit_reversal(plan: Job, key: str | None, scenes: SceneShelf, desk: 
         },
     }
     allowed = request.search.allowed_planning_time + SLACK
-    return desk.submit(spec_of("plan", TASK, payload, scene=record, key=key, allowed=allowed))
+    # Two plans with the same ends have the same way back as a request, but not as a motion.
+    named = Key(key, {"reverse": plan.id})
+    return desk.submit(spec_of("plan", TASK, payload, scene=record, key=named, allowed=allowed))

@@ -3,6 +3,7 @@
 from planning.domain.region_request import require_one_turn
 from planning.errors import UnknownName
 from service.desk import Desk, spec_of
+from service.jobs.key import Key
 from service.jobs.records import Job
 from service.regions.fitness import own_cars, require_fit
 from service.scenes.preflight import joints_of, require_group
@@ -34,10 +35,12 @@ async def submit_regions(
         if name not in group["position_names"]:
             raise UnknownName.among("position", name, group["position_names"])
     require_one_turn(joints_of(group), request.bounds)
+    asked = request.model_dump(mode="json")
     payload = {
         **await desk.scene_payload(record),
-        "request": request.model_dump(mode="json"),
+        "request": asked,
         "revision": record.revision,
     }
     allowed = request.allowed_time + _SLACK
-    return desk.submit(spec_of("regions", TASK, payload, scene=record, key=key, allowed=allowed))
+    named = Key(key, {"scene": record.id, **asked})
+    return desk.submit(spec_of("regions", TASK, payload, scene=record, key=named, allowed=allowed))

@@ -1,14 +1,14 @@
 """Which regions a plan is given."""
 
 import json
+import os
 from collections.abc import AsyncIterator
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-from anyio import to_thread
-
 from planning.errors import ProblemInvalid
-from planning.whole_files import write_whole
+from planning.whole_files import clear_out, write_whole
 from service.desk import Desk
 from service.errors import NoRegions
 from service.jobs.records import Job
@@ -19,10 +19,12 @@ from service.schemas.plan import PlanRequest
 from service.schemas.search import SearchWire
 
 _MOST_NAMED = 20
+# Some hundred files; many more than can be waited for at once.
+_MOST_BYTES = 2**29
 
 
-async def regions_payload(request: PlanRequest, record: SceneRecord, desk: Desk) -> dict[str, Any]:
-    """Return what the task of a plan is told of regions; nothing if its planners need none.
+async def chosen_regions(request: PlanRequest, record: SceneRecord, desk: Desk) -> Job | None:
+    """Return the regions that a plan is given; None if its planners need none.
 
     The request names them, or they are the newest that were grown for the very content of the
     scene, whatever its id, for the group and for a margin no less than the plan's. Where nothing
@@ -35,15 +37,16 @@ async def regions_payload(request: PlanRequest, record: SceneRecord, desk: Desk)
     """
     if not asks_for_regions(request.search):
         _require_none(request.search)
-        return {}
+        return None
     group = require_group(record, request.group)["name"]
     margin = request.margin
     margin = float(record.document.get("margin") or 0.0) if margin is None else margin
-    seen: list[Job] = []
+    seen: list[dict[str, Any]] = []
     async for job in _candidates(request, record, desk):
         if _fits(job, record, group, margin):
-            return {"regions": await to_thread.run_sync(_file, desk.regions_folder, job)}
-        seen.append(job)
+            return job
+        if len(seen) < _MOST_NAMED:
+            seen.append(_told(job))
     raise NoRegions(
         f"the planner {PLANNER!r} needs regions of group {group!r} that keep {margin:g} m in this "
         f"revision of the scene; grow them by POST /v1/scenes/{record.id}/regions",
@@ -52,7 +55,7 @@ async def regions_payload(request: PlanRequest, record: SceneRecord, desk: Desk)
             "digest": record.digest,
             "group": group,
             "margin": margin,
-            "there": [_told(job) for job in seen[:_MOST_NAMED]],
+            "there": seen,
         },
     )
 
@@ -93,10 +96,17 @@ def _told(job: Job) -> dict[str, Any]:
     } | named
 
 
-def _file(folder: Path, job: Job) -> str:
-    """Return the file from which slots read the regions, written if it is not there yet."""
+def regions_file(folder: Path, job: Job) -> str:
+    """Return the file from which slots read the regions, written if it is not there yet.
+
+    Files that no plan has asked for since many others were are removed: what plans wait for stays.
+    """
     grown: dict[str, Any] = (job.result or {})["result"]
     path = folder / f"{grown['digest']}.json"
-    if not path.is_file():
+    try:
+        os.utime(path)
+    except FileNotFoundError:
         write_whole(path, json.dumps(grown))
+        with suppress(OSError):
+            clear_out(folder, _MOST_BYTES)
     return str(path)

@@ -8,9 +8,9 @@ from fastapi.sse import ServerSentEvent
 from service.desk import Desk
 from service.jobs.records import Job
 
+# What an event is made of FastAPI declares itself (`itemSchema`).
 EVENTS: dict[str, Any] = {
-    "description": "Server-sent events with ids; `data` is JSON. The stream ends with the job",
-    "content": {"text/event-stream": {"schema": {"type": "string"}}},
+    "description": "Server-sent events with ids; `data` is JSON. The stream ends with the job"
 }
 
 

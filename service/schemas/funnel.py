@@ -79,5 +79,5 @@ class RejectionWire(Answer):
 class IkFunnelWire(FunnelWire):
     """The same, with the reason of every rejected sample."""
 
-    rejected: list[RejectionWire] = Field(description="Why the others are no solutions")
-    summary: str = Field(description="The same as a sentence")
+    rejected: list[RejectionWire] = Field(default=[], description="Why the others are no solutions")
+    summary: str = Field(default="", description="The same as a sentence")

@@ -31,7 +31,10 @@ class JobBrief(Answer):
     created_at: datetime = Field(description="When it was asked for (UTC)")
     started_at: datetime | None = Field(description="When a worker took it (UTC)")
     finished_at: datetime | None = Field(description="When it ended (UTC)")
-    request: PlanRequest = Field(description="What was asked for, defaults filled in")
+    request: PlanRequest = Field(
+        description="What was asked for, defaults filled in, and the scene's latest `revision` and "
+        "the newest `search.regions` where they were left open: asked again, it gives the same plan"
+    )
     failure: Failure | None = Field(description="Why there is no result")
     seed: int = Field(description="Of all randomness")
     digest: str | None = Field(description="sha256 over the delivered numbers")

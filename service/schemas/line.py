@@ -18,7 +18,7 @@ class FoundDeviationWire(Answer):
     rotation: float = Field(description="Of its rotation [rad]")
 
 
-class DisplacementWire(Wire):
+class WayWire(Wire):
     """A way without a turn."""
 
     vector: Triple = Field(description="The way [m]")
@@ -46,7 +46,7 @@ class LineRequest(Wire):
     pose: PoseWire | None = Field(
         default=None, description="Where the line ends; this or `displacement`"
     )
-    displacement: DisplacementWire | None = Field(
+    displacement: WayWire | None = Field(
         default=None, description="Or the way from where the tool stands"
     )
     frame: ToolFrame = None

@@ -2,7 +2,7 @@
 
 from pydantic import Field
 
-from service.schemas.funnel import FunnelWire
+from service.schemas.funnel import IkFunnelWire
 from service.schemas.search_report import SearchReportWire
 from service.schemas.wire import Answer
 
@@ -11,7 +11,7 @@ class GoalsReportWire(Answer):
     """What the goals stage found."""
 
     num_configurations: int = Field(description="Goal configurations that were offered to search")
-    funnel: FunnelWire = Field(description="How many samples survived what")
+    funnel: IkFunnelWire = Field(description="How many samples survived what")
 
 
 class RefineReportWire(Answer):

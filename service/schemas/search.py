@@ -61,8 +61,8 @@ class SearchWire(Wire):
     )
     regions: Identifier | None = Field(
         default=None,
-        description="Id of the regions that GCS plans in; null for the newest that fit, and "
-        "where GCS is not among the planners",
+        description="Id of the regions that GCS plans in; null for the newest that fit (a plan's "
+        "`request` has the id of those), and where GCS is not among the planners",
     )
     parameters: dict[Name, ParameterValue] = Field(
         default={},

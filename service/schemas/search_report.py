@@ -21,7 +21,9 @@ class AttemptReportWire(Answer):
 class RegionsReportWire(Answer):
     """What regions were good for in a search."""
 
-    digest: str = Field(description="Of the regions: with the same ones the plan is repeatable")
+    digest: str = Field(
+        description="Of the regions, whose id is `search.regions` of the plan's `request`"
+    )
     num_regions: int = Field(description="How many there are")
     considered: list[int] = Field(description="Places of those that the path was looked for in")
     is_inside: bool = Field(description="Whether the path came from them")

@@ -12,7 +12,8 @@ from service.convert.goals import problem_value
 from service.convert.trajectories import trajectory_value
 from service.schemas.plan import PlanRequest
 from service.tasks.channel import Channel
-from service.tasks.plan import StageLog, delivered
+from service.tasks.plan import delivered
+from service.tasks.stage_log import StageLog
 from service.tasks.worlds import borrow_world
 
 

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from benchmarks.motion_bench_maker.bounds import print_bounds
 from benchmarks.motion_bench_maker.problems import Problem, round_robin
 from benchmarks.motion_bench_maker.runs import Run, Runs, least_duration
 from benchmarks.motion_bench_maker.summary import Spread, document, ratio
@@ -50,7 +51,24 @@ def test_what_refinement_made_quicker_and_what_nothing_beats() -> None:
     found = document(Runs([r.problem for r in runs], [], runs, [1.0]), None)
     assert found["improved"] == 0.5
     assert found["lower_bound_s"]["median"] == 1.5
-    assert found["bounds"][1] == {"problem": "a 2", "duration_s": 3.0, "lower_bound_s": 2.0}
+    second = {"problem": "a 2", "duration_s": 3.0, "lower_bound_s": 2.0, "improved": False}
+    assert found["bounds"][1] == second
+
+
+def test_a_table_has_the_bound_of_every_problem(capsys: pytest.CaptureFixture[str]) -> None:
+    runs = [
+        replace(run("b", 10, 10.0), duration=3.0, lower_bound=2.5),
+        replace(run("b", 9, 10.0), improved=True, duration=2.0, lower_bound=2.0),
+        replace(run("b", 9, 10.0), goal="pose", duration=1.5, lower_bound=1.0),
+        run("a", 1, 10.0, "no_path_found"),
+    ]
+    print_bounds(Runs([], [], runs, []))
+    rows = [line.split() for line in capsys.readouterr().out.splitlines()]
+    assert [row for row in rows if row and row[0] in {"a", "b"}] == [
+        ["a", "1", *"--------"],
+        ["b", "9", "2.000", "2.000", "1.000", "yes", "1.500", "1.000", "1.500", "no"],
+        ["b", "10", "3.000", "2.500", "1.200", "no", *"----"],
+    ]
 
 
 def test_the_slowest_joint_bounds_the_duration() -> None:

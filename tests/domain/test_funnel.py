@@ -1,6 +1,7 @@
 """The funnel adds up."""
 
 import json
+from dataclasses import fields
 
 import numpy as np
 from hypothesis import given
@@ -32,6 +33,7 @@ def test_every_sample_is_distinct_or_has_a_reason(seed: int) -> None:
     colliding = sum(one.count for one in rejections(funnel) if one.reason == "collision")
     assert colliding == funnel.within_limits - funnel.collision_free
     evidence = json.loads(json.dumps(funnel_evidence(funnel)))
+    assert {field.name for field in fields(Funnel)} <= set(evidence)
     blocked = sum(one.count for one in rejections(funnel) if one.reason == "approach")
     assert blocked == funnel.collision_free - funnel.approach_ok
     shares = sum(one["share"] for one in evidence["rejected"])

@@ -52,6 +52,17 @@ def scene(client):
 
 
 @pytest.fixture(scope="session")
+def few_regions(client, scene):
+    """Regions that have grown: one."""
+    request = {"group": "arm", "num_regions": 1, "num_free": 100, "iterations": 1}
+    request |= {"along": "nothing", "allowed_time": 20.0}
+    job = client.post(f"/v1/scenes/{scene}/regions?wait=40", json=request).json()
+    assert job["state"] == "succeeded", job["failure"]
+    assert job["summary"]["num_regions"] == 1
+    return job
+
+
+@pytest.fixture(scope="session")
 def solved(client, scene):
     """A plan that succeeded: from home to ready."""
     goal = {"type": "configuration", "name": "ready"}

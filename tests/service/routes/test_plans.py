@@ -1,7 +1,5 @@
 """Plans over HTTP: asked for, waited for, polled, streamed, stopped."""
 
-import uuid
-
 import numpy as np
 import pytest
 
@@ -94,16 +92,6 @@ def test_events_are_numbered_and_replayed(client, solved):
     assert events_of(client, path, **{"Last-Event-ID": "not ours"}) == events
 
 
-def test_an_idempotency_key_gives_the_same_plan_again(client, request_of):
-    headers = {"Idempotency-Key": uuid.uuid4().hex}
-    first = client.post("/v1/plans", json=request_of(), headers=headers).json()
-    again = client.post("/v1/plans", json=request_of(), headers=headers)
-    assert again.json()["id"] == first["id"]
-    other = client.post("/v1/plans", json=request_of(seed=9), headers=headers)
-    assert other.status_code == 409
-    assert other.json()["code"] == "idempotency_conflict"
-
-
 def test_pages_of_plans_join_up_and_filter(client, scene, solved):
     whole = client.get("/v1/plans?limit=200").json()["items"]
     assert "result" not in whole[0]
@@ -117,6 +105,11 @@ def test_pages_of_plans_join_up_and_filter(client, scene, solved):
     assert solved["id"] in {item["id"] for item in of_scene}
     assert {item["state"] for item in of_scene} == {"succeeded"}
     assert client.get("/v1/plans?scene=nothing").json() == {"items": [], "next": None}
+
+
+def test_a_plan_says_which_revision_it_is_for(client, scene, solved):
+    latest = client.get(f"/v1/scenes/{scene}").json()["revision"]
+    assert solved["request"]["revision"] == latest
 
 
 def test_cancel_is_harmless_after_the_end(client, solved):
@@ -192,7 +185,11 @@ def test_a_pose_is_approached_in_a_straight_line(client, scene):
     assert parts[1]["length"] == pytest.approx(0.08)
     checks = {check["name"]: check for check in job["result"]["certificate"]["checks"]}
     assert checks["line"]["passed"]
-    assert job["result"]["stages"]["goals"]["funnel"]["approach_ok"] >= 1
+    funnel = job["result"]["stages"]["goals"]["funnel"]
+    assert funnel["approach_ok"] >= 1
+    assert funnel["summary"].startswith(f"{funnel['tried']} tried")
+    shares = sum(entry["share"] for entry in funnel["rejected"])
+    assert shares + funnel["distinct"] / funnel["tried"] == pytest.approx(1)
 
 
 def test_a_blocked_line_is_a_failure_with_its_evidence(client, scene):

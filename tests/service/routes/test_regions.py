@@ -1,5 +1,7 @@
 """Regions over HTTP: grown as a job, listed, canceled, and used by plans."""
 
+import uuid
+
 import pytest
 
 from service.client.events import decode_events
@@ -32,12 +34,12 @@ def grown(client, square):
     return job
 
 
-def plan_of(client, scene, **fields):
+def plan_of(client, scene, headers=None, **fields):
     search = {"planner": "GCS", "allowed_planning_time": 20.0, **fields.pop("search", {})}
     beyond = {"type": "configuration", "name": "beyond"}
     goal = fields.pop("goal", beyond)
     request = {"scene": scene, "group": "body", "goal": goal, "search": search, **fields}
-    return client.post("/v1/plans?wait=40", json=request)
+    return client.post("/v1/plans?wait=40", json=request, headers=headers)
 
 
 def test_grown_regions_say_everything(client, square, grown):
@@ -70,6 +72,24 @@ def test_a_plan_uses_the_newest_that_fit_and_is_repeatable(client, square, grown
     assert first["result"]["certificate"]["proven"]
     again = plan_of(client, square, search={"regions": grown["id"]}).json()
     assert again["digest"] == first["digest"]
+
+
+def test_a_plan_says_which_regions_it_was_given(client):
+    """Asked again it has the same bytes, whatever has grown since; its key stands for both."""
+    there = client.post("/v1/scenes", json={**SCENE, "margin": 0.003}).json()["id"]
+    path = f"/v1/scenes/{there}/regions?wait=30"
+    few = {**REQUEST, "num_regions": 2, "num_free": 100}
+    old = client.post(path, json=few).json()
+    headers = {"Idempotency-Key": uuid.uuid4().hex}
+    first = plan_of(client, there, headers).json()
+    assert first["request"]["search"]["regions"] == old["id"]
+    newer = client.post(path, json={**few, "seed": 5}).json()
+    assert newer["summary"]["digest"] != old["summary"]["digest"]
+    assert plan_of(client, there, headers).json()["id"] == first["id"]
+    again = client.post("/v1/plans?wait=40", json=first["request"]).json()
+    assert again["digest"] == first["digest"]
+    used = again["result"]["stages"]["search"]["regions"]["digest"]
+    assert used == old["summary"]["digest"]
 
 
 def test_a_scene_with_the_same_content_shares_them(client, grown):

@@ -1,0 +1,63 @@
+"""The desk's readings of the jobs that there are."""
+
+import asyncio
+
+import pytest
+
+from service.desk import Desk
+from service.jobs.database import open_engine
+from service.jobs.records import JobSpec
+from service.jobs.store import JobStore
+from service.settings import Settings
+
+
+class CountingStore(JobStore):
+    """Counts the jobs that it has read from the database."""
+
+    num_read = 0
+
+    def page(self, *args, **kwargs):
+        found = super().page(*args, **kwargs)
+        self.num_read += len(found)
+        return found
+
+
+@pytest.fixture
+def store(tmp_path):
+    engine = open_engine(f"sqlite:///{tmp_path / 'jobs.sqlite'}")
+    opened = CountingStore(engine)
+    opened.open()
+    yield opened
+    engine.dispose()
+
+
+@pytest.fixture
+def desk(store, tmp_path):
+    # what reads needs neither a dispatcher nor scenes
+    return Desk(Settings(data_dir=tmp_path), store, None, None)  # pyright: ignore[reportArgumentType]
+
+
+async def taken(desk, count):
+    found = []
+    async for job in desk.newest("regions", warm_key="here"):
+        found.append(job.id)
+        if len(found) == count:
+            break
+    return found
+
+
+@pytest.mark.parametrize("count", [0, 1, 2, 3, 7, 43])
+def test_the_newest_come_first_and_all_of_them(desk, store, count):
+    made = []
+    for _ in range(count):
+        made.append(store.insert(JobSpec("regions", "", {}, warm_key="here"))[0].id)
+        store.insert(JobSpec("regions", "", {}, warm_key="elsewhere"))
+    assert asyncio.run(taken(desk, -1)) == made[::-1]
+
+
+@pytest.mark.parametrize("wanted", [1, 2, 5])
+def test_no_more_are_read_than_were_looked_at_and_as_many_again(desk, store, wanted):
+    for _ in range(30):
+        store.insert(JobSpec("regions", "", {}, warm_key="here"))
+    assert len(asyncio.run(taken(desk, wanted))) == wanted
+    assert store.num_read < 2 * wanted
