@@ -56,7 +56,8 @@ class RoadmapReport(Value):
         num_states_checked: Configurations checked for collision to build it, whenever that was.
         used: Whether the path that was kept is one of its.
         reason: Why not, or "": "straight_line", "start_not_joined", "goal_not_joined", "no_way",
-            "blocked" (on a closer look), "not_proven" (however closely it was looked at).
+            "blocked" (on a closer look), "interrupted" (the search ended while it was asked),
+            "not_proven" (however closely it was looked at).
     """
 
     digest: str
