@@ -11,7 +11,9 @@ class AttemptReport(Value):
 
     Attributes:
         planner: OMPL's name.
-        outcome: "solved", "collides" (on a closer look), or OMPL's word for how it ended.
+        outcome: "solved", "collides" (on a closer look), or OMPL's word for how it ended. While a
+            planner is at work on a path, "improving": its lengths and cost are all the planner's
+            own measure, and the states are not counted yet.
         raw_length: Of its solution before shortcutting; 0 without one.
         length: And after it.
         cost: By the objective; 0 without a solution.

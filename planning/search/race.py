@@ -8,6 +8,7 @@ decide, so that the same seed gives the same path on any machine.
 
 import math
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -30,11 +31,14 @@ def race(query: Query, closeness: Closeness, task: SearchTask, tally: Tally) -> 
         DeadlineExceeded: The time has run out.
     """
     seeds = np.random.SeedSequence(task.seed)
+    # What planners improve by other objectives is no length.
+    tell = task.on_best if query.objective.is_length else None
+    on_better = None if tell is None else partial(tally.hear, tell)
     is_alone = len(query.options.planners) == 1
     states: float = math.inf if is_alone else _FIRST_STATES
     while True:
         tally.num_spent = 0
-        limited = replace(query, most_states=states)
+        limited = replace(query, most_states=states, on_better=on_better)
         round_ = seeds.spawn(query.options.num_attempts)
         Turns(limited, closeness, round_, tally).play(task.pool)
         if tally.best is not None or not tally.num_spent:

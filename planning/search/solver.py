@@ -113,12 +113,12 @@ def _look(query: Query, closeness: Closeness, task: SearchTask, tally: Tally) ->
         DeadlineExceeded: The time ran out before there was any path.
     """
     try:
-        if _is_led(query, closeness, task, tally):
-            return
-        if task.roadmap is not None:
+        is_led = _is_led(query, closeness, task, tally)
+        if task.roadmap is not None and not is_led:
             ask_roadmap(task.roadmap, query, closeness, tally)
-        if tally.roadmap is None or not tally.roadmap.used:
+        if not is_led and not (tally.roadmap and tally.roadmap.used):
             race(query, closeness, task, tally)
+        tally.was_canceled = query.is_hurried
     except Canceled:
         if query.options.on_cancel == "discard" or tally.best is None:
             raise
