@@ -1,4 +1,4 @@
-"""ToolKinematics: poses and Jacobians of one tool frame for many configurations of a group."""
+"""ToolKinematics: poses and Jacobians of one frame for many configurations of a group."""
 
 from functools import cached_property
 from typing import Any
@@ -49,7 +49,7 @@ class ToolKinematics:
         Columns of joints that turn and shift in the tangent's own axes (floating ones) differ from
         Drake's, whose angular velocity is in the parent's axes.
         """
-        return self._by_tangent(qs, self._by_v(qs))
+        return self._by_tangent(qs, self.by_v(qs))
 
     def columns(self, qs: Float64[np.ndarray, "n nq"]) -> Float64[np.ndarray, "n 6 k"]:
         """Return the Jacobians' columns by the tangent, followers apart from their leaders.
@@ -74,10 +74,10 @@ class ToolKinematics:
         self, qs: Float64[np.ndarray, "n nq"], vs: Float64[np.ndarray, "n nv"]
     ) -> Float64[np.ndarray, "n 3"]:
         """Return v_WT of T's origin [m/s] for Drake's generalized velocities."""
-        return np.einsum("nij,nj->ni", self._by_v(qs)[:, 3:], vs)
+        return np.einsum("nij,nj->ni", self.by_v(qs)[:, 3:], vs)
 
-    def _by_v(self, qs: Array) -> Array:
-        """Return Jacobians by Drake's generalized velocities, shape (n, 6, nv)."""
+    def by_v(self, qs: Float64[np.ndarray, "n nq"]) -> Float64[np.ndarray, "n 6 nv"]:
+        """Return the same by the group's v, which are Drake's generalized velocities."""
         if self._chain is None:
             return np.stack([self._by_drake(q) for q in qs])
         return np.asarray(self._chain.jacobians(np.ascontiguousarray(qs)))
