@@ -14,9 +14,9 @@ from planning.domain.line_trace import LineTrace
 from planning.domain.pose import Pose
 from planning.domain.value import Value
 from planning.errors import ProblemInvalid
-from planning.goals.line_goal import placed
 from planning.goals.line_stop import traced
 from planning.goals.line_tracer import Fineness, LineTracer
+from planning.goals.tool_target import placed
 from planning.world.positions import require_positions
 from planning.world.world import Array, World
 

@@ -11,7 +11,9 @@ class AttemptReport(Value):
 
     Attributes:
         planner: OMPL's name.
-        outcome: "solved", "collides" (on a closer look), or OMPL's word for how it ended.
+        outcome: "solved", "collides" (on a closer look), or OMPL's word for how it ended. While a
+            planner is at work on a path, "improving": its lengths and cost are all the planner's
+            own measure, and the states are not counted yet.
         raw_length: Of its solution before shortcutting; 0 without one.
         length: And after it.
         cost: By the objective; 0 without a solution.
@@ -56,7 +58,8 @@ class RoadmapReport(Value):
         num_states_checked: Configurations checked for collision to build it, whenever that was.
         used: Whether the path that was kept is one of its.
         reason: Why not, or "": "straight_line", "start_not_joined", "goal_not_joined", "no_way",
-            "blocked" (on a closer look), "not_proven" (however closely it was looked at).
+            "blocked" (on a closer look), "interrupted" (the search ended while it was asked),
+            "not_proven" (however closely it was looked at).
     """
 
     digest: str

@@ -1,14 +1,14 @@
 """From a line goal to the motions along its lines, or why there are none."""
 
 from planning.domain.deadline import Deadline
-from planning.domain.goal import LineGoal, PoseTarget
+from planning.domain.goal import LineGoal
 from planning.domain.line import Leg, ToolLine
-from planning.domain.pose import Pose
 from planning.errors import LineBlocked
 from planning.goals.goal_query import GoalQuery
 from planning.goals.line_stop import describe_stop, stop_evidence, traced
 from planning.goals.line_tracer import Fineness, LineTracer
-from planning.world.world import Array, World
+from planning.goals.tool_target import placed
+from planning.world.world import World
 
 
 def follow_lines(
@@ -44,14 +44,3 @@ def follow_lines(
         legs.append(trace.leg)
         q, at = trace.positions[-1], line.end
     return tuple(legs)
-
-
-def placed(world: World, full: Array, target: PoseTarget) -> Pose:
-    """Return a target's pose in world; a frame that moves counts where a configuration puts it.
-
-    Raises:
-        UnknownName: The frame does not exist.
-    """
-    if target.frame == "world":
-        return target.pose
-    return world.frame_pose(target.frame, full) @ target.pose

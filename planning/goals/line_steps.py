@@ -96,7 +96,8 @@ class LineSteps:
 
         Both ends being right, |f| <= max |f''| / 8 on [0, 1] for what is off. With columns (a_i;
         v_i) of the Jacobian and rates w_i, p'' = sum_ij (a_i x v_j) w_i w_j over i before j along
-        the chain, and in the same way |v_j| grows by at most exp(sum w). Of rotations the matrix
+        the chain, and in the same way |v_j| grows by at most exp(sum w); joints that follow others
+        count apart from these, since both turn while the tool may not. Of rotations the matrix
         R - S is bounded, where |R''| <= sqrt(2) (|omega'| + |omega|^2) in Frobenius' norm.
 
         Args:
@@ -105,10 +106,12 @@ class LineSteps:
             moves: Their tangents.
             width: Their share of the line.
         """
-        jacobian = self._kinematics.jacobians(q)
+        columns = self._kinematics.columns(q)
+        leaders, multipliers = self._kinematics.followers
+        moves = np.concatenate([moves, moves[:, leaders] * multipliers], axis=1)
         rates = np.abs(moves)
-        turning = np.linalg.norm(jacobian[:, :3], axis=1)
-        arms = np.linalg.norm(jacobian[:, 3:], axis=1)
+        turning = np.linalg.norm(columns[:, :3], axis=1)
+        arms = np.linalg.norm(columns[:, 3:], axis=1)
         arms += arms.max(axis=1, keepdims=True) * np.expm1(
             np.minimum(rates.sum(axis=1, keepdims=True), _FARTHEST)
         )
@@ -116,7 +119,7 @@ class LineSteps:
         pairs = np.maximum(pairs, pairs.transpose(0, 2, 1))
         shift = np.einsum("mi,mij,mj->m", rates, pairs, rates) / 8
         bending = np.square((turning * rates).sum(axis=1)) / 2
-        speed = np.linalg.norm(np.einsum("mij,mj->mi", jacobian[:, :3], moves), axis=1) + bending
+        speed = np.linalg.norm(np.einsum("mij,mj->mi", columns[:, :3], moves), axis=1) + bending
         steady = (self.turn_sizes[rows] * width) ** 2
         chord = (bending + speed**2 + steady) / 8
         return shift, 2 * np.arcsin(np.minimum(chord / 2, 1.0))

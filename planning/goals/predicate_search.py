@@ -1,5 +1,6 @@
 """Goal configurations that a function of the library's user accepts."""
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -61,7 +62,8 @@ def accepted_by(
 ) -> GoalConfigurations:
     """Return free configurations that the predicate accepts, nearest first.
 
-    What the predicate accepts is what the funnel calls converged.
+    What the predicate accepts is what the funnel calls converged. If none of what is free keeps the
+    query's rules, the answer is that without rules, so that it can be said what they violate.
 
     Raises:
         GoalUnreachable: It accepts none, or none within limits, of `max_trials`.
@@ -83,6 +85,8 @@ def accepted_by(
         found = nearest_first(metric, query.start, rows, search.found.targets, len(rows))
         return GoalConfigurations(*found, funnel)
     deadline.check("goals")
+    if query.rules is not None and funnel.collision_free > 0:
+        return accepted_by(world, replace(query, rules=None), goal, rng, deadline)
     if search.colliding:
         raise all_collide(world, query, search, deadline)
     message = f"the predicate accepts none of {funnel.tried} configurations of {query.group.name}"

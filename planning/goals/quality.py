@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 from jaxtyping import Float64
-from pydrake.multibody.tree import JacobianWrtVariable, RevoluteJoint
+from pydrake.multibody.tree import RevoluteJoint
 
 from planning.domain.body_pair import BodyPair
 from planning.domain.joints import JointGroup, JointLimits
@@ -12,6 +12,7 @@ from planning.domain.quality import ArmBranch, ConfigurationQuality
 from planning.goals.branch import branch_of
 from planning.goals.joint_metric import JointMetric
 from planning.world.link_tree import link_tree
+from planning.world.tool_kinematics import ToolKinematics
 from planning.world.world import World
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
@@ -30,7 +31,7 @@ class QualityProbe:
         self._metric = metric
         self._limits = world.limits(group)
         self._plant = world.drake.plant
-        self._frame = world.drake.frames[frame]
+        self._kinematics = ToolKinematics(world, group, frame)
         self._diagram_context = world.drake.diagram.CreateDefaultContext()
         self._context = self._plant.GetMyMutableContextFromRoot(self._diagram_context)
         self._distances = world.distance_probe(world.margins())
@@ -44,23 +45,13 @@ class QualityProbe:
         self._plant.SetPositions(self._context, full)
         nearest = self._nearest(full)
         return ConfigurationQuality(
-            manipulability=manipulability(self._jacobian()),
+            manipulability=manipulability(self._kinematics.by_v(q[None])[0]),
             clearance=None if nearest is None else nearest.distance,
             pair=None if nearest is None else nearest.bodies,
             limit_margin=limit_margin(self._limits, q),
             distance=float(self._metric.distance(q[None], start)[0]),
             branch=self._branch(),
         )
-
-    def _jacobian(self) -> Array:
-        """Return the tool's spatial velocity per velocity of the group, shape (6, nv)."""
-        world = self._plant.world_frame()
-        full = self._plant.CalcJacobianSpatialVelocity(
-            self._context, JacobianWrtVariable.kV, self._frame, np.zeros(3), world, world
-        )
-        for follower, leader, multiplier in reversed(self._world.drake.mimics):
-            full[:, leader] += multiplier * full[:, follower]
-        return full[:, self._world.drake.velocity_indices(self._group)]
 
     def _nearest(self, full: Array) -> BodyPair | None:
         for horizon in _HORIZONS:

@@ -41,8 +41,9 @@ def refusal(
 
     The evidence has the nearest free pose, and the relaxations of which each would do.
     """
-    if search.funnel(()).collision_free > 0:
-        return _blocked(search.funnel(()))
+    funnel = search.funnel(())
+    if funnel.collision_free > 0:
+        return _blocked(funnel)
     hints = _distinct(query, search)
     found = NearestSearch(world, query, aiming.accepted, rng, deadline).run(hints)
     relaxation: dict[str, Any] = {
@@ -60,7 +61,6 @@ def refusal(
     words = _describe(found)
     if search.colliding:
         return all_collide(world, query, search, deadline, evidence, words)
-    funnel = search.funnel(())
     message = (
         f"no configuration of {query.group.name} brings {aiming.accepted[0].frame} to the goal"
         f"{words}"

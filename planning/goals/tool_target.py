@@ -8,7 +8,7 @@ import numpy as np
 from jaxtyping import Bool, Float64
 
 from planning.domain import rotation
-from planning.domain.goal import PoseGoal, RegionGoal, RelativeGoal
+from planning.domain.goal import PoseGoal, PoseTarget, RegionGoal, RelativeGoal
 from planning.domain.joints import JointGroup
 from planning.domain.pose import Pose
 from planning.domain.value import Value
@@ -131,6 +131,17 @@ class ToolTarget(Value):
         return RotationFreedom(FreedomKind.BALL, 0, bound)
 
 
+def placed(world: World, full: Array, target: PoseTarget) -> Pose:
+    """Return a target's pose in world; a frame that moves counts where a configuration puts it.
+
+    Raises:
+        UnknownName: The frame does not exist.
+    """
+    if target.frame == "world":
+        return target.pose
+    return world.frame_pose(target.frame, full) @ target.pose
+
+
 def tool_targets(
     world: World,
     group: JointGroup,
@@ -148,9 +159,7 @@ def tool_targets(
     return [
         ToolTarget(
             tool,
-            target.pose
-            if target.frame == "world"
-            else world.frame_pose(target.frame, full) @ target.pose,
+            placed(world, full, target),
             goal.position_tolerance,
             goal.rotation_tolerance,
         )

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -75,14 +76,17 @@ def attempt(query: Query, edges: EdgeChecker, fine: EdgeChecker, seed: int) -> A
     planner.setProblemDefinition(_define(information, query))
     planner.setup()
     budget = query.deadline.within(query.options.solve_time)
-    stopping = Stopping(planner, query.oracle, budget, query.most_states)
+    tell = query.on_better and partial(query.on_better, query.planner)
+    states = query.most_states
+    stopping = Stopping(planner, query.oracle, budget, query.patience, states, tell)
     try:
         with query.oracle.until(budget):
             status, found = _solve(planner, query, stopping)
         if found is None:
             query.deadline.check("search")
         elif isinstance(query.space, ProjectedSpace):
-            found = query.space.threaded(information, found)
+            with query.oracle.until(query.patience):
+                found = query.space.threaded(information, found)
     except DeadlineExceeded as error:
         if query.deadline.is_over:
             evidence = error.evidence | _growth(planner, query, fine)

@@ -19,6 +19,7 @@ def ask_roadmap(roadmap: Roadmap, query: Query, closeness: Closeness, tally: Tal
         Canceled: Somebody asked for the end.
         DeadlineExceeded: The time has run out.
     """
+    tally.roadmap = report_of(roadmap, "interrupted")
     way = way_through(roadmap, query, closeness.fine)
     path = None if way.reason else _sound(way, query, closeness, tally)
     reason = way.reason or ("blocked" if path is None else "")

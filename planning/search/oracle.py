@@ -89,6 +89,10 @@ class WatchedOracle:
         finally:
             self._deadline = kept
 
+    def heed(self, deadline: Deadline) -> None:
+        """Keep another deadline from now on, inside `until` to its end."""
+        self._deadline = deadline
+
     def is_free(self, q: Float64[np.ndarray, " nq"]) -> bool:
         """Return whether q, shape (nq,), is admissible.
 

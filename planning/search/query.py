@@ -1,7 +1,7 @@
 """Query: what a task asks of every attempt."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -44,6 +44,7 @@ class Query:
         objective: What to improve.
         options: The request's other wishes.
         most_states: After how many checked states a planner without a solution gives up.
+        on_better: Told the planner's name and its best cost, now and then while it improves that.
     """
 
     space: SearchSpace
@@ -57,6 +58,18 @@ class Query:
     objective: Objective
     options: SearchOptions
     most_states: float = math.inf
+    on_better: Callable[[str, float], None] | None = None
+
+    @property
+    def is_hurried(self) -> bool:
+        """Whether somebody has canceled and wants the best there is."""
+        return self.options.on_cancel == "best" and self.deadline.is_canceled()
+
+    @property
+    def patience(self) -> Deadline:
+        """By when what is found has to be ready: a cancel that wants the best lets that go on."""
+        keeps_best = self.options.on_cancel == "best"
+        return self.deadline.uncancelable if keeps_best else self.deadline
 
 
 def query_of(

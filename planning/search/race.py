@@ -8,10 +8,10 @@ decide, so that the same seed gives the same path on any machine.
 
 import math
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
-from planning.errors import Canceled, DeadlineExceeded
 from planning.search.query import Query
 from planning.search.sound import Closeness
 from planning.search.tally import Tally
@@ -24,31 +24,23 @@ _MORE = 4
 
 
 def race(query: Query, closeness: Closeness, task: SearchTask, tally: Tally) -> None:
-    """Make every attempt, or as many as there is time for, and keep the best path.
+    """Make every attempt, or as many as there is time for, and keep the best path in the tally.
 
     Raises:
         Canceled: Somebody asked for the end.
-        DeadlineExceeded: The time ran out before there was any path.
+        DeadlineExceeded: The time has run out.
     """
     seeds = np.random.SeedSequence(task.seed)
+    # What planners improve by other objectives is no length.
+    tell = task.on_best if query.objective.is_length else None
+    on_better = None if tell is None else partial(tally.hear, tell)
     is_alone = len(query.options.planners) == 1
     states: float = math.inf if is_alone else _FIRST_STATES
-    try:
-        while True:
-            tally.num_spent = 0
-            limited = replace(query, most_states=states)
-            round_ = seeds.spawn(query.options.num_attempts)
-            Turns(limited, closeness, round_, tally).play(task.pool)
-            if tally.best is not None or not tally.num_spent:
-                return
-            states *= _MORE
-    except Canceled:
-        if query.options.on_cancel == "discard" or tally.best is None:
-            raise
-        tally.was_canceled = True
-    except DeadlineExceeded as error:
-        if tally.best is not None:
+    while True:
+        tally.num_spent = 0
+        limited = replace(query, most_states=states, on_better=on_better)
+        round_ = seeds.spawn(query.options.num_attempts)
+        Turns(limited, closeness, round_, tally).play(task.pool)
+        if tally.best is not None or not tally.num_spent:
             return
-        tally.note_growth(error.evidence)
-        evidence = error.evidence | tally.evidence(query)
-        raise DeadlineExceeded(error.detail, evidence) from error
+        states *= _MORE

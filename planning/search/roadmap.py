@@ -44,6 +44,7 @@ def solve_by_roadmap(
         _grow(planner, stopping, growth)
         growth += growth // 2
     if path is not None and isinstance(planner, og.PRMstar):
+        stopping.keep_solution()
         _grow(planner, stopping, max(growth, planner.milestoneCount()))
         path = _best_path(planner, information, space, costs)
     return path

@@ -2,7 +2,8 @@
 
 Kavraki, Svestka, Latombe, Overmars, "Probabilistic roadmaps for path planning in high-dimensional
 configuration spaces" (1996). It is a function of a recipe and of what is free, and of nothing else:
-no OMPL, no clock, no query.
+of no query, and of the clock only whether there is time for it. OMPL's spaces lend their bounds and
+metrics; none of its planners is asked.
 """
 
 from dataclasses import dataclass
@@ -13,6 +14,7 @@ from jaxtyping import Float64, Int32
 
 from planning.domain.deadline import Deadline
 from planning.domain.joints import JointGroup, JointLimits
+from planning.domain.manifold import Manifold
 from planning.domain.options import RoadmapOptions, SearchOptions
 from planning.domain.roadmap import Roadmap
 from planning.domain.value import Value
@@ -91,7 +93,7 @@ class RoadmapRecipe(Value):
 
     @property
     def space(self) -> SearchSpace:
-        """Where states lie."""
+        """Where states lie; made anew each time."""
         return SearchSpace(self.group, self.limits, self.rest[None], self.weights, self.held)
 
 
@@ -113,15 +115,16 @@ def grow_roadmap(
         DeadlineExceeded: The time has run out.
     """
     watched = WatchedOracle(oracle, recipe.group, recipe.limits, deadline)
-    states = _free_states(recipe, watched)
-    pairs = _nearest_pairs(recipe, states, deadline)
-    checker = EdgeChecker(recipe.space.manifold, watched, recipe.resolution)
+    space = recipe.space
+    states = _free_states(recipe, space, watched)
+    pairs = _nearest_pairs(recipe, space.manifold, states, deadline)
+    checker = EdgeChecker(space.manifold, watched, recipe.resolution)
     free = checker.are_free(states[pairs[:, 0]], states[pairs[:, 1]])
     return Roadmap(key, states, pairs[free], watched.num_states)
 
 
-def _free_states(recipe: RoadmapRecipe, oracle: WatchedOracle) -> Array:
-    space, count = recipe.space, recipe.options.states
+def _free_states(recipe: RoadmapRecipe, space: SearchSpace, oracle: WatchedOracle) -> Array:
+    count = recipe.options.states
     rng = np.random.default_rng(recipe.options.seed)
     kept = np.empty((0, recipe.group.num_positions))
     for _ in range(_MOST_TRIES):
@@ -133,14 +136,14 @@ def _free_states(recipe: RoadmapRecipe, oracle: WatchedOracle) -> Array:
 
 
 def _nearest_pairs(
-    recipe: RoadmapRecipe, states: Array, deadline: Deadline
+    recipe: RoadmapRecipe, manifold: Manifold, states: Array, deadline: Deadline
 ) -> Int32[np.ndarray, "m 2"]:
     """Return each state with each of its nearest neighbours, every pair once, sorted."""
     count = len(states)
     wanted = min(recipe.options.neighbours, count - 1)
     if wanted < 1:
         return np.empty((0, 2), dtype=np.int32)
-    manifold, metric = recipe.space.manifold, recipe.metric
+    metric = recipe.metric
     found: list[Rows] = []
     for rows in np.array_split(np.arange(count), max(1, count * count // _AT_ONCE)):
         deadline.check("search")

@@ -16,7 +16,7 @@ from planning.domain.deadline import Deadline
 from planning.domain.joints import JointGroup, JointLimits
 from planning.domain.path import JointPath
 from planning.domain.search_report import SearchReport
-from planning.errors import NoPathFound, ProblemInvalid
+from planning.errors import Canceled, DeadlineExceeded, NoPathFound, ProblemInvalid
 from planning.search.demands import driven
 from planning.search.graph import line_graph
 from planning.search.mapped import ask_roadmap, report_of
@@ -104,13 +104,31 @@ def search(
 
 
 def _look(query: Query, closeness: Closeness, task: SearchTask, tally: Tally) -> None:
-    """Ask the guide and the roadmap if there are any, and the planners unless one knows a way."""
-    if _is_led(query, closeness, task, tally):
-        return
-    if task.roadmap is not None:
-        ask_roadmap(task.roadmap, query, closeness, tally)
-    if tally.roadmap is None or not tally.roadmap.used:
-        race(query, closeness, task, tally)
+    """Ask the guide and the roadmap if there are any, and the planners unless one knows a way.
+
+    Whoever is interrupted, what the tally has by then counts.
+
+    Raises:
+        Canceled: Somebody asked for the end, and there is nothing to give or it is not wanted.
+        DeadlineExceeded: The time ran out before there was any path.
+    """
+    try:
+        is_led = _is_led(query, closeness, task, tally)
+        if task.roadmap is not None and not is_led:
+            ask_roadmap(task.roadmap, query, closeness, tally)
+        if not is_led and not (tally.roadmap and tally.roadmap.used):
+            race(query, closeness, task, tally)
+        tally.was_canceled = query.is_hurried
+    except Canceled:
+        if query.options.on_cancel == "discard" or tally.best is None:
+            raise
+        tally.was_canceled = True
+    except DeadlineExceeded as error:
+        if tally.best is not None:
+            return
+        tally.note_growth(error.evidence)
+        evidence = error.evidence | tally.evidence(query)
+        raise DeadlineExceeded(error.detail, evidence) from error
 
 
 def _report(

@@ -5,7 +5,7 @@ the fine resolution; where that finds no way through, the planner starts anew an
 with half the resolution, until it looks as closely as that.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from jaxtyping import Float64
@@ -16,6 +16,7 @@ from planning.search.densify import densified
 from planning.search.drive_shortcut import shortened_drive
 from planning.search.driven_edges import DrivenEdges
 from planning.search.edges import EdgeChecker
+from planning.search.mending import mended
 from planning.search.objective import Objective
 from planning.search.polyline import path_length, unrolled
 from planning.search.query import Query
@@ -116,20 +117,32 @@ def sound_attempt(query: Query, closeness: Closeness, seeds: np.random.SeedSeque
         found = attempt(query, edges, closeness.fine, seed)
         path = shortened(query, found, edges, closeness)
         num_motions += edges.num_motions
+        if path is None and len(found.waypoints) and query.is_hurried:
+            path = _mended(query, found, closeness, seed)
         if path is not None or not len(found.waypoints) or halvings == _HALVINGS:
             return Trial(found, path, num_motions)
         halvings += 1
 
 
+def _mended(query: Query, found: Attempt, closeness: Closeness, seed: int) -> SoundPath | None:
+    raw = mended(query, found.waypoints, closeness.fine, seed)
+    if raw is None:
+        return None
+    return shortened(query, replace(found, waypoints=raw), closeness.fine, closeness)
+
+
 def shortened(
     query: Query, found: Attempt, coarse: EdgeChecker, closeness: Closeness
 ) -> SoundPath | None:
-    """Return a shorter path that is free at the fine resolution, if there is one."""
+    """Return a shorter path that is free at the fine resolution, if there is one.
+
+    After a cancel that wants the best it is only checked.
+    """
     if not len(found.waypoints):
         return None
     time = query.deadline.share(_SHORTCUT_SHARE).within(query.options.shortcut_time)
     raw, fine = found.waypoints, closeness.fine
-    with query.watch.stage("shortcut"):
+    with query.watch.stage("shortcut"), query.oracle.until(query.patience):
         if isinstance(fine, DrivenEdges):
             shorter = shortened_drive(raw, fine, lambda: time.is_over)
         else:

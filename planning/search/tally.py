@@ -1,6 +1,7 @@
 """Tally: what the attempts of a search came to so far."""
 
 import dataclasses
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
@@ -33,6 +34,7 @@ class Tally:
         num_spent: How many gave up for having checked as many states as they may.
         was_canceled: Whether a cancel ended it all.
         roadmap: What a roadmap did before any planner was asked, or None.
+        heard: The least length that was told of paths that planners were still improving.
     """
 
     on_best: Callable[[AttemptReport], None] | None
@@ -49,6 +51,7 @@ class Tally:
     num_spent: int = 0
     was_canceled: bool = False
     roadmap: RoadmapReport | None = None
+    heard: float = math.inf
 
     def __post_init__(self) -> None:
         """Begin with the straight line."""
@@ -78,6 +81,13 @@ class Tally:
             return
         if self.approximate is None or near["goal_distance"] < self.approximate["goal_distance"]:
             self.approximate = near
+
+    def hear(self, tell: Callable[[AttemptReport], None], planner: str, length: float) -> None:
+        """Tell of a path that a planner is still improving, if it is the best so far."""
+        least = self.heard if self.best is None else min(self.heard, self.best.length)
+        if length < least:
+            self.heard = length
+            tell(AttemptReport(planner, "improving", length, length, length, 0))
 
     def note(self, planner: str, trial: Trial, num_states: int) -> None:
         """Add an attempt that ended."""

@@ -53,7 +53,8 @@ class SearchTask(Value):
         residual: What vanishes on a set that is too thin to be sampled, or None.
         clearances: Returns for rows of q the distances to what is not the robot [m]; for the
             objective "clearance".
-        on_best: Told of every path that is the best so far.
+        on_best: Told of every path that is the best so far; of those that a planner is still
+            improving now and then.
         guide: Asked for a path before the planner is, if there is no straight line.
         roadmap: Where a way is looked for before any planner is asked, or None.
         pool: Makes attempts at once, or None.

@@ -114,7 +114,8 @@ class Turns:
 
     def _make_elsewhere(self, k: int) -> Made:
         """Return an attempt made in another process: a cancel is for the first one to see."""
-        query = replace(self._query, deadline=self._query.deadline.uncancelable)
+        deadline = self._query.deadline.uncancelable
+        query = replace(self._query, deadline=deadline, on_better=None)
         with query.oracle.until(query.deadline):
             return self._made(k, query)
 

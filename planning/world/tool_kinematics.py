@@ -1,19 +1,21 @@
-"""ToolKinematics: poses and Jacobians of one tool frame for many configurations of a group."""
+"""ToolKinematics: poses and Jacobians of one frame for many configurations of a group."""
 
 from functools import cached_property
 from typing import Any
 
 import numpy as np
-from jaxtyping import Float64
-from pydrake.multibody.tree import JacobianWrtVariable
+from jaxtyping import Float64, Int64
+from pydrake.multibody.tree import JacobianWrtVariable, JointIndex
 from pydrake.systems.framework import Context
 
 from planning.domain import rotation
 from planning.domain.joints import JointGroup, JointType
+from planning.world.drake_model import DrakeModel
 from planning.world.kernel_tree import kernel_chain
 from planning.world.world import World
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
+type Indices = np.ndarray[Any, np.dtype[np.int64]]
 
 
 class ToolKinematics:
@@ -47,23 +49,67 @@ class ToolKinematics:
         Columns of joints that turn and shift in the tangent's own axes (floating ones) differ from
         Drake's, whose angular velocity is in the parent's axes.
         """
-        found = self._by_v(qs)
-        for iq, iv in self._turning:
-            turned = rotation.matrix(qs[:, iq : iq + 4])
-            found[:, :, iv : iv + 3] = found[:, :, iv : iv + 3] @ turned
-        return found
+        return self._by_tangent(qs, self.by_v(qs))
+
+    def columns(self, qs: Float64[np.ndarray, "n nq"]) -> Float64[np.ndarray, "n 6 k"]:
+        """Return the Jacobians' columns by the tangent, followers apart from their leaders.
+
+        First come the group's own, as `jacobians` has them if nothing follows, then those of the
+        followers that `followers` tells of. Bounds need them: where a follower turns against its
+        leader their sum says little of how each moves the tool.
+        """
+        if not self.followers[0].size:
+            return self.jacobians(qs)
+        drake = self._world.drake
+        chosen = np.concatenate([drake.velocity_indices(self._group), self._followers[0]])
+        found = np.stack([self._full(q)[:, chosen] for q in qs])
+        return self._by_tangent(qs, found)
+
+    @property
+    def followers(self) -> tuple[Int64[np.ndarray, " k"], Float64[np.ndarray, " k"]]:
+        """The leaders of the followers that move the tool, as indices into v, and multipliers."""
+        return self._followers[1:]
 
     def velocities(
         self, qs: Float64[np.ndarray, "n nq"], vs: Float64[np.ndarray, "n nv"]
     ) -> Float64[np.ndarray, "n 3"]:
         """Return v_WT of T's origin [m/s] for Drake's generalized velocities."""
-        return np.einsum("nij,nj->ni", self._by_v(qs)[:, 3:], vs)
+        return np.einsum("nij,nj->ni", self.by_v(qs)[:, 3:], vs)
 
-    def _by_v(self, qs: Array) -> Array:
-        """Return Jacobians by Drake's generalized velocities, shape (n, 6, nv)."""
+    def by_v(self, qs: Float64[np.ndarray, "n nq"]) -> Float64[np.ndarray, "n 6 nv"]:
+        """Return the same by the group's v, which are Drake's generalized velocities."""
         if self._chain is None:
             return np.stack([self._by_drake(q) for q in qs])
         return np.asarray(self._chain.jacobians(np.ascontiguousarray(qs)))
+
+    def _by_tangent(self, qs: Array, by_v: Array) -> Array:
+        """Return Jacobians by the tangent, given those by Drake's velocities; changes these."""
+        for iq, iv in self._turning:
+            turned = rotation.matrix(qs[:, iq : iq + 4])
+            by_v[:, :, iv : iv + 3] = by_v[:, :, iv : iv + 3] @ turned
+        return by_v
+
+    @cached_property
+    def _followers(self) -> tuple[Indices, Indices, Array]:
+        """Return the plant's velocity index, the leader's in the group's v, and the multiplier.
+
+        Only of followers between the world and the tool. A follower may lead another one.
+        """
+        drake = self._world.drake
+        own = drake.velocity_indices(self._group).tolist()
+        led = {column: (i, 1.0) for i, column in enumerate(own)}
+        for _ in drake.mimics:
+            for follower, leader, multiplier in drake.mimics:
+                if leader in led and follower not in led:
+                    led[follower] = led[leader][0], led[leader][1] * multiplier
+        tool = drake.frames[self._frame].body().index()
+        found = [
+            (column, *led[column])
+            for column in list(led)[len(own) :]
+            if tool in drake.plant.GetBodiesKinematicallyAffectedBy([_joint_at(drake, column)])
+        ]
+        columns, leaders = (np.array([f[i] for f in found], dtype=np.int64) for i in range(2))
+        return columns, leaders, np.array([f[2] for f in found], dtype=np.float64)
 
     @cached_property
     def _context(self) -> Context:
@@ -72,9 +118,17 @@ class ToolKinematics:
 
     def _by_drake(self, q: Array) -> Array:
         drake = self._world.drake
+        full = self._full(q)
+        for follower, leader, multiplier in reversed(drake.mimics):
+            full[:, leader] += multiplier * full[:, follower]
+        return full[:, drake.velocity_indices(self._group)]
+
+    def _full(self, q: Array) -> Array:
+        """Return Drake's Jacobian by all velocities of the plant, shape (6, nv of the plant)."""
+        drake = self._world.drake
         plant, context = drake.plant, self._context
         plant.SetPositions(context, self._world.embed(self._group, q))
-        full = plant.CalcJacobianSpatialVelocity(
+        return plant.CalcJacobianSpatialVelocity(
             context,
             JacobianWrtVariable.kV,
             drake.frames[self._frame],
@@ -82,9 +136,15 @@ class ToolKinematics:
             plant.world_frame(),
             plant.world_frame(),
         )
-        for follower, leader, multiplier in reversed(drake.mimics):
-            full[:, leader] += multiplier * full[:, follower]
-        return full[:, drake.velocity_indices(self._group)]
+
+
+def _joint_at(drake: DrakeModel, column: int) -> JointIndex:
+    """Return the joint that a velocity of the plant belongs to."""
+    return next(
+        index
+        for index in drake.joint_indices.values()
+        if drake.plant.get_joint(index).velocity_start() == column
+    )
 
 
 def _turning(group: JointGroup) -> list[tuple[int, int]]:

@@ -47,10 +47,12 @@ class RoadmapReportWire(Answer):
         "goal_not_joined",
         "no_way",
         "blocked",
+        "interrupted",
         "not_proven",
     ] = Field(
         description="Why not: a straight line is better, no free way leads from the start or to a "
-        "goal, none through it, its path is blocked on a closer look, or was not proven; or empty"
+        "goal, none through it, its path is blocked on a closer look, the search ended while "
+        "it was asked, or its path was not proven; or empty"
     )
 
 

@@ -18,7 +18,7 @@ from planning.domain.constraint import (
 )
 from planning.domain.deadline import Deadline
 from planning.domain.funnel import Funnel, rejections
-from planning.domain.goal import PoseGoal, PoseTarget, RegionGoal
+from planning.domain.goal import GoalPredicate, PoseGoal, PoseTarget, RegionGoal
 from planning.domain.goal_configurations import GoalConfigurations
 from planning.domain.options import IkOptions
 from planning.domain.pose import Pose
@@ -108,6 +108,18 @@ def test_what_no_configuration_keeps_is_named() -> None:
         solve(world, KeepIn(frame, box))
     (entry,) = refusal.value.evidence["violations"]
     assert entry["constraint"].startswith("constraint 0: keep_in")
+    assert entry["count"] > 1
+
+
+def test_a_predicate_goal_says_what_its_configurations_violate() -> None:
+    """Some collide as well, and all that do not break the rule."""
+    world = world_by("ur5e_pickup", "kernel")
+    rule = PathPredicate(lambda q: bool(q[2] == start[2]), 0.01, "here")
+    start = world.positions(world.group("arm"))
+    options = IkOptions(max_trials=200)
+    with pytest.raises(GoalViolatesConstraint) as refusal:
+        solve(world, rule, goal=GoalPredicate(lambda q: bool(q[2] != start[2])), options=options)
+    (entry,) = refusal.value.evidence["violations"]
     assert entry["count"] > 1
 
 

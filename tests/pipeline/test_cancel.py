@@ -68,3 +68,20 @@ def test_a_best_so_far_that_cannot_be_proven_is_searched_for_once_more(
     found = planning.plan(problem, world, deadline=deadline, on_progress=note)
     assert found.certificate.proven
     assert found.stages.search.was_canceled
+
+
+@pytest.mark.parametrize("goal", [(-0.21, -0.36, 0.29), (-0.2, 0.04, 0.34)])
+def test_the_only_path_that_a_planner_was_improving_is_proven(goal: tuple[float, ...]) -> None:
+    world = bundled_world("maze_2d")
+    seen: list[float] = []
+
+    def note(progress: Progress) -> None:
+        seen.extend([] if progress.best_length is None else [progress.best_length])
+
+    deadline = Deadline.after(20.0, time.monotonic, lambda: bool(seen))
+    search = SearchOptions("RRTstar", on_cancel="best", allowed_planning_time=20.0)
+    problem = PlanningProblem("body", JointGoal(np.array([goal])), search=search)
+    found = planning.plan(problem, world, deadline=deadline, on_progress=note)
+    assert found.certificate.proven
+    assert found.stages.search.was_canceled
+    assert found.stages.search.planner == "RRTstar"

@@ -9,8 +9,8 @@ from jaxtyping import Bool, Float64
 
 from planning.domain import rotation
 from planning.domain.pose import Pose
-from planning.world.rules.frame_motion import FrameMotion
 from planning.world.rules.rule import DUST, Reading, step_for
+from planning.world.tool_kinematics import ToolKinematics
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
@@ -34,7 +34,7 @@ class BoxRule:
     """
 
     label: str
-    motion: FrameMotion
+    motion: ToolKinematics
     pose: Pose
     half: Float64[np.ndarray, "3"]
     is_inside: bool
@@ -74,7 +74,7 @@ class BoxRule:
 
     def jacobian(self, q: Float64[np.ndarray, " nq"]) -> Float64[np.ndarray, "3 nv"]:
         """Return the derivative of `residual`."""
-        moves = self._rotation.T @ self.motion.jacobian(q)[3:]
+        moves = self._rotation.T @ self.motion.by_v(q[None])[0, 3:]
         return np.where(self.residual(q)[:, None] != 0, moves, 0.0)
 
     @cached_property

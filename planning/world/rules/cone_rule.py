@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 from jaxtyping import Bool, Float64
 
-from planning.world.rules.frame_motion import FrameMotion
 from planning.world.rules.rule import DUST, Reading, step_for
+from planning.world.tool_kinematics import ToolKinematics
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
@@ -34,7 +34,7 @@ class ConeRule:
     """
 
     label: str
-    motion: FrameMotion
+    motion: ToolKinematics
     axis: Float64[np.ndarray, "3"]
     direction: Float64[np.ndarray, "3"]
     tolerance: float
@@ -78,7 +78,7 @@ class ConeRule:
 
     def jacobian(self, q: Float64[np.ndarray, " nq"]) -> Float64[np.ndarray, "1 nv"]:
         """Return the derivative of `residual`: d angle = (d x a) . omega / |d x a|."""
-        turns = self.motion.jacobian(q)[:3]
+        turns = self.motion.by_v(q[None])[0, :3]
         across = self._cross @ self._axes(q[None])[0]
         sine = float(np.sqrt(across @ across))
         if sine < _DEGENERATE or not self.residual(q)[0] > 0:

@@ -29,12 +29,12 @@ from planning.world.rules.band_rule import BandRule
 from planning.world.rules.body_pairs import banded_pairs
 from planning.world.rules.box_rule import BoxRule
 from planning.world.rules.cone_rule import ConeRule
-from planning.world.rules.frame_motion import FrameMotion
 from planning.world.rules.joint_rules import LimitRule, LockRule
 from planning.world.rules.predicate_rule import PredicateRule
 from planning.world.rules.residual import RuleResidual
 from planning.world.rules.rule import PathRule
 from planning.world.rules.ruled_oracle import RuledOracle
+from planning.world.tool_kinematics import ToolKinematics
 from planning.world.world import CollisionJudge, World
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
@@ -201,7 +201,7 @@ class _Compiler:
                     label, self.world, self.group, pairs, constraint.min, constraint.max
                 )
             case KeepOut() | KeepIn() | PositionBand():
-                motion = FrameMotion(self.world, self.group, constraint.frame)
+                motion = ToolKinematics(self.world, self.group, constraint.frame)
                 is_inside = not isinstance(constraint, KeepOut)
                 half = constraint.box.size / 2
                 return BoxRule(label, motion, self._box_pose(constraint.box), half, is_inside)
@@ -224,7 +224,7 @@ class _Compiler:
         direction = turn @ cone.direction
         return ConeRule(
             label,
-            FrameMotion(self.world, self.group, cone.frame),
+            ToolKinematics(self.world, self.group, cone.frame),
             cone.axis / np.linalg.norm(cone.axis),
             direction / np.linalg.norm(direction),
             cone.tolerance,

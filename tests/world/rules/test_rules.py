@@ -15,7 +15,7 @@ from planning.domain.constraint import (
     PlacedBox,
 )
 from planning.domain.pose import Pose
-from planning.world.rules import frame_motion
+from planning.world import tool_kinematics
 from planning.world.rules.body_pairs import banded_pairs, moved_bodies
 from planning.world.rules.path_rules import PathRules
 from planning.world.world import World
@@ -34,7 +34,7 @@ def rules_of(world: World, group: str, *constraints: PathConstraint) -> PathRule
 def frames(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> str:
     """Let the kernel place frames, and again Drake."""
     if request.param == "drake":
-        monkeypatch.setattr(frame_motion, "kernel_chain", lambda *_: None)
+        monkeypatch.setattr(tool_kinematics, "kernel_chain", lambda *_: None)
     return request.param
 
 

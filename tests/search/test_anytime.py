@@ -1,0 +1,134 @@
+"""Planners that improve their path: what they have is told, and a cancel may leave it."""
+
+import time
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from planning.domain.deadline import Deadline
+from planning.domain.manifold import Manifold
+from planning.domain.motion_samples import are_motions_free
+from planning.errors import Canceled
+from planning.search.solver import search
+from tests.search.conftest import Oracle, beyond_wall
+
+TELLING = pytest.mark.parametrize(
+    "name", ["RRTstar", "InformedRRTstar", "SORRTstar", "BITstar", "AORRTC"]
+)
+
+
+class Counting(Oracle):
+    """The wall; its clock is how often it was asked."""
+
+    def __init__(self, are_free=beyond_wall):
+        super().__init__(are_free)
+        self.count = 0
+
+    def is_motion_free(self, origin, displacement, resolution):
+        self.count += 1
+        return super().is_motion_free(origin, displacement, resolution)
+
+    def clock(self):
+        return float(self.count)
+
+
+def is_free(oracle, group, waypoints, resolution=0.05 / 4):
+    manifold = Manifold(group.joints)
+    motions = waypoints[:-1], manifold.minus(waypoints[1:], waypoints[:-1])
+    return are_motions_free(manifold, oracle.are_free, motions, resolution).all()
+
+
+@TELLING
+def test_a_cancel_leaves_what_a_planner_is_improving(plane, wall, crossing, name):
+    for on_cancel in ("best", "discard"):
+        told = []
+        deadline = Deadline.after(9.0, time.perf_counter, lambda told=told: bool(told))
+        task = replace(crossing(planner=name, on_cancel=on_cancel), on_best=told.append)
+        if on_cancel == "discard":
+            with pytest.raises(Canceled):
+                search(*plane, wall, task, deadline)
+            continue
+        found = search(*plane, wall, task, deadline)
+        assert found.report.was_canceled
+        assert found.report.solved == 1
+        assert is_free(wall, plane[0], found.path.waypoints)
+        np.testing.assert_array_equal(found.path.waypoints[0], task.start)
+        # What a closer look found was driven around: it may be a little longer.
+        assert found.report.length <= told[0].length * 1.5
+        assert told[0].outcome == "improving"
+
+
+@pytest.mark.parametrize("name", ["AORRTC"])
+def test_who_listens_changes_no_byte(plane, wall, soon, crossing, name):
+    told = []
+    silent = search(*plane, wall, crossing(3, planner=name), soon)
+    heard = search(*plane, wall, replace(crossing(3, planner=name), on_best=told.append), soon)
+    assert silent.path.waypoints.tobytes() == heard.path.waypoints.tobytes()
+    assert silent.report == heard.report
+    lengths = [attempt.length for attempt in told]
+    assert lengths == sorted(set(lengths), reverse=True)
+
+
+def test_what_is_no_length_is_not_told(plane, wall, soon, crossing):
+    told = []
+    task = replace(crossing(planner="AORRTC", objective="duration"), on_best=told.append)
+    assert search(*plane, wall, task, soon).report.solved == 1
+    assert told == []
+
+
+@pytest.mark.parametrize("name", ["RRTConnect", "PRMstar"])
+def test_whenever_the_cancel_comes_what_was_found_by_then_is_delivered(plane, crossing, name):
+    """In the search, in shortcutting and in the last look: it makes no difference."""
+    whole = Counting()
+    task = crossing(1, planner=name, on_cancel="best")
+    search(*plane, whole, task, Deadline.after(9.0, time.perf_counter))
+    outcomes = []
+    for share in (0.1, 0.6, 0.95):
+        oracle = Counting()
+        last = share * whole.count
+
+        def is_canceled(oracle=oracle, last=last):
+            return oracle.count >= last
+
+        deadline = Deadline.after(9.0, time.perf_counter, is_canceled)
+        try:
+            found = search(*plane, oracle, task, deadline)
+        except Canceled:
+            outcomes.append(False)
+        else:
+            assert found.report.was_canceled
+            assert is_free(oracle, plane[0], found.path.waypoints)
+            outcomes.append(True)
+    assert outcomes == sorted(outcomes)
+    assert outcomes[-1]
+
+
+def test_what_collides_on_a_closer_look_is_mended_for_who_canceled(plane, crossing):
+    """The planner cuts the end of a wall that is thinner than it looks."""
+
+    def are_free(qs):
+        return ~((np.abs(qs[:, 0]) < 0.008) & (qs[:, 1] < 0.6))
+
+    told = []
+    for seed in range(4):
+        told.clear()
+        deadline = Deadline.after(9.0, time.perf_counter, lambda: bool(told))
+        task = crossing(seed, resolution=0.06, planner="BITstar", on_cancel="best")
+        oracle = Oracle(are_free)
+        found = search(*plane, oracle, replace(task, on_best=told.append), deadline)
+        assert found.report.was_canceled
+        assert is_free(oracle, plane[0], found.path.waypoints, 0.06 / 4)
+
+
+def test_improving_leaves_time_for_what_comes_after_it(plane, crossing):
+    """The clock counts questions: the time is up long before the planner would have ended."""
+    oracle, told = Counting(), []
+    task = crossing(1, planner="SORRTstar")
+    patient = Deadline.after(1e9, oracle.clock, lambda: bool(told))
+    with pytest.raises(Canceled):
+        search(*plane, oracle, replace(task, on_best=told.append), patient)
+    hasty = Counting()
+    found = search(*plane, hasty, task, Deadline.after(1.5 * oracle.count, hasty.clock))
+    assert found.report.solved == 1
+    assert hasty.count < 1.5 * oracle.count

@@ -1,0 +1,95 @@
+"""A path that is there already is delivered, whoever is interrupted in looking for a better one."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from planning.domain.deadline import Deadline
+from planning.domain.options import RoadmapOptions, SearchOptions
+from planning.errors import Canceled, DeadlineExceeded
+from planning.search.roadmap_growth import RoadmapRecipe, grow_roadmap
+from planning.search.solver import search
+from planning.search.task import SearchTask
+from tests.search.conftest import Oracle, beyond_wall
+
+START = np.array([-0.8, -0.8])
+# The first one is behind the wall, the second one far, but in sight.
+NEAR, FAR = [0.15, -0.8], [-0.8, 1.0]
+
+
+class Led:
+    """Knows a way up and around the wall."""
+
+    name = "led"
+
+    def lead(self, goals):
+        return np.array([START, [-0.8, 0.8], [0.15, 0.8], goals[0]]), 0
+
+
+class Ending(Oracle):
+    """A world in which time, or patience, ends once a motion has been found free, or blocked."""
+
+    def __init__(self, verdict):
+        super().__init__(beyond_wall)
+        self._verdict = verdict
+        self.is_over = False
+
+    def is_motion_free(self, origin, displacement, resolution):
+        found = super().is_motion_free(origin, displacement, resolution)
+        self.is_over |= found == self._verdict
+        return found
+
+
+def asked(who, plane, wall, soon, goals, **options):
+    task = SearchTask(START, np.array(goals), SearchOptions(**options), 0.05, 0.0, 0)
+    if who == "guide":
+        return replace(task, guide=Led())
+    if who == "roadmap":
+        few = SearchOptions(roadmap=RoadmapOptions(states=60, neighbours=6))
+        recipe = RoadmapRecipe.from_search(*plane, START, few)
+        return replace(task, roadmap=grow_roadmap(recipe, wall, "key", soon))
+    return task
+
+
+WHO = pytest.mark.parametrize("who", ["guide", "roadmap", "planner"])
+
+
+@WHO
+def test_the_end_of_time_leaves_the_straight_line(who, plane, wall, soon):
+    task, oracle = asked(who, plane, wall, soon, [NEAR, FAR]), Ending(verdict=True)
+    deadline = Deadline.after(1.0, lambda: 2.0 * float(oracle.is_over))
+    found = search(*plane, oracle, task, deadline)
+    assert found.report.direct
+    np.testing.assert_array_equal(found.path.waypoints, [START, FAR])
+    assert not found.report.was_canceled
+    if who == "roadmap":
+        assert found.report.roadmap.reason == "interrupted"
+
+
+@WHO
+def test_a_cancel_leaves_the_straight_line_to_who_wants_the_best(who, plane, wall, soon):
+    for on_cancel in ("best", "discard"):
+        task = asked(who, plane, wall, soon, [NEAR, FAR], on_cancel=on_cancel)
+        oracle = Ending(verdict=True)
+        deadline = Deadline.after(9.0, soon.clock, lambda oracle=oracle: oracle.is_over)
+        if on_cancel == "best":
+            found = search(*plane, oracle, task, deadline)
+            assert found.report.direct
+            assert found.report.was_canceled
+        else:
+            with pytest.raises(Canceled):
+                search(*plane, oracle, task, deadline)
+
+
+@WHO
+def test_the_end_of_time_without_any_path_says_how_far_it_got(who, plane, wall, soon):
+    task, oracle = asked(who, plane, wall, soon, [NEAR]), Ending(verdict=False)
+    deadline = Deadline.after(1.0, lambda: 2.0 * float(oracle.is_over))
+    with pytest.raises(DeadlineExceeded) as caught:
+        search(*plane, oracle, task, deadline)
+    told = caught.value.evidence
+    assert told["allowed"] == 1.0
+    assert told["num_goals"] == 1
+    assert told["num_states_checked"] > 0
+    assert (who == "roadmap") == (told.get("roadmap", {}).get("reason") == "interrupted")
