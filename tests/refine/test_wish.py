@@ -81,7 +81,8 @@ def test_the_shortfall_is_the_mean_of_what_is_lacking(walled, kernel, distance, 
     lacks = np.maximum(distance - clearance(qs), 0)
     # Inside of the wall it is not the analytic formula that is asked.
     if clearance(qs).min() > 0:
-        assert wish.shortfall(trajectory) == pytest.approx(lacks.mean(), abs=2e-4)
+        # The mean of 201 samples is off by half of one at each end, at most.
+        assert wish.shortfall(trajectory) == pytest.approx(lacks.mean(), abs=distance / 200)
 
 
 def test_links_of_one_robot_may_be_near_one_another(arm):
