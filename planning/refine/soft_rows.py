@@ -18,6 +18,8 @@ type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 _TOLERANCE = 1e-7
 _MAX_STEPS = 40
+# Drake takes dense blocks of rows: few together, or most of a block is zeros.
+_AT_ONCE = 64
 
 
 @dataclass(frozen=True)
@@ -116,12 +118,11 @@ class SoftProgram:
         program.AddLinearCost(price, 0.0, lack)
         program.AddBoundingBoxConstraint(self.lower, self.upper, x)
         program.AddBoundingBoxConstraint(0.0, np.inf, lack)
-        program.AddLinearConstraint(
-            np.hstack([matrix, np.eye(len(least))]),
-            least,
-            np.full(len(least), np.inf),
-            np.concatenate([x, lack]),
-        )
+        for begin in range(0, len(least), _AT_ONCE):
+            some = slice(begin, begin + _AT_ONCE)
+            both = np.hstack([matrix[some], np.eye(len(least[some]))])
+            most = np.full(len(least[some]), np.inf)
+            program.AddLinearConstraint(both, least[some], most, np.concatenate([x, lack[some]]))
         return np.array(ClarabelSolver().Solve(program).GetSolution(x))
 
 

@@ -79,7 +79,8 @@ class ToolKinematics:
     def by_v(self, qs: Float64[np.ndarray, "n nq"]) -> Float64[np.ndarray, "n 6 nv"]:
         """Return the same by the group's v, which are Drake's generalized velocities."""
         if self._chain is None:
-            return np.stack([self._by_drake(q) for q in qs])
+            found = np.array([self._by_drake(q) for q in qs])
+            return found.reshape(len(qs), 6, self._group.num_velocities)
         return np.asarray(self._chain.jacobians(np.ascontiguousarray(qs)))
 
     def _by_tangent(self, qs: Array, by_v: Array) -> Array:
