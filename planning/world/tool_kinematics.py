@@ -99,10 +99,9 @@ class ToolKinematics:
         drake = self._world.drake
         own = drake.velocity_indices(self._group).tolist()
         led = {column: (i, 1.0) for i, column in enumerate(own)}
-        for _ in drake.mimics:
-            for follower, leader, multiplier in drake.mimics:
-                if leader in led and follower not in led:
-                    led[follower] = led[leader][0], led[leader][1] * multiplier
+        for c in drake.following(self._group):
+            member, scale = led[c.leader_velocity]
+            led[c.follower_velocity] = member, scale * c.multiplier
         tool = drake.frames[self._frame].body().index()
         found = [
             (column, *led[column])
