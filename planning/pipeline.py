@@ -31,7 +31,7 @@ from planning.parts import at_end_of, tool_of
 from planning.plan_task import PlanTask
 from planning.proving import prove_lines, prove_search
 from planning.roadmap_shelf import RoadmapStore
-from planning.roadmaps import roadmap_of
+from planning.roadmaps import require_search, roadmap_of
 from planning.ruled import admit_rules, kept_goals
 from planning.search.demands import driven
 from planning.stopwatch import Stopwatch
@@ -79,6 +79,7 @@ def plan(
         raise ProblemInvalid(message, {"field": "search.allowed_planning_time"})
     require_bounded_stops(problem.retime, problem.certify)
     require_regions(problem, world, group)
+    require_search(problem)
     on_progress(Progress("goals", 0.02, "looking for goal configurations"))
     with watch.stage("goals"):
         start, clipped = admit_start(world, group, given, margins)
@@ -90,7 +91,7 @@ def plan(
             goals = kept_goals(world, query, goals, problem.seed, deadline.share(0.5))
             rules = rules.leaving_room(start, goals.entries)
     roadmap = None
-    if problem.search.roadmap is not None and not lines:
+    if problem.search.roadmap is not None:
         on_progress(Progress("search", 0.1, "looking for the roadmap"))
         with watch.stage("roadmap"):
             share = deadline.share(_ROADMAP_SHARE)

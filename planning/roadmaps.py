@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from planning.domain.deadline import Deadline
+from planning.domain.goal import LineGoal
 from planning.domain.joints import JointGroup
 from planning.domain.problem import PlanningProblem
 from planning.domain.roadmap import Roadmap
@@ -53,6 +54,18 @@ def build_roadmap(problem: PlanningProblem, world: World, *, deadline: Deadline)
     start = require_positions(group, given, "start")
     recipe, margins = _recipe(problem, world, group, start)
     return _grown(recipe, margins, world, deadline)
+
+
+def require_search(problem: PlanningProblem) -> None:
+    """Go on only if a problem that asks for a roadmap has something to search for.
+
+    Raises:
+        ProblemInvalid: Its goal is lines.
+    """
+    if problem.search.roadmap is not None and isinstance(problem.goal, LineGoal):
+        field = "search.roadmap"
+        message = f"{field}: lines are followed and not searched for; plan them without a roadmap"
+        raise ProblemInvalid(message, {"field": field})
 
 
 def roadmap_of(

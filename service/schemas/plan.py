@@ -5,7 +5,7 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import ConfigDict, Field, Strict, model_validator
 
 from service.schemas.constraint import ConstraintWire
-from service.schemas.goal import GoalWire
+from service.schemas.goal import GoalWire, LineGoalWire, PathGoalWire
 from service.schemas.ik import IkWire
 from service.schemas.motion_limit import MotionLimits
 from service.schemas.numbers import WHOLE, NonNegative, Positions, Real, Scale
@@ -164,7 +164,10 @@ class PlanRequest(Wire):
     )
 
     @model_validator(mode="after")
-    def _know_no_constraints_in_roadmaps(self) -> Self:
+    def _know_neither_constraints_nor_lines_in_roadmaps(self) -> Self:
+        if self.search.roadmap is not None and isinstance(self.goal, LineGoalWire | PathGoalWire):
+            message = "search.roadmap: goals `line` and `path` are not searched for; leave it out"
+            raise ValueError(message)
         if self.search.roadmap is not None and self.path_constraints:
             message = "search.roadmap: roadmaps know no path_constraints; ask for one of the two"
             raise ValueError(message)

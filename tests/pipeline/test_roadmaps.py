@@ -11,9 +11,10 @@ import pytest
 
 import planning
 from planning.domain.deadline import Deadline
-from planning.domain.goal import ConfigurationGoal, JointGoal
+from planning.domain.goal import ConfigurationGoal, JointGoal, LineGoal, PoseTarget
 from planning.domain.manifold import Manifold
 from planning.domain.options import RefineOptions, RoadmapOptions, SearchOptions
+from planning.domain.pose import Pose
 from planning.domain.problem import PlanningProblem
 from planning.domain.scene_operation import MoveObject, SetPositions
 from planning.errors import DeadlineExceeded, ProblemInvalid
@@ -156,6 +157,10 @@ def test_nonsense_and_constraints_are_refused(maze):
     inside = planning.TightLimits({"body::base_joint.x": (-0.45, 0.45)})
     with pytest.raises(ProblemInvalid, match="path constraints"):
         solve(maze, replace(problem_of(), constraints=(inside,)))
+    line = LineGoal((PoseTarget(Pose.from_parts([0.0, 0.05, 0.0]), "body::body"),))
+    with pytest.raises(ProblemInvalid, match="lines") as refusal:
+        solve(maze, replace(problem_of(), goal=line))
+    assert refusal.value.evidence["field"] == "search.roadmap"
 
 
 def test_a_roadmap_that_takes_too_long_says_so(maze):

@@ -83,3 +83,12 @@ def test_path_constraints_are_refused_together_with_a_roadmap(posted):
     locked = [{"type": "locked_joints", "joints": ["body::base_joint"]}]
     problem = plan(FEW, status=422, path_constraints=locked)
     assert "path_constraints" in str(problem)
+
+
+@pytest.mark.parametrize("kind", ["line", "path"])
+def test_lines_are_refused_together_with_a_roadmap(posted, kind):
+    _, plan = posted
+    target = {"position": [0.0, 0.05, 0.0]}
+    goal = {"line": {"pose": target}, "path": {"poses": [target]}}[kind]
+    problem = plan(FEW, status=422, goal={"type": kind, **goal})
+    assert "search.roadmap" in str(problem)
