@@ -45,6 +45,7 @@ class Attempt(Value):
             asked for, `approximate` and `graph`. Nothing if it found a solution.
         graph: What it explored, if that was asked for and it found a solution.
         is_spent: Whether it gave up for having checked as many states as it may.
+        improves: Whether its path is an improved one, and as close to obstacles as that gets.
     """
 
     status: str
@@ -53,6 +54,7 @@ class Attempt(Value):
     growth: Mapping[str, Any]
     graph: PlannerGraph | None
     is_spent: bool
+    improves: bool = False
 
 
 def attempt(query: Query, edges: EdgeChecker, fine: EdgeChecker, seed: int) -> Attempt:
@@ -141,7 +143,8 @@ def _report(query: Query, fine: EdgeChecker, found: Array, status: str, planner:
     waypoints = unrolled(path, query.space.manifold)
     if isinstance(query.space, CarSpace):
         waypoints = query.space.drives.threaded(waypoints)
-    return Attempt(status, waypoints, row, {}, _kept_graph(planner, query, found), is_spent=False)
+    graph, improves = _kept_graph(planner, query, found), hasattr(planner, "bestCost")
+    return Attempt(status, waypoints, row, {}, graph, is_spent=False, improves=improves)
 
 
 def _kept_graph(planner: Any, query: Query, found: Array) -> PlannerGraph | None:

@@ -1,11 +1,11 @@
-"""Mending: a way around what a closer look finds on a path that somebody waits for.
+"""Mending: a way around what a closer look finds on a path that is worth keeping.
 
 Usually a planner whose path collides on a closer look starts anew and looks as closely itself. Once
-a cancel has ended the search there is no time for that, but most of the path is free: its edges
-that are not are replaced, each by what RRTConnect finds between their ends.
+a cancel has ended the search there is no time for that; and improved paths run so close to
+obstacles that looking closely hardly helps. But most of the path is free: its edges that are not
+are replaced, each by what RRTConnect finds between their ends.
 """
 
-import math
 from dataclasses import replace
 from itertools import pairwise
 from typing import Any
@@ -20,14 +20,16 @@ from planning.search.query import Query
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
-# How long it may take, all edges together [s].
+# How long it may take after a cancel, all edges together [s].
 _BRIEF = 0.3
+# What may be checked for each edge: counts and not seconds decide, as long as nobody is in a hurry.
+_MOST_STATES = 4_000
 
 
 def mended(
     query: Query, waypoints: Float64[np.ndarray, "n nq"], edges: EdgeChecker, seed: int
 ) -> Array | None:
-    """Return a path of free edges with the same ends, shape (m, nq), if there is time for it.
+    """Return a path of free edges with the same ends, shape (m, nq), if one is found soon.
 
     Not of cars, whose waypoints are too close to one another to be driven around.
 
@@ -42,7 +44,7 @@ def mended(
     """
     if isinstance(query.space, CarSpace):
         return None
-    brief = query.patience.within(_BRIEF)
+    brief = query.patience.within(_BRIEF) if query.is_hurried else query.deadline
     found = [waypoints[:1]]
     with query.oracle.until(query.patience):
         free = edges.are_free(waypoints[:-1], waypoints[1:])
@@ -67,6 +69,6 @@ def _between(query: Query, ends: Array, seconds: float) -> Query:
         parameters={},
         deadline=query.patience,
         options=replace(query.options, solve_time=seconds, keep_graph=False, approximate=False),
-        most_states=math.inf,
+        most_states=_MOST_STATES,
         on_better=None,
     )

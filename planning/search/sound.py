@@ -117,7 +117,7 @@ def sound_attempt(query: Query, closeness: Closeness, seeds: np.random.SeedSeque
         found = attempt(query, edges, closeness.fine, seed)
         path = shortened(query, found, edges, closeness)
         num_motions += edges.num_motions
-        if path is None and len(found.waypoints) and query.is_hurried:
+        if path is None and len(found.waypoints) and (found.improves or query.is_hurried):
             path = _mended(query, found, closeness, seed)
         if path is not None or not len(found.waypoints) or halvings == _HALVINGS:
             return Trial(found, path, num_motions)

@@ -10,6 +10,8 @@ from planning.domain.deadline import Deadline
 from planning.domain.manifold import Manifold
 from planning.domain.motion_samples import are_motions_free
 from planning.errors import Canceled
+from planning.search import sound
+from planning.search.attempt import attempt
 from planning.search.solver import search
 from tests.search.conftest import Oracle, beyond_wall
 
@@ -70,6 +72,23 @@ def test_who_listens_changes_no_byte(plane, wall, soon, crossing, name):
     assert lengths == sorted(set(lengths), reverse=True)
 
 
+@pytest.mark.parametrize("name", ["RRTstar", "InformedRRTstar", "BITstar"])
+def test_what_hugs_a_wall_is_driven_around_it_not_thrown_away(
+    plane, wall, soon, crossing, name, monkeypatch
+):
+    lookers = []
+
+    def looking(query, edges, *rest):
+        lookers.append(edges)
+        return attempt(query, edges, *rest)
+
+    monkeypatch.setattr(sound, "attempt", looking)
+    for seed in range(2):
+        found = search(*plane, wall, crossing(seed, planner=name, resolution=0.3), soon)
+        assert is_free(wall, plane[0], found.path.waypoints, 0.3 / 4)
+    assert len(lookers) == 2
+
+
 def test_what_is_no_length_is_not_told(plane, wall, soon, crossing):
     told = []
     task = replace(crossing(planner="AORRTC", objective="duration"), on_best=told.append)
@@ -110,15 +129,21 @@ def test_what_collides_on_a_closer_look_is_mended_for_who_canceled(plane, crossi
     def are_free(qs):
         return ~((np.abs(qs[:, 0]) < 0.008) & (qs[:, 1] < 0.6))
 
-    told = []
+    def listen(report):
+        if report.outcome == "improving":
+            told.append(report)
+
+    told, canceled = [], []
     for seed in range(4):
         told.clear()
         deadline = Deadline.after(9.0, time.perf_counter, lambda: bool(told))
-        task = crossing(seed, resolution=0.06, planner="BITstar", on_cancel="best")
+        task = crossing(seed, resolution=0.06, planner="RRTstar", on_cancel="best")
         oracle = Oracle(are_free)
-        found = search(*plane, oracle, replace(task, on_best=told.append), deadline)
-        assert found.report.was_canceled
+        found = search(*plane, oracle, replace(task, on_best=listen), deadline)
+        assert found.report.was_canceled == bool(told)
         assert is_free(oracle, plane[0], found.path.waypoints, 0.06 / 4)
+        canceled.append(bool(told))
+    assert any(canceled)
 
 
 def test_improving_leaves_time_for_what_comes_after_it(plane, crossing):
