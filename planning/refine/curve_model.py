@@ -7,8 +7,7 @@ own fastest pace says what it is truly worth. Distances are kept for a price, no
 those that are only wished for have a variable at every instant: what the nearest pair lacks there.
 """
 
-from dataclasses import dataclass, replace
-from functools import cached_property
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -16,27 +15,24 @@ from jaxtyping import Float64
 
 from planning.domain.joints import JointLimits
 from planning.refine.basis import Weights, weights_at
-from planning.refine.felt import Felt, pace_along
+from planning.refine.bounds import Bounds
+from planning.refine.felt import pace_along
+from planning.refine.look import DISTANCE_PRICE, Look
 from planning.refine.nearness import Near, Nearness
 from planning.refine.numbering import numbering_of
 from planning.refine.pace import (
     RATE_PRICE,
-    Bounds,
-    Rates,
     both_ends,
     duration_of,
     grid_of,
     haste_of,
 )
 from planning.refine.soft_rows import Rows, SoftProgram
-from planning.refine.strain import Strain
 from planning.refine.wish import Wish
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 type Indices = np.ndarray[Any, np.dtype[np.intp]]
 
-# What a metre less than demanded costs at every instant and pair [s/m].
-_DISTANCE_PRICE = 20.0
 # Pairs that are this much farther than demanded count for nothing [m].
 _REACH = 0.1
 # Beside durations, moving one control point by the box's half side costs this: ways to write down
@@ -50,44 +46,6 @@ _ACCELERATION_SEEN, _SPEED_SEEN = 0.3, 0.4
 _DEARER = 2.0
 # A box has an inside, even where the position limits leave none.
 _SLIT = 1e-6
-
-
-@dataclass(frozen=True)
-class Look:
-    """What is known of one curve.
-
-    Attributes:
-        points: Its control points, shape (k, nq).
-        rates: Its derivatives.
-        pace: The fastest, b at the grid, shape (n + 1,).
-        duration: Of that pace [s].
-        near: Pairs that are near at the instants.
-        wished: Pairs that are near enough for the wish, or None.
-        worth: Duration and what falling short of the wish costs [s].
-        felt: What loads do, if there are any.
-        cost: The worth, and the price of distances that are too short and of torques that are too
-            large without any motion [s].
-    """
-
-    points: Array
-    rates: Rates
-    pace: Array
-    duration: float
-    near: Near
-    wished: Near | None
-    worth: float
-    felt: Felt | None
-
-    @cached_property
-    def strains(self) -> tuple[Strain, ...]:
-        """Loads at that pace."""
-        return () if self.felt is None else self.felt.strains(self.pace, self.duration)
-
-    @cached_property
-    def cost(self) -> float:
-        """What is minimised [s]."""
-        held = 0.0 if self.felt is None else self.felt.cost
-        return self.worth + held + _DISTANCE_PRICE * float(np.maximum(-self.near.spare, 0.0).sum())
 
 
 class CurveModel:
@@ -171,7 +129,7 @@ class CurveModel:
         numbers = self._numbers
         rows += [strain.rows(numbers.points, numbers.pace, side) for strain in seen.strains]
         if len(seen.near.at):
-            price = _DISTANCE_PRICE / seen.duration
+            price = DISTANCE_PRICE / seen.duration
             rows.append(self._distance_rows(seen.near, self._weights, side, price))
         if self._wish is not None and seen.wished is not None:
             lacks = self._numbers.lacks

@@ -5,7 +5,8 @@ from collections.abc import Iterator
 import numpy as np
 from jaxtyping import Float64
 
-from planning.refine.curve_model import CurveModel, Look
+from planning.refine.curve_model import CurveModel
+from planning.refine.look import Look
 
 # Half of the box's sides, as the time to cross it at the velocity limit [s].
 _FIRST_BOX, _LARGEST_BOX = 0.1, 0.4

@@ -6,9 +6,10 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float64
 
+from planning.refine.bounds import Bounds
 from planning.refine.load import MOST_HELD, Load
 from planning.refine.moments import Moments, grid_weights
-from planning.refine.pace import Bounds, PaceRows, Rates, fastest_pace, grid_of
+from planning.refine.pace import PaceRows, Rates, fastest_pace, grid_of
 from planning.refine.strain import Strain
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]

@@ -6,7 +6,7 @@ import numpy as np
 from jaxtyping import Float64
 
 from planning.domain.joints import JointLimits
-from planning.refine.pace import Bounds
+from planning.refine.bounds import Bounds
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 

@@ -8,8 +8,8 @@ from jaxtyping import Float64
 from planning.domain.joints import JointGroup
 from planning.domain.manifold import Manifold
 from planning.domain.motion_limits import AccelerationBounds
+from planning.refine.bounds import Bounds
 from planning.refine.load import Load
-from planning.refine.pace import Bounds
 from planning.refine.request import RefineRequest
 from planning.refine.tool_load import ToolLoad
 from planning.refine.torque_load import TorqueLoad

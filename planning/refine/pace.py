@@ -14,9 +14,8 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float64
 
-from planning.domain.joints import JointLimits
 from planning.refine.basis import num_spans, weights_at
-from planning.refine.load import Load
+from planning.refine.bounds import Bounds
 from planning.refine.soft_rows import Rows, SoftProgram
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
@@ -25,71 +24,10 @@ type Indices = np.ndarray[Any, np.dtype[np.intp]]
 # What exceeding a limit by its own size costs, in durations.
 RATE_PRICE = 10.0
 _PER_SPAN = 4
-# An infinite bound would make numbers that are none.
-_UNBOUNDED_RATE = 1e3
-# Of the jerk, what the curve itself may have: changes of pace need the rest. Found by measurement.
-_JERK_SHARE = 0.1
 # Where nothing moves the pace is bounded by nothing but this, in units of 1 / s^2.
 _STANDSTILL = 1e-12
 # Of its cap, so that the pace rests nowhere on the way.
 _SLOWEST = 1e-9
-
-
-@dataclass(frozen=True)
-class Bounds:
-    """Bounds on the rates of every coordinate, positive and finite, shape (nq,), and on loads.
-
-    Attributes:
-        velocity: [rad/s or m/s].
-        acceleration: The larger of the bounds of either sign [rad/s^2 or m/s^2].
-        jerk: [rad/s^3 or m/s^3]; None if it is not bounded.
-        signed: Lowest and highest acceleration over `acceleration`, shape (2, nq): -1 and 1 where
-            it has no sign.
-        loads: What else bounds the pace.
-    """
-
-    velocity: Array
-    acceleration: Array
-    jerk: Array | None
-    signed: Array
-    loads: tuple[Load, ...] = ()
-
-    @classmethod
-    def of(
-        cls,
-        limits: JointLimits,
-        *,
-        jerk: bool,
-        signed: Float64[np.ndarray, "2 nv"] | None = None,
-        loads: tuple[Load, ...] = (),
-    ) -> "Bounds":
-        """Return the bounds that imply a group's limits.
-
-        Args:
-            limits: Of the group.
-            jerk: Whether jerk is limited.
-            signed: Lowest and highest accelerations besides these [rad/s^2 or m/s^2], infinite
-                where there are none.
-            loads: What else bounds the pace.
-        """
-        velocity, acceleration, jerks = (
-            np.minimum(limits.per_coordinate(rates), _UNBOUNDED_RATE)
-            for rates in (limits.velocity, limits.acceleration, limits.jerk)
-        )
-        either = np.stack([acceleration, acceleration])
-        if signed is not None:
-            either = np.minimum(either, np.abs(signed))
-        if jerk:
-            # With jerk bounds a coordinate comes to speed in v / a + a / j, or 2 sqrt(v / j).
-            ramp = np.where(
-                either**2 < velocity * jerks,
-                velocity / either + either / jerks,
-                2 * np.sqrt(velocity / jerks),
-            )
-            either = velocity / ramp
-        larger = either.max(axis=0)
-        shares = np.array([[-1.0], [1.0]]) * (either / larger)
-        return cls(velocity, larger, _JERK_SHARE * jerks if jerk else None, shares, loads)
 
 
 @dataclass(frozen=True)

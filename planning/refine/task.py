@@ -9,17 +9,19 @@ from planning.domain.deadline import Deadline
 from planning.domain.joints import JointLimits
 from planning.domain.manifold import Manifold
 from planning.refine.audit import Auditor, is_accepted, within_limits
+from planning.refine.bounds import Bounds
 from planning.refine.buffers import Buffers
 from planning.refine.chart import Chart, chart_of
-from planning.refine.curve_model import CurveModel, Look
+from planning.refine.curve_model import CurveModel
 from planning.refine.descent import Descent
 from planning.refine.felt import pace_along
 from planning.refine.fit import fit_control_points
 from planning.refine.least_duration import least_duration
 from planning.refine.load import Load
 from planning.refine.loads import bounds_of, signed_accelerations
+from planning.refine.look import Look
 from planning.refine.nearness import Nearness, nearness_of
-from planning.refine.pace import Bounds, duration_of, grid_of
+from planning.refine.pace import duration_of, grid_of
 from planning.refine.request import RefineRequest
 from planning.refine.ruled_nearness import RuledNearness, audited, predicates
 from planning.refine.wish import Wish, wish_of

@@ -7,8 +7,8 @@ from planning.domain.motion_limits import MotionLimits, ToolLimit
 from planning.domain.options import RefineOptions
 from planning.domain.path import JointPath
 from planning.domain.payload import Payload
+from planning.refine.bounds import Bounds
 from planning.refine.loads import bounds_of
-from planning.refine.pace import Bounds
 from planning.refine.request import RefineRequest
 from planning.world.world import World
 from tests.conftest import bundled_world

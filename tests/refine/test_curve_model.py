@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 from planning.domain.options import ClearanceWish
+from planning.refine.bounds import Bounds
 from planning.refine.buffers import Buffers
 from planning.refine.curve_model import CurveModel
 from planning.refine.fit import fit_control_points, unwrapped
 from planning.refine.nearness import nearness_of
-from planning.refine.pace import Bounds
 from planning.refine.wish import wish_of
 
 NUM_INSTANTS = 60

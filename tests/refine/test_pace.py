@@ -8,9 +8,10 @@ from hypothesis import strategies as st
 from planning.domain.joints import Joint, JointGroup, JointLimits, JointType
 from planning.domain.options import RetimeOptions
 from planning.refine.basis import centres, spline_of
+from planning.refine.bounds import Bounds
 from planning.refine.least_duration import least_duration, rest_to_rest
 from planning.refine.loads import signed_accelerations
-from planning.refine.pace import Bounds, Rates, duration_of, fastest_pace, grid_of, haste_of
+from planning.refine.pace import Rates, duration_of, fastest_pace, grid_of, haste_of
 from planning.refine.power_basis import joint_spline
 from planning.retime.path_limits import path_limits
 from planning.retime.retimer import retime
