@@ -26,14 +26,19 @@ _GIVEN_UP = TaskEnd(FrameKind.CRASH, "it does not end")
 class _ThreadChannel:
     """A channel within the process."""
 
-    def __init__(self, loop: asyncio.AbstractEventLoop, sink: EventSink) -> None:
+    def __init__(self, loop: asyncio.AbstractEventLoop, sink: EventSink, stop: Stop) -> None:
         self._loop = loop
         self._sink = sink
+        self._stop = stop
         self.canceled = threading.Event()
 
     def emit(self, event_type: str, data: dict[str, Any]) -> None:
         """Hand an event to the loop."""
         self._loop.call_soon_threadsafe(self._sink.put, event_type, Encoded(event_text(data)))
+
+    def allow(self, seconds: float) -> None:
+        """Have this run given up after so many seconds from now on, and not before."""
+        self._loop.call_soon_threadsafe(self._stop.allow, seconds)
 
     def is_canceled(self) -> bool:
         """Return whether somebody asked for the end of this run."""
@@ -82,7 +87,7 @@ class InlineSlot:
 
     async def _watch(self, run: Run, stop: Stop) -> Outcome:
         loop = asyncio.get_running_loop()
-        channel = _ThreadChannel(loop, run.sink)
+        channel = _ThreadChannel(loop, run.sink, stop)
         done: asyncio.Future[TaskEnd] = loop.create_future()
         stop.begin(channel.canceled.set, lambda: _settle(done, _GIVEN_UP))
         self._is_free.clear()

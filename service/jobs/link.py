@@ -19,7 +19,7 @@ MAX_BODY = 512 * 1024 * 1024
 class FrameKind(IntEnum):
     """What a frame says; the first two go to the process, the others come from it.
 
-    READY carries how the warm-up failed, if it did.
+    READY carries how the warm-up failed, if it did; TERM how many seconds the run has from now on.
     """
 
     TASK = 1
@@ -29,6 +29,7 @@ class FrameKind(IntEnum):
     RESULT = 5
     FAILURE = 6
     CRASH = 7
+    TERM = 8
 
 
 @dataclass(frozen=True)

@@ -38,7 +38,8 @@ class Run:
         task: `module:function`.
         payload: What it is called with.
         sink: Told of each of its events, in the event loop's thread.
-        allowed: Seconds after which it is told to end, and a little later made to; or None.
+        allowed: Seconds after which it is told to end, and a little later made to; or None. A task
+            that knows better may change them while it runs.
     """
 
     task: str
@@ -145,6 +146,8 @@ class ProcessSlot:
                     event_type, data = frame.parts
                     run.sink.put(event_type, Encoded(data))
                     await run.sink.room()
+                case FrameKind.TERM:
+                    stop.allow(float(frame.body))
                 case FrameKind.RESULT:
                     return Returned(Encoded(frame.body.decode()))
                 case FrameKind.FAILURE:

@@ -22,6 +22,7 @@ class Stop:
         self._is_late = False
         self._allowed = allowed
         self._timers: list[asyncio.TimerHandle] = []
+        self._term: asyncio.TimerHandle | None = None
         self._tell: Callable[[], None] | None = None
         self._force: Callable[[], None] | None = None
 
@@ -29,7 +30,20 @@ class Stop:
         """Count the time from now on, and know how to end the run."""
         self._tell, self._force = tell, force
         if self._allowed is not None:
-            self._after(self._allowed, self._overrun)
+            self.allow(self._allowed)
+
+    def allow(self, seconds: float) -> None:
+        """Let it run for so long from now on, whatever was said before; too late if it is to end.
+
+        Args:
+            seconds: [s].
+        """
+        if self._tell is None or self.is_canceled or self._is_late:
+            return
+        if self._term is not None:
+            self._term.cancel()
+        self._allowed = seconds
+        self._term = self._after(seconds, self._overrun)
 
     def cancel(self, grace: float) -> None:
         """End the run on request; asking again changes nothing."""
@@ -39,6 +53,7 @@ class Stop:
 
     def disarm(self) -> None:
         """Do no more; the run has ended."""
+        self._tell = None
         for timer in self._timers:
             timer.cancel()
 
@@ -59,5 +74,7 @@ class Stop:
             self._tell()
             self._after(grace, self._force)
 
-    def _after(self, seconds: float, act: Callable[[], None]) -> None:
-        self._timers.append(asyncio.get_running_loop().call_later(seconds, act))
+    def _after(self, seconds: float, act: Callable[[], None]) -> asyncio.TimerHandle:
+        timer = asyncio.get_running_loop().call_later(seconds, act)
+        self._timers.append(timer)
+        return timer

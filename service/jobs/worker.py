@@ -26,6 +26,10 @@ class LinkChannel:
         body = two_parts(event_type, event_text(data))
         self._link.send(Frame(FrameKind.EVENT, self._token, body))
 
+    def allow(self, seconds: float) -> None:
+        """Have this run ended after so many seconds from now on, and not before."""
+        self._link.send(Frame(FrameKind.TERM, self._token, repr(seconds).encode()))
+
     def is_canceled(self) -> bool:
         """Return whether somebody asked for the end of this run."""
         while not self._is_canceled and self._link.has_news:
@@ -40,6 +44,9 @@ class _NoChannel:
 
     def emit(self, event_type: str, data: dict[str, Any]) -> None:
         """Drop an event."""
+
+    def allow(self, seconds: float) -> None:
+        """Do nothing: a warm-up has no limit."""
 
     def is_canceled(self) -> bool:
         """Return that nobody does."""

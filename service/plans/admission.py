@@ -31,8 +31,7 @@ from service.schemas.search import CarWire, SearchWire
 
 TASK = "service.tasks.plan:plan_motion"
 
-# A plan minds its deadline by itself, from when its scene is loaded, which may take seconds; a
-# process that is this much too late hangs [s].
+# To load the scene as well [s]; once that is done the task itself says by when it has to end.
 SLACK = 15.0
 # To time and prove the best path so far after a cancel [s].
 _BEST_GRACE = 0.9

@@ -10,6 +10,10 @@ class Channel(Protocol):
         """Append an event to the job's log."""
         ...
 
+    def allow(self, seconds: float) -> None:
+        """Have the run ended after so many seconds from now on, and not before."""
+        ...
+
     def is_canceled(self) -> bool:
         """Return whether somebody asked for the end of the job."""
         ...

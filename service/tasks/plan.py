@@ -17,11 +17,16 @@ from service.tasks.roadmaps import shelf_in
 from service.tasks.stage_log import StageLog
 from service.tasks.worlds import borrow_world
 
+# A plan minds its deadline by itself; a process that is this much too late hangs [s].
+_PATIENCE = 5.0
+# To write down what was found [s].
+_WRITING = 15.0
+
 
 def plan_motion(payload: dict[str, Any], channel: Channel) -> dict[str, Any]:
     """Return the `result` of a plan, its exact `polynomial`, `timings` [s], `digest` and `graph`.
 
-    The allowed time begins once the scene is loaded.
+    The allowed time begins once the scene is loaded; soon after it the process is ended.
 
     Raises:
         WayproofError: There is no motion; the error says why.
@@ -34,6 +39,7 @@ def plan_motion(payload: dict[str, Any], channel: Channel) -> dict[str, Any]:
         loaded = time.monotonic() - begun
         allowed = request.search.allowed_planning_time
         deadline = Deadline.after(allowed, time.monotonic, channel.is_canceled)
+        mind(channel, allowed)
         problem = problem_value(request)
         if "regions" in payload:
             problem = replace(problem, regions=read_regions(payload["regions"]))
@@ -45,11 +51,19 @@ def plan_motion(payload: dict[str, Any], channel: Channel) -> dict[str, Any]:
             roadmaps=None if request.search.roadmap is None else shelf_in(payload["roadmaps"]),
             pool=pool,
         )
-    return delivered(found, request, loaded)
+    return delivered(found, request, loaded, channel)
 
 
-def delivered(found: MotionPlan, request: PlanRequest, loaded: float) -> dict[str, Any]:
+def mind(channel: Channel, allowed: float) -> None:
+    """Have the process ended soon after the allowed time [s], which begins now."""
+    channel.allow(allowed + _PATIENCE)
+
+
+def delivered(
+    found: MotionPlan, request: PlanRequest, loaded: float, channel: Channel
+) -> dict[str, Any]:
     """Return what a job keeps of a plan; loading the scene took `loaded` [s]."""
+    channel.allow(_WRITING)
     return {
         "result": plan_wire(found, request.retime.period, request.retime.num_points),
         "polynomial": polynomial_wire(found.trajectory),

@@ -12,7 +12,7 @@ from service.convert.goals import problem_value
 from service.convert.trajectories import trajectory_value
 from service.schemas.plan import PlanRequest
 from service.tasks.channel import Channel
-from service.tasks.plan import delivered
+from service.tasks.plan import delivered, mind
 from service.tasks.stage_log import StageLog
 from service.tasks.worlds import borrow_world
 
@@ -33,6 +33,7 @@ def reverse_motion(payload: dict[str, Any], channel: Channel) -> dict[str, Any]:
         loaded = time.monotonic() - begun
         log(Progress("certify", 0.5, "certifying the motion backwards"))
         allowed = request.search.allowed_planning_time
+        mind(channel, allowed)
         found = reverse_plan(
             world,
             problem,
@@ -41,4 +42,4 @@ def reverse_motion(payload: dict[str, Any], channel: Channel) -> dict[str, Any]:
             [PlanPart(**part) for part in motion["parts"]],
             Deadline.after(allowed, time.monotonic, channel.is_canceled),
         )
-    return delivered(found, request, loaded)
+    return delivered(found, request, loaded, channel)

@@ -4,6 +4,7 @@ import contextlib
 import ctypes
 import os
 import signal
+import threading
 import time
 from pathlib import Path
 from typing import Any
@@ -54,6 +55,14 @@ def hang(_: dict[str, Any], channel: Channel) -> dict[str, Any]:
     channel.emit("stage", {"stage": "hang", "progress": 0.1, "pid": os.getpid()})
     ctypes.PyDLL(None).sleep(30)
     return {}
+
+
+def reckon(payload: dict[str, Any], channel: Channel) -> dict[str, Any]:
+    """Say how long it may take, some seconds each time, and then work for some."""
+    for allowed, works in payload["terms"]:
+        channel.allow(allowed)
+        threading.Event().wait(works)
+    return {"pid": os.getpid()}
 
 
 def segfault(_: dict[str, Any], __: Channel) -> dict[str, Any]:

@@ -64,6 +64,18 @@ def test_what_does_not_end_is_given_up_and_its_thread_is_not_used(tmp_path, allo
     asyncio.run(story())
 
 
+def test_a_task_may_say_by_when_it_has_to_end():
+    async def story():
+        slot = InlineSlot(is_exclusive=False)
+        late = run_of("reckon", allowed=30.0, terms=[(0.1, 0.6)])
+        assert await slot.run(late) == TimedOut(0.1)
+        await slot.ready()
+        longer = run_of("reckon", allowed=0.2, terms=[(30.0, 0.4)])
+        assert isinstance(await slot.run(longer), Returned)
+
+    asyncio.run(story())
+
+
 def test_exclusive_tasks_take_turns(tmp_path):
     async def story():
         first, second = InlineSlot(is_exclusive=True), InlineSlot(is_exclusive=True)

@@ -187,6 +187,27 @@ def test_the_deadline_ends_what_does_not_end(task):
     asyncio.run(story())
 
 
+@pytest.mark.parametrize(
+    ("first", "terms", "ended"),
+    [
+        (30.0, [(0.2, 30.0)], TimedOut(0.2)),
+        (0.3, [(30.0, 0.6)], None),
+        (30.0, [(0.3, 0.1), (30.0, 0.4)], None),
+        (30.0, [(30.0, 0.1), (0.1, 30.0)], TimedOut(0.1)),
+    ],
+)
+def test_a_task_may_say_by_when_it_has_to_end(first, terms, ended):
+    async def story():
+        async with open_slot() as slot:
+            began = time.monotonic()
+            outcome = await slot.run(run_of("reckon", allowed=first, terms=terms))
+            assert time.monotonic() - began < 3
+            assert outcome == ended if ended else isinstance(outcome, Returned)
+            assert isinstance(await slot.run(run_of("echo", allowed=20.0)), Returned)
+
+    asyncio.run(story())
+
+
 def test_large_events_are_cut_and_large_results_are_not():
     async def story():
         async with open_slot() as slot:
