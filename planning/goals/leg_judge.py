@@ -38,7 +38,12 @@ _LOOKED_AT = 64
 
 
 class LegJudge:
-    """Traces the lines of one pose goal and keeps those that reach their ends."""
+    """Traces the lines of one pose goal and keeps those that reach their ends.
+
+    Attributes:
+        targets: Of the goal, in world.
+        ended: Lines that do not: which ("approach" or "retreat"), of which target, how far.
+    """
 
     def __init__(
         self,
@@ -50,12 +55,13 @@ class LegJudge:
     ) -> None:
         """Prepare for the goal's targets in world."""
         self._world, self._query, self._deadline = world, query, deadline
+        self.targets = targets
         self._axes = np.array([target.pose.quaternion for target in targets])
         self._ways = {"approach": goal.approach, "retreat": goal.retreat}
         self._frame = targets[0].frame
         self._tracer = LineTracer(world, query.group, self._frame, query.margins, Fineness())
         self._legs: dict[bytes, GoalLegs] = {}
-        self._ended: list[tuple[str, Course]] = []
+        self.ended: list[tuple[str, int, Course]] = []
 
     def admit(
         self, rows: Float64[np.ndarray, "n nq"], targets: Int64[np.ndarray, " n"]
@@ -65,7 +71,7 @@ class LegJudge:
         found: dict[str, dict[int, Leg]] = {}
         for name, way in self._ways.items():
             if way is not None:
-                found[name] = self._reaching(name, way, rows, targets, good)
+                found[name] = self._reaching(name, rows, targets, good)
                 good[[i for i in range(len(rows)) if i not in found[name]]] = False
         for i in np.flatnonzero(good).tolist():
             approach = found["approach"][i].reverse if "approach" in found else None
@@ -86,7 +92,7 @@ class LegJudge:
     def blocked_by(self) -> tuple[LegTally, ...]:
         """What stopped lines, most frequent first."""
         fractions: dict[tuple[str, str, str], list[float]] = defaultdict(list)
-        for name, course in self._ended[:_LOOKED_AT]:
+        for name, _, course in self.ended[:_LOOKED_AT]:
             trace = traced(
                 self._world,
                 self._query.group,
@@ -100,23 +106,26 @@ class LegJudge:
         tallies = [LegTally(*key, len(found), max(found)) for key, found in fractions.items()]
         return tuple(sorted(tallies, key=lambda t: (-t.count, t.leg, t.reason, t.where)))
 
-    def _count(self, name: str, courses: list[Course]) -> None:
-        self._ended += [(name, course) for course in courses if course.halt]
-
-    def _reaching(
-        self, name: str, way: Array, rows: Array, targets: Indices, good: Flags
-    ) -> dict[int, Leg]:
-        """Return the legs outwards from those of the good rows that have one."""
-        asked = np.flatnonzero(good)
-        at = self._tracer.kinematics.poses(rows[asked])
-        outwards = rotation.rotate(self._axes[targets[asked]], np.asarray(way)[None])
+    def reach(
+        self, name: str, rows: Float64[np.ndarray, "n nq"], targets: Int64[np.ndarray, " n"]
+    ) -> list[Course]:
+        """Return how far each configuration gets along one of the lines that are asked for."""
+        at = self._tracer.kinematics.poses(rows)
+        outwards = rotation.rotate(self._axes[targets], np.asarray(self._ways[name])[None])
         lines = [
             ToolLine(self._frame, Pose(p, a), Pose(p + out, a))
             for R_WT, p, out in zip(*at, outwards, strict=True)
             for a in [rotation.from_matrix(R_WT)]
         ]
-        courses = self._tracer.trace(lines, rows[asked], self._deadline)
-        self._count(name, courses)
+        return self._tracer.trace(lines, rows, self._deadline)
+
+    def _reaching(self, name: str, rows: Array, targets: Indices, good: Flags) -> dict[int, Leg]:
+        """Return the legs outwards from those of the good rows that have one."""
+        asked = np.flatnonzero(good)
+        courses = self.reach(name, rows[asked], targets[asked])
+        for target, course in zip(targets[asked], courses, strict=True):
+            if course.halt:
+                self.ended.append((name, int(target), course))
         return {
             int(i): Leg(course.line, np.array(course.fractions), np.stack(course.waypoints))
             for i, course in zip(asked, courses, strict=True)

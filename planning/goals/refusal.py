@@ -13,10 +13,12 @@ from planning.domain.manifold import Manifold
 from planning.errors import ApproachBlocked, GoalInCollision, GoalUnreachable
 from planning.goals.aims import Aiming
 from planning.goals.goal_query import GoalQuery
+from planning.goals.leg_judge import LegJudge
 from planning.goals.nearest import NearestSearch
 from planning.goals.pose_search import PoseSearch
 from planning.goals.ranking import Distinct
 from planning.goals.relaxation import alone_that_does, least_deep, tolerance_that_does
+from planning.goals.shorter_legs import shorter_legs
 from planning.goals.start import describe_pairs, pair_evidence
 from planning.goals.tally import tallied
 from planning.world.world import World
@@ -42,8 +44,8 @@ def refusal(
     The evidence has the nearest free pose, and the relaxations of which each would do.
     """
     funnel = search.funnel(())
-    if funnel.collision_free > 0:
-        return _blocked(funnel)
+    if funnel.collision_free > 0 and search.judge is not None:
+        return _blocked(world, query, search.judge, funnel, deadline)
     hints = _distinct(query, search)
     found = NearestSearch(world, query, aiming.accepted, rng, deadline).run(hints)
     relaxation: dict[str, Any] = {
@@ -109,14 +111,21 @@ def all_collide(
     )
 
 
-def _blocked(funnel: Funnel) -> ApproachBlocked:
+def _blocked(
+    world: World, query: GoalQuery, judge: LegJudge, funnel: Funnel, deadline: Deadline
+) -> ApproachBlocked:
     words = ", ".join(
         f"{tally.count} times {tally.reason}{' of ' if tally.where else ''}{tally.where} stops the "
         f"{tally.leg} ({100 * tally.max_fraction:.0f} % of it is free at best)"
         for tally in funnel.blocked_by[:3]
     )
     message = f"no goal configuration has a free approach and retreat: {words}"
-    return ApproachBlocked(message, {"funnel": funnel_evidence(funnel)})
+    shorter = shorter_legs(world, query, judge, deadline)
+    if shorter is not None:
+        lengths = " and ".join(f"{1000 * m:.1f} mm of {leg}" for leg, m in shorter.lengths.items())
+        message += f"; {lengths} would do"
+    evidence = {"relaxation": shorter and shorter.evidence}
+    return ApproachBlocked(message, {"funnel": funnel_evidence(funnel), **evidence})
 
 
 def _distinct(query: GoalQuery, search: PoseSearch) -> Array:

@@ -102,3 +102,41 @@ def test_a_goal_without_a_free_line_says_what_blocks_it(
     assert where in first["where"]
     assert 0 <= first["max_fraction"] < 1
     assert leg in failure.value.detail
+
+
+@pytest.mark.parametrize(
+    ("approach", "retreat"),
+    [
+        ([0, 0, 0.3], None),
+        (None, [0, 0.15, -0.05]),
+        ([0, 0, -0.9], None),
+        ([0, 0, -0.9], [0.02, 0, -0.12]),
+        ([0, 0, -0.1], [0, 0.15, -0.05]),
+    ],
+)
+def test_lines_as_long_as_a_refusal_says_would_do(
+    approach: list[float] | None, retreat: list[float] | None
+) -> None:
+    world = world_by("ur5e_pickup", "kernel")
+    asked = {"approach": approach, "retreat": retreat}
+    ways = {name: None if way is None else np.array(way) for name, way in asked.items()}
+    goal = at(Pose.identity(), "pick")
+    with pytest.raises(ApproachBlocked) as failure:
+        ask(world, "arm", with_ways(goal, **ways))
+    relaxation = failure.value.evidence["relaxation"]
+    shares = {
+        name: relaxation[name] / np.linalg.norm(way)
+        for name, way in ways.items()
+        if way is not None
+    }
+    assert set(shares) == {name for name in ways if relaxation[name] is not None}
+    assert 0 < max(shares.values()) <= 1 + 1e-9
+    assert min(shares.values()) < 1
+    shorter = {name: ways[name] * min(share, 1.0) for name, share in shares.items() if share}
+    found = ask(world, "arm", with_ways(goal, **{"approach": None, **shorter}))
+    assert found.funnel.approach_ok > 0
+    # A tenth more of what is cut short is more than there is.
+    cut = min(shares, key=lambda name: shares[name])
+    longer = shorter | {cut: ways[cut] * min(1.0, 1.1 * shares[cut] + 0.01)}
+    with pytest.raises(ApproachBlocked):
+        ask(world, "arm", with_ways(goal, **{"approach": None, **longer}))
