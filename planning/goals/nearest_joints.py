@@ -15,14 +15,13 @@ from planning.goals.joint_moves import JointMoves
 from planning.goals.joint_pull import to_configuration
 from planning.goals.nearest_program import pulled
 from planning.goals.seeds import Seeds
-from planning.world.kernel_scene import kernel_scene_of
 from planning.world.world import World
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 type Indices = np.ndarray[Any, np.dtype[np.intp]]
 
-# Configurations that are tried at once, by the kernel or by Drake alone.
-_NUM_TRIES, _NUM_SLOW = 2048, 512
+# Configurations that are tried at once.
+_NUM_TRIES = 2048
 # Where looking around begins [rad or m], and how many times farther it goes each time in vain.
 _FIRST, _FARTHER = 1e-3, 1.6
 # Nearer ones than the best are tried so often, and in vain so often before it is the nearest.
@@ -76,8 +75,6 @@ class NearestJointSearch:
         self._inside = self._clipped(goals)
         self._best: Found | None = None
         self._num_pulls = 0
-        is_fast = kernel_scene_of(world.drake) is not None
-        self._num_tries = _NUM_TRIES if is_fast else _NUM_SLOW
 
     def run(self) -> Found | None:
         """Return the nearest that was found, None if nothing feasible was."""
@@ -98,7 +95,7 @@ class NearestJointSearch:
             self._consider(self._around(radius))
             radius *= _FARTHER
         if self._best is None:
-            self._consider(self._seeds.take(self._num_tries))
+            self._consider(self._seeds.take(_NUM_TRIES))
         if self._best is not None:
             self._straighten(self._best)
             order = np.argsort(self._costs(self._inside)[0], kind="stable")
@@ -111,8 +108,8 @@ class NearestJointSearch:
         self._consider(self._around(float(reach)))
         goal = self._goals[best.index]
         towards = self._manifold.minus(goal[None], best.q[None])
-        share = 10 ** (-4 * np.linspace(0.0, 1.0, self._num_tries))[:, None]
-        moves = self._moves.about(best.cost, self._num_tries) + share * towards
+        share = 10 ** (-4 * np.linspace(0.0, 1.0, _NUM_TRIES))[:, None]
+        moves = self._moves.about(best.cost, _NUM_TRIES) + share * towards
         self._consider(self._manifold.plus(best.q[None], moves))
         if self._best is None or self._best.cost >= _NEWS * best.cost:
             return False
@@ -122,8 +119,8 @@ class NearestJointSearch:
 
     def _around(self, radius: float) -> Array:
         """Return configurations within limits around those that were asked for, in turn."""
-        moves = self._moves.within(radius, self._num_tries)
-        centres = self._inside[np.arange(self._num_tries) % len(self._inside)]
+        moves = self._moves.within(radius, _NUM_TRIES)
+        centres = self._inside[np.arange(_NUM_TRIES) % len(self._inside)]
         return self._manifold.plus(centres, moves)
 
     def _straighten(self, found: Found) -> None:
