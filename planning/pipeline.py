@@ -30,6 +30,7 @@ from planning.guided import require_regions
 from planning.parts import at_end_of, tool_of
 from planning.plan_task import PlanTask
 from planning.proving import prove_lines, prove_search
+from planning.refine.wish import require_wish
 from planning.roadmap_shelf import RoadmapStore
 from planning.roadmaps import require_search, roadmap_of
 from planning.ruled import admit_rules, kept_goals
@@ -78,6 +79,7 @@ def plan(
         message = "search.allowed_planning_time must be positive"
         raise ProblemInvalid(message, {"field": "search.allowed_planning_time"})
     require_bounded_stops(problem.retime, problem.certify)
+    require_wish(problem.refine)
     require_regions(problem, world, group)
     require_search(problem)
     on_progress(Progress("goals", 0.02, "looking for goal configurations"))

@@ -12,7 +12,8 @@ import numpy as np
 
 from planning.domain.curve import TimedTrajectory
 from planning.domain.joints import JointGroup
-from planning.domain.options import ClearanceWish
+from planning.domain.options import ClearanceWish, RefineOptions
+from planning.errors import ProblemInvalid
 from planning.refine.nearness import Near, Nearness, nearness_of
 from planning.world.margins import PairMargins
 from planning.world.world import World
@@ -68,6 +69,24 @@ class Wish:
         times = np.linspace(0.0, trajectory.duration, _NUM_SAMPLES)
         near = self.nearness.within(trajectory.positions(times), 0.0)
         return self.distance * float(self.lacks(near, len(times)).mean())
+
+
+def require_wish(options: RefineOptions) -> None:
+    """Go on only if a wish for clearance makes sense.
+
+    Raises:
+        ProblemInvalid: Its distance or weight is not positive and finite, or nothing is refined.
+    """
+    wish = options.clearance
+    if wish is None:
+        return
+    for name, number in (("distance", wish.distance), ("weight", wish.weight)):
+        if not 0 < number < np.inf:
+            field = f"refine.clearance.{name}"
+            raise ProblemInvalid(f"{field} must be positive and finite", {"field": field})
+    if options.method == "none":
+        message = "refine.clearance is wished of an optimiser: method trajopt or auto"
+        raise ProblemInvalid(message, {"field": "refine.clearance"})
 
 
 def wish_of(

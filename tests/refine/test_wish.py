@@ -13,6 +13,7 @@ import planning
 from planning.domain.curve import TimedTrajectory
 from planning.domain.interpolation import trajectory_through
 from planning.domain.options import ClearanceWish, RefineOptions
+from planning.errors import ProblemInvalid
 from planning.refine.wish import wish_of
 from planning.world.loading import load_world
 from planning.world.world import World
@@ -117,3 +118,22 @@ def test_a_plan_pays_for_its_clearance_and_says_so():
     assert wished.trajectory.duration > plain.trajectory.duration
     assert wished.certificate.proven
     assert wished.certificate.min_clearance > plain.certificate.min_clearance + 0.02
+
+
+@pytest.mark.parametrize(
+    ("options", "field"),
+    [
+        (RefineOptions(clearance=ClearanceWish(0.0, 1.0)), "refine.clearance.distance"),
+        (RefineOptions(clearance=ClearanceWish(np.inf, 1.0)), "refine.clearance.distance"),
+        (RefineOptions(clearance=ClearanceWish(0.05, -1.0)), "refine.clearance.weight"),
+        (RefineOptions(clearance=ClearanceWish(0.05, np.nan)), "refine.clearance.weight"),
+        (RefineOptions("none", ClearanceWish(0.05, 1.0)), "refine.clearance"),
+    ],
+)
+def test_a_wish_that_makes_no_sense_is_refused(options, field):
+    world = bundled_world("panda_shelf")
+    goal = planning.ConfigurationGoal("ready")
+    problem = planning.PlanningProblem("panda", goal, refine=options)
+    with pytest.raises(ProblemInvalid) as refusal:
+        planning.plan(problem, world, deadline=planning.Deadline.after(5.0, time.monotonic))
+    assert refusal.value.evidence["field"] == field
