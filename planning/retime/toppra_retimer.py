@@ -27,9 +27,11 @@ from planning.retime.toppra_passes import squared_speeds
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
-# Cells of a curve, and how many more if it turns by one radian. Durations are within 0.5 % of what
-# many more cells give, and nearer than that on paths of several corners.
+# Cells of a curve, and how many more if it turns by one radian.
 _LEAST, _PER_TURN, _MOST = 2, 6, 64
+# Where nothing is a line every cell costs some time, so they are cut into so many. Durations of
+# refined curves are within 0.15 % of what many more cells give, of wild ones within 2 %.
+_FINER = 2
 # Limits that change along a line are demanded on cells no longer than this (joint-space length), so
 # many at least.
 _LONGEST, _LEAST_CELLS = 0.06, 32
@@ -54,9 +56,9 @@ def toppra_profile(
     """
     is_line = ~stretch.coefficients[:, 2:].any(axis=(1, 2))
     if all(limit.is_uniform for limit in path_limits):
-        cells, owners = _in_cells(stretch, is_line)
+        cells, owners = _in_cells(stretch, is_line, 1 if is_line.any() else _FINER)
         return _profile(cells, is_line[owners], limits, path_limits)
-    cells, _ = _in_cells(stretch, np.zeros_like(is_line))
+    cells, _ = _in_cells(stretch, np.zeros_like(is_line), 1)
     edges = _short_edges(stretch, cells, path_limits)
     profile = _curved_profile(cut_at(stretch, edges), limits, path_limits)
     for _ in range(_ROUNDS):
@@ -145,9 +147,9 @@ def _sharper_edges(profile: SpeedProfile) -> Array:
     return even_edges(profile.s, counts)
 
 
-def _in_cells(stretch: JointSpline, is_line: Any) -> tuple[JointSpline, Any]:
+def _in_cells(stretch: JointSpline, is_line: Any, finer: int) -> tuple[JointSpline, Any]:
     """Return the stretch cut into cells, and whose piece each is."""
-    counts = _num_cells(stretch, is_line)
+    counts = np.where(is_line, 1, finer * _num_cells(stretch))
     widths = np.diff(stretch.breaks)
     owners = np.repeat(np.arange(len(counts)), counts)
     firsts = np.cumsum(counts) - counts
@@ -157,8 +159,8 @@ def _in_cells(stretch: JointSpline, is_line: Any) -> tuple[JointSpline, Any]:
     return JointSpline(stretch.joints, edges, stretch.bases[owners], local), owners
 
 
-def _num_cells(stretch: JointSpline, is_line: Any) -> Any:
-    """Return how many cells to cut each piece into: one if it is a line, more the more it turns."""
+def _num_cells(stretch: JointSpline) -> Any:
+    """Return how many cells to cut each piece into if it is no line, more the more it turns."""
     degrees = np.arange(stretch.coefficients.shape[1])
     if len(degrees) < 3:
         return np.ones(stretch.num_pieces, dtype=int)
@@ -167,5 +169,4 @@ def _num_cells(stretch: JointSpline, is_line: Any) -> Any:
     changes = norms(stretch.coefficients) * widths[:, None] ** (degrees - 1)
     fastest = norms(stretch.coefficients[:, 1]).max()
     turns = (changes * degrees)[:, 2:].sum(axis=1) / fastest
-    counts = np.minimum(np.ceil(_LEAST + _PER_TURN * turns), _MOST)
-    return np.where(is_line, 1, counts).astype(int)
+    return np.minimum(np.ceil(_LEAST + _PER_TURN * turns), _MOST).astype(int)

@@ -51,7 +51,7 @@ def test_it_is_what_the_retimer_finds(seed, count):
     joints = tuple(Joint(f"g::j{i}", JointType.REVOLUTE) for i in range(3))
     timed, _ = retime(joint_spline(joints, spline_of(points)), limits, RetimeOptions())
     found = duration(points, Bounds.of(limits, jerk=False))
-    assert found == pytest.approx(timed.duration, rel=0.1)
+    assert 0.98 * timed.duration <= found <= 1.16 * timed.duration
 
 
 @settings(max_examples=20, deadline=None)
@@ -170,7 +170,7 @@ def test_under_signed_bounds_too_it_is_what_the_retimer_finds(seed):
     timed, _ = retime(spline, limits, options, path_limits(world, group, options))
     signed = signed_accelerations(group, asked)
     found = duration(points, Bounds.of(limits, jerk=False, signed=signed))
-    assert found == pytest.approx(timed.duration, rel=0.1)
+    assert 0.98 * timed.duration <= found <= 1.16 * timed.duration
     moved = points[-1] - points[0]
     assert least_duration(limits, moved, jerk=False, signed=signed) < 1.02 * timed.duration
 

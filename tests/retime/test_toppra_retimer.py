@@ -10,6 +10,8 @@ from toppra.constraint import JointAccelerationConstraint, JointVelocityConstrai
 from planning.domain.joints import JointLimits, JointType
 from planning.domain.options import RetimeOptions
 from planning.domain.path import JointPath
+from planning.refine.basis import spline_of
+from planning.refine.power_basis import joint_spline
 from planning.retime.blend import blend_corners
 from planning.retime.retimer import retime
 from tests.conftest import group_of, limits_of, random_waypoints
@@ -92,6 +94,18 @@ def test_many_more_cells_would_save_little(kind: JointType, seed: int) -> None:
         many, _ = retime(spline, limits_of(group), RetimeOptions())
     assert few.num_pieces < many.num_pieces
     assert few.duration < many.duration * 1.01
+
+
+@given(seed=st.integers(0, 10_000))
+def test_a_curve_without_lines_is_as_quick_as_on_many_more_cells(seed: int) -> None:
+    steps = np.random.default_rng(seed).normal(0.2, 0.05, (10, 7))
+    spline = joint_spline(SEVEN.joints, spline_of(np.cumsum(steps, axis=0)))
+    few, _ = retime(spline, limits_of(SEVEN), RetimeOptions())
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("planning.retime.toppra_retimer._FINER", 16)
+        many, _ = retime(spline, limits_of(SEVEN), RetimeOptions())
+    assert few.num_pieces < many.num_pieces
+    assert few.duration < many.duration * 1.019
 
 
 def test_lines_are_three_phases_and_corners_a_few() -> None:
