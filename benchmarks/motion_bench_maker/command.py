@@ -6,6 +6,7 @@ import tempfile
 from pathlib import Path
 
 from benchmarks.motion_bench_maker.bounds import print_bounds
+from benchmarks.motion_bench_maker.peers import print_peers
 from benchmarks.motion_bench_maker.problems import data_folder, read_problems, round_robin
 from benchmarks.motion_bench_maker.robots import ROBOTS, robot_files, robot_library
 from benchmarks.motion_bench_maker.runs import Bench, Runs
@@ -44,6 +45,7 @@ def bench(options: argparse.Namespace, core: int) -> None:
     print_tables(done, drake, head, note)
     if options.refine != "none":
         print_bounds(done)
+    print_peers(done, options.robot, options.refine)
 
 
 def _drake_only(arm: Bench, done: Runs, count: int) -> tuple[Runs | None, str]:

@@ -28,7 +28,7 @@ def print_tables(done: Runs, drake: Runs | None, head: str, drake_note: str) -> 
         console.print(_times(runs, f"{goal} goals: milliseconds, median / mean / p95"))
         console.print(_motions(done, runs, f"{goal} goals: motions"))
     if load := Spread.of(done.load_ms):
-        console.print(f"loading a world, counted nowhere above: {_cell(load, 0)} ms")
+        console.print(f"loading a world, counted nowhere above: {spread_cell(load, 0)} ms")
     _print_faults(console, done)
     console.print(drake_note)
     if drake is None:
@@ -51,9 +51,9 @@ def _times(runs: Sequence[Run], title: str) -> Table:
     for column in (*stages, "total", "cpu"):
         table.add_column(column, justify="right")
     for name, members in (*by_set(runs), ("all", runs)):
-        cells = [_cell(Spread.of(stage_times(members, stage))) for stage in stages]
-        total = _cell(Spread.of([run.total_ms for run in members]))
-        cpu = _cell(Spread.of([run.cpu_ms for run in members]))
+        cells = [spread_cell(Spread.of(stage_times(members, stage))) for stage in stages]
+        total = spread_cell(Spread.of([run.total_ms for run in members]))
+        cpu = spread_cell(Spread.of([run.cpu_ms for run in members]))
         table.add_row(name, *cells, total, cpu)
     return table
 
@@ -79,9 +79,9 @@ def _motions(done: Runs, runs: Sequence[Run], title: str) -> Table:
         solved = [run for run in members if run.solved]
         problems = sum(name in ("all", problem.set) for problem in done.problems)
         counts = (problems, len(members), len(solved), sum(run.free for run in solved))
-        length = _cell(Spread.of([run.length for run in solved]), 2)
-        duration = _cell(Spread.of([run.duration for run in solved]), 2)
-        bound = _cell(Spread.of([run.lower_bound for run in solved]), 2)
+        length = spread_cell(Spread.of([run.length for run in solved]), 2)
+        duration = spread_cell(Spread.of([run.duration for run in solved]), 2)
+        bound = spread_cell(Spread.of([run.lower_bound for run in solved]), 2)
         improved = str(sum(run.improved for run in solved))
         table.add_row(name, *map(str, counts), length, duration, bound, improved)
     return table
@@ -101,7 +101,7 @@ def _print_faults(console: Console, done: Runs) -> None:
             console.print(f"NOT FREE: {run.problem.name}, {run.goal} goal")
 
 
-def _cell(spread: Spread | None, digits: int = 1) -> str:
+def spread_cell(spread: Spread | None, digits: int = 1) -> str:
     """Return a spread in few signs: decimals only where they matter."""
     if spread is None:
         return "-"

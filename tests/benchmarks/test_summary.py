@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from benchmarks.motion_bench_maker.bounds import print_bounds
+from benchmarks.motion_bench_maker.peers import print_peers
 from benchmarks.motion_bench_maker.problems import Problem, round_robin
 from benchmarks.motion_bench_maker.runs import Run, Runs, least_duration
 from benchmarks.motion_bench_maker.summary import Spread, document, ratio
@@ -81,3 +82,18 @@ def test_ratio_is_taken_on_the_same_problems() -> None:
     ours = [run("a", 1, 10.0), run("b", 1, 20.0), run("a", 2, 9000.0)]
     theirs = [run("a", 1, 50.0), run("b", 1, 100.0)]
     assert ratio(Runs([], [], ours, []), Runs([], [], theirs, []), "joint") == 5.0
+
+
+def test_others_stand_beside_a_run_of_the_robot_that_they_were_measured_with(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    runs = [replace(run("a", 1, 12.0), duration=2.0, length=3.0), run("a", 2, 7.0, "no_path_found")]
+    done = Runs([r.problem for r in runs], [], runs, [])
+    print_peers(done, "ur5", "none")
+    assert capsys.readouterr().out == ""
+    print_peers(done, "panda", "none")
+    rows = [line.split() for line in capsys.readouterr().out.splitlines()]
+    (ours,) = (row for row in rows if row[:2] == ["this", "run,"])
+    (theirs,) = (row for row in rows if row[:1] == ["mplib"])
+    assert ours[4:] == ["1", "of", "2", "9.5", "/", "9.5", "/", "11.8", "2.00", "3.00", "100", "%"]
+    assert theirs[-4:] == ["1.97", "4.68", "14", "%"]
