@@ -86,12 +86,12 @@ class CertifyWire(Wire):
     stop_anywhere: Boolean = Field(
         default=False,
         description="Bound the longest stop along the path, from any instant: a check `stop`, and "
-        "`stop` in the report; takes some 0.1 s, 0.5 s with jerk limits",
+        "`stop` in the report; takes some 0.1 s, 0.5 s with jerk limits, and as much again with "
+        "`effort` or accelerations in `tool_limits`",
     )
     max_stopping_time: Annotated[Real, Field(gt=0, le=86_400)] | None = Field(
         default=None,
-        description="No stop may take longer [s], and `stop_anywhere` is meant; null for no bound. "
-        "Refused with `effort` and with accelerations in `tool_limits`, which stops need not keep",
+        description="No stop may take longer [s], and `stop_anywhere` is meant; null for no bound",
     )
     robustness: Boolean = Field(
         default=False,
