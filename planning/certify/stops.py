@@ -167,8 +167,8 @@ def _between(begun: Array, part: Array, bound: Array, off: Array) -> tuple[Array
         off: By how much part may be off, shape (m, blocks).
     """
     bound, off = bound[:, None], off[:, None]
-    square, along = (part * part).sum(axis=3), (begun * part).sum(axis=3) - bound * off
-    size, square = (begun * begun).sum(axis=3), square - off**2
+    square, along = _dot(part, part) - off**2, _dot(begun, part) - bound * off
+    size = _dot(begun, begun)
     inner = along**2 + square * (bound**2 - size)
     counts = square > _STILL
     root, divisor = np.sqrt(np.maximum(inner, 0.0)), np.where(counts, square, 1.0)
@@ -180,6 +180,10 @@ def _between(begun: Array, part: Array, bound: Array, off: Array) -> tuple[Array
         ends = np.where(counts, bound, (bound - np.sqrt(size)) / 2) / np.where(off > 0, off, 1.0)
         most = np.minimum(most, np.where(off > 0, ends, np.inf))
     return least, np.where(is_empty.any(axis=(1, 2)), -np.inf, most.min(axis=(1, 2)))
+
+
+def _dot(left: Array, right: Array) -> Array:
+    return np.einsum("mkbs,mkbs->mkb", left, right)
 
 
 def _passes(cells: MotionCells, starts: Indices, lasting: float) -> Any:
