@@ -10,7 +10,6 @@ from planning.domain.deadline import Deadline
 from planning.domain.joints import JointGroup
 from planning.domain.options import CertifyOptions, RetimeOptions
 from planning.domain.report import CertifyReport
-from planning.domain.stop_request import require_bounded_stops
 from planning.errors import ProblemInvalid
 from planning.proof_request import proof_request
 from planning.timing import admit_timing
@@ -49,8 +48,8 @@ def certify_trajectory(  # noqa: PLR0913  (a question in full)
 
     Raises:
         UnknownName: There is no such group, frame or joint.
-        ProblemInvalid: The trajectory is of other joints, start or goal do not fit the group, a
-            limit makes no sense, or stops are not held to it that shall be over in time.
+        ProblemInvalid: The trajectory is of other joints, start or goal do not fit the group, or
+            a limit makes no sense.
         DeadlineExceeded: Time ran out before the verdict.
         Canceled: Somebody asked for the end.
     """
@@ -64,7 +63,6 @@ def certify_trajectory(  # noqa: PLR0913  (a question in full)
         )
     )
     options, wanted = options or RetimeOptions(), wanted or CertifyOptions()
-    require_bounded_stops(options, wanted)
     options = admit_timing(world, joints, options, begin, within="")
     request = replace(
         proof_request(world, joints, trajectory, options, world.margins(margin)),

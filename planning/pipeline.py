@@ -21,7 +21,6 @@ from planning.domain.line import Leg
 from planning.domain.plan import MotionPlan, Progress, StageReports, ignore_progress
 from planning.domain.pool import AttemptPool
 from planning.domain.problem import PlanningProblem
-from planning.domain.stop_request import require_bounded_stops
 from planning.errors import ProblemInvalid
 from planning.goals.line_goal import follow_lines
 from planning.goals.sampler import GoalQuery, find_goals
@@ -78,7 +77,6 @@ def plan(
     if problem.search.allowed_planning_time <= 0:
         message = "search.allowed_planning_time must be positive"
         raise ProblemInvalid(message, {"field": "search.allowed_planning_time"})
-    require_bounded_stops(problem.retime, problem.certify)
     require_wish(problem.refine)
     require_regions(problem, world, group)
     require_search(problem)

@@ -19,7 +19,6 @@ from planning.domain.path import JointPath
 from planning.domain.plan import MotionPlan, PlanPart, StageReports
 from planning.domain.problem import PlanningProblem
 from planning.domain.report import RefineReport, RetimeReport
-from planning.domain.stop_request import require_bounded_stops
 from planning.parts import no_search, tool_of
 from planning.proof_request import proof_request
 from planning.search.demands import driven
@@ -81,7 +80,6 @@ def reverse_plan(
         )
         for part in reversed(parts)
     )
-    require_bounded_stops(problem.retime, problem.certify)
     options = admit_timing(world, group, problem.retime, back.start)
     request = replace(
         proof_request(world, group, back, options, world.margins(problem.margin)),

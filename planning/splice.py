@@ -16,7 +16,7 @@ from planning.domain.motion_state import MotionState
 from planning.domain.options import RetimeOptions
 from planning.domain.report import CertifyReport
 from planning.domain.value import Value
-from planning.errors import RetimingFailed
+from planning.errors import ProblemInvalid, RetimingFailed
 from planning.own_trajectory import require_joints
 from planning.proof_request import proof_request
 from planning.retime.state_to_state import to_rest, to_state
@@ -112,13 +112,15 @@ def stop_motion(  # noqa: PLR0913  (a question in full)
 
     Raises:
         UnknownName: There is no such group, body, frame or joint.
-        ProblemInvalid: `running` is of other joints, or a limit or constraint makes no sense.
+        ProblemInvalid: `running` is of other joints or no motion, `time` is not within it, or a
+            limit or constraint makes no sense.
         RetimingFailed: A joint is planar or floating, or there is no such stop.
         NotCertified: The stop cannot be proven; evidence has the failed checks.
         DeadlineExceeded: Time ran out.
         Canceled: Somebody asked for the end.
     """
     leaving = _leaving(world, group, running, options, constraints, margin)
+    _require_within(running, time)
     made = to_rest(running.joints, leaving.limits, MotionState.of(running, time), leaving.by_sign)
     return leaving.first_proven([made], deadline)
 
@@ -155,14 +157,16 @@ def splice_motion(  # noqa: PLR0913  (a question in full)
 
     Raises:
         UnknownName: There is no such group, body, frame or joint.
-        ProblemInvalid: A motion is of other joints, or a limit or constraint makes no sense.
+        ProblemInvalid: A motion is of other joints or none, `time` is not within `running`, or a
+            limit or constraint makes no sense.
         RetimingFailed: A joint is planar or floating, or no state of the other motion is reached.
         NotCertified: No way over can be proven; evidence has the failed checks of the last.
         DeadlineExceeded: Time ran out.
         Canceled: Somebody asked for the end.
     """
     leaving = _leaving(world, group, running, options, constraints, margin)
-    require_joints(leaving.group, onto, "onto")
+    _require_within(running, time)
+    _require_motion(leaving.group, onto, "onto")
     limits, state = leaving.limits, MotionState.of(running, time)
     made: list[TimedTrajectory] = []
     failure: RetimingFailed | None = None
@@ -190,7 +194,24 @@ def _leaving(
 ) -> _Leaving:
     """Return what is left, once it makes sense."""
     joints = world.group(group)
-    require_joints(joints, running, "running")
+    _require_motion(joints, running, "running")
     require_constraints(world, joints, constraints)
     admitted = admit_timing(world, joints, options or RetimeOptions(), running.start, "options.")
     return _Leaving(world, joints, running, admitted, constraints, margin)
+
+
+def _require_motion(group: JointGroup, motion: TimedTrajectory, field: str) -> None:
+    """Go on only if a motion is one of a group's joints, and its times begin at 0 and increase."""
+    require_joints(group, motion, field)
+    numbers = (motion.breaks, motion.bases, motion.coefficients)
+    is_timed = motion.breaks[0] == 0 and bool((np.diff(motion.breaks) > 0).all())
+    if not (is_timed and all(np.isfinite(array).all() for array in numbers)):
+        message = f"{field}: all its numbers must be finite, and its times increase, from 0"
+        raise ProblemInvalid(message, {"field": field})
+
+
+def _require_within(running: TimedTrajectory, time: float) -> None:
+    if not 0 <= time <= running.duration:
+        message = f"time: {time:g} s is not within the motion, from 0 to {running.duration:.9g} s"
+        evidence = {"field": "time", "bounds": [0.0, running.duration], "got": time}
+        raise ProblemInvalid(message, evidence)

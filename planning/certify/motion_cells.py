@@ -5,6 +5,7 @@ sum, it says of the sum itself at every instant of the cell.
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 from math import factorial
 from typing import Any
 
@@ -14,8 +15,9 @@ from jaxtyping import Float64
 from planning.certify import bernstein
 from planning.certify.angular_rates import angular_change
 from planning.certify.equal_parts import equal_parts
-from planning.certify.limit_checks import RATES, has_fixed_axes, turning_blocks
+from planning.certify.limit_checks import MAX_UTILISATION, RATES, has_fixed_axes, turning_blocks
 from planning.certify.request import CertifyRequest
+from planning.certify.stop_load import StopLoad
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
@@ -43,6 +45,21 @@ class BlockRates:
     middles: Float64[np.ndarray, " blocks"]
     is_turning: bool = False
 
+    @cached_property
+    def load(self) -> StopLoad:
+        """How accelerations change with how the motion is slowed down."""
+        slope, bend = self.forms[:2]
+        cells, _, blocks, _ = slope.shape
+        return StopLoad(
+            self.names,
+            -slope if self.is_turning else slope,
+            bend,
+            np.broadcast_to(-self.middles[:, None] * MAX_UTILISATION, (cells, 1, blocks, 1)),
+            None,
+            np.zeros((cells, blocks)),
+            np.broadcast_to(self.limits[1] * MAX_UTILISATION, (cells, blocks)),
+        )
+
 
 @dataclass(frozen=True)
 class MotionCells:
@@ -52,11 +69,26 @@ class MotionCells:
         begins: First instants [s], shape (n,).
         widths: Durations [s], shape (n,).
         rates: Of all blocks, those of one coordinate together.
+        loads: What else is limited of stops.
     """
 
     begins: Float64[np.ndarray, " n"]
     widths: Float64[np.ndarray, " n"]
     rates: tuple[BlockRates, ...]
+    loads: tuple[StopLoad, ...] = ()
+
+    @property
+    def all_loads(self) -> tuple[StopLoad, ...]:
+        """All that is limited of stops under acceleration limits."""
+        return (*(rates.load for rates in self.rates), *self.loads)
+
+    @cached_property
+    def holds(self) -> Any:
+        """Where the motion may stand still, and go on at any s' up to 1, shape (n,)."""
+        holds = np.ones(len(self.begins), dtype=bool)
+        for load in self.loads:
+            holds &= load.holds.all(axis=1)
+        return holds
 
     @property
     def end(self) -> float:

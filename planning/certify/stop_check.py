@@ -7,6 +7,7 @@ from jaxtyping import Float64
 
 from planning.certify.motion_cells import MotionCells, motion_cells
 from planning.certify.request import CertifyRequest
+from planning.certify.stop_loads import with_loads
 from planning.certify.stops import Stops, hardest_stops, smooth_stops
 from planning.certify.tool_rates import ToolRates
 from planning.domain.certificate import Check
@@ -26,8 +27,9 @@ def stop_check(
     """Return the longest stop along the path of a proven trajectory; see `stops`.
 
     What was proven of places and velocities is true of a stop: it is the same path, and no velocity
-    is larger. Limits on accelerations of joints, by sign too, are kept, and those on jerk. Torques
-    and accelerations of frames are not looked at: a stop may take more of them than the trajectory.
+    is larger. Limits on accelerations of joints, by sign too, and of frames are kept, and those on
+    torques and on jerk. Where a joint cannot hold the robot still no stop can end: they go on to
+    where it can, or to the end, and the report says where that is, and which joint.
 
     Raises:
         DeadlineExceeded: Time ran out.
@@ -35,16 +37,29 @@ def stop_check(
     """
     deadline.check("certify")
     cells = motion_cells(request, _SMOOTH_CELLS if request.jerk else _CELLS)
+    cells = with_loads(model, request, cells, deadline)
     stops = smooth_stops(cells) if request.jerk else hardest_stops(cells)
     # From within a cell the motion goes on to its end, and stops from there.
     times = cells.widths + stops.times[1:]
     longest = int(np.argmax(times))
-    report = _report(model, request, cells, stops, deadline)
-    report = StopReport(float(times[longest]), float(cells.begins[longest]), *report)
+    ways = _report(model, request, cells, stops, deadline)
+    report = StopReport(float(times[longest]), float(cells.begins[longest]), *ways, *_unheld(cells))
     most = request.options.max_stopping_time
     bound = np.inf if most is None else most
     passed = report.time <= bound
-    return Check("stop", report.time, bound, "s", 0.0, passed, "", report.begin), report
+    where = report.unheld
+    return Check("stop", report.time, bound, "s", 0.0, passed, where, report.begin), report
+
+
+def _unheld(cells: MotionCells) -> tuple[str, float | None]:
+    """Return what is most over its limit where the motion is held still, and when; or ""."""
+    worst, found = 1.0, ("", None)
+    for load in cells.loads:
+        over = load.held_use
+        cell, block = np.unravel_index(int(np.argmax(over)), over.shape)
+        if not load.holds.all() and over[cell, block] > worst:
+            worst, found = float(over[cell, block]), (load.names[block], float(cells.begins[cell]))
+    return found
 
 
 def _report(

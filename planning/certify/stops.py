@@ -12,6 +12,9 @@ motion comes to a stand within the cell, y = 0 takes the place of the second. Wh
 sign, |q'' y - q' x - m| <= a is asked for, about their middle m. The largest x
 that satisfies all of them is taken, or none (x = 0: the trajectory's own acceleration times y <= 1,
 which is within limits, as was shown of it). So each stop brakes as hard as its cells allow.
+Accelerations of frames and torques are more conditions of that form, of a `StopLoad` each. Torques
+have gravity in them, which falls with no rate: where a joint cannot hold the robot still no stop
+may end, and there may be no x at all. What meets such a place has to begin later.
 
 **Jerk limits.** Then s'' must not jump, and stops are of one form: s' = 1 - 3 u^2 + 2 u^3 with
 u = clock / T. On each cell s', s'' and s''' lie in known intervals, as do q', q'' and q''', and
@@ -21,7 +24,8 @@ u = clock / T. On each cell s', s'' and s''' lie in known intervals, as do q', q
 and vdot are bounded by interval arithmetic. The smallest T that passes, from a list, is taken.
 
 A stop may wait: from an instant within a cell the motion goes on as it was until the next one
-begins, and under jerk limits until a stop of its own is sooner over. Finishing the motion is a stop
+begins, and until the next one if there is none from here; under jerk limits until a stop of its own
+is sooner over. Finishing the motion is a stop
 as well, so there always is one.
 """
 
@@ -33,6 +37,7 @@ from jaxtyping import Float64, Int
 
 from planning.certify.limit_checks import MAX_UTILISATION
 from planning.certify.motion_cells import MotionCells
+from planning.certify.stop_load import hull, spread
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 type Indices = np.ndarray[Any, np.dtype[np.intp]]
@@ -80,7 +85,15 @@ def hardest_stops(cells: MotionCells) -> Stops:
         y[moving] = after
         ends[moving] += 1
         moving = moving[(after > 0) & (ends[moving] < count)]
-    return _or_finished(cells, times, ends)
+    return _or_finished(cells, *_waited(cells, times, ends))
+
+
+def _waited(cells: MotionCells, times: Array, ends: Indices) -> tuple[Array, Indices]:
+    """Return stops that wait for the next one where there is none."""
+    for i in range(len(cells.begins) - 1, -1, -1):
+        if np.isnan(times[i]):
+            times[i], ends[i] = cells.widths[i] + times[i + 1], ends[i + 1]
+    return times, ends
 
 
 def smooth_stops(cells: MotionCells) -> Stops:
@@ -123,38 +136,54 @@ def ramps(cells: MotionCells, at: Indices, y: Array) -> Array:
         cells: Of the motion.
         at: Which cells, shape (m,).
         y: s'^2 at the beginning of each, in [0, 1], shape (m,).
+
+    Returns:
+        Shape (m,); not a number where there is no way on.
     """
     width = cells.widths[at]
     lows, highs = np.zeros((3, len(at))), np.full((3, len(at)), _MOST_RAMP)
-    for rates in cells.rates:
-        slope, bend = rates.forms[0][at], rates.forms[1][at]
-        if rates.is_turning:
-            slope = -slope
-        bound = (rates.limits[1] * MAX_UTILISATION) ** 2
-        middle = rates.middles[:, None] * MAX_UTILISATION
-        begun = bend * y[:, None, None, None] - middle
-        over = slope + 2 * width[:, None, None, None] * bend
-        # On entering, on leaving, and at a stand.
-        stood = np.broadcast_to(-middle, begun.shape)
-        for i, (first, part) in enumerate(((begun, slope), (begun, over), (stood, slope))):
-            least, most = _between(first, part, bound)
+    for load in cells.all_loads:
+        limits = load.bounds[at], load.off_slope[at]
+        for i, begun, part in load.sides(at, y, width):
+            least, most = _between(begun, part, *limits)
             lows[i], highs[i] = np.maximum(lows[i], least), np.minimum(highs[i], most)
+    holds = cells.holds[at]
     stands = np.where(highs[[0, 2]].min(axis=0) >= lows[0], highs[[0, 2]].min(axis=0), 0.0)
-    goes_on = np.minimum(highs[:2].min(axis=0), y / (2 * width))
-    goes_on = np.where(goes_on >= lows[:2].max(axis=0), goes_on, 0.0)
-    return np.where(2 * stands * width >= y, stands, goes_on)
+    goes_on = np.minimum(highs[:2].min(axis=0), np.where(holds, y, y / 2) / (2 * width))
+    # Where it cannot stand, only the motion itself may go on as it does.
+    otherwise = np.where(holds | (y == 1), 0.0, np.nan)
+    goes_on = np.where(goes_on >= lows[:2].max(axis=0), goes_on, otherwise)
+    goes_on[~holds & (y - 2 * width * goes_on < _STANDS)] = np.nan
+    return np.where(holds & (2 * stands * width >= y), stands, goes_on)
 
 
-def _between(begun: Array, part: Array, bound: Array) -> tuple[Array, Array]:
-    """Return the x for which |begun - x part|^2 <= bound throughout, as an interval per cell."""
-    square, along = (part * part).sum(axis=3), (begun * part).sum(axis=3)
-    inner = along**2 + square * (bound - (begun * begun).sum(axis=3))
+def _between(begun: Array, part: Array, bound: Array, off: Array) -> tuple[Array, Array]:
+    """Return the x for which |begun - x part| <= bound - x off throughout, an interval per cell.
+
+    Args:
+        begun: Shape (m, k, blocks, size).
+        part: The same.
+        bound: Shape (m, blocks).
+        off: By how much part may be off, shape (m, blocks).
+    """
+    bound, off = bound[:, None], off[:, None]
+    square, along = _dot(part, part) - off**2, _dot(begun, part) - bound * off
+    size = _dot(begun, begun)
+    inner = along**2 + square * (bound**2 - size)
     counts = square > _STILL
     root, divisor = np.sqrt(np.maximum(inner, 0.0)), np.where(counts, square, 1.0)
     least = np.where(counts, (along - root) / divisor, -np.inf).max(axis=(1, 2))
-    most = np.where(counts, (along + root) / divisor, np.inf).min(axis=(1, 2))
-    is_empty = (counts & (inner < 0)).any(axis=(1, 2))
-    return least, np.where(is_empty, -np.inf, most)
+    most = np.where(counts, (along + root) / divisor, np.inf)
+    is_empty = np.where(counts, inner < 0, size > bound**2) | (bound < 0)
+    if off.any():
+        # Where |part| <= off, |begun| + 2 x off is a bound.
+        ends = np.where(counts, bound, (bound - np.sqrt(size)) / 2) / np.where(off > 0, off, 1.0)
+        most = np.minimum(most, np.where(off > 0, ends, np.inf))
+    return least, np.where(is_empty.any(axis=(1, 2)), -np.inf, most.min(axis=(1, 2)))
+
+
+def _dot(left: Array, right: Array) -> Array:
+    return np.einsum("mkbs,mkbs->mkb", left, right)
 
 
 def _passes(cells: MotionCells, starts: Indices, lasting: float) -> Any:
@@ -168,7 +197,7 @@ def _passes(cells: MotionCells, starts: Indices, lasting: float) -> Any:
         over = begun + cells.widths[at] / lasting
         u0 = np.maximum(np.interp(begun, integral, _TABLE) - _OFF, 0.0)
         u1 = np.minimum(np.interp(over, integral, _TABLE) + _OFF, 1.0)
-        kept = _is_kept(cells, at, u0, u1, lasting)
+        kept = _is_kept(cells, at, u0, u1, lasting) & (cells.holds[at] | (over < 0.5))
         passes[live[~kept]] = False
         goes_on = kept & (over < 0.5) & (at + 1 < len(cells.begins))
         live, step = live[goes_on], step + 1
@@ -183,11 +212,13 @@ def _is_kept(cells: MotionCells, at: Indices, u0: Array, u1: Array, lasting: flo
     ramp = np.stack([-6 * steepest, -6 * flattest]) / lasting
     twist = np.stack([-6 + 12 * u0, -6 + 12 * u1]) / lasting**2
     kept = np.ones(len(at), dtype=bool)
+    for load in cells.loads:
+        kept &= load.used(at, rate, ramp)
     for rates in cells.rates:
-        first, second, third = (_hull(form[at]) for form in rates.forms)
-        vdot = _times(second, _cubed(rate, 2)) + _times(first, ramp)
-        vddot = _times(third, _cubed(rate, 3)) + _times(first, twist)
-        vddot += 3 * _times(second, np.stack([ramp[0] * rate[1], ramp[1] * rate[0]]))
+        first, second, third = (hull(form[at]) for form in rates.forms)
+        vdot = spread(second, _cubed(rate, 2)) + spread(first, ramp)
+        vddot = spread(third, _cubed(rate, 3)) + spread(first, twist)
+        vddot += 3 * spread(second, np.stack([ramp[0] * rate[1], ramp[1] * rate[0]]))
         vdot -= rates.middles[:, None] * MAX_UTILISATION
         for bounded, limit in ((vdot, rates.limits[1]), (vddot, rates.limits[2])):
             sizes = np.linalg.norm(np.abs(bounded).max(axis=0), axis=2)
@@ -201,15 +232,3 @@ def _smooth(u: Array) -> Array:
 
 def _cubed(rate: Array, power: int) -> Array:
     return np.maximum(rate, 0.0) ** power
-
-
-def _hull(form: Array) -> Array:
-    """Return the least and the largest coefficient, shape (2, m, blocks, size)."""
-    return np.stack([form.min(axis=1), form.max(axis=1)])
-
-
-def _times(hull: Array, interval: Array) -> Array:
-    """Return the products of intervals, shape (2, m, blocks, size)."""
-    factors = interval[:, :, None, None]
-    products = np.stack([hull[i] * factors[j] for i in range(2) for j in range(2)])
-    return np.stack([products.min(axis=0), products.max(axis=0)])

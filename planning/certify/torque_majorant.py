@@ -14,7 +14,7 @@ from planning.certify.angular_rates import velocity_series
 from planning.certify.link_motion import Kind
 from planning.certify.links import Link
 from planning.certify.taylor import about, derivative, grown, scaled
-from planning.certify.torque_recursion import TERMS
+from planning.certify.torque_recursion import TERMS, resisted
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
@@ -23,9 +23,13 @@ class TorqueMajorant:
     """Bounds on the first coefficient that is left out, at every instant of a segment."""
 
     def __init__(
-        self, links: tuple[Link, ...], gravity: Array, motion: tuple[Array, Array, Array]
+        self,
+        links: tuple[Link, ...],
+        gravity: Array,
+        motion: tuple[Array, Array, Array],
+        order: int = 2,
     ) -> None:
-        self._links, self._gravity = links, float(np.linalg.norm(gravity))
+        self._links, self._gravity, self._order = links, float(np.linalg.norm(gravity)), order
         tangents, self._bases, halves = motion
         sizes = np.abs(tangents)
         for link in links:
@@ -86,7 +90,7 @@ class TorqueMajorant:
         motion = link.motion
         bound = abs(motion.scale) * self._bounds[:, :, motion.rate]
         speed = motion.damping * derivative(bound, 1)[:, TERMS]
-        return speed + motion.rotor * derivative(bound, 2)[:, TERMS]
+        return speed + motion.rotor * resisted(bound, self._order, TERMS + 1)[:, TERMS]
 
     def _force(self, i: int, link: Link) -> tuple[Array, Array]:
         zero = np.zeros((len(self._bounds), TERMS + 1))
@@ -94,9 +98,10 @@ class TorqueMajorant:
             return zero, zero
         turn = self._turns[i]
         arm = float(np.linalg.norm(link.center)) * turn
-        force = derivative(self._places[i] + arm, 2)
+        force = resisted(self._places[i] + arm, self._order, TERMS + 1)
         force[:, 0] += self._gravity
         force = link.mass * force
         sizes, _ = link.moments
-        spread = float(np.abs(sizes).sum()) * scaled(turn[:, : TERMS + 1], derivative(turn, 2))
+        changes = resisted(turn, self._order, TERMS + 1)
+        spread = float(np.abs(sizes).sum()) * scaled(turn[:, : TERMS + 1], changes)
         return force, scaled(arm[:, : TERMS + 1], force) + spread

@@ -9,6 +9,10 @@ a segment's middle, from the tips down to the base,
 and the torque of a turn about a is a . n, the force of a slide along it a . f: the recursive
 Newton-Euler algorithm in the world's axes (Featherstone, "Rigid body dynamics algorithms", 2008,
 section 5.3, with N as `links` has it).
+
+Followed at t = s(clock) the motion has c'' s'^2 + c' s'' for c'', and so has everything that masses
+resist. With the second derivative (`order` 2) they give the share of s'^2, with the first that of
+s'', and with none of it what holds the links still.
 """
 
 from typing import Any
@@ -31,9 +35,10 @@ class TorqueRecursion:
     """The torques themselves."""
 
     def __init__(
-        self, links: tuple[Link, ...], gravity: Array, tangents: Array, bases: Array
+        self, links: tuple[Link, ...], gravity: Array, motion: tuple[Array, Array], order: int = 2
     ) -> None:
-        self._links, self._gravity = links, gravity
+        self._links, self._gravity, self._order = links, gravity, order
+        tangents, bases = motion
         self._tangents, self._bases = tangents, bases
         count, terms, _ = tangents.shape
         still = np.zeros((count, terms, 3, 3))
@@ -93,7 +98,7 @@ class TorqueRecursion:
         """Return what damping and the rotor take."""
         motion, coordinate = link.motion, self._coordinate(link)
         speed = motion.damping * derivative(coordinate, 1)[:, :TERMS]
-        return speed + motion.rotor * derivative(coordinate, 2)
+        return speed + motion.rotor * resisted(coordinate, self._order, TERMS)
 
     def _spin(self, link: Link) -> Array:
         """Return R_0 exp(delta(t)) from R' = R [omega], omega as `angular_rates` has it."""
@@ -115,16 +120,21 @@ class TorqueRecursion:
             return zero, zero
         turn = self._turns[i]
         arm = turn @ link.center
-        force = derivative(self._places[i] + arm, 2)
+        force = resisted(self._places[i] + arm, self._order, TERMS)
         force[:, 0] -= self._gravity
         force = link.mass * force
         moment = cross(arm[:, :TERMS], force)
         sizes, vectors = link.moments
         points = turn @ vectors
-        changes = derivative(points, 2)
+        changes = resisted(points, self._order, TERMS)
         for size, k in zip(sizes, range(3), strict=True):
             moment = moment + size * cross(points[:, :TERMS, :, k], changes[:, :, :, k])
         return force, moment
+
+
+def resisted(series: Array, order: int, terms: int) -> Array:
+    """Return what masses resist of a motion: its derivative of an order, or nothing of order 0."""
+    return derivative(series, order)[:, :terms] if order else np.zeros_like(series[:, :terms])
 
 
 def _one_less(cosine: Array) -> Array:

@@ -39,6 +39,7 @@ def torque_series(
     gravity: Float64[np.ndarray, "3"],
     trajectory: TimedTrajectory,
     segments: tuple[Any, Float64[np.ndarray, " n"], Float64[np.ndarray, " n"]],
+    order: int = 2,
 ) -> Torques:
     """Return the torques along segments of a trajectory.
 
@@ -47,11 +48,12 @@ def torque_series(
         gravity: g [m/s^2].
         trajectory: The motion.
         segments: The piece of each, its middle relative to the piece's break, and half its width.
+        order: Of the derivative that masses resist: 2, but for shares of them; see the recursion.
     """
     pieces, middles, halves = segments
     coefficients = trajectory.coefficients[pieces]
     tangents = about(coefficients, middles, max(TERMS + 3, coefficients.shape[1]))
     bases = trajectory.bases[pieces]
-    found = TorqueRecursion(links, gravity, tangents[:, : TERMS + 2], bases).run()
-    beyond = TorqueMajorant(links, gravity, (tangents, bases, halves)).run()
+    found = TorqueRecursion(links, gravity, (tangents[:, : TERMS + 2], bases), order).run()
+    beyond = TorqueMajorant(links, gravity, (tangents, bases, halves), order).run()
     return Torques(found, beyond * halves[:, None] ** TERMS)

@@ -155,9 +155,9 @@ class CertifyOptions(Value):
 
     Attributes:
         stop_anywhere: Whether to bound the longest stop along the path, from any instant. Stops
-            keep the limits of joints, but not those on torques and on accelerations of frames.
+            keep all limits that the motion keeps.
         max_stopping_time: No stop may take longer [s], which asks for their bound as well; None for
-            as long as it takes. Not together with limits that stops do not keep.
+            as long as it takes.
         robustness: Whether to bound how far off obstacles and joints may be.
     """
 

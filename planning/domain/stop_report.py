@@ -17,6 +17,9 @@ class StopReport(Value):
         tool_distance: The longest way of the tool frame's origin until it stands [m]; None if the
             group has no tool frame.
         frame: The tool frame, or "".
+        unheld: What is over its limit where the motion stands still, "torque" and the joint, so
+            that no stop ends there; "" if none is.
+        unheld_at: When the motion is where that is worst [s]; None if it is nowhere.
     """
 
     time: float
@@ -25,3 +28,5 @@ class StopReport(Value):
     joint: str
     tool_distance: float | None
     frame: str
+    unheld: str = ""
+    unheld_at: float | None = None

@@ -142,8 +142,6 @@ def retime_value(retime: RetimeWire) -> RetimeOptions:
     """Return the domain's options of the timing."""
     return RetimeOptions(
         method=retime.method,
-        velocity_scale=retime.velocity_scale,
-        acceleration_scale=retime.acceleration_scale,
         sample_period=retime.period,
         duration=retime.duration,
         explain=retime.explain,

@@ -5,12 +5,14 @@ from typing import TypedDict
 from planning.domain.motion_limits import AccelerationBounds, SpeedZone, ToolLimit
 from planning.domain.payload import Payload
 from service.convert.constraints import box_value
-from service.schemas.motion_limit import MotionLimits
+from service.schemas.motion_limit import ScaledLimits
 
 
 class Limits(TypedDict):
     """Fields of the domain's `RetimeOptions`."""
 
+    velocity_scale: float
+    acceleration_scale: float
     tool_limits: tuple[ToolLimit, ...]
     speed_zones: tuple[SpeedZone, ...]
     acceleration_bounds: AccelerationBounds
@@ -18,9 +20,11 @@ class Limits(TypedDict):
     payload: Payload | None
 
 
-def motion_limits(wire: MotionLimits) -> Limits:
-    """Return the limits as fields of the options of the timing."""
+def motion_limits(wire: ScaledLimits) -> Limits:
+    """Return the limits, and the scales, as fields of the options of the timing."""
     return Limits(
+        velocity_scale=wire.velocity_scale,
+        acceleration_scale=wire.acceleration_scale,
         tool_limits=tuple(
             ToolLimit(limit.frame, limit.speed, limit.acceleration) for limit in wire.tool_limits
         ),

@@ -10,8 +10,9 @@ from planning.errors import ProblemInvalid
 from service.convert.numbers import listed
 
 MAX_SAMPLES = 200_000
-# Where requests say how to sample: fields of a body, and parameters of a query.
+# Where requests say how to sample: fields of a body, deep in it or not, or parameters of a query.
 IN_BODY = ("retime.sample_period", "retime.num_points")
+IN_QUESTION = ("sample_period", "num_points")
 IN_QUERY = ("period", "points")
 
 

@@ -6,9 +6,8 @@ from anyio import to_thread
 
 from planning.domain.car_request import agreed_steering, require_directed
 from planning.domain.foreign_planners import unknown_planner
-from planning.domain.stop_request import require_bounded_stops
 from planning.errors import UnknownName
-from service.convert.goals import certify_value, retime_value, steering_value
+from service.convert.goals import steering_value
 from service.convert.trajectories import require_one_sampling
 from service.desk import Desk, spec_of
 from service.jobs.key import Key
@@ -51,8 +50,7 @@ async def submit_plan(request: PlanRequest, key: str | None, scenes: SceneShelf,
         UnknownName: The scene has no such group, joint, frame or configuration, or nobody has
             the planner.
         ProblemInvalid: A base cannot drive as is asked, or a planner cannot search for that, or
-            regions are named and no planner needs them, or stops shall be over in time that are
-            not held to all limits, or samples are asked for twice.
+            regions are named and no planner needs them, or samples are asked for twice.
         WrongCount: A list of positions does not fit the group.
         IdempotencyConflict: The key was used for another request.
         NoRegions: The planner GCS is asked for, and no regions fit.
@@ -65,7 +63,6 @@ async def submit_plan(request: PlanRequest, key: str | None, scenes: SceneShelf,
     require_goal(record, group, request.goal)
     require_constraints(record, group, request.path_constraints)
     require_motion_limits(record, group, request.retime)
-    require_bounded_stops(retime_value(request.retime), certify_value(request.certify))
     require_one_sampling(request.retime.sample_period, request.retime.num_points)
     require_joints(group, request.ik.joint_weights)
     require_planner(await desk.planners(), request.search)

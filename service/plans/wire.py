@@ -6,7 +6,7 @@ from service.convert.trajectories import IN_QUERY, require_one_sampling
 from service.errors import NotFinished
 from service.jobs.records import Job
 from service.plans.versions import versions
-from service.schemas.plan import DEFAULT_PERIOD
+from service.schemas.sampling import DEFAULT_PERIOD
 
 
 def job_brief(job: Job) -> dict[str, Any]:

@@ -2,11 +2,18 @@
 
 from fastapi import APIRouter
 
-from service.convert.trajectories import require_one_sampling
+from service.convert.trajectories import IN_QUESTION, require_one_sampling
 from service.dependencies import DeskDep, ScenesDep
 from service.routes.answers import problems
-from service.scenes.preflight import require_count, require_group
+from service.scenes.preflight import Group, require_constraints, require_count, require_group
+from service.scenes.records import SceneRecord
 from service.scenes.timing import require_motion_limits
+from service.schemas.leaving import (
+    SpliceMotionRequest,
+    SpliceMotionResponse,
+    StopMotionRequest,
+    StopMotionResponse,
+)
 from service.schemas.own_motion import (
     CertifyMotionRequest,
     CertifyMotionResponse,
@@ -43,3 +50,27 @@ async def certify(request: CertifyMotionRequest, scenes: ScenesDep, desk: DeskDe
             require_count(group, q, field)
     require_motion_limits(record, group, request)
     return await desk.ask_scene("service.tasks.own_motion:certify", record, request)
+
+
+@router.post("/stop", operation_id="stopMotion", response_model=StopMotionResponse)
+async def stop(request: StopMotionRequest, scenes: ScenesDep, desk: DeskDep) -> object:
+    """Stop a running motion from an instant of it, as quickly as the limits allow, and prove it."""
+    record = await scenes.get(request.scene, request.revision)
+    _require_leaving(record, require_group(record, request.group), request)
+    return await desk.ask_scene("service.tasks.leaving:stop", record, request)
+
+
+@router.post("/splice", operation_id="spliceMotion", response_model=SpliceMotionResponse)
+async def splice(request: SpliceMotionRequest, scenes: ScenesDep, desk: DeskDep) -> object:
+    """Go over from a running motion to another one without a rest in between, and prove it."""
+    record = await scenes.get(request.scene, request.revision)
+    _require_leaving(record, require_group(record, request.group), request)
+    return await desk.ask_scene("service.tasks.leaving:splice", record, request)
+
+
+def _require_leaving(
+    record: SceneRecord, group: Group, request: StopMotionRequest | SpliceMotionRequest
+) -> None:
+    require_constraints(record, group, request.path_constraints)
+    require_motion_limits(record, group, request)
+    require_one_sampling(request.sample_period, request.num_points, IN_QUESTION)

@@ -5,7 +5,7 @@ from typing import Annotated, Self
 from pydantic import ConfigDict, Field, model_validator
 
 from service.schemas.constraint import BoxWire
-from service.schemas.numbers import Coordinate, Real
+from service.schemas.numbers import Coordinate, Real, Scale
 from service.schemas.payload import PayloadWire
 from service.schemas.wire import Boolean, Name, Wire
 
@@ -95,3 +95,12 @@ class MotionLimits(Wire):
                 message = f"acceleration_bounds of {name!r}: the lowest must be below 0, "
                 raise ValueError(message + "the highest above")
         return self
+
+
+class ScaledLimits(MotionLimits):
+    """What limits a motion, and how much of the limits of its joints it may use."""
+
+    velocity_scale: Scale = Field(default=1.0, description="Factor on every velocity limit, 0..1")
+    acceleration_scale: Scale = Field(
+        default=1.0, description="Factor on every acceleration and jerk limit, 0..1"
+    )

@@ -4,8 +4,8 @@ from typing import Annotated, Any, Literal
 
 from pydantic import ConfigDict, Field, Strict
 
-from service.schemas.motion_limit import MotionLimits
-from service.schemas.numbers import WHOLE, Coordinate, NonNegative, Positions, Real, Scale
+from service.schemas.motion_limit import ScaledLimits
+from service.schemas.numbers import WHOLE, Coordinate, NonNegative, Positions, Real
 from service.schemas.plan import CertifyWire, RetimeWire
 from service.schemas.problem import Failure
 from service.schemas.report import CertifyReportWire, RetimeReportWire
@@ -17,6 +17,9 @@ type Rows = Annotated[list[Positions], Field(min_length=2, max_length=20_000)]
 type Instants = Annotated[list[NonNegative], Field(min_length=2, max_length=20_001)]
 type Pieces = Annotated[list[Positions], Field(min_length=1, max_length=20_000)]
 type Powers = Annotated[list[Positions], Field(min_length=1, max_length=16)]
+
+# What samples may be taken for; no `type`, which would be a schema of its own in OpenAPI.
+Interpolation = Literal["polynomial", "quintic", "cubic", "cubic_spline"]
 
 _SCENE = {"scene": "scn_3f0c5b1e9a7d4c62", "group": "arm"}
 _PATH: dict[str, Any] = {
@@ -34,8 +37,8 @@ _MOTION: dict[str, Any] = {
 }
 
 
-class _InScene(Wire):
-    """What both questions have in common."""
+class InScene(Wire):
+    """What all these questions have in common."""
 
     scene: Identifier = Field(description="Id of a scene")
     revision: Annotated[int, Strict(), Field(ge=1), WHOLE] | None = Field(
@@ -50,7 +53,7 @@ class _InScene(Wire):
     )
 
 
-class RetimeRequest(_InScene):
+class RetimeRequest(InScene):
     """Time a path of your own, and prove the motion."""
 
     model_config = ConfigDict(json_schema_extra={"examples": [_PATH]})
@@ -117,7 +120,7 @@ class OwnTrajectory(Wire):
     )
 
 
-class CertifyMotionRequest(_InScene, MotionLimits):
+class CertifyMotionRequest(InScene, ScaledLimits):
     """Prove a trajectory of your own."""
 
     model_config = ConfigDict(json_schema_extra={"examples": [_MOTION]})
@@ -136,10 +139,6 @@ class CertifyMotionRequest(_InScene, MotionLimits):
     limit_jerk: Boolean = Field(
         default=False, description="Hold it against the limits on jerk as well"
     )
-    velocity_scale: Scale = Field(default=1.0, description="Factor on every velocity limit, 0..1")
-    acceleration_scale: Scale = Field(
-        default=1.0, description="Factor on every acceleration and jerk limit, 0..1"
-    )
     certify: CertifyWire = Field(
         default_factory=CertifyWire, description="What to find out besides the proof"
     )
@@ -149,8 +148,6 @@ class CertifyMotionResponse(Answer):
     """The verdict on the motion, between its samples too."""
 
     certificate: CertificateWire = Field(description="What was proven, and what failed")
-    interpolation: Literal["polynomial", "quintic", "cubic", "cubic_spline"] = Field(
-        description="What the samples were taken for"
-    )
+    interpolation: Interpolation = Field(description="What the samples were taken for")
     duration: float = Field(description="Of the motion [s]")
     stage: CertifyReportWire = Field(description="What it took")

@@ -7,13 +7,11 @@ from pydantic import ConfigDict, Field, Strict, model_validator
 from service.schemas.constraint import ConstraintWire
 from service.schemas.goal import GoalWire, LineGoalWire, PathGoalWire
 from service.schemas.ik import IkWire
-from service.schemas.motion_limit import MotionLimits
-from service.schemas.numbers import WHOLE, NonNegative, Positions, Real, Scale
+from service.schemas.motion_limit import ScaledLimits
+from service.schemas.numbers import WHOLE, NonNegative, Positions, Real
+from service.schemas.sampling import SamplingWire
 from service.schemas.search import SearchWire
 from service.schemas.wire import Boolean, Identifier, Name, Wire
-
-# Between samples [s].
-DEFAULT_PERIOD = 0.01
 
 EXAMPLE: dict[str, Any] = {
     "scene": "scn_3f0c5b1e9a7d4c62",
@@ -63,26 +61,12 @@ class RefineWire(Wire):
         return self
 
 
-class RetimeWire(MotionLimits):
+class RetimeWire(SamplingWire, ScaledLimits):
     """How to time the path."""
 
     method: Literal["toppra", "ruckig"] = Field(
         default="toppra",
         description="toppra keeps velocity and acceleration limits; ruckig keeps jerk limits too",
-    )
-    velocity_scale: Scale = Field(default=1.0, description="Factor on every velocity limit, 0..1")
-    acceleration_scale: Scale = Field(
-        default=1.0, description="Factor on every acceleration and jerk limit, 0..1"
-    )
-    sample_period: Annotated[Real, Field(ge=1e-3, le=10)] | None = Field(
-        default=DEFAULT_PERIOD,
-        description="Of the delivered samples [s]; 200000 at most, more are `problem_invalid`; "
-        "null where `num_points` says how many",
-    )
-    num_points: Annotated[int, Strict(), Field(ge=2, le=200_000), WHOLE] | None = Field(
-        default=None,
-        description="Deliver so many samples, evenly in time, first and last instants included; "
-        "null for one every `sample_period`; not both",
     )
     duration: Annotated[Real, Field(gt=0, le=86_400)] | None = Field(
         default=None,
@@ -95,19 +79,6 @@ class RetimeWire(MotionLimits):
         "(`stages.retime.explanation`); takes some 20 ms for each part",
     )
 
-    @model_validator(mode="before")
-    @classmethod
-    def _know_no_period_of_points(cls, given: Any) -> Any:
-        """Let the default go where a number of points stands: whoever gives both is refused."""
-        if isinstance(given, dict) and given.get("num_points") is not None:
-            return {"sample_period": None, **given}
-        return given
-
-    @property
-    def period(self) -> float:
-        """Between samples [s], where `num_points` does not say how many there are."""
-        return self.sample_period or DEFAULT_PERIOD
-
 
 class CertifyWire(Wire):
     """What to find out about the motion once it is proven; told in the report on `certify`."""
@@ -115,12 +86,12 @@ class CertifyWire(Wire):
     stop_anywhere: Boolean = Field(
         default=False,
         description="Bound the longest stop along the path, from any instant: a check `stop`, and "
-        "`stop` in the report; takes some 0.1 s, 0.5 s with jerk limits",
+        "`stop` in the report; takes some 0.1 s, 0.5 s with jerk limits, and as much again with "
+        "`effort` or accelerations in `tool_limits`",
     )
     max_stopping_time: Annotated[Real, Field(gt=0, le=86_400)] | None = Field(
         default=None,
-        description="No stop may take longer [s], and `stop_anywhere` is meant; null for no bound. "
-        "Refused with `effort` and with accelerations in `tool_limits`, which stops need not keep",
+        description="No stop may take longer [s], and `stop_anywhere` is meant; null for no bound",
     )
     robustness: Boolean = Field(
         default=False,

@@ -92,6 +92,14 @@ class StopReportWire(Answer):
         description="The tool frame's longest way until it stands [m]; null without a tool frame"
     )
     frame: str = Field(description="The tool frame, or empty")
+    unheld: str = Field(
+        default="",
+        description="With `effort`: `torque` and the joint that cannot hold the robot still "
+        "somewhere, so that no stop ends there; empty if there is none",
+    )
+    unheld_at: float | None = Field(
+        default=None, description="When the motion is where that is worst [s]; null for nowhere"
+    )
 
 
 class RobustnessWire(Answer):

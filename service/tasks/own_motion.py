@@ -72,8 +72,6 @@ def certify(payload: dict[str, Any], channel: Channel) -> dict[str, Any]:
             deadline=deadline,
             options=RetimeOptions(
                 method="ruckig" if request.limit_jerk else "toppra",
-                velocity_scale=request.velocity_scale,
-                acceleration_scale=request.acceleration_scale,
                 **motion_limits(request),
             ),
             start=request.start,

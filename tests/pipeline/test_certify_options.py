@@ -13,7 +13,7 @@ from planning.domain.options import CertifyOptions
 from planning.domain.plan import MotionPlan
 from planning.domain.problem import PlanningProblem
 from planning.domain.value import digest
-from planning.errors import NotCertified, ProblemInvalid
+from planning.errors import NotCertified
 from planning.world.world import World
 
 
@@ -43,41 +43,26 @@ def test_findings_come_with_the_same_motion(pickup: World) -> None:
 
 
 @pytest.mark.parametrize(
-    ("limits", "named"),
+    "limits",
     [
-        (planning.RetimeOptions(effort=True), ["effort"]),
-        (
-            planning.RetimeOptions(tool_limits=(planning.ToolLimit("arm::tcp", None, 1.0),)),
-            ["tool_limits"],
-        ),
+        planning.RetimeOptions(effort=True),
+        planning.RetimeOptions(tool_limits=(planning.ToolLimit("arm::tcp", None, 1.0),)),
     ],
 )
-def test_stops_have_no_bound_where_they_are_not_held_to_all_limits(
-    pickup: World, limits: planning.RetimeOptions, named: list[str]
+def test_stops_are_bounded_under_all_that_limits_the_motion(
+    pickup: World, limits: planning.RetimeOptions
 ) -> None:
     home = pickup.positions(pickup.group("arm"))
-    problem = PlanningProblem(
-        "arm",
-        JointGoal((home + 0.1)[None]),
-        retime=limits,
-        certify=CertifyOptions(max_stopping_time=1.0),
-    )
-    with pytest.raises(ProblemInvalid) as refused:
-        planned(pickup, problem)
-    assert refused.value.evidence["field"] == "certify.max_stopping_time"
-    assert refused.value.evidence["limits"] == named
-    motion = planning.trajectory_through(
-        pickup.group("arm").joints, np.array([0.0, 2.0]), np.stack([home, home + 0.1])
-    )
-    soon = Deadline.after(9.0, time.monotonic)
-    with pytest.raises(ProblemInvalid, match="max_stopping_time"):
+    path = np.stack([home, home + np.array([-0.6, 0.1, -0.2, 0.1, 0.0, 0.3])])
+    soon = Deadline.after(30.0, time.monotonic)
+    motion = planning.retime_path(pickup, "arm", path, deadline=soon, options=limits).trajectory
+    proofs = [
         planning.certify_trajectory(
-            pickup, "arm", motion, deadline=soon, options=limits, wanted=problem.certify
+            pickup, "arm", motion, deadline=soon, options=limits, wanted=CertifyOptions(True, most)
         )
-    # Their length may still be asked for, and speeds of frames are kept by every stop.
-    slow = planning.RetimeOptions(tool_limits=(planning.ToolLimit("arm::tcp", 1.0),))
-    for options, wanted in ((limits, CertifyOptions(stop_anywhere=True)), (slow, problem.certify)):
-        _, report = planning.certify_trajectory(
-            pickup, "arm", motion, deadline=soon, options=options, wanted=wanted
-        )
+        for most in (None, 0.01)
+    ]
+    for (certificate, report), failed in zip(proofs, ([], ["stop"]), strict=True):
         assert report.stop is not None
+        assert (report.stop.unheld, report.stop.unheld_at) == ("", None)
+        assert [check.name for check in certificate.failed] == failed

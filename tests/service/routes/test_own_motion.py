@@ -127,16 +127,20 @@ def test_stops_and_robustness_are_told_where_they_are_asked_for(client, scene, e
 
 
 @pytest.mark.parametrize("limits", [{"effort": True}, {"tool_limits": [ACCELERATION]}])
-def test_stops_have_no_bound_where_they_are_not_held_to_all_limits(client, scene, exact, limits):
-    certify = {"max_stopping_time": 1.0}
-    goal = {"type": "configuration", "name": "ready"}
-    body = {"scene": scene, "group": "arm", "goal": goal, "retime": limits, "certify": certify}
-    for refused in (
-        post(client, scene, "certify", trajectory=exact, certify=certify, **limits),
-        client.post("/v1/plans", json=body),
-    ):
-        assert (refused.status_code, refused.json()["code"]) == (422, "problem_invalid")
-        assert refused.json()["evidence"]["field"] == "certify.max_stopping_time"
+def test_stops_are_held_to_torques_and_to_accelerations_of_frames(client, scene, exact, limits):
+    slow = np.array(exact["times"]) * 4
+    samples = {"times": slow.tolist(), "positions": exact["positions"]}
+    stops = [
+        post(client, scene, "certify", trajectory=samples, certify={"stop_anywhere": True}, **more)
+        for more in ({}, limits)
+    ]
+    free, held = (answer.json()["stage"]["stop"] for answer in stops)
+    assert 0 < free["time"] <= held["time"] < slow[-1]
+    assert (held["unheld"], held["unheld_at"]) == ("", None)
+    hasty = {"max_stopping_time": held["time"] / 2}
+    refused = post(client, scene, "certify", trajectory=samples, certify=hasty, **limits)
+    checks = refused.json()["certificate"]["checks"]
+    assert [check["name"] for check in checks if not check["passed"]] == ["stop"]
 
 
 BAD = {

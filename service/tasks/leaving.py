@@ -1,0 +1,84 @@
+"""A running motion, stopped or left for another one."""
+
+import dataclasses
+import time
+from collections.abc import Callable
+from typing import Any
+
+from planning import Deadline, ProvenMotion, RetimeOptions, splice_motion, stop_motion
+from planning.errors import PlanningFailure
+from service.convert.constraints import constraint_value
+from service.convert.failures import failure_wire
+from service.convert.motion_limits import motion_limits
+from service.convert.own_motion import own_trajectory
+from service.convert.plans import certificate_wire
+from service.convert.trajectories import IN_QUESTION, polynomial_wire, sampled_wire
+from service.schemas.leaving import SpliceMotionRequest, StopMotionRequest
+from service.tasks.channel import Channel
+from service.tasks.worlds import borrow_world
+
+
+def stop(payload: dict[str, Any], channel: Channel) -> dict[str, Any]:
+    """Return a certified stop, or why there is none.
+
+    Raises:
+        InputError: The group, the motion, the instant or a limit do not fit the scene.
+    """
+    request = StopMotionRequest.model_validate(payload["request"])
+    with borrow_world(payload) as world:
+        running, kind = own_trajectory(world.group(request.group), request.trajectory)
+        held = _held(request, channel)
+        found = _found(
+            request, lambda: stop_motion(world, request.group, running, request.time, **held)
+        )
+    return {**found, "interpolation": kind}
+
+
+def splice(payload: dict[str, Any], channel: Channel) -> dict[str, Any]:
+    """Return a certified way over into another motion and that motion's rest, or why there is none.
+
+    Raises:
+        InputError: The group, a motion, the instant or a limit do not fit the scene.
+    """
+    request = SpliceMotionRequest.model_validate(payload["request"])
+    with borrow_world(payload) as world:
+        group = world.group(request.group)
+        running, kind = own_trajectory(group, request.trajectory)
+        onto, other = own_trajectory(group, request.onto, "onto")
+        held = _held(request, channel)
+        found = _found(
+            request,
+            lambda: splice_motion(world, request.group, running, request.time, onto, **held),
+        )
+    return {**found, "interpolation": kind, "onto_interpolation": other}
+
+
+def _held(request: StopMotionRequest | SpliceMotionRequest, channel: Channel) -> dict[str, Any]:
+    """Return what holds on the way."""
+    return {
+        "deadline": Deadline.after(request.allowed_time, time.monotonic, channel.is_canceled),
+        "options": RetimeOptions(**motion_limits(request)),
+        "constraints": tuple(constraint_value(entry) for entry in request.path_constraints),
+        "margin": request.margin,
+    }
+
+
+def _found(
+    request: StopMotionRequest | SpliceMotionRequest, leave: Callable[[], ProvenMotion]
+) -> dict[str, Any]:
+    try:
+        found = leave()
+    except PlanningFailure as failure:
+        nothing = dict.fromkeys(("trajectory", "certificate", "stage"))
+        return {**nothing, "failure": failure_wire(failure)}
+    motion = found.trajectory
+    sampled = sampled_wire(motion, request.period, request.num_points, IN_QUESTION)
+    return {
+        "trajectory": {
+            **sampled,
+            "polynomial": polynomial_wire(motion) if request.polynomial else None,
+        },
+        "certificate": certificate_wire(found.certificate),
+        "stage": dataclasses.asdict(found.certify),
+        "failure": None,
+    }

@@ -1,0 +1,105 @@
+"""Running motions, stopped and spliced over HTTP."""
+
+import numpy as np
+import pytest
+
+SLOW = {"frame": "arm::tcp", "speed": 0.001}
+
+
+def post(client, scene, what, **body):
+    return client.post(f"/v1/trajectories/{what}", json={"scene": scene, "group": "arm", **body})
+
+
+@pytest.fixture(scope="module")
+def running(client, scene, solved):
+    """Return a motion as it is delivered, samples and polynomial, under jerk limits."""
+    path = {"waypoints": solved["result"]["path"], "retime": {"method": "ruckig"}}
+    return post(client, scene, "retime", **path, polynomial=True).json()["trajectory"]
+
+
+def state_at(motion, time):
+    """Return the rows of a delivered motion at one of its sampled instants."""
+    row = motion["times"].index(time)
+    return [motion[rates][row] for rates in ("positions", "velocities", "accelerations")]
+
+
+def asked(client, scene, what, running, **body):
+    """Return a motion from the middle of another one, which may be spliced onto itself."""
+    time = running["times"][len(running["times"]) // 2]
+    onto = {"onto": running} if what == "splice" else {}
+    return time, post(client, scene, what, trajectory=running, time=time, **onto, **body)
+
+
+@pytest.mark.parametrize("what", ["stop", "splice"])
+def test_the_motion_goes_on_from_its_state_and_is_proven(client, scene, running, what):
+    time, answer = asked(client, scene, what, running, polynomial=True)
+    found = answer.json()
+    assert (answer.status_code, found["failure"]) == (200, None)
+    motion = found["trajectory"]
+    for got, was in zip(state_at(motion, 0.0), state_at(running, time), strict=True):
+        np.testing.assert_allclose(got, was, atol=1e-6)
+    np.testing.assert_allclose(motion["velocities"][-1], 0, atol=1e-6)
+    assert found["certificate"]["proven"]
+    assert found["stage"]["intervals"] > 0
+    assert found["interpolation"] == "polynomial"
+    if what == "splice":
+        assert found["onto_interpolation"] == "polynomial"
+        np.testing.assert_allclose(motion["positions"][-1], running["positions"][-1], atol=1e-6)
+    # What is delivered can be brought back: the polynomial is exact.
+    exact = motion["polynomial"]["breaks"][-1]
+    assert exact == motion["duration"] == motion["times"][-1]
+
+
+@pytest.mark.parametrize("what", ["stop", "splice"])
+def test_a_way_out_that_cannot_be_proven_is_a_failure_with_the_checks(client, scene, running, what):
+    _, answer = asked(client, scene, what, running, tool_limits=[SLOW])
+    failure = answer.json()["failure"]
+    assert (answer.status_code, failure["code"]) == (200, "not_certified")
+    assert answer.json()["trajectory"] is None
+    assert "tool_speed arm::tcp" in {check["name"] for check in failure["evidence"]["checks"]}
+    locked = [{"type": "locked_joints", "joints": ["arm::elbow_joint"]}]
+    _, kept = asked(client, scene, what, running, path_constraints=locked)
+    checks = kept.json()["failure"]["evidence"]["checks"]
+    assert {check["name"] for check in checks} == {"constraint 0: locked_joints"}
+
+
+@pytest.mark.parametrize("what", ["stop", "splice"])
+def test_samples_are_delivered_as_asked_for(client, scene, running, what):
+    _, answer = asked(client, scene, what, running, num_points=7)
+    assert len(answer.json()["trajectory"]["times"]) == 7
+    assert answer.json()["trajectory"]["polynomial"] is None
+    _, refused = asked(client, scene, what, running, num_points=7, sample_period=0.01)
+    assert (refused.status_code, refused.json()["code"]) == (422, "problem_invalid")
+    assert "`sample_period` and `num_points`" in refused.json()["detail"]
+
+
+def test_what_cannot_be_meant_is_refused(client, scene, running):
+    late = running["duration"] + 0.01
+    for what, extra in (("stop", {}), ("splice", {"onto": running})):
+        for time, code in ((late, "problem_invalid"), (-0.1, None)):
+            answer = post(client, scene, what, trajectory=running, time=time, **extra)
+            assert answer.status_code == 422
+            assert code in {None, answer.json()["code"]}
+    assert "time" in post(client, scene, "stop", trajectory=running, time=late).json()["detail"]
+    backwards = {**running["polynomial"], "breaks": running["polynomial"]["breaks"][::-1]}
+    for field in ("trajectory", "onto"):
+        motions = {"trajectory": running, "onto": running}
+        motions[field] = {**running, "polynomial": backwards}
+        answer = post(client, scene, "splice", **motions, time=0.0)
+        assert (answer.status_code, answer.json()["code"]) == (422, "problem_invalid")
+        short = {**running, "polynomial": None, "times": running["times"][:-1]}
+        answer = post(client, scene, "splice", **{**motions, field: short}, time=0.0)
+        assert answer.json()["evidence"]["field"].startswith(f"{field}.")
+    nobody = [{"type": "locked_joints", "joints": ["arm::nobody"]}]
+    answer = post(client, scene, "stop", trajectory=running, time=0.0, path_constraints=nobody)
+    assert (answer.status_code, answer.json()["code"]) == (409, "unknown_name")
+
+
+@pytest.mark.parametrize("huge", [1e2, 1e6])
+def test_motions_beyond_all_limits_are_failures_too(client, scene, huge):
+    wild = {"breaks": [0, 10], "bases": [[0] * 6], "coefficients": [[[huge] * 6] * 16]}
+    samples = {"times": [0, 1], "positions": [[0] * 6] * 2, "polynomial": wild}
+    for time in (0.0, 10.0):
+        answer = post(client, scene, "stop", trajectory=samples, time=time)
+        assert answer.status_code == 200
+        assert answer.json()["failure"]["code"] in {"retiming_failed", "not_certified"}
