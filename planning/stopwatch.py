@@ -40,6 +40,11 @@ class Stopwatch:
         self._seconds[name] = self._seconds.get(name, 0.0) + seconds
 
     @property
+    def parts(self) -> dict[str, float]:
+        """Seconds by name."""
+        return dict(self._seconds)
+
+    @property
     def seconds(self) -> dict[str, float]:
         """Seconds by stage, and in `total` those since the start."""
         return {**self._seconds, "total": self._clock() - self._began}

@@ -15,7 +15,7 @@ from service.errors import UnknownResource
 from service.jobs.dispatcher import Dispatcher
 from service.jobs.errors import UnknownJob
 from service.jobs.key import Key
-from service.jobs.records import Job, JobSpec, LoggedEvent
+from service.jobs.records import Job, JobBrief, JobSpec, LoggedEvent
 from service.jobs.store import JobStore
 from service.scenes.records import SceneRecord
 from service.scenes.shelf import SceneShelf
@@ -32,7 +32,7 @@ _CHUNK = 20
 class JobPage:
     """Some jobs of a lane, newest first, and the cursor of those that follow."""
 
-    jobs: list[Job]
+    jobs: list[JobBrief]
     following: str | None
 
 
@@ -128,7 +128,7 @@ class Desk:
         """Return jobs of a lane, newest first, from a cursor on."""
         before = None if cursor is None else int(cursor)
 
-        def read() -> list[Job]:
+        def read() -> list[JobBrief]:
             wanted = {"state": state, "scene": scene, "warm_key": warm_key}
             return self._store.page(lane, wanted, before=before, limit=limit + 1)
 
@@ -138,12 +138,12 @@ class Desk:
 
     async def newest(
         self, lane: str, *, scene: str | None = None, warm_key: str | None = None
-    ) -> AsyncIterator[Job]:
+    ) -> AsyncIterator[JobBrief]:
         """Yield the jobs of a lane in a scene, or with a scene's content, newest first."""
         wanted = {"scene": scene, "warm_key": warm_key}
         before: int | None = None
         limit = 1
-        # Mostly the first one is what somebody looks for, and jobs may be large.
+        # Mostly the first one is what somebody looks for.
         while True:
             read = partial(self._store.page, lane, wanted, before=before, limit=limit)
             found = await to_thread.run_sync(read)
@@ -166,7 +166,7 @@ class Desk:
         async for event in self._dispatcher.subscribe(job.id, after):
             yield event
 
-    async def last_event(self, job: Job, event_type: str) -> LoggedEvent | None:
+    async def last_event(self, job: JobBrief, event_type: str) -> LoggedEvent | None:
         """Return the newest event of a type, if there is one."""
         return await to_thread.run_sync(self._store.last_event, job.id, event_type)
 

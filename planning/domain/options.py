@@ -79,9 +79,14 @@ class SearchOptions(Value):
             within the limits. The later stages keep the limits, not these.
         spaces: What of a planar or floating joint is searched, by its name: "position" keeps its
             rotation as it is at the start; a `Steering` makes a car of a planar joint.
+        setup_time: For all that comes before the planner's work in each attempt: the space, which
+            attempts share, and the planner [s]; an attempt that took longer gives up. None for as
+            long as it takes.
         solve_time: For the planner, in each attempt [s]; None for as long as there is.
         shortcut_time: For shortening each solution [s]; 0 for none, None for a share of what is
             left.
+        interpolate_time: For interpolating each solution to `num_states` [s]; one that takes longer
+            stays as it was, which the report says. None for as long as there is.
         objective: By what solutions are compared, and improved by planners that improve them.
         approximate: Whether a failure tells the nearest configuration to a goal that was reached.
         keep_graph: Whether the planner's graph is kept.
@@ -101,8 +106,10 @@ class SearchOptions(Value):
     weights: Mapping[str, float] = field(default_factory=dict)
     bounds: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     spaces: Mapping[str, Literal["full", "position"] | Steering] = field(default_factory=dict)
+    setup_time: float | None = None
     solve_time: float | None = None
     shortcut_time: float | None = None
+    interpolate_time: float | None = None
     objective: Literal["length", "weighted_length", "clearance", "duration"] = "length"
     approximate: bool = False
     keep_graph: bool = False

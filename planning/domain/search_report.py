@@ -11,7 +11,8 @@ class AttemptReport(Value):
 
     Attributes:
         planner: OMPL's name.
-        outcome: "solved", "collides" (on a closer look), or OMPL's word for how it ended. While a
+        outcome: "solved", "collides" (on a closer look), "setup" if setting the planner up took
+            longer than it may, or OMPL's word for how it ended. While a
             planner is at work on a path, "improving": its lengths and cost are all the planner's
             own measure, and the states are not counted yet.
         raw_length: Of its solution before shortcutting; 0 without one.
@@ -92,6 +93,8 @@ class SearchReport(Value):
         was_canceled: Whether a cancel ended the search before all attempts were made.
         regions: What regions were good for, if the planner is "GCS".
         roadmap: What a roadmap did, if one was asked for.
+        interpolated: Whether the path has as many waypoints as were asked for; if not, there was
+            no time for it.
     """
 
     planner: str
@@ -111,3 +114,4 @@ class SearchReport(Value):
     was_canceled: bool = False
     regions: RegionsReport | None = None
     roadmap: RoadmapReport | None = None
+    interpolated: bool = True

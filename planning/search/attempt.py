@@ -37,12 +37,13 @@ class Attempt(Value):
     """What a planner did.
 
     Attributes:
-        status: OMPL's word for how it ended.
+        status: OMPL's word for how it ended; "setup" if there was no time to begin.
         waypoints: From the start to a goal, shape (n, nq); n = 0 if it found no exact solution.
         goal_row: Which goal, or -1.
         growth: Of its trees or roadmap `num_vertices` and `num_edges`, and `goal_distance`, the
             least distance to a goal in OMPL's metric; None where it does not tell. Where they were
-            asked for, `approximate` and `graph`. Nothing if it found a solution.
+            asked for, `approximate` and `graph`. Nothing if it found a solution; if setting it up
+            took too long, `reason`, `during`, `budget` and `spent` [s].
         graph: What it explored, if that was asked for and it found a solution.
         is_spent: Whether it gave up for having checked as many states as it may.
         improves: Whether its path is an improved one, and as close to obstacles as that gets.
@@ -73,16 +74,15 @@ def attempt(query: Query, edges: EdgeChecker, fine: EdgeChecker, seed: int) -> A
         DeadlineExceeded: The time has run out.
     """
     ou.RNG.setSeed(seed)
-    information = space_information(query.space, query.oracle, edges, query.planner)
-    planner = make_planner(information, query.planner, query.parameters)
-    planner.setProblemDefinition(_define(information, query))
-    planner.setup()
+    information, planner, spent = _set_up(query, edges)
+    if query.options.setup_time is not None and spent > query.options.setup_time:
+        return _not_begun(query, query.options.setup_time, spent)
     budget = query.deadline.within(query.options.solve_time)
     tell = query.on_better and partial(query.on_better, query.planner)
     states = query.most_states
     stopping = Stopping(planner, query.oracle, budget, query.patience, states, tell)
     try:
-        with query.oracle.until(budget):
+        with query.watch.note("solve"), query.oracle.until(budget):
             status, found = _solve(planner, query, stopping)
         if found is None:
             query.deadline.check("search")
@@ -101,6 +101,28 @@ def attempt(query: Query, edges: EdgeChecker, fine: EdgeChecker, seed: int) -> A
         nothing = np.empty((0, len(query.start)))
         return Attempt(status, nothing, -1, growth, None, stopping.is_spent)
     return _report(query, fine, found, status, planner)
+
+
+def _set_up(query: Query, edges: EdgeChecker) -> tuple[Any, Any, float]:
+    """Return OMPL's space information, a planner that is ready, and what that took [s].
+
+    OMPL cannot be interrupted meanwhile.
+    """
+    clock = query.deadline.clock
+    began = clock()
+    information = space_information(query.space, query.oracle, edges, query.planner)
+    planner = make_planner(information, query.planner, query.parameters)
+    planner.setProblemDefinition(_define(information, query))
+    planner.setup()
+    seconds = clock() - began
+    query.watch.add("setup", seconds)
+    return information, planner, query.space_seconds + seconds
+
+
+def _not_begun(query: Query, budget: float, spent: float) -> Attempt:
+    why = {"reason": "setup", "during": "setup", "budget": budget, "spent": spent}
+    nothing = np.empty((0, len(query.start)))
+    return Attempt("setup", nothing, -1, why, None, is_spent=False)
 
 
 def _solve(planner: Any, query: Query, stopping: Stopping) -> tuple[str, Array | None]:

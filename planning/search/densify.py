@@ -5,9 +5,48 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float64
 
+from planning.errors import DeadlineExceeded
 from planning.search.edges import EdgeChecker
+from planning.search.query import Query
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
+
+# Between two looks at a budget so many edges are checked.
+_AT_ONCE = 256
+
+
+def interpolated(
+    query: Query, edges: EdgeChecker, waypoints: Float64[np.ndarray, "n nq"], num_states: int
+) -> tuple[Array, bool] | None:
+    """Return at least `num_states` waypoints, and True, or the given ones, and False if it is late.
+
+    None if what is between the given ones proves to be blocked: cut elsewhere than it was checked,
+    an edge has other samples.
+
+    Args:
+        query: Says how long it may take.
+        edges: Know how waypoints are joined, and what is free.
+        waypoints: Of a path whose edges are free, shape (n, nq).
+        num_states: How many are wanted.
+
+    Raises:
+        Canceled: Somebody asked for the end.
+        DeadlineExceeded: The time has run out, and there was no other budget.
+    """
+    budget = query.options.interpolate_time
+    with query.watch.stage("interpolate"):
+        if budget is None:
+            dense = densified(edges, waypoints, num_states)
+            return (dense, True) if edges.are_free(dense[:-1], dense[1:]).all() else None
+        brief = query.patience.within(budget)
+        try:
+            with query.oracle.until(brief):
+                brief.check("search")
+                dense = densified(edges, waypoints, num_states)
+                is_free = _are_free(edges, dense)
+        except DeadlineExceeded:
+            return waypoints, False
+    return (dense, True) if is_free else None
 
 
 def densified(edges: EdgeChecker, waypoints: Float64[np.ndarray, "n nq"], num_states: int) -> Array:
@@ -31,3 +70,17 @@ def densified(edges: EdgeChecker, waypoints: Float64[np.ndarray, "n nq"], num_st
     # Interpolation may move the corners by a rounding error.
     dense[np.concatenate([[0], np.cumsum(counts)])] = waypoints
     return dense
+
+
+def _are_free(edges: EdgeChecker, path: Array) -> bool:
+    """Return whether all edges are free; all are checked, and count, as they are without a budget.
+
+    Raises:
+        DeadlineExceeded: It is late.
+    """
+    begins = range(0, len(path) - 1, _AT_ONCE)
+    verdicts = [
+        edges.are_free(path[i : min(i + _AT_ONCE, len(path) - 1)], path[i + 1 : i + 1 + _AT_ONCE])
+        for i in begins
+    ]
+    return bool(np.concatenate(verdicts).all())

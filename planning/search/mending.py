@@ -68,7 +68,13 @@ def _between(query: Query, ends: Array, seconds: float) -> Query:
         planner="RRTConnect",
         parameters={},
         deadline=query.patience,
-        options=replace(query.options, solve_time=seconds, keep_graph=False, approximate=False),
+        options=replace(
+            query.options,
+            setup_time=None,
+            solve_time=seconds,
+            keep_graph=False,
+            approximate=False,
+        ),
         most_states=_MOST_STATES,
         on_better=None,
     )

@@ -40,9 +40,10 @@ class Query:
         planner: OMPL's name.
         parameters: Of the planner.
         deadline: When to give up.
-        watch: Told how long shortcuts take.
+        watch: Told how long the parts of a search take.
         objective: What to improve.
         options: The request's other wishes.
+        space_seconds: What it took to build the space [s].
         most_states: After how many checked states a planner without a solution gives up.
         on_better: Told the planner's name and its best cost, now and then while it improves that.
     """
@@ -57,6 +58,7 @@ class Query:
     watch: Stopwatch
     objective: Objective
     options: SearchOptions
+    space_seconds: float = 0.0
     most_states: float = math.inf
     on_better: Callable[[str, float], None] | None = None
 
@@ -87,7 +89,11 @@ def query_of(
     limits = bounded(group, limits, options.bounds)
     weights = block_weights(group, options.weights)
     watched = WatchedOracle(oracle, group, limits, deadline)
+    watch = watch or Stopwatch(deadline.clock)
+    began = deadline.clock()
     space = _space(group, limits, task, weights)
+    space_seconds = deadline.clock() - began
+    watch.add("setup", space_seconds)
     rows = _admissible_goals(space, watched, task)
     query = Query(
         space=space,
@@ -97,9 +103,10 @@ def query_of(
         planner=options.planners[0],
         parameters=options.parameters,
         deadline=deadline,
-        watch=watch or Stopwatch(deadline.clock),
+        watch=watch,
         objective=Objective(options.objective, group, limits, weights, task.clearances),
         options=options,
+        space_seconds=space_seconds,
     )
     return query, rows
 

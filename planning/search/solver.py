@@ -44,8 +44,10 @@ _FIELDS = {
     "search.attempts": "at least 1 is needed",
     "search.num_states": "at least 2 are needed",
     "search.planner": "at least one is needed",
+    "search.setup_time": "it must be positive",
     "search.solve_time": "it must be positive",
     "search.shortcut_time": "it must not be negative",
+    "search.interpolate_time": "it must not be negative",
     "seed": "it must not be negative",
 }
 
@@ -72,7 +74,7 @@ def search(
         oracle: What is free.
         task: Start, goals and how to search.
         deadline: When to give up; also asked whether anybody still wants the answer.
-        watch: Told how long the stage "shortcut" takes.
+        watch: Told how long "setup", "solve", "shortcut" and "interpolate" take.
 
     Raises:
         ProblemInvalid: A number in the task makes no sense.
@@ -155,6 +157,7 @@ def _report(
         attempts_log=tuple(tally.log),
         was_canceled=tally.was_canceled,
         roadmap=roadmap,
+        interpolated=best.is_interpolated,
     )
 
 
@@ -193,9 +196,12 @@ def _require_sense(group: JointGroup, task: SearchTask) -> None:
         "search.attempts": options.attempts < 1,
         "search.num_states": num_states is not None and num_states < 2,
         "search.planner": not options.planners,
+        "search.setup_time": options.setup_time is not None and not options.setup_time > 0,
         "search.solve_time": options.solve_time is not None and not options.solve_time > 0,
         "search.shortcut_time": options.shortcut_time is not None
         and not options.shortcut_time >= 0,
+        "search.interpolate_time": options.interpolate_time is not None
+        and not options.interpolate_time >= 0,
         "seed": task.seed < 0,
     }
     for field, is_fault in faults.items():
@@ -208,17 +214,23 @@ def _straight_line(query: Query, closeness: Closeness) -> SoundPath | None:
     for row, goal in enumerate(query.goals[:_MOST_LINES]):
         if closeness.fine.is_free(query.start, goal):
             waypoints = closeness.fine.way(query.start, goal)
-            path = delivered(waypoints, waypoints, row, closeness)
+            path = delivered(query, waypoints, waypoints, row, closeness)
             if path is not None:
                 return path
     return None
 
 
 def _no_path(query: Query, tally: Tally) -> NoPathFound:
-    blocked = tally.last is not None and len(tally.last.waypoints) > 0
+    last, evidence = tally.last, tally.evidence(query)
+    blocked = last is not None and len(last.waypoints) > 0
     why = "what it found collides on a closer look" if blocked else "it ended without a solution"
+    advice = "more attempts, more samples or another planner may find one"
+    if last is not None and last.growth.get("reason") == "setup":
+        budget, spent = evidence["budget"], evidence["spent"]
+        why = f"setting the last one up took {spent:.3g} s of the {budget:g} s that it may"
+        advice = "search.setup_time is what to raise"
     message = (
         f"{', '.join(query.options.planners)} found no path in {tally.num_attempts} attempts: "
-        f"{why}; more attempts, more samples or another planner may find one"
+        f"{why}; {advice}"
     )
-    return NoPathFound(message, tally.evidence(query))
+    return NoPathFound(message, evidence)

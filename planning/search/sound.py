@@ -12,7 +12,7 @@ from jaxtyping import Float64
 
 from planning.domain.value import Value
 from planning.search.attempt import Array, Attempt, attempt
-from planning.search.densify import densified
+from planning.search.densify import interpolated
 from planning.search.drive_shortcut import shortened_drive
 from planning.search.driven_edges import DrivenEdges
 from planning.search.edges import EdgeChecker
@@ -56,6 +56,7 @@ class SoundPath(Value):
         raw_length: Before shortcutting.
         length: And after it.
         cost: By the objective.
+        is_interpolated: Whether it has as many waypoints as were asked for.
     """
 
     waypoints: Float64[np.ndarray, "n nq"]
@@ -63,6 +64,7 @@ class SoundPath(Value):
     raw_length: float
     length: float
     cost: float
+    is_interpolated: bool = True
 
 
 @dataclass(frozen=True, eq=False)
@@ -150,21 +152,22 @@ def shortened(
         if shorter is None:
             return None
         path = unrolled(shorter, query.space.manifold)
-        best = delivered(path, raw, found.goal_row, closeness)
+        best = delivered(query, path, raw, found.goal_row, closeness)
         if query.objective.name == "clearance" and fine.are_free(raw[:-1], raw[1:]).all():
             # A shorter path may well be nearer to things.
-            untouched = delivered(raw, raw, found.goal_row, closeness)
+            untouched = delivered(query, raw, raw, found.goal_row, closeness)
             both = [path for path in (best, untouched) if path is not None]
             best = min(both, key=lambda path: path.cost, default=None)
     return best
 
 
 def delivered(
-    waypoints: Array, raw: Array, goal_row: int, closeness: Closeness
+    query: Query, waypoints: Array, raw: Array, goal_row: int, closeness: Closeness
 ) -> SoundPath | None:
     """Return the path with enough waypoints; None if those in between prove it blocked.
 
     Args:
+        query: Says how long adding waypoints may take.
         waypoints: A path of edges that are free at the fine resolution, shape (n, nq).
         raw: What it was made of, shape (m, nq).
         goal_row: Where it ends.
@@ -174,9 +177,8 @@ def delivered(
     objective = closeness.objective
     lengths = path_length(raw, fine.manifold), path_length(waypoints, fine.manifold)
     cost = lengths[1] if objective.is_length else objective.cost(waypoints)
-    if closeness.num_states is not None:
-        waypoints = densified(fine, waypoints, closeness.num_states)
-        # Cut elsewhere than it was checked, an edge has other samples.
-        if not fine.are_free(waypoints[:-1], waypoints[1:]).all():
-            return None
-    return SoundPath(waypoints, goal_row, *lengths, cost)
+    path = SoundPath(waypoints, goal_row, *lengths, cost)
+    if closeness.num_states is None:
+        return path
+    dense = interpolated(query, fine, waypoints, closeness.num_states)
+    return dense and replace(path, waypoints=dense[0], is_interpolated=dense[1])

@@ -5,8 +5,9 @@ or by a pool in other processes: they are noted in the order of their numbers. H
 takes time as well, so the first one is made here, and only what takes long is handed out.
 """
 
+from collections.abc import Mapping
 from contextlib import closing
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -17,6 +18,7 @@ from planning.search.planners import own_parameters
 from planning.search.query import Query
 from planning.search.sound import Closeness, Trial, sound_attempt
 from planning.search.tally import Tally
+from planning.stopwatch import Stopwatch
 
 # If an attempt takes less, the others are made here too [s].
 _WORTH_IT = 0.03
@@ -32,6 +34,7 @@ class Made(Value):
         num_states: Configurations that were checked.
         num_fine: Edges that were checked finely.
         seconds: How long it took.
+        parts: How long its parts took, if it was made elsewhere.
     """
 
     planner: str
@@ -39,6 +42,7 @@ class Made(Value):
     num_states: int
     num_fine: int
     seconds: float
+    parts: Mapping[str, float] = field(default_factory=dict)
 
 
 class Turns:
@@ -115,9 +119,11 @@ class Turns:
     def _make_elsewhere(self, k: int) -> Made:
         """Return an attempt made in another process: a cancel is for the first one to see."""
         deadline = self._query.deadline.uncancelable
-        query = replace(self._query, deadline=deadline, on_better=None)
+        watch = Stopwatch(deadline.clock)
+        query = replace(self._query, deadline=deadline, on_better=None, watch=watch)
         with query.oracle.until(query.deadline):
-            return self._made(k, query)
+            made = self._made(k, query)
+        return replace(made, parts=watch.parts)
 
     def _note(self, outcome: Made | WayproofError) -> None:
         """Note an attempt that was made elsewhere.
@@ -130,6 +136,8 @@ class Turns:
         if isinstance(outcome, WayproofError):
             raise outcome
         query.watch.add(f"attempt_{tally.num_attempts}", outcome.seconds)
+        for name, seconds in outcome.parts.items():
+            query.watch.add(name, seconds)
         query.oracle.num_states += outcome.num_states
         self._closeness.fine.num_motions += outcome.num_fine
         tally.note(outcome.planner, outcome.trial, outcome.num_states)

@@ -180,8 +180,10 @@ def search_value(search: SearchWire) -> SearchOptions:
             name: steering_value(space) if isinstance(space, CarWire) else space
             for name, space in search.spaces.items()
         },
+        setup_time=search.setup_time,
         solve_time=search.solve_time,
         shortcut_time=search.shortcut_time,
+        interpolate_time=search.interpolate_time,
         objective=search.objective,
         approximate=search.approximate,
         keep_graph=search.keep_graph,

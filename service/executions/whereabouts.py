@@ -6,7 +6,7 @@ from typing import Any
 from planning.domain.joints import Joint, JointType
 from service.desk import Desk
 from service.errors import RobotBusy, StartMismatch
-from service.jobs.records import Job
+from service.jobs.records import JobBrief
 from service.scenes.preflight import Group
 from service.scenes.records import SceneRecord
 
@@ -60,7 +60,7 @@ async def position_of(desk: Desk, scene: SceneRecord, group: Group) -> list[floa
     return positions
 
 
-async def last_status(desk: Desk, job: Job) -> dict[str, Any] | None:
+async def last_status(desk: Desk, job: JobBrief) -> dict[str, Any] | None:
     """Return the last status that an execution told, None if it never moved."""
     if job.result is not None:
         told: dict[str, Any] = job.result["status"]

@@ -4,12 +4,12 @@ from typing import Any
 
 from service.desk import Desk
 from service.executions.whereabouts import last_status
-from service.jobs.records import Job
+from service.jobs.records import JobBrief
 
 _FINAL = {"succeeded": "succeeded", "failed": "aborted", "canceled": "canceled"}
 
 
-async def execution_resource(desk: Desk, job: Job) -> dict[str, Any]:
+async def execution_resource(desk: Desk, job: JobBrief) -> dict[str, Any]:
     """Return an execution in full."""
     status = await last_status(desk, job)
     state = state_of(job, status)
@@ -27,7 +27,7 @@ async def execution_resource(desk: Desk, job: Job) -> dict[str, Any]:
     }
 
 
-def state_of(job: Job, status: dict[str, Any] | None) -> str:
+def state_of(job: JobBrief, status: dict[str, Any] | None) -> str:
     """Return the state of an execution: the job's where that is final, else what it told last."""
     if job.state in _FINAL:
         return _FINAL[job.state]

@@ -13,7 +13,7 @@ from typing import Any
 from service.jobs.error_text import error_in
 from service.jobs.json_text import Encoded
 from service.jobs.link import FrameKind
-from service.jobs.outcome import Crashed, Ended, Outcome, Raised, Returned
+from service.jobs.outcome import Crashed, Ended, Outcome, Raised, returned
 from service.jobs.slot import EventSink, Run
 from service.jobs.stop import Stop
 from service.jobs.task import TaskEnd, event_text, run_task
@@ -100,7 +100,7 @@ class InlineSlot:
             raise
         match end.kind:
             case FrameKind.RESULT:
-                return Returned(Encoded(end.text))
+                return returned(end.brief, end.text)
             case FrameKind.FAILURE:
                 return stop.verdict(Raised(error_in(end.text)))
             case _:

@@ -104,8 +104,8 @@ class JobRun:
     async def _write_end(self, outcome: Outcome, attempts: int) -> bool:
         store, identifier = self._store, self.job.id
         match outcome:
-            case Returned(result=result):
-                await self._write(partial(store.succeed, identifier, result))
+            case Returned(result=result, brief=brief):
+                await self._write(partial(store.succeed, identifier, result, brief))
                 return False
             case Crashed() if attempts < self.job.max_attempts and not self._is_unwanted:
                 reason = error_of(outcome, attempts).detail

@@ -11,9 +11,20 @@ from service.jobs.json_text import Encoded
 
 @dataclass(frozen=True)
 class Returned:
-    """It returned."""
+    """It returned.
+
+    Attributes:
+        result: What.
+        brief: What lists show of it; None for all.
+    """
 
     result: Encoded
+    brief: Encoded | None = None
+
+
+def returned(brief: str, result: str) -> Returned:
+    """Return the outcome of two texts, of which the first may be empty."""
+    return Returned(Encoded(result), Encoded(brief) if brief else None)
 
 
 @dataclass(frozen=True)

@@ -5,14 +5,17 @@ from collections.abc import Mapping
 from datetime import UTC, datetime
 from typing import Any
 
-from sqlalchemy import ColumnElement, Connection, Row, Select, func, select
+from sqlalchemy import ColumnElement, Connection, Row, func, select
 
 from service.jobs.json_text import Encoded
-from service.jobs.records import Job, LoggedEvent, bodies, events, jobs
+from service.jobs.records import Job, JobBrief, LoggedEvent, bodies, briefs, events, jobs
 from service.jobs.states import JobState
 
 _WHOLE = select(jobs, bodies.c.payload, bodies.c.result, bodies.c.failure).join(
     bodies, bodies.c.job == jobs.c.id
+)
+_BRIEF = select(jobs, briefs.c.payload, briefs.c.result, briefs.c.failure).join(
+    briefs, briefs.c.job == jobs.c.id
 )
 _MAX_STAGE = 40
 
@@ -40,7 +43,8 @@ def progress_in(data: Mapping[str, Any]) -> dict[str, Any]:
 
 def jobs_where(connection: Connection, condition: ColumnElement[bool]) -> list[Job]:
     """Return all jobs for which a condition holds, oldest first."""
-    return _jobs(connection, _WHOLE.where(condition).order_by(jobs.c.serial))
+    rows = connection.execute(_WHOLE.where(condition).order_by(jobs.c.serial))
+    return [Job(**_fields(row)) for row in rows]
 
 
 def unfinished(connection: Connection) -> list[Job]:
@@ -51,13 +55,14 @@ def unfinished(connection: Connection) -> list[Job]:
 
 def page(
     connection: Connection, wanted: Mapping[str, str | None], before: int | None, limit: int
-) -> list[Job]:
+) -> list[JobBrief]:
     """Return jobs whose columns are as wanted, newest first, with a serial below `before`."""
-    query = _WHOLE
+    query = _BRIEF
     for name, content in wanted.items():
         query = query if content is None else query.where(jobs.c[name] == content)
     query = query if before is None else query.where(jobs.c.serial < before)
-    return _jobs(connection, query.order_by(jobs.c.serial.desc()).limit(limit))
+    rows = connection.execute(query.order_by(jobs.c.serial.desc()).limit(limit))
+    return [JobBrief(**_fields(row)) for row in rows]
 
 
 def counts(connection: Connection) -> dict[tuple[str, str], int]:
@@ -82,16 +87,12 @@ def last_event(connection: Connection, identifier: str, type_: str) -> LoggedEve
     return None if row is None else _event(row)
 
 
-def _jobs(connection: Connection, query: Select[Any]) -> list[Job]:
-    return [_job(row) for row in connection.execute(query)]
-
-
-def _job(row: Row[Any]) -> Job:
+def _fields(row: Row[Any]) -> dict[str, Any]:
     fields = _columns(row)
     for name in ("created_at", "started_at", "finished_at"):
         fields[name] = datetime.fromisoformat(fields[name]) if fields[name] else None
     fields["state"] = JobState(fields["state"])
-    return Job(**fields)
+    return fields
 
 
 def _event(row: Row[Any]) -> LoggedEvent:

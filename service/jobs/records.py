@@ -63,6 +63,16 @@ bodies = Table(
     Column("failure", JsonText, nullable=True),
 )
 
+# What lists show of bodies, for they read many: see `outline`.
+briefs = Table(
+    "job_briefs",
+    metadata,
+    Column("job", String(64), primary_key=True),
+    Column("payload", JsonText, nullable=False),
+    Column("result", JsonText, nullable=True),
+    Column("failure", JsonText, nullable=True),
+)
+
 events = Table(
     "job_events",
     metadata,
@@ -106,8 +116,8 @@ class JobSpec:
 
 
 @dataclass(frozen=True)
-class Job:
-    """A job as the table has it."""
+class JobBrief:
+    """A job as lists have it: its payload, result and failure lack what is large."""
 
     id: str
     serial: int
@@ -132,6 +142,11 @@ class Job:
     finished_at: datetime | None
     result: dict[str, Any] | None
     failure: dict[str, Any] | None
+
+
+@dataclass(frozen=True)
+class Job(JobBrief):
+    """A job as the tables have it, whole."""
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ from typing import Any, Protocol
 from service.jobs.error_text import error_in
 from service.jobs.json_text import Encoded
 from service.jobs.link import Frame, FrameKind, two_parts
-from service.jobs.outcome import Crashed, Ended, Outcome, Raised, Returned
+from service.jobs.outcome import Crashed, Ended, Outcome, Raised, returned
 from service.jobs.stop import Stop
 from service.jobs.worker_process import WorkerProcess, forkserver
 
@@ -149,7 +149,7 @@ class ProcessSlot:
                 case FrameKind.TERM:
                     stop.allow(float(frame.body))
                 case FrameKind.RESULT:
-                    return Returned(Encoded(frame.body.decode()))
+                    return returned(*frame.parts)
                 case FrameKind.FAILURE:
                     return stop.verdict(Raised(error_in(frame.body.decode())))
                 case FrameKind.CRASH:

@@ -14,14 +14,25 @@ from sqlalchemy import Connection, Engine, insert, select, update
 from planning.errors import Canceled, WayproofError
 from service.events.bus import Stretch
 from service.jobs import reading
+from service.jobs.briefs import fill_briefs
 from service.jobs.database import set_durability
 from service.jobs.enrolling import job_by_key, queued_row
 from service.jobs.errors import UnknownJob
 from service.jobs.json_text import Encoded
 from service.jobs.moving import Moved, log, move
 from service.jobs.outcome import failure_of
+from service.jobs.outline import outline_of, without
 from service.jobs.reading import decoded, now
-from service.jobs.records import Job, JobSpec, LoggedEvent, bodies, jobs, metadata
+from service.jobs.records import (
+    Job,
+    JobBrief,
+    JobSpec,
+    LoggedEvent,
+    bodies,
+    briefs,
+    jobs,
+    metadata,
+)
 from service.jobs.states import JobEvent, JobState
 
 _STRETCH = 500
@@ -37,8 +48,9 @@ class JobStore:
         self._joined: Connection | None = None
 
     def open(self) -> None:
-        """Create the tables that are missing."""
+        """Create the tables that are missing, and what an older version did not write of jobs."""
         metadata.create_all(self._engine)
+        fill_briefs(self._engine)
 
     @contextmanager
     def transaction(self, *, is_durable: bool) -> Generator[Connection]:
@@ -75,6 +87,8 @@ class JobStore:
                 return known, False
             connection.execute(insert(jobs).values(row))
             connection.execute(insert(bodies).values(job=row["id"], payload=spec.payload))
+            payload = without(spec.payload, outline_of(spec.task).payload)
+            connection.execute(insert(briefs).values(job=row["id"], payload=payload))
             log(connection, row["id"], 1, [("queued", Encoded("{}"))])
             return self._get(connection, row["id"]), True
 
@@ -104,8 +118,8 @@ class JobStore:
         *,
         before: int | None = None,
         limit: int = 50,
-    ) -> list[Job]:
-        """Return jobs of a lane, newest first, with a serial below `before`.
+    ) -> list[JobBrief]:
+        """Return jobs of a lane, newest first, with a serial below `before`; nothing large is read.
 
         Args:
             lane: Of the jobs.
@@ -144,13 +158,23 @@ class JobStore:
         with self.transaction(is_durable=False) as connection:
             return move(connection, identifier, JobEvent.REQUEUE, changes, {"reason": reason})
 
-    def succeed(self, identifier: str, result: Encoded) -> Moved | None:
-        """End a running job with its result."""
+    def succeed(
+        self, identifier: str, result: Encoded, brief: Encoded | None = None
+    ) -> Moved | None:
+        """End a running job with its result.
+
+        Args:
+            identifier: Of the job.
+            result: Whole.
+            brief: What lists show of it; None for all.
+        """
         with self.transaction(is_durable=True) as connection:
             moved = move(connection, identifier, JobEvent.SUCCEED, {"progress": 1.0}, {})
             if moved is not None:
                 body = update(bodies).where(bodies.c.job == identifier)
                 connection.execute(body.values(result=result))
+                short = update(briefs).where(briefs.c.job == identifier)
+                connection.execute(short.values(result=brief or result))
             return moved
 
     def fail(self, identifier: str, error: WayproofError) -> Moved | None:
@@ -232,6 +256,10 @@ class JobStore:
             if moved is not None:
                 body = update(bodies).where(bodies.c.job == identifier)
                 connection.execute(body.values(failure=failure))
+                task = connection.execute(select(jobs.c.task).where(jobs.c.id == identifier))
+                kept = without(failure, outline_of(task.scalar_one()).failure)
+                short = update(briefs).where(briefs.c.job == identifier)
+                connection.execute(short.values(failure=kept))
             return moved
 
     def _get(self, connection: Connection, identifier: str) -> Job:

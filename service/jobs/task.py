@@ -11,6 +11,7 @@ from service.jobs.error_text import error_text
 from service.jobs.errors import InternalError
 from service.jobs.json_text import encode, encode_leniently
 from service.jobs.link import FrameKind
+from service.jobs.outline import outline_of, without
 
 # Events are for people; whatever is larger belongs into the result.
 MAX_EVENT = 64 * 1024
@@ -23,10 +24,12 @@ class TaskEnd:
     Attributes:
         kind: RESULT, FAILURE or CRASH.
         text: The result or the error as JSON; what ended the process.
+        brief: Of a result, what lists show of it as JSON; empty for all.
     """
 
     kind: FrameKind
     text: str
+    brief: str = ""
 
 
 def run_task(task: str, payload: str, channel: Any) -> TaskEnd:
@@ -36,7 +39,10 @@ def run_task(task: str, payload: str, channel: Any) -> TaskEnd:
     interrupt, memory that ran out) is a crash.
     """
     try:
-        return TaskEnd(FrameKind.RESULT, encode(load_task(task)(json.loads(payload), channel)))
+        found = load_task(task)(json.loads(payload), channel)
+        large = outline_of(task).result
+        brief = encode(without(found, large)) if large else ""
+        return TaskEnd(FrameKind.RESULT, encode(found), brief)
     except WayproofError as error:
         return TaskEnd(FrameKind.FAILURE, error_text(error))
     except MemoryError:

@@ -78,6 +78,8 @@ def serve(end: socket.socket, leash: Connection, warm_up: str | None) -> None:
 
 def _tell(link: Link, token: int, done: TaskEnd) -> None:
     """Say how a task ended; after a crash this process is not to be trusted any more."""
-    link.send(Frame(done.kind, token, done.text.encode()))
+    is_result = done.kind is FrameKind.RESULT
+    body = two_parts(done.brief, done.text) if is_result else done.text.encode()
+    link.send(Frame(done.kind, token, body))
     if done.kind is FrameKind.CRASH:
         os._exit(_CRASH_CODE)

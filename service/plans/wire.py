@@ -4,13 +4,14 @@ from typing import Any
 
 from service.convert.trajectories import IN_QUERY, require_one_sampling
 from service.errors import NotFinished
-from service.jobs.records import Job
+from service.jobs.outline import outline_of, without
+from service.jobs.records import Job, JobBrief
 from service.plans.versions import versions
 from service.schemas.sampling import DEFAULT_PERIOD
 
 
-def job_brief(job: Job) -> dict[str, Any]:
-    """Return a plan without its result."""
+def job_brief(job: JobBrief) -> dict[str, Any]:
+    """Return a plan without its result; a graph is large and has an address of its own."""
     request = job.payload["request"]
     done = job.result or {}
     return {
@@ -22,7 +23,7 @@ def job_brief(job: Job) -> dict[str, Any]:
         "started_at": job.started_at,
         "finished_at": job.finished_at,
         "request": request,
-        "failure": _without_graph(job.failure),
+        "failure": without(job.failure, outline_of(job.task).failure),
         "seed": request["seed"],
         "digest": done.get("digest"),
         "versions": versions(),
@@ -76,11 +77,3 @@ def graph_of(job: Job) -> dict[str, Any]:
         )
         raise NotFinished(message, {"id": job.id, "state": job.state})
     return graph
-
-
-def _without_graph(failure: dict[str, Any] | None) -> dict[str, Any] | None:
-    """Return a failure as it is shown: a graph is large and has an address of its own."""
-    if failure is None or "graph" not in failure["evidence"]:
-        return failure
-    evidence = {name: item for name, item in failure["evidence"].items() if name != "graph"}
-    return {**failure, "evidence": evidence}

@@ -11,7 +11,7 @@ from planning.errors import ProblemInvalid
 from planning.whole_files import clear_out, write_whole
 from service.desk import Desk
 from service.errors import NoRegions
-from service.jobs.records import Job
+from service.jobs.records import Job, JobBrief
 from service.regions.fitness import PLANNER, asks_for_regions
 from service.scenes.preflight import require_group
 from service.scenes.records import SceneRecord
@@ -44,7 +44,7 @@ async def chosen_regions(request: PlanRequest, record: SceneRecord, desk: Desk) 
     seen: list[dict[str, Any]] = []
     async for job in _candidates(request, record, desk):
         if _fits(job, record, group, margin):
-            return job
+            return await desk.job("regions", job.id)
         if len(seen) < _MOST_NAMED:
             seen.append(_told(job))
     raise NoRegions(
@@ -67,7 +67,9 @@ def _require_none(search: SearchWire) -> None:
         raise ProblemInvalid(message, {"field": field})
 
 
-async def _candidates(request: PlanRequest, record: SceneRecord, desk: Desk) -> AsyncIterator[Job]:
+async def _candidates(
+    request: PlanRequest, record: SceneRecord, desk: Desk
+) -> AsyncIterator[JobBrief]:
     if request.search.regions is not None:
         yield await desk.job("regions", request.search.regions)
         return
@@ -75,18 +77,18 @@ async def _candidates(request: PlanRequest, record: SceneRecord, desk: Desk) -> 
         yield job
 
 
-def _fits(job: Job, record: SceneRecord, group: str, margin: float) -> bool:
+def _fits(job: JobBrief, record: SceneRecord, group: str, margin: float) -> bool:
     grown = (job.result or {}).get("result")
     return bool(
         grown
         and grown["scene"] == record.digest
         and grown["group"] == group
         and grown["margin"] >= margin
-        and grown["regions"]
+        and grown["num_regions"]
     )
 
 
-def _told(job: Job) -> dict[str, Any]:
+def _told(job: JobBrief) -> dict[str, Any]:
     grown: dict[str, Any] = (job.result or {}).get("result", {})
     named = {name: grown.get(name) for name in ("group", "margin", "scene", "num_regions")}
     return {

@@ -2,16 +2,14 @@
 
 from typing import Any
 
-from service.jobs.records import Job
+from service.jobs.outline import outline_of, without
+from service.jobs.records import Job, JobBrief
 from service.plans.versions import versions
 
-_FACES = ("regions", "portals")
 
-
-def regions_brief(job: Job) -> dict[str, Any]:
+def regions_brief(job: JobBrief) -> dict[str, Any]:
     """Return regions without their faces."""
-    done = job.result or {}
-    result: dict[str, Any] | None = done.get("result")
+    done: dict[str, Any] = without(job.result or {}, outline_of(job.task).result)
     return {
         "id": job.id,
         "state": job.state,
@@ -26,7 +24,7 @@ def regions_brief(job: Job) -> dict[str, Any]:
         "failure": job.failure,
         "versions": versions(),
         "timings": done.get("timings", {}),
-        "summary": result and {name: result[name] for name in result if name not in _FACES},
+        "summary": done.get("result"),
     }
 
 

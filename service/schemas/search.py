@@ -103,6 +103,11 @@ class SearchWire(Wire):
         description="`position` keeps the rotation of a planar or floating joint, named here, as "
         "it is at the start; a turning radius [m] makes a car of a planar joint",
     )
+    setup_time: Annotated[Real, Field(gt=0, le=3600)] | None = Field(
+        default=None,
+        description="For setting up the space and the planner, in each attempt [s]; an attempt "
+        "that took longer gives up. null for as long as it takes",
+    )
     solve_time: Annotated[Real, Field(gt=0, le=3600)] | None = Field(
         default=None,
         description="For the planner, in each attempt [s]; null for as long as there is",
@@ -110,6 +115,11 @@ class SearchWire(Wire):
     shortcut_time: Annotated[Real, Field(ge=0, le=3600)] | None = Field(
         default=None,
         description="For shortening each solution [s]; 0 for none, null for a share of the rest",
+    )
+    interpolate_time: Annotated[Real, Field(ge=0, le=3600)] | None = Field(
+        default=None,
+        description="For interpolating each solution to `num_states` [s]; one that takes longer "
+        "stays as it was (`stages.search.interpolated`). null for as long as there is",
     )
     objective: Literal["length", "weighted_length", "clearance", "duration"] = Field(
         default="length",

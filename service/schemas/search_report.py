@@ -11,7 +11,10 @@ class AttemptReportWire(Answer):
     """What one attempt at a solution came to."""
 
     planner: str = Field(description="OMPL's name")
-    outcome: str = Field(description="`solved`, `collides` (on a closer look), or how it ended")
+    outcome: str = Field(
+        description="`solved`, `collides` (on a closer look), `setup` (setting the planner up took "
+        "longer than it may), or how it ended"
+    )
     raw_length: float = Field(description="Of its solution, before shortcutting [rad or m]")
     length: float = Field(description="And after it [rad or m]")
     cost: float = Field(description="By the objective, in its unit")
@@ -92,4 +95,9 @@ class SearchReportWire(Answer):
     )
     roadmap: RoadmapReportWire | None = Field(
         default=None, description="What a roadmap did, if one was asked for"
+    )
+    interpolated: bool = Field(
+        default=True,
+        description="Whether the path has `num_states` waypoints, if they were asked for; false "
+        "where `interpolate_time` was over before",
     )

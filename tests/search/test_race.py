@@ -98,9 +98,10 @@ def test_no_time_for_shortcuts_leaves_the_path_as_it_was_found(plane, wall, soon
 
 @pytest.mark.parametrize("objective", ["length", "duration"])
 def test_budgets_that_cut_nothing_change_no_byte(plane, wall, soon, crossing, objective):
-    options = {"objective": objective, "attempts": 2}
+    options = {"objective": objective, "attempts": 2, "num_states": 300}
     free = search(*plane, wall, crossing(3, **options), soon)
-    limited = crossing(3, **options, solve_time=9.0, shortcut_time=9.0, approximate=True)
+    budgets = dict.fromkeys(("setup_time", "solve_time", "shortcut_time", "interpolate_time"), 9.0)
+    limited = crossing(3, **options, **budgets, approximate=True)
     bound = search(*plane, wall, limited, soon)
     assert free.path.waypoints.tobytes() == bound.path.waypoints.tobytes()
     assert free.report == bound.report
@@ -115,7 +116,14 @@ def test_weights_of_one_and_wide_bounds_change_no_byte(plane, wall, soon, crossi
 
 
 @pytest.mark.parametrize(
-    ("option", "value"), [("solve_time", 0.0), ("shortcut_time", -1.0), ("planner", ())]
+    ("option", "value"),
+    [
+        ("setup_time", 0.0),
+        ("solve_time", 0.0),
+        ("shortcut_time", -1.0),
+        ("interpolate_time", -1.0),
+        ("planner", ()),
+    ],
 )
 def test_nonsense_is_refused(plane, wall, soon, crossing, option, value):
     with pytest.raises(ProblemInvalid) as caught:

@@ -13,6 +13,7 @@ from planning.errors import DeadlineExceeded
 from planning.fork_pool import ForkPool
 from planning.search import turns
 from planning.search.solver import search
+from planning.stopwatch import Stopwatch
 
 PORTFOLIO = ("RRTConnect", "PRM", "RRTConnect", "KPIECE1")
 
@@ -58,6 +59,17 @@ def test_side_by_side_is_one_after_another(plane, wall, soon, crossing, seed, op
     assert sorted(pool.made) == list(range(task.options.num_attempts - 1))
     assert parallel.path.waypoints.tobytes() == serial.path.waypoints.tobytes()
     assert parallel == serial
+
+
+def test_seconds_are_told_of_the_parts_of_attempts_made_elsewhere(plane, wall, soon, crossing):
+    watch, pool = Stopwatch(time.perf_counter), Watched()
+    task = replace(crossing(0, attempts=5, num_states=300), pool=pool)
+    search(*plane, wall, task, soon, watch)
+    assert len(pool.made) == 4
+    seconds = watch.seconds
+    parts = sum(seconds[name] for name in ("setup", "solve", "shortcut", "interpolate"))
+    attempts = sum(seconds[f"attempt_{i}"] for i in range(1, 6))
+    assert 0.5 * attempts < parts <= attempts + seconds["setup"]
 
 
 def test_rounds_of_those_that_fail_are_the_same(plane, make_oracle, soon, crossing, monkeypatch):

@@ -23,6 +23,7 @@ from service.jobs.records import metadata
 from service.jobs.slot import ProcessSlot
 from service.jobs.store import JobStore
 from tests.service.jobs.conftest import TASKS, spec
+from tests.service.jobs.test_briefs import check_upgrade
 
 
 def binaries():
@@ -109,6 +110,7 @@ def check_server():
                 spec("x", payload={"text": "\0 \ud800 \u2028", "n": float("nan")})
             )
             assert store.get(odd.id).payload == {"text": "\0 \ud800 \u2028", "n": None}
+            check_upgrade(engine)
         finally:
             engine.dispose()
 

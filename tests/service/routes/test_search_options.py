@@ -142,8 +142,11 @@ def test_all_options_together_give_a_proven_plan(plan_in):
         "weights": {f"{JOINT}.angular": 0.5},
         "bounds": {f"{JOINT}.x": [-0.4, 0.4]},
         "spaces": {JOINT: "position"},
+        "num_states": 300,
+        "setup_time": 10.0,
         "solve_time": 10.0,
         "shortcut_time": 1.0,
+        "interpolate_time": 10.0,
         "objective": "clearance",
         "approximate": True,
         "keep_graph": True,
@@ -154,6 +157,28 @@ def test_all_options_together_give_a_proven_plan(plan_in):
     assert job["result"]["certificate"]["proven"]
     assert {row[2] for row in job["result"]["path"]} == {0.0}
     assert job["request"]["search"]["bounds"] == {f"{JOINT}.x": [-0.4, 0.4]}
+    assert job["result"]["stages"]["search"]["interpolated"]
+    assert len(job["result"]["path"]) >= 300
+    assert {"setup", "solve", "shortcut", "interpolate"} <= set(job["timings"])
+
+
+def test_no_time_to_interpolate_loses_no_path(plan_in):
+    rough, cut = (
+        plan_in(search).json() for search in ({}, {"num_states": 300, "interpolate_time": 0})
+    )
+    assert cut["state"] == "succeeded", cut["failure"]
+    assert not cut["result"]["stages"]["search"]["interpolated"]
+    assert cut["result"]["path"] == rough["result"]["path"]
+    assert cut["digest"] == rough["digest"]
+
+
+def test_a_setup_that_takes_too_long_is_told_as_such(plan_in):
+    job = plan_in({"setup_time": 1e-9, "attempts": 2}).json()
+    assert (job["state"], job["failure"]["code"]) == ("failed", "no_path_found")
+    assert job["failure"]["stage"] == "search"
+    evidence = job["failure"]["evidence"]
+    assert (evidence["reason"], evidence["during"]) == ("setup", "setup")
+    assert evidence["spent"] > evidence["budget"] == 1e-9
 
 
 def test_the_graph_is_there_for_who_asked(client, plan_in):

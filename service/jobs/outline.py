@@ -1,0 +1,56 @@
+"""Outline: what is left of a job's content where many jobs are listed.
+
+Trajectories, graphs and faces of regions are megabytes; a list shows none of them, and so does not
+read them. An outline is the content without its large members, everything else in its place: who
+reads the one can read the other.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+
+@dataclass(frozen=True)
+class Outline:
+    """The large members of what a task is given and gives, as dotted names of members.
+
+    Attributes:
+        payload: Of its payload.
+        result: Of what it returns.
+        failure: Of how it failed.
+    """
+
+    payload: tuple[str, ...] = ()
+    result: tuple[str, ...] = ()
+    failure: tuple[str, ...] = ()
+
+
+_PLAN = Outline(
+    payload=("motion",),
+    result=("result", "polynomial", "graph"),
+    failure=("evidence.graph",),
+)
+_OUTLINES: Mapping[str, Outline] = {
+    "service.tasks.plan:plan_motion": _PLAN,
+    "service.tasks.reverse:reverse_motion": _PLAN,
+    "service.tasks.regions:grow": Outline(result=("result.regions", "result.portals")),
+    "service.tasks.execute:execute": Outline(payload=("trajectory",)),
+}
+_NOTHING_LARGE = Outline()
+
+
+def outline_of(task: str) -> Outline:
+    """Return the outline of what a task, `module:function`, is given and gives."""
+    return _OUTLINES.get(task, _NOTHING_LARGE)
+
+
+def without(content: Any, members: tuple[str, ...]) -> Any:
+    """Return content without some members, which need not be there; the content itself stays."""
+    for member in members:
+        first, _, rest = member.partition(".")
+        if not isinstance(content, dict) or first not in content:
+            continue
+        inner: Any = without(content[first], (rest,)) if rest else None
+        kept = {name: item for name, item in content.items() if name != first}
+        content = {**kept, first: inner} if rest else kept
+    return content

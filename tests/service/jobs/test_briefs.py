@@ -1,0 +1,192 @@
+"""Lists read briefs and no bodies, and what older versions wrote is listed as well."""
+
+from contextlib import contextmanager
+from dataclasses import fields, replace
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from sqlalchemy import event, insert, select, update
+
+from planning.errors import Canceled, NoPathFound
+from service.jobs import briefs as filling
+from service.jobs.database import open_engine
+from service.jobs.json_text import Encoded, encode
+from service.jobs.outline import outline_of, without
+from service.jobs.records import JobBrief, JobSpec, bodies, briefs, jobs, metadata
+from service.jobs.states import JobState
+from service.jobs.store import JobStore
+
+PLAN = "service.tasks.plan:plan_motion"
+REVERSE = "service.tasks.reverse:reverse_motion"
+REGIONS = "service.tasks.regions:grow"
+EXECUTE = "service.tasks.execute:execute"
+LARGE = [[0.1] * 7] * 50
+PAYLOAD = {"request": {"seed": 1}, "revision": 2, "motion": LARGE, "trajectory": LARGE}
+RESULTS = {
+    PLAN: {"result": LARGE, "polynomial": LARGE, "graph": None, "timings": {"goals": 0.1 + 0.2}},
+    REVERSE: {"result": LARGE, "polynomial": LARGE, "timings": {}, "digest": "d"},
+    REGIONS: {"result": {"regions": LARGE, "portals": [], "num_regions": 1}, "timings": {"x": 1}},
+    EXECUTE: {"status": {"positions": [0.5], "time": 1.5}},
+    "m:f": {"anything": LARGE},
+}
+NO_PATH = NoPathFound("none", {"graph": LARGE, "approximate": {"goal_distance": 0.5}})
+
+
+@pytest.fixture
+def engine(tmp_path):
+    made = open_engine(f"sqlite:///{tmp_path / 'jobs.sqlite'}")
+    yield made
+    made.dispose()
+
+
+@contextmanager
+def statements(engine):
+    """What is asked of the database meanwhile."""
+    told = []
+
+    def listen(_, __, statement, *___):
+        told.append(statement)
+
+    event.listen(engine, "before_cursor_execute", listen)
+    try:
+        yield told
+    finally:
+        event.remove(engine, "before_cursor_execute", listen)
+
+
+def add_some(store):
+    """Jobs of every task in every state; what tasks gave is told without a brief of their own."""
+    for task, result in RESULTS.items():
+        for how in JobState:
+            job, _ = store.insert(JobSpec("plan", task, PAYLOAD, scene="s"))
+            if how in {JobState.QUEUED, JobState.CANCELED}:
+                if how is JobState.CANCELED:
+                    store.cancel_queued(job.id, Canceled("on request"))
+                continue
+            store.start(job.id)
+            if how is JobState.SUCCEEDED:
+                short = without(result, outline_of(task).result)
+                store.succeed(job.id, Encoded(encode(result)), Encoded(encode(short)))
+            if how is JobState.FAILED:
+                store.fail(job.id, NO_PATH)
+
+
+def assert_listed(store, engine):
+    """Every job is listed as it is but for what is large, and nothing large is read for it."""
+    with statements(engine) as told:
+        page = store.page("plan", {"scene": "s"}, limit=100)
+    assert told
+    assert not any("job_bodies" in statement for statement in told)
+    assert len(page) == len(RESULTS) * len(JobState)
+    for brief in page:
+        whole, outline = store.get(brief.id), outline_of(brief.task)
+        expected = replace(
+            whole,
+            **{part: without(getattr(whole, part), getattr(outline, part)) for part in PARTS},
+        )
+        names = [field.name for field in fields(JobBrief)]
+        assert [getattr(brief, n) for n in names] == [getattr(expected, n) for n in names]
+        if brief.task in {PLAN, REVERSE}:
+            assert "motion" not in brief.payload
+            assert len(encode([brief.result, brief.failure])) < 400
+        if brief.task in {REGIONS, EXECUTE}:
+            assert len(encode(brief.result)) < 400
+
+
+PARTS = ("payload", "result", "failure")
+
+
+def check_upgrade(engine):
+    """A database without briefs, then one whose jobs ended under a version that writes none."""
+    metadata.drop_all(engine)
+    metadata.create_all(engine)
+    store = JobStore(engine)
+    add_some(store)
+    briefs.drop(engine)
+    store.open()
+    assert_listed(store, engine)
+    with engine.begin() as connection:
+        connection.execute(update(briefs).values(result=None, failure=None))
+    store.open()
+    assert_listed(store, engine)
+    with statements(engine) as told:
+        store.open()
+    assert not any("job_bodies" in statement and "SELECT" in statement for statement in told)
+
+
+def test_lists_have_all_but_what_is_large(engine):
+    store = JobStore(engine)
+    store.open()
+    add_some(store)
+    assert_listed(store, engine)
+
+
+def test_what_an_older_version_wrote_is_listed_as_well(engine):
+    check_upgrade(engine)
+
+
+def test_whoever_interrupts_an_upgrade_loses_nothing(engine, monkeypatch):
+    store = JobStore(engine)
+    store.open()
+    add_some(store)
+    briefs.drop(engine)
+    kept, calls = filling.without, []
+
+    def fails_late(content, members):
+        calls.append(1)
+        if len(calls) > 60:
+            raise KeyboardInterrupt
+        return kept(content, members)
+
+    monkeypatch.setattr(filling, "without", fails_late)
+    with pytest.raises(KeyboardInterrupt):
+        store.open()
+    with engine.connect() as connection:
+        assert len(connection.execute(select(briefs)).all()) == 16
+    monkeypatch.setattr(filling, "without", kept)
+    store.open()
+    assert_listed(store, engine)
+
+
+def test_jobs_without_a_body_do_not_keep_a_store_from_opening(engine):
+    """As nothing writes them: rows that somebody lost."""
+    store = JobStore(engine)
+    store.open()
+    add_some(store)
+    with engine.begin() as connection:
+        lost = connection.execute(select(jobs.c.id).limit(3)).scalars().all()
+        connection.execute(bodies.delete().where(bodies.c.job.in_(lost)))
+        connection.execute(briefs.delete().where(briefs.c.job.in_(lost)))
+        connection.execute(insert(bodies).values(job="nobody", payload={}))
+    store.open()
+    assert len(store.page("plan", limit=100)) == len(RESULTS) * len(JobState) - 3
+
+
+JSON = st.recursive(
+    st.integers() | st.text(max_size=2),
+    lambda inner: st.dictionaries(st.sampled_from("abc"), inner) | st.lists(inner, max_size=2),
+    max_leaves=12,
+)
+MEMBERS = st.lists(st.lists(st.sampled_from("abc"), min_size=1, max_size=3).map(".".join))
+
+
+def at(content, path):
+    for name in path:
+        if not isinstance(content, dict) or name not in content:
+            return None
+        content = content[name]
+    return [content]
+
+
+@given(JSON, MEMBERS)
+def test_what_is_left_out_is_gone_and_the_rest_is_in_its_place(content, members):
+    before = encode(content)
+    short = without(content, tuple(members))
+    assert encode(content) == before
+    left_out = [member.split(".") for member in members]
+    for path in ([a, *b] for a in "abc" for b in ([], ["a"], ["b"], ["c"])):
+        if any(path[: len(out)] == out for out in left_out):
+            assert at(short, path) is None
+        elif not any(out[: len(path)] == path for out in left_out):
+            assert at(short, path) == at(content, path)
