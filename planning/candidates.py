@@ -149,7 +149,11 @@ def _wished(candidate: Candidate, wish: Wish) -> Candidate:
 
 def _others(options: RetimeOptions) -> MotionLimits:
     return MotionLimits(
-        options.tool_limits, options.acceleration_bounds, options.effort, options.payload
+        options.tool_limits,
+        options.speed_zones,
+        options.acceleration_bounds,
+        options.effort,
+        options.payload,
     )
 
 

@@ -68,16 +68,18 @@ class SpeedZone(Value):
 
 @dataclass(frozen=True, eq=False)
 class MotionLimits(Value):
-    """Those of these limits that hold all along a motion, wherever it leads.
+    """All these limits, and those of torques.
 
     Attributes:
         tool_limits: Of frames.
+        speed_zones: In boxes, in world.
         acceleration_bounds: Of joints.
         effort: Whether the limits on joint torques and forces are kept.
         payload: What the group carries that the scene does not show; it counts for efforts.
     """
 
     tool_limits: tuple[ToolLimit, ...] = ()
+    speed_zones: tuple[SpeedZone, ...] = ()
     acceleration_bounds: AccelerationBounds = field(default_factory=dict)
     effort: bool = False
     payload: Payload | None = None

@@ -20,13 +20,8 @@ from planning.refine.felt import pace_along
 from planning.refine.look import DISTANCE_PRICE, Look
 from planning.refine.nearness import Near, Nearness
 from planning.refine.numbering import numbering_of
-from planning.refine.pace import (
-    RATE_PRICE,
-    both_ends,
-    duration_of,
-    grid_of,
-    haste_of,
-)
+from planning.refine.pace import both_ends, duration_of, grid_of, haste_of
+from planning.refine.pace_rows import RATE_PRICE
 from planning.refine.soft_rows import Rows, SoftProgram
 from planning.refine.wish import Wish
 

@@ -1,5 +1,6 @@
 """Felt: what loads do along one curve, as rows of the pace's program and of the model's."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -9,7 +10,8 @@ from jaxtyping import Float64
 from planning.refine.bounds import Bounds
 from planning.refine.load import MOST_HELD, Load
 from planning.refine.moments import Moments, grid_weights
-from planning.refine.pace import PaceRows, Rates, fastest_pace, grid_of
+from planning.refine.pace import Rates, fastest_pace, grid_of
+from planning.refine.pace_rows import PaceRows
 from planning.refine.strain import Strain
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
@@ -26,27 +28,28 @@ class Felt:
     Attributes:
         count: Of the control points.
         loads: One at least.
-        states: r, r' and r'' at the points of the pace's grid, shape (3, n + 1, nq).
+        states: r, r' and r'' at the ends of parts of the grid's intervals, by the number of these
+            parts, shape (3, n parts + 1, nq) each.
         pace_rows: Of all loads.
         excess: What standing still at the grid's points asks for beyond `MOST_HELD`, summed up.
     """
 
     count: int
     loads: tuple[Load, ...]
-    states: Array
+    states: Mapping[int, Array]
     pace_rows: PaceRows
     excess: float
 
     @classmethod
     def of(cls, points: Float64[np.ndarray, "k nq"], loads: tuple[Load, ...]) -> "Felt":
         """Look at the curve with these control points."""
-        weights = grid_weights(len(points))
-        states = np.einsum("onk,nkj->onj", weights.local, points[weights.owners])
-        found = [load.pace_rows(*states) for load in loads]
-        ahead, bend = (np.concatenate(parts, axis=1) for parts in zip(*found, strict=True))
-        held = np.concatenate([load.held(states[0]) for load in loads], axis=1)
-        excess = float(np.maximum(np.abs(held) - MOST_HELD, 0.0).sum())
-        return cls(len(points), loads, states, PaceRows(ahead, bend), excess)
+        states = {load.parts: _states(points, load.parts) for load in loads}
+        step = grid_of(len(points)).step
+        found = [
+            PaceRows.of(step, *load.pace_rows(*states[load.parts]), load.parts) for load in loads
+        ]
+        excess = sum(_excess(load.held(states[load.parts][0])) for load in loads)
+        return cls(len(points), loads, states, PaceRows.joined(found), excess)
 
     @property
     def cost(self) -> float:
@@ -55,11 +58,22 @@ class Felt:
 
     def strains(self, b: Float64[np.ndarray, " n_plus_1"], duration: float) -> tuple[Strain, ...]:
         """Return the strains at a pace that takes so long, and those without motion."""
-        moments = Moments.of(self.count, self.states, b)
+        moments = {
+            parts: Moments.of(self.count, states, b, parts) for parts, states in self.states.items()
+        }
         price = _EXCESS_PRICE * MOST_HELD / duration
-        moving = (Strain.of(load, moments) for load in self.loads)
-        still = (Strain.still(load, moments, price) for load in self.loads)
+        moving = (Strain.of(load, moments[load.parts]) for load in self.loads)
+        still = (Strain.still(load, moments[load.parts], price) for load in self.loads)
         return (*moving, *still)
+
+
+def _states(points: Float64[np.ndarray, "k nq"], parts: int) -> Array:
+    weights = grid_weights(len(points), parts)
+    return np.einsum("onk,nkj->onj", weights.local, points[weights.owners])
+
+
+def _excess(held: Float64[np.ndarray, "m k"]) -> float:
+    return float(np.maximum(np.abs(held) - MOST_HELD, 0.0).sum())
 
 
 def pace_along(

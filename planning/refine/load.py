@@ -20,7 +20,16 @@ _STEP = 1e-6
 
 @runtime_checkable
 class Load(Protocol):
-    """Vectors no longer than 1, some of each motion; of groups whose joints do not float."""
+    """Vectors no longer than 1, some of each motion; of groups whose joints do not float.
+
+    Attributes:
+        parts: Into how many parts the intervals of the pace's grid are cut to look at it.
+    """
+
+    @property
+    def parts(self) -> int:
+        """How finely it is looked at: 1 for what changes little from one point to the next."""
+        ...
 
     def vectors(
         self,

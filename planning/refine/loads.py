@@ -13,6 +13,7 @@ from planning.refine.load import Load
 from planning.refine.request import RefineRequest
 from planning.refine.tool_load import ToolLoad
 from planning.refine.torque_load import TorqueLoad
+from planning.refine.zone_load import ZoneLoad
 from planning.world.dynamics import GroupDynamics
 from planning.world.tool_kinematics import ToolKinematics
 from planning.world.world import World
@@ -56,6 +57,8 @@ def _loads(world: World, request: RefineRequest) -> tuple[Load, ...]:
     tools = tuple(
         ToolLoad(ToolKinematics(world, group, limit.frame), limit) for limit in others.tool_limits
     )
+    zones = tuple(ZoneLoad.of(world, group, zone) for zone in others.speed_zones)
     if not others.effort:
-        return tools
-    return TorqueLoad.of(GroupDynamics(world, group, others.payload), request.limits), *tools
+        return *tools, *zones
+    efforts = TorqueLoad.of(GroupDynamics(world, group, others.payload), request.limits)
+    return efforts, *tools, *zones

@@ -16,16 +16,13 @@ from jaxtyping import Float64
 
 from planning.refine.basis import num_spans, weights_at
 from planning.refine.bounds import Bounds
+from planning.refine.pace_rows import RATE_PRICE, STANDSTILL, PaceRows
 from planning.refine.soft_rows import Rows, SoftProgram
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 type Indices = np.ndarray[Any, np.dtype[np.intp]]
 
-# What exceeding a limit by its own size costs, in durations.
-RATE_PRICE = 10.0
 _PER_SPAN = 4
-# Where nothing moves the pace is bounded by nothing but this, in units of 1 / s^2.
-_STANDSTILL = 1e-12
 # Of its cap, so that the pace rests nowhere on the way.
 _SLOWEST = 1e-9
 
@@ -102,7 +99,7 @@ class Rates:
         fastest = np.abs(self.speed[1:, 0]).max(axis=1)
         swing = np.abs(self.swing).max(axis=1)
         wildest = np.maximum(swing[1:], swing[:-1])
-        return 1 / np.maximum(np.maximum(fastest**2, wildest ** (2 / 3)), _STANDSTILL)
+        return 1 / np.maximum(np.maximum(fastest**2, wildest ** (2 / 3)), STANDSTILL)
 
     def accelerations(self, grid: Grid, b: Float64[np.ndarray, " n_plus_1"]) -> Array:
         """Return acceleration over the larger of its bounds, shape (n, 2, nq)."""
@@ -127,48 +124,6 @@ def both_ends(b: Any) -> Any:
     return np.stack([b[:-1], b[1:]], axis=1)
 
 
-@dataclass(frozen=True)
-class PaceRows:
-    """What else bounds the pace: ahead u + bend b <= 1 at every grid point, on both sides of it.
-
-    Attributes:
-        ahead: Shape (n + 1, rows).
-        bend: Likewise.
-    """
-
-    ahead: Array
-    bend: Array
-
-    def caps(self) -> Array:
-        """Return bounds on b at every grid point but the ends, by the rows that know no u."""
-        steady = np.where(self.ahead == 0, self.bend, 0.0).max(axis=1, initial=0.0)
-        return 1 / np.maximum(steady[1:-1], _STANDSTILL)
-
-    def worst(self, grid: Grid, b: Float64[np.ndarray, " n_plus_1"]) -> float:
-        """Return the largest value of a row."""
-        u = np.diff(b)[:, None, None] / (2 * grid.step)
-        values = both_ends(self.ahead) * u + both_ends(self.bend * b[:, None])
-        return float(values.max(initial=0.0))
-
-    def rows(self, grid: Grid, caps: Array, columns: Indices) -> Rows:
-        """Return those that can bind, in units of caps at the grid.
-
-        Args:
-            grid: Of the pace.
-            caps: Of b, shape (n + 1,).
-            columns: Of b at both ends of every interval, shape (n, 2).
-        """
-        a = both_ends(self.ahead) / (2 * grid.step)
-        slopes = np.stack([-a, a], axis=-1)
-        for end in (0, 1):
-            slopes[:, end, :, end] += both_ends(self.bend)[:, end]
-        values = -slopes * both_ends(caps)[:, None, None]
-        matched = np.broadcast_to(columns[:, None, None], values.shape).reshape(-1, 2)
-        values = values.reshape(-1, 2)
-        rows = Rows(matched, values, np.full(len(values), -1.0), RATE_PRICE)
-        return rows.taken(np.minimum(values, 0).sum(axis=1) < -1)
-
-
 def fastest_pace(
     grid: Grid, rates: Rates, others: PaceRows | None = None
 ) -> Float64[np.ndarray, " n_plus_1"]:
@@ -189,7 +144,7 @@ def fastest_pace(
     now = np.zeros(values.shape[:-1])
     rows = Rows.between(columns, values, now, rates.signed[:, None, :, None], RATE_PRICE)
     rows = rows.taken(np.minimum(rows.values, 0).sum(axis=1) < -1)
-    many = (rows,) if others is None else (rows, others.rows(grid, caps, both_ends(number)))
+    many = (rows,) if others is None else (rows, others.rows(caps, both_ends(number)))
     size = n - 1
     program = SoftProgram(
         np.full(size, -1 / size), np.zeros(size), np.zeros(size), np.ones(size), many
@@ -198,7 +153,7 @@ def fastest_pace(
     b[1:-1] = np.clip(program.solve(), _SLOWEST, 1.0) * caps[1:-1]
     # The solver keeps rows to its tolerance; the whole pace is slowed down by the worst.
     worst = rates.worst(grid, b)
-    return b / max(1.0, worst if others is None else max(worst, others.worst(grid, b)))
+    return b / max(1.0, worst if others is None else max(worst, others.worst(b)))
 
 
 def duration_of(grid: Grid, b: Float64[np.ndarray, " n_plus_1"]) -> float:

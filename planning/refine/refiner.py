@@ -13,13 +13,13 @@ from planning.domain.path import JointPath
 from planning.domain.report import RefineReport
 from planning.domain.steering import steering_of
 from planning.refine.audit import length_of
-from planning.refine.basis import centres
 from planning.refine.chart import FlatChart, chart_of
+from planning.refine.quickest import quickest
 from planning.refine.request import RefineRequest
 from planning.refine.soft_rows import solver_name
 from planning.refine.task import RefineTask
 from planning.world.kernel_scene import kernel_scene_of
-from planning.world.world import Array, World
+from planning.world.world import World
 
 # How closely the guess follows the path [rad or m]: nearer where the first led to nothing free.
 _CLOSE = (0.15, 0.04)
@@ -27,8 +27,6 @@ _CLOSE = (0.15, 0.04)
 _AMPLE = 0.5
 # Of the time that is left, what this stage may take.
 _SHARE = 0.35
-# Where the first descent ends farther above it than this, another way is tried as well.
-_SATISFYING = 1.03
 
 
 def refine(
@@ -57,34 +55,18 @@ def refine(
     report = replace(report, solver=solver_name(), lower_bound=task.least)
     if not task.is_held:
         return None, replace(report, reason="gravity is more than a joint can hold at an end")
-    best, steps, reason = None, 0, ""
     guesses = [task.fitted(closeness) for closeness in _CLOSE]
-    for guess in guesses:
-        if best is None and not share.is_over:
-            best, more, reason = task.descend(guess)
-            steps += more
-    if best is not None and best.worth > _SATISFYING * task.least and not share.is_over:
-        other, more, _ = task.descend(_straightened(best.points))
-        steps += more
-        best = other if other is not None and other.worth < best.worth else best
-    report = replace(report, rounds=steps, duration_before=task.duration_of(guesses[0]))
-    if best is not None and steps == 0 and len(task.waypoints) == 2:
+    found = quickest(world, task, guesses)
+    best = found.best
+    report = replace(report, rounds=found.steps, duration_before=task.duration_of(guesses[0]))
+    if best is not None and found.steps == 0 and len(task.waypoints) == 2:
         return None, replace(report, reason="nothing is quicker than the straight path")
     if best is None:
-        return None, replace(report, reason=reason)
+        return None, replace(report, reason=found.reason or "no time was left")
     curve = task.curve_of(best)
     return curve, replace(
         report, improved=True, length_after=length_of(curve), duration_after=best.duration
     )
-
-
-def _straightened(points: Array) -> Array:
-    """Return control points halfway to the straight line between the ends.
-
-    A descent stops on the side of obstacles where it began; from here others are as near.
-    """
-    straight = points[0] + centres(len(points))[:, None] * (points[-1] - points[0])
-    return (points + straight) / 2
 
 
 def _refusal(world: World, request: RefineRequest, share: Deadline) -> str:

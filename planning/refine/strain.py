@@ -7,8 +7,8 @@ import numpy as np
 from jaxtyping import Float64
 
 from planning.refine.load import MOST_HELD, Load, difference_quotients
-from planning.refine.moments import Moments, grid_weights
-from planning.refine.pace import RATE_PRICE
+from planning.refine.moments import Moments
+from planning.refine.pace_rows import RATE_PRICE
 from planning.refine.soft_rows import Rows
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
@@ -27,10 +27,11 @@ _BOTH = np.array([-1.0, 1.0])
 
 @dataclass(frozen=True)
 class Strain:
-    """One load's ratios at both ends of every interval of the grid, where they are large.
+    """One load's ratios at places on every interval of the grid, where they are large.
 
     Attributes:
-        places: Which points of the grid, shape (m,).
+        places: Which of all, shape (m,).
+        owners: The control points that matter there, shape (m, 4).
         intervals: Of which u is, shape (m,).
         now: The ratios, shape (m, rows).
         by_point: Their slopes by coordinates of control points, shape (m, rows, 4, nq).
@@ -40,6 +41,7 @@ class Strain:
     """
 
     places: Indices
+    owners: Indices
     intervals: Indices
     now: Array
     by_point: Array
@@ -61,6 +63,7 @@ class Strain:
         )
         return cls(
             moments.places,
+            moments.owners,
             moments.intervals,
             np.einsum("mbrd,mbd->mbr", normals, vectors).reshape(rows),
             moments.by_point(by_q, by_v, by_vdot),
@@ -70,14 +73,14 @@ class Strain:
     @classmethod
     def still(cls, load: Load, moments: Moments, price: float) -> "Strain":
         """Look at what the load asks for without any motion."""
-        moments = moments.taken(np.flatnonzero(moments.places > moments.intervals))
+        moments = moments.taken(np.flatnonzero(moments.shares == 1))
         held = load.held(moments.states[0])
         seen = np.flatnonzero((np.abs(held) > _HELD_SEEN).any(axis=1))
         moments = moments.taken(seen)
         (by_q,) = difference_quotients(load.held, moments.states[0])
         none = np.zeros_like(by_q)
         by_point, by_pace = moments.by_point(by_q, none, none), moments.by_pace(none, none)
-        ends = moments.places, moments.intervals
+        ends = moments.places, moments.owners, moments.intervals
         return cls(*ends, held[seen], by_point, by_pace, MOST_HELD, price)
 
     def rows(self, points: Indices, pace: Indices, side: Array) -> Rows:
@@ -91,9 +94,10 @@ class Strain:
         m, rows = self.now.shape
         by_point = (self.by_point * side).reshape(m, rows, 4 * len(side))
         values = np.concatenate([by_point, self.by_pace], axis=2)
-        owners = grid_weights(len(points)).owners[self.places]
         around = np.stack([pace[self.intervals], pace[self.intervals + 1]], axis=-1)
-        columns = np.concatenate([points[owners].reshape(m, 4 * points.shape[1]), around], axis=1)
+        columns = np.concatenate(
+            [points[self.owners].reshape(m, 4 * points.shape[1]), around], axis=1
+        )
         columns = np.broadcast_to(columns[:, None], values.shape)
         bounds = self.bound * _BOTH[:, None, None]
         found = Rows.between(columns, values, self.now, bounds, self.price)

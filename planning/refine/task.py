@@ -3,6 +3,7 @@
 from dataclasses import dataclass, replace
 
 import numpy as np
+from jaxtyping import Float64
 
 from planning.domain.curve import JointSpline
 from planning.domain.deadline import Deadline
@@ -35,6 +36,8 @@ _APART = 0.045
 _FEWEST, _MOST = 60, 200
 # Nothing is to be gained from a motion that is this near to the least possible duration.
 _OPTIMAL = 1.002
+# Where the best curve is farther above it than this, other ways are worth trying.
+_SATISFYING = 1.03
 # So many curves that a predicate refuses are enough: nothing leads to others.
 _MOST_REJECTED = 2
 _REJECTED = "a predicate rejects the optimised curve"
@@ -99,14 +102,23 @@ class RefineTask:
         ends = self.waypoints[[0, -1]]
         return all((np.abs(load.held(ends)) <= 1).all() for load in self.bounds.loads)
 
+    def wants_more_than(self, best: Look | None) -> bool:
+        """Return whether there is time for other ways than the best so far, and a need for them."""
+        is_near = best is not None and best.worth <= _SATISFYING * self.least
+        return not (is_near or self.share.is_over)
+
     def curve_of(self, seen: Look) -> JointSpline:
         """Return a curve in the form in which it goes on."""
         return self.chart.curve(seen.points)
 
     def fitted(self, closeness: float) -> Array:
         """Return the control points of a curve near the path."""
+        return self.near(self.waypoints, closeness)
+
+    def near(self, waypoints: Float64[np.ndarray, "n nv"], closeness: float = 0.15) -> Array:
+        """Return the control points of a curve near a polyline between the path's ends."""
         limits = self.box
-        guess = fit_control_points(self.waypoints, self.bounds.velocity, closeness)
+        guess = fit_control_points(waypoints, self.bounds.velocity, closeness)
         guess[1:-1] = np.clip(guess[1:-1], limits.lower, limits.upper)
         return guess
 

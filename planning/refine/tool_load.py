@@ -39,6 +39,11 @@ class ToolLoad:
     kinematics: ToolKinematics
     limit: ToolLimit
 
+    @property
+    def parts(self) -> int:
+        """The ends of intervals are enough."""
+        return 1
+
     def vectors(self, q: Array, v: Array, vdot: Array) -> Array:
         """Return velocity and acceleration over their limits, whichever are limited."""
         if self.limit.acceleration is None:
@@ -105,11 +110,11 @@ class ToolLoad:
 
     def _velocities(self, q: Array, v: Array) -> Array:
         """Return J v; v may have fewer rows, which repeat."""
-        return self.kinematics.velocities(q, _repeated(v, len(q)))
+        return self.kinematics.velocities(q, repeated(v, len(q)))
 
     def _rates(self, q: Array, v: Array, vdot: Array) -> tuple[Array, Array]:
         """Return the origin's velocity and acceleration: J v, and J vdot + J' v; likewise."""
-        v, vdot = _repeated(v, len(q)), _repeated(vdot, len(q))
+        v, vdot = repeated(v, len(q)), repeated(vdot, len(q))
         reach = _STEP / np.maximum(_lengths(v), _TINY)
         places = np.concatenate([q, q, q + reach * v, q - reach * v])
         found = self.kinematics.velocities(places, np.concatenate([v, vdot, v, v]))
@@ -117,7 +122,8 @@ class ToolLoad:
         return velocity, pushed + (later - sooner) / (2 * reach)
 
 
-def _repeated(rows: Array, count: int) -> Array:
+def repeated(rows: Array, count: int) -> Array:
+    """Return rows that come again and again, so many in all."""
     return np.tile(rows, (count // max(len(rows), 1), 1))
 
 

@@ -40,6 +40,11 @@ class TorqueLoad:
         columns = np.flatnonzero(np.isfinite(efforts) & (efforts > 0))
         return cls(dynamics, columns, efforts[columns])
 
+    @property
+    def parts(self) -> int:
+        """The ends of intervals are enough."""
+        return 1
+
     def vectors(self, q: Array, v: Array, vdot: Array) -> Array:
         """Return torque over limit, a vector of one component for each joint."""
         held = self.held(q)

@@ -7,12 +7,14 @@ import pytest
 
 import planning
 from planning import candidates
+from planning.domain.constraint import PlacedBox
 from planning.domain.deadline import Deadline
 from planning.domain.goal import JointGoal
-from planning.domain.motion_limits import MotionLimits, ToolLimit
+from planning.domain.motion_limits import MotionLimits, SpeedZone, ToolLimit
 from planning.domain.options import RefineOptions, RetimeOptions, SearchOptions
 from planning.domain.payload import Payload
 from planning.domain.plan import MotionPlan
+from planning.domain.pose import Pose
 from planning.domain.problem import PlanningProblem
 from planning.errors import RetimingFailed
 from tests.conftest import bundled_world
@@ -41,6 +43,11 @@ ACCELERATION = {
     for name, frame in FRAMES.items()
 }
 SIGNED = {name: RetimeOptions(acceleration_bounds=bounds) for name, bounds in BOUNDS.items()}
+ON_THE_WAY = {"ur5e": [0.31, 0.36, 0.3], "panda": [0.24, 0.16, 0.43]}
+SLOW = {
+    name: SpeedZone("slow", frame, PlacedBox(np.full(3, 0.15), Pose.from_parts(place)), 0.15)
+    for (name, place), frame in zip(ON_THE_WAY.items(), FRAMES.values(), strict=True)
+}
 RUCKIG = RetimeOptions("ruckig", tool_limits=SPEED["panda"].tool_limits)
 
 
@@ -58,6 +65,8 @@ CASES = {
     "panda, signed": ("panda", BEHIND, SIGNED["panda"]),
     "panda, torque": ("panda", BEHIND, carrying("panda", 3.5)),
     "panda, ruckig": ("panda", OPEN, RUCKIG),
+    "ur5e, zone": ("ur5e", OPEN, RetimeOptions(speed_zones=(SLOW["ur5e"],))),
+    "panda, zone": ("panda", OPEN, RetimeOptions("ruckig", speed_zones=(SLOW["panda"],))),
 }
 
 

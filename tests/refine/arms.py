@@ -2,8 +2,9 @@
 
 import numpy as np
 
+from planning.domain.constraint import PlacedBox
 from planning.domain.joints import JointGroup
-from planning.domain.motion_limits import MotionLimits, ToolLimit
+from planning.domain.motion_limits import MotionLimits, SpeedZone, ToolLimit
 from planning.domain.options import RefineOptions
 from planning.domain.path import JointPath
 from planning.domain.payload import Payload
@@ -17,7 +18,7 @@ ARMS = {
     "ur5e": ("ur5e_pickup", "arm", "arm::tcp", 7.5),
     "panda": ("panda_shelf", "panda", "panda::panda_hand_tcp", 2.5),
 }
-KINDS = ("torque", "speed", "acceleration", "both")
+KINDS = ("torque", "speed", "acceleration", "both", "zone")
 
 
 def arm_of(name: str) -> tuple[World, JointGroup]:
@@ -28,12 +29,16 @@ def arm_of(name: str) -> tuple[World, JointGroup]:
 
 def limits_of(name: str, kind: str) -> MotionLimits:
     _, _, frame, mass = ARMS[name]
+    world, _ = arm_of(name)
+    about = world.frame_pose(frame, world.state)
+    zone = SpeedZone("slow", frame, PlacedBox(np.array([0.25, 0.2, 0.3]), about), 0.2)
     carried = Payload.from_parts(frame, mass, (0.0, 0.0, 0.05))
     return {
         "torque": MotionLimits(effort=True, payload=carried),
         "speed": MotionLimits((ToolLimit(frame, speed=0.4),)),
         "acceleration": MotionLimits((ToolLimit(frame, acceleration=1.5),)),
         "both": MotionLimits((ToolLimit(frame, speed=0.5, acceleration=2.0),)),
+        "zone": MotionLimits(speed_zones=(zone,)),
     }[kind]
 
 

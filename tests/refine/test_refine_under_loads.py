@@ -56,6 +56,7 @@ def options_of(others: MotionLimits, method: str = "toppra") -> RetimeOptions:
     return RetimeOptions(
         method=method,
         tool_limits=others.tool_limits,
+        speed_zones=others.speed_zones,
         acceleration_bounds=others.acceleration_bounds,
         effort=others.effort,
         payload=others.payload,

@@ -69,7 +69,7 @@ class BoxRule:
 
     def residual(self, q: Float64[np.ndarray, " nq"]) -> Float64[np.ndarray, "3"]:
         """Return by how much the origin misses the box, less the room, along its axes [m]."""
-        local = self._local(q[None])[0]
+        local = self.local(q[None])[0]
         return np.sign(local) * np.maximum(np.abs(local) - (self.half - 2 * self.room), 0.0)
 
     def jacobian(self, q: Float64[np.ndarray, " nq"]) -> Float64[np.ndarray, "3 nv"]:
@@ -81,12 +81,13 @@ class BoxRule:
     def _rotation(self) -> Array:
         return rotation.matrix(self.pose.quaternion)
 
-    def _local(self, qs: Array) -> Array:
+    def local(self, qs: Float64[np.ndarray, "m nq"]) -> Float64[np.ndarray, "m 3"]:
+        """Return where each row's origin is in the box's axes, from its middle [m]."""
         return (self.motion.poses(qs)[1] - self.pose.position) @ self._rotation
 
     def spares(self, qs: Float64[np.ndarray, "m nq"]) -> Float64[np.ndarray, " m"]:
         """Return how far each row's origin is from the faces, on the right side [m]."""
-        beyond = np.abs(self._local(qs)) - self.half
+        beyond = np.abs(self.local(qs)) - self.half
         worst = beyond.max(axis=1)
         if self.is_inside:
             return -worst
