@@ -178,21 +178,30 @@ def _clear_deviations(
     rules: PathRules | None,
 ) -> Iterator[float]:
     """Yield the deviations that do not collide at a glance; what does is not worth timing."""
+    *rounded, sharp = _deviations(problem.retime)
     if steering_of(path.group):
         # Rounded, a car's path would leave the arcs that it can drive.
-        yield _DEVIATIONS[-1]
+        yield sharp
         return
     group = world.group(problem.group)
     oracle = world.collision_oracle(group, margins)
     smoothness = 2 if problem.retime.method == "ruckig" else 1
     count = int(path.length / _GLANCE) + 2
-    for deviation in _DEVIATIONS[:-1]:
+    for deviation in rounded:
         curve = blend_corners(path, deviation, smoothness)
         glances = curve.positions(np.linspace(0.0, 1.0, count))
         is_kept = rules is None or bool(rules.are_kept(glances).all())
         if is_kept and oracle.are_free(glances).all():
             yield deviation
-    yield _DEVIATIONS[-1]
+    yield sharp
+
+
+def _deviations(options: RetimeOptions) -> tuple[float, ...]:
+    """Return how far corners may be rounded, largest first; the last is 0."""
+    most = options.deviation
+    if most is None:
+        return _DEVIATIONS
+    return most, *(less for less in _DEVIATIONS if less < most)
 
 
 def _rounded(

@@ -8,10 +8,11 @@ import numpy as np
 from planning.candidates import candidates
 from planning.certify.refusal import failed_checks, not_certified
 from planning.domain.certificate import Certificate
+from planning.domain.constraint import PathConstraint
 from planning.domain.curve import TimedTrajectory
 from planning.domain.deadline import Deadline
 from planning.domain.goal import JointGoal
-from planning.domain.options import RefineOptions, RetimeOptions
+from planning.domain.options import CertifyOptions, RefineOptions, RetimeOptions
 from planning.domain.path import JointPath
 from planning.domain.problem import PlanningProblem
 from planning.domain.report import CertifyReport, RetimeReport
@@ -22,6 +23,7 @@ from planning.retime.path_limits import path_limits
 from planning.stopwatch import Stopwatch
 from planning.timing import admit_timing
 from planning.world.positions import require_positions
+from planning.world.rules.admission import require_constraints
 from planning.world.world import World
 
 
@@ -44,7 +46,7 @@ class RetimedPath(Value):
     certify: CertifyReport
 
 
-def retime_path(
+def retime_path(  # noqa: PLR0913  (a question in full)
     world: World,
     group: str,
     waypoints: Any,
@@ -52,6 +54,8 @@ def retime_path(
     deadline: Deadline,
     options: RetimeOptions | None = None,
     margin: float | None = None,
+    constraints: tuple[PathConstraint, ...] = (),
+    wanted: CertifyOptions | None = None,
 ) -> RetimedPath:
     """Return the quickest proven motion along waypoints.
 
@@ -65,11 +69,13 @@ def retime_path(
         deadline: When to give up.
         options: How to time it.
         margin: Distance to keep [m]; None for the scene's.
+        constraints: What it shall keep; what counts from the start counts from the first waypoint.
+        wanted: What to find out about the motion besides its proof; None for nothing.
 
     Raises:
-        UnknownName: There is no such group, frame or joint.
+        UnknownName: There is no such group, body, frame or joint.
         ProblemInvalid: There are fewer than two waypoints, one does not fit the group, or a limit
-            makes no sense.
+            or constraint makes no sense.
         RetimingFailed: The path cannot be timed.
         NotCertified: No motion along the path can be proven; evidence has the failed checks.
         DeadlineExceeded: Time ran out.
@@ -81,6 +87,7 @@ def retime_path(
         message = f"waypoints: at least 2 are needed, got {len(rows)}"
         raise ProblemInvalid(message, {"field": "waypoints", "got": len(rows)})
     path = JointPath(joints, np.array(rows)).continuous
+    require_constraints(world, joints, constraints)
     timing = admit_timing(world, joints, options or RetimeOptions(), path.waypoints[0])
     problem = PlanningProblem(
         group,
@@ -89,6 +96,7 @@ def retime_path(
         refine=RefineOptions("none"),
         retime=timing,
         margin=margin,
+        constraints=constraints,
     )
     refused: list[str] = []
     failed: Certificate | None = None
@@ -111,6 +119,8 @@ def retime_path(
             start=path.waypoints[0],
             goal=path.waypoints[-1],
             margin=margin,
+            constraints=constraints,
+            wanted=wanted,
         )
         if certificate.proven:
             return RetimedPath(path, candidate.trajectory, certificate, candidate.retime, report)

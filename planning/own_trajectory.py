@@ -5,6 +5,7 @@ from typing import Any
 
 from planning.certify.certifier import certify
 from planning.domain.certificate import Certificate
+from planning.domain.constraint import PathConstraint
 from planning.domain.curve import TimedTrajectory
 from planning.domain.deadline import Deadline
 from planning.domain.joints import JointGroup
@@ -14,6 +15,7 @@ from planning.errors import ProblemInvalid
 from planning.proof_request import proof_request
 from planning.timing import admit_timing
 from planning.world.positions import require_positions
+from planning.world.rules.admission import require_constraints
 from planning.world.world import World
 
 
@@ -27,6 +29,7 @@ def certify_trajectory(  # noqa: PLR0913  (a question in full)
     start: Any = None,
     goal: Any = None,
     margin: float | None = None,
+    constraints: tuple[PathConstraint, ...] = (),
     wanted: CertifyOptions | None = None,
 ) -> tuple[Certificate, CertifyReport]:
     """Hold a trajectory against limits, ends and margins, on its whole interval.
@@ -41,13 +44,14 @@ def certify_trajectory(  # noqa: PLR0913  (a question in full)
         start: Where it shall begin, shape (nq,); None for where it does.
         goal: Where it shall end, shape (nq,); None for where it does.
         margin: Distance to keep [m]; None for the scene's.
+        constraints: What it shall keep; what counts from the start counts from `start`.
         wanted: What else to find out, if it is proven; None for nothing.
 
     Returns:
         The certificate, `proven` or with failed checks, and what it took.
 
     Raises:
-        UnknownName: There is no such group, frame or joint.
+        UnknownName: There is no such group, body, frame or joint.
         ProblemInvalid: The trajectory is of other joints, start or goal do not fit the group, or
             a limit makes no sense.
         DeadlineExceeded: Time ran out before the verdict.
@@ -63,11 +67,13 @@ def certify_trajectory(  # noqa: PLR0913  (a question in full)
         )
     )
     options, wanted = options or RetimeOptions(), wanted or CertifyOptions()
+    require_constraints(world, joints, constraints)
     options = admit_timing(world, joints, options, begin, within="")
     request = replace(
         proof_request(world, joints, trajectory, options, world.margins(margin)),
         start=begin,
         goals=end[None],
+        constraints=constraints,
         options=wanted,
     )
     return certify(world.drake, request, deadline)

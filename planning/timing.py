@@ -31,6 +31,9 @@ def admit_timing(
     _require_tool_limits(world, options, within)
     _require_zones(world, options.speed_zones, within)
     _require_bounds(group, options, within)
+    if options.deviation is not None:
+        is_length = 0 <= options.deviation < np.inf
+        _demand(is_length, f"{within}deviation", "a length of at least 0 is needed")
     if options.payload is not None:
         require_burden(world, group, options.payload, f"{within}payload")
     if not options.speed_zones:

@@ -189,6 +189,9 @@ class RetimeOptions(Value):
         sample_period: Of the delivered samples [s].
         duration: How long the motion shall take [s], no less than the least that the limits allow;
             None for that.
+        deviation: How far from the path its corners may be rounded at most (joint-space length), 0
+            to follow it exactly, with a rest at every corner; None for at most 0.1. What refinement
+            makes of a path has no corners.
         explain: Whether to say which limit binds when, and what relaxing it would save.
         tool_limits: Of frames, besides the limits of joints, one a frame at most.
         speed_zones: Boxes in which frames are slower.
@@ -204,6 +207,7 @@ class RetimeOptions(Value):
     acceleration_scale: float = 1.0
     sample_period: float = 0.01
     duration: float | None = None
+    deviation: float | None = None
     explain: bool = False
     tool_limits: tuple[ToolLimit, ...] = ()
     speed_zones: tuple[SpeedZone, ...] = ()

@@ -1,5 +1,7 @@
 """Path constraints: from the wire to the domain."""
 
+from collections.abc import Iterable
+
 import numpy as np
 
 from planning.domain.constraint import (
@@ -27,8 +29,12 @@ from service.schemas.constraint import (
 from service.schemas.pose import PoseWire
 
 
-def constraint_value(constraint: ConstraintWire) -> PathConstraint:  # noqa: PLR0911  (one a kind)
-    """Return the domain's constraint."""
+def constraint_values(constraints: Iterable[ConstraintWire]) -> tuple[PathConstraint, ...]:
+    """Return the domain's constraints."""
+    return tuple(_value(constraint) for constraint in constraints)
+
+
+def _value(constraint: ConstraintWire) -> PathConstraint:  # noqa: PLR0911  (one a kind)
     match constraint:
         case DistanceBandWire():
             return DistanceBand(

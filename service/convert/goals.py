@@ -28,7 +28,7 @@ from planning.domain.options import (
 from planning.domain.pose import Pose
 from planning.domain.problem import PlanningProblem
 from planning.domain.steering import Steering
-from service.convert.constraints import constraint_value
+from service.convert.constraints import constraint_values
 from service.convert.motion_limits import motion_limits
 from service.schemas.goal import (
     ConfigurationGoalWire,
@@ -144,6 +144,7 @@ def retime_value(retime: RetimeWire) -> RetimeOptions:
         method=retime.method,
         sample_period=retime.period,
         duration=retime.duration,
+        deviation=retime.deviation,
         explain=retime.explain,
         **motion_limits(retime),
     )
@@ -209,6 +210,6 @@ def problem_value(request: PlanRequest) -> PlanningProblem:
         retime=retime_value(request.retime),
         margin=request.margin,
         seed=request.seed,
-        constraints=tuple(constraint_value(entry) for entry in request.path_constraints),
+        constraints=constraint_values(request.path_constraints),
         certify=certify_value(request.certify),
     )

@@ -1,13 +1,12 @@
 """Leave a running motion: for a stand, or for another motion."""
 
-from typing import Annotated, Any
+from typing import Any
 
 from pydantic import ConfigDict, Field
 
-from service.schemas.constraint import ConstraintWire
 from service.schemas.motion_limit import ScaledLimits
 from service.schemas.numbers import NonNegative
-from service.schemas.own_motion import InScene, Interpolation, OwnTrajectory
+from service.schemas.own_motion import InScene, Interpolation, KeptConstraints, OwnTrajectory
 from service.schemas.problem import Failure
 from service.schemas.report import CertifyReportWire
 from service.schemas.result import CertificateWire
@@ -34,18 +33,13 @@ _ONTO: dict[str, Any] = {
 }
 
 
-class _LeavingRequest(InScene, SamplingWire, ScaledLimits):
+class _LeavingRequest(InScene, KeptConstraints, SamplingWire, ScaledLimits):
     """What is left and when, and what to keep on the way."""
 
     trajectory: OwnTrajectory = Field(
         description="The running motion, read as `POST /trajectories/certify` reads one"
     )
     time: NonNegative = Field(description="When it is left, within its duration [s]")
-    path_constraints: Annotated[list[ConstraintWire], Field(max_length=64)] = Field(
-        default=[],
-        description="What to keep from `time` on; what counts from the start counts from where the "
-        "running motion began",
-    )
     polynomial: Boolean = Field(default=False, description="Add the exact piecewise polynomial")
 
 

@@ -4,6 +4,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import ConfigDict, Field, Strict
 
+from service.schemas.constraint import ConstraintWire
 from service.schemas.motion_limit import ScaledLimits
 from service.schemas.numbers import WHOLE, Coordinate, NonNegative, Positions, Real
 from service.schemas.plan import CertifyWire, RetimeWire
@@ -53,7 +54,17 @@ class InScene(Wire):
     )
 
 
-class RetimeRequest(InScene):
+class KeptConstraints(Wire):
+    """What a motion keeps besides its limits."""
+
+    path_constraints: Annotated[list[ConstraintWire], Field(max_length=64)] = Field(
+        default=[],
+        description="What to keep on the way; what counts from the start counts from where the "
+        "given path or motion begins",
+    )
+
+
+class RetimeRequest(InScene, KeptConstraints):
     """Time a path of your own, and prove the motion."""
 
     model_config = ConfigDict(json_schema_extra={"examples": [_PATH]})
@@ -63,6 +74,9 @@ class RetimeRequest(InScene):
         "space [rad or m]"
     )
     retime: RetimeWire = Field(default_factory=RetimeWire, description="How to time it")
+    certify: CertifyWire = Field(
+        default_factory=CertifyWire, description="What to find out besides the proof"
+    )
     polynomial: Boolean = Field(default=False, description="Add the exact piecewise polynomial")
 
 
@@ -120,7 +134,7 @@ class OwnTrajectory(Wire):
     )
 
 
-class CertifyMotionRequest(InScene, ScaledLimits):
+class CertifyMotionRequest(InScene, KeptConstraints, ScaledLimits):
     """Prove a trajectory of your own."""
 
     model_config = ConfigDict(json_schema_extra={"examples": [_MOTION]})

@@ -73,6 +73,12 @@ class RetimeWire(SamplingWire, ScaledLimits):
         description="How long the motion shall take [s]; null for the least that the limits allow, "
         "and less than that is `retiming_failed`",
     )
+    deviation: Annotated[NonNegative, Field(le=10)] | None = Field(
+        default=None,
+        description="How far corners of the path may be rounded at most [rad or m, joint-space "
+        "length]; 0 to follow the very path, with a rest at every corner; null for at most 0.1. "
+        "What refinement makes of a path has no corners",
+    )
     explain: Boolean = Field(
         default=False,
         description="Say which limit binds when, and what relaxing it would save "

@@ -7,7 +7,7 @@ from typing import Any
 
 from planning import Deadline, ProvenMotion, RetimeOptions, splice_motion, stop_motion
 from planning.errors import PlanningFailure
-from service.convert.constraints import constraint_value
+from service.convert.constraints import constraint_values
 from service.convert.failures import failure_wire
 from service.convert.motion_limits import motion_limits
 from service.convert.own_motion import own_trajectory
@@ -58,7 +58,7 @@ def _held(request: StopMotionRequest | SpliceMotionRequest, channel: Channel) ->
     return {
         "deadline": Deadline.after(request.allowed_time, time.monotonic, channel.is_canceled),
         "options": RetimeOptions(**motion_limits(request)),
-        "constraints": tuple(constraint_value(entry) for entry in request.path_constraints),
+        "constraints": constraint_values(request.path_constraints),
         "margin": request.margin,
     }
 

@@ -8,6 +8,7 @@ import numpy as np
 
 from planning import Deadline, RetimeOptions, certify_trajectory, retime_path
 from planning.errors import PlanningFailure
+from service.convert.constraints import constraint_values
 from service.convert.failures import failure_wire
 from service.convert.goals import certify_value, retime_value
 from service.convert.motion_limits import motion_limits
@@ -36,6 +37,8 @@ def retime(payload: dict[str, Any], channel: Channel) -> dict[str, Any]:
                 deadline=deadline,
                 options=retime_value(request.retime),
                 margin=request.margin,
+                constraints=constraint_values(request.path_constraints),
+                wanted=certify_value(request.certify),
             )
         except PlanningFailure as failure:
             nothing = dict.fromkeys(("trajectory", "certificate", "stages"))
@@ -77,6 +80,7 @@ def certify(payload: dict[str, Any], channel: Channel) -> dict[str, Any]:
             start=request.start,
             goal=request.goal,
             margin=request.margin,
+            constraints=constraint_values(request.path_constraints),
             wanted=certify_value(request.certify),
         )
     return {

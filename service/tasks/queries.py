@@ -20,7 +20,7 @@ from planning.errors import (
     GoalViolatesConstraint,
     PlanningFailure,
 )
-from service.convert.constraints import constraint_value
+from service.convert.constraints import constraint_values
 from service.convert.failures import failure_wire
 from service.convert.goals import ik_value, pose_wire, reach_goal_value
 from service.convert.solutions import solution_wire
@@ -85,7 +85,7 @@ def ik(payload: dict[str, Any], channel: Channel) -> dict[str, Any]:
                 start=start,
                 options=ik_value(request.ik),
                 margin=request.margin,
-                constraints=tuple(constraint_value(entry) for entry in request.path_constraints),
+                constraints=constraint_values(request.path_constraints),
                 seed=request.seed,
             )
         except _NO_SOLUTION as failure:

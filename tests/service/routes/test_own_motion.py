@@ -231,3 +231,26 @@ def test_samples_are_asked_for_in_one_way(client, scene, solved, period):
         assert (refused.status_code, refused.json()["code"]) == (422, "problem_invalid")
         for word in ("retime.sample_period", "retime.num_points"):
             assert word in refused.json()["detail"]
+
+
+def test_constraints_deviation_and_stops_are_asked_for_with_a_path(client, scene, solved):
+    path = solved["result"]["path"]
+    kept = {"type": "keep_in", "frame": "arm::tcp", "box": {"size": [6.0, 6.0, 6.0]}}
+    asked = {
+        "path_constraints": [kept],
+        "retime": {"deviation": 0},
+        "certify": {"stop_anywhere": True},
+    }
+    answer = post(client, scene, "retime", waypoints=path, **asked).json()
+    assert answer["failure"] is None
+    assert answer["stages"]["retime"]["blend_deviation"] == 0
+    assert answer["stages"]["certify"]["stop"] is not None
+    name = "constraint 0: keep_in"
+    assert name in {check["name"] for check in answer["certificate"]["checks"]}
+    kept["box"]["size"] = [0.01, 0.01, 0.01]
+    refused = post(client, scene, "retime", waypoints=path, **asked).json()["failure"]
+    assert refused["code"] == "not_certified"
+    assert name in {check["name"] for check in refused["evidence"]["checks"]}
+    motion = answer["trajectory"]
+    told = post(client, scene, "certify", trajectory=motion, path_constraints=[kept]).json()
+    assert name in {c["name"] for c in told["certificate"]["checks"] if not c["passed"]}

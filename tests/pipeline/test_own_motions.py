@@ -1,0 +1,100 @@
+"""Paths and trajectories of one's own: constraints on them, and how far corners are rounded."""
+
+import time
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import planning
+from planning.domain.deadline import Deadline
+from planning.domain.options import CertifyOptions, RetimeOptions
+from planning.errors import NotCertified, ProblemInvalid, UnknownName
+from planning.world.world import World
+from tests.conftest import bundled_world
+
+LOCKED = (planning.LockedJoints(("arm::elbow_joint",)),)
+
+
+def soon() -> Deadline:
+    return Deadline.after(30.0, time.monotonic)
+
+
+def retimed(world: World, path: np.ndarray, **asked: Any) -> planning.RetimedPath:
+    return planning.retime_path(world, "arm", path, deadline=soon(), **asked)
+
+
+def through(world: World, *shifts: list[float]) -> np.ndarray:
+    home = world.positions(world.group("arm"))
+    return np.stack([home, *(home + np.array(shift) for shift in shifts)])
+
+
+def away_from(path: np.ndarray, q: np.ndarray) -> float:
+    """Return the distance of a configuration from a polyline."""
+    a, step = path[:-1], np.diff(path, axis=0)
+    along = np.clip(((q - a) * step).sum(axis=1) / (step**2).sum(axis=1), 0.0, 1.0)
+    return float(np.linalg.norm(a + along[:, None] * step - q, axis=1).min())
+
+
+def test_a_path_keeps_constraints_or_is_refused_with_their_names(pickup: World) -> None:
+    still = through(pickup, [-0.3, -0.1, 0, 0, 0, 0], [-0.5, -0.2, 0, 0.1, 0, 0.1])
+    found = retimed(pickup, still, constraints=LOCKED)
+    (kept,) = (check for check in found.certificate.checks if "locked" in check.name)
+    assert kept.passed
+    moved = through(pickup, [-0.3, -0.1, 0.05, 0, 0, 0], [-0.5, -0.2, 0, 0.1, 0, 0.1])
+    assert retimed(pickup, moved).certificate.proven
+    with pytest.raises(NotCertified) as caught:
+        retimed(pickup, moved, constraints=LOCKED)
+    assert kept.name in {check["name"] for check in caught.value.evidence["checks"]}
+
+
+def test_a_trajectory_is_held_against_constraints(pickup: World) -> None:
+    moved = retimed(pickup, through(pickup, [-0.3, -0.1, 0.05, 0, 0, 0])).trajectory
+    certificate, _ = planning.certify_trajectory(
+        pickup, "arm", moved, deadline=soon(), constraints=LOCKED
+    )
+    assert not certificate.proven
+    assert [check.name for check in certificate.failed] == ["constraint 0: locked_joints"]
+
+
+def test_constraints_that_make_no_sense_are_named(pickup: World) -> None:
+    nobody = (planning.LockedJoints(("arm::knee_joint",)),)
+    with pytest.raises(UnknownName, match="knee_joint"):
+        retimed(pickup, through(pickup, [0.1] * 6), constraints=nobody)
+
+
+def test_a_path_of_ones_own_can_be_asked_for_its_longest_stop(pickup: World) -> None:
+    path = through(pickup, [-0.3, 0.1, 0, 0, 0, 0])
+    assert retimed(pickup, path).certify.stop is None
+    found = retimed(pickup, path, wanted=CertifyOptions(stop_anywhere=True))
+    assert found.certify.stop is not None
+
+
+@settings(max_examples=8, deadline=None)
+@given(
+    deviation=st.sampled_from([0.0, 0.004, 0.02, 0.05, 0.3]),
+    method=st.sampled_from(["toppra", "ruckig"]),
+)
+def test_corners_are_rounded_no_farther_than_asked_for(deviation: float, method: Any) -> None:
+    world = bundled_world("ur5e_pickup")
+    path = through(
+        world, [-0.4, 0, 0, 0, 0, 0], [-0.4, 0.2, -0.3, 0, 0, 0], [-0.8, 0.2, 0, 0, 0, 0]
+    )
+    found = retimed(world, path, options=RetimeOptions(method, deviation=deviation))
+    instants = np.linspace(0.0, found.trajectory.duration, 400)
+    away = max(away_from(path, q) for q in found.trajectory.positions(instants))
+    assert found.retime.blend_deviation <= deviation
+    assert away <= deviation + 1e-9
+    exact = retimed(world, path, options=RetimeOptions(method, deviation=0.0))
+    assert found.trajectory.duration <= exact.trajectory.duration + 1e-9
+    if deviation >= 0.05:
+        assert away > 0.2 * deviation or deviation > 0.1
+        assert found.trajectory.duration < exact.trajectory.duration
+
+
+@pytest.mark.parametrize("deviation", [-0.1, np.inf, np.nan])
+def test_a_deviation_that_is_no_length_is_refused(pickup: World, deviation: float) -> None:
+    with pytest.raises(ProblemInvalid, match="deviation"):
+        retimed(pickup, through(pickup, [0.1] * 6), options=RetimeOptions(deviation=deviation))
