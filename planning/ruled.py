@@ -1,5 +1,6 @@
 """A plan under path constraints: its start, its goals, its search."""
 
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
@@ -11,10 +12,12 @@ from planning.domain.deadline import Deadline
 from planning.domain.goal import ConfigurationGoal, JointGoal
 from planning.domain.goal_configurations import GoalConfigurations
 from planning.domain.joints import JointGroup, JointLimits
-from planning.errors import GoalViolatesConstraint, StartViolatesConstraint
+from planning.errors import GoalViolatesConstraint, NoPathFound, StartViolatesConstraint
 from planning.goals.given import what_would_do
 from planning.goals.goal_query import GoalQuery
 from planning.search.lock import search_locked
+from planning.search.projected import Residual
+from planning.search.query import can_project
 from planning.search.task import SearchResult, SearchTask
 from planning.stopwatch import Stopwatch
 from planning.world.rules.path_rules import PathRules
@@ -22,6 +25,10 @@ from planning.world.world import CollisionJudge, World
 
 # RRTConnect's steps where nothing else is asked for [rad or m].
 _USUAL_STRIDE = 0.5
+# How many states an attempt by sampling, and one by projection, may check in the first round where
+# a path must keep to a thin set, and by how much more in every round that follows. A projected
+# state takes some hundred times as long.
+_SAMPLED_STATES, _PROJECTED_STATES, _MORE = 200_000, 1_000, 4
 # Messages have no more of what is violated than that; the evidence has all.
 _MOST_TOLD = 3
 
@@ -97,9 +104,44 @@ def search_ruled(
     if "RRTConnect" in options.planners and rules.stride < _USUAL_STRIDE:
         parameters = {"range": rules.stride, **options.parameters}
         options = replace(options, parameters=parameters)
-    ruled = replace(task, options=options, residual=rules.residual)
+    ruled = replace(task, options=options)
     oracle = rules.oracle(judge)
-    return search_locked(rules.group, rules.locked, limits, oracle, ruled, deadline, watch)
+
+    def searched(task: SearchTask) -> SearchResult:
+        return search_locked(rules.group, rules.locked, limits, oracle, task, deadline, watch)
+
+    if rules.residual is None or not can_project(rules.group, options):
+        return searched(ruled)
+    return _in_turns(searched, ruled, rules.residual)
+
+
+def _in_turns(
+    searched: Callable[[SearchTask], SearchResult], task: SearchTask, residual: Residual
+) -> SearchResult:
+    """Return what sampling finds or else projection, each with more states in every round.
+
+    Which of them is the quicker depends on the problem, and counts, not seconds, end their turns.
+
+    Raises:
+        NoPathFound: Both ended by themselves without a solution, or there is none to look for.
+        DeadlineExceeded: The time ran out.
+        Canceled: Somebody asked for the end.
+    """
+    sampled, projected = _SAMPLED_STATES, _PROJECTED_STATES
+    while True:
+        given_up = 0
+        for part in (
+            replace(task, most_states=sampled),
+            replace(task, most_states=projected, residual=residual),
+        ):
+            try:
+                return searched(part)
+            except NoPathFound as fault:
+                given_up += fault.evidence.get("num_given_up", 0)
+                if "reason" in fault.evidence or (part.residual is not None and not given_up):
+                    raise
+            task = replace(task, roadmap=None)
+        sampled, projected = _MORE * sampled, _MORE * projected
 
 
 def _violations(rules: PathRules, goals: GoalConfigurations, row: int) -> list[dict[str, Any]]:

@@ -13,7 +13,7 @@ from planning.domain.deadline import Deadline
 from planning.domain.joints import JointGroup, JointLimits
 from planning.domain.options import SearchOptions
 from planning.domain.steering import steering_of
-from planning.errors import NoPathFound, ProblemInvalid
+from planning.errors import NoPathFound
 from planning.search.car_space import CarSpace
 from planning.search.demands import block_weights, bounded, held_rotations
 from planning.search.objective import Objective
@@ -113,19 +113,17 @@ def query_of(
 
 def _space(group: JointGroup, limits: JointLimits, task: SearchTask, weights: Array) -> SearchSpace:
     anchors = np.concatenate([task.start[None], task.goals])
+    if task.residual is not None:
+        return ProjectedSpace(group, limits, anchors, task.residual)
+    if steering_of(group):
+        return CarSpace(group, limits, anchors, weights)
     held = held_rotations(group, task.options.spaces)
-    is_car = bool(steering_of(group))
-    if task.residual is None:
-        if is_car:
-            return CarSpace(group, limits, anchors, weights)
-        return SearchSpace(group, limits, anchors, weights, held)
-    if (weights != 1).any() or held or is_car:
-        message = (
-            "search.weights, search.spaces and cars cannot be had with constraints that are "
-            "projected"
-        )
-        raise ProblemInvalid(message, {"field": "search.weights"})
-    return ProjectedSpace(group, limits, anchors, task.residual)
+    return SearchSpace(group, limits, anchors, weights, held)
+
+
+def can_project(group: JointGroup, options: SearchOptions) -> bool:
+    """Return whether a search with such options can bring samples onto a thin set."""
+    return not (options.weights or options.spaces or steering_of(group))
 
 
 def _admissible_goals(

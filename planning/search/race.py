@@ -2,8 +2,9 @@
 
 One planner may take all the time that there is. Of several none may, since another one may be
 quick where it is stuck: each attempt ends when it has checked a number of states without a
-solution, and if all have, everybody begins anew with four times as many. Counts and not seconds
-decide, so that the same seed gives the same path on any machine.
+solution, and if all have, everybody begins anew with four times as many, unless the task itself
+says how many. Counts and not seconds decide, so that the same seed gives the same path on any
+machine.
 """
 
 import math
@@ -35,12 +36,13 @@ def race(query: Query, closeness: Closeness, task: SearchTask, tally: Tally) -> 
     tell = task.on_best if query.objective.is_length else None
     on_better = None if tell is None else partial(tally.hear, tell)
     is_alone = len(query.options.planners) == 1
-    states: float = math.inf if is_alone else _FIRST_STATES
+    is_bounded = math.isfinite(task.most_states)
+    states = task.most_states if is_alone or is_bounded else _FIRST_STATES
     while True:
         tally.num_spent = 0
         limited = replace(query, most_states=states, on_better=on_better)
         round_ = seeds.spawn(query.options.num_attempts)
         Turns(limited, closeness, round_, tally).play(task.pool)
-        if tally.best is not None or not tally.num_spent:
+        if tally.best is not None or not tally.num_spent or is_bounded:
             return
         states *= _MORE

@@ -68,6 +68,8 @@ class Tally:
         }
         if self.last is not None:
             found |= {"status": self.last.status, **self.last.growth}
+        if self.num_spent:
+            found["num_given_up"] = self.num_spent
         if options.approximate:
             found["approximate"] = self.approximate
         if self.roadmap is not None:

@@ -1,5 +1,6 @@
 """What the search stage is asked, and what it answers."""
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Protocol, runtime_checkable
@@ -50,7 +51,9 @@ class SearchTask(Value):
             that of the options, which the pipeline makes finer in later rounds.
         padding: Distance that the oracle demands beyond the margin [m]; for the report.
         seed: Of all randomness, not negative.
-        residual: What vanishes on a set that is too thin to be sampled, or None.
+        residual: What vanishes on a set that samples are to be projected onto, or None.
+        most_states: How many states an attempt may check until it has a solution. If all attempts
+            have, the search gives up, and the failure's evidence has `num_given_up`.
         clearances: Returns for rows of q the distances to what is not the robot [m]; for the
             objective "clearance".
         on_best: Told of every path that is the best so far; of those that a planner is still
@@ -67,6 +70,7 @@ class SearchTask(Value):
     padding: float
     seed: int
     residual: Residual | None = None
+    most_states: float = math.inf
     clearances: Clearances | None = None
     on_best: Callable[[AttemptReport], None] | None = None
     guide: Guide | None = None
