@@ -29,7 +29,7 @@ CASES = {
     "parked": lambda: parking("parked", reverse=True),
     "passed": lambda: parking("passed", reverse=False),
     "yard": lambda: yard(4, reverse=True),
-    "one way": lambda: yard(2, reverse=False),
+    "one way": lambda: yard(10, reverse=False),
 }
 
 
