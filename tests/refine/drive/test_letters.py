@@ -146,3 +146,14 @@ def test_fewer_letters() -> None:
     assert one.ways.tolist() == [3.0, -1.0]
     assert one.turns[0] == pytest.approx(2.5)
     assert one.others.ravel().tolist() == [0.0, 2.0, 3.0]
+
+
+@pytest.mark.parametrize("way", [1.0, -1.0])
+def test_a_letter_ends_rather_than_turning_around(way: float) -> None:
+    """The last letter is shorter than its share of what the drive is too long by."""
+    no_others = np.zeros((3, 0))
+    course = Course.of(JointPath(car_with(0), np.array([[0.0, 0, 0], [0.45 * way, 0, 0]])))
+    off = Letters(way * np.array([0.5, 0.02]), np.zeros(2), no_others)
+    met = ended(course, off, 0.1)
+    assert met is not None
+    assert met.ways == pytest.approx(way * np.array([0.45, 0.0]), abs=1e-9)
