@@ -6,7 +6,7 @@ STAMP := $(VENV)/.ready
 UV_VERSION := 0.13.8
 
 .PHONY: demo test check format lint imports types fast slow drake-only sanitize setup lock bench \
-        bench-kernel bench-mbm bench-regions bench-retime bench-seeds pictures serve clean
+        bench-cars bench-kernel bench-mbm bench-regions bench-retime bench-seeds pictures serve clean
 
 setup: $(STAMP)
 
@@ -83,6 +83,9 @@ bench-kernel: setup
 
 bench-mbm: setup
 	@$(PYTHON) benchmarks/mbm.py
+
+bench-cars: setup
+	@$(PYTHON) benchmarks/cars.py
 
 bench-retime: setup
 	@$(PYTHON) -W ignore benchmarks/retime.py

@@ -18,8 +18,9 @@ from planning.domain.steering import SteeredManifold
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
-# How far a piece turns at most [rad].
-_TURN = 0.2
+# How far a piece turns at most [rad], and of how many an arc is at least: on one piece alone, as
+# retimers cut them, a long gentle arc has no place for full speed.
+_TURN, _FEWEST = 0.2, 4
 # What turns less is a line [rad]: the arc is less than a millionth of a nanometre off.
 _STRAIGHT = 1e-12
 _SHORTEST = 1e-12
@@ -34,7 +35,8 @@ def arcs_through(manifold: SteeredManifold, waypoints: Float64[np.ndarray, "n nq
         return JointSpline.through(manifold.joints, waypoints)
     deltas, origins = deltas[keep], waypoints[:-1][keep]
     turns = np.abs(deltas[:, [iv + 2 for _, iv in manifold.offsets]]).max(axis=1)
-    counts = np.maximum(1, np.ceil(turns / _TURN - 1e-9)).astype(int)
+    fewest = np.where(turns < _STRAIGHT, 1, _FEWEST)
+    counts = np.maximum(fewest, np.ceil(turns / _TURN - 1e-9)).astype(int)
     rows = np.repeat(np.arange(len(counts)), counts)
     steps = deltas[rows] / counts[rows][:, None]
     places = np.arange(len(rows)) - np.repeat(np.cumsum(counts) - counts, counts)

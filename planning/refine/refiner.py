@@ -1,8 +1,8 @@
 """refine(): a smooth, quick and free curve near a path, or none and the reason why.
 
-Sequential convex programming in a trust region (`curve_model`, `descent`). Every curve that is
-better than those before it is audited densely; where it is too near to something between the
-instants at which distances are demanded, those instants join them.
+Sequential convex programming in a trust region (`curve_model`, `descent`; of cars, `drive`). Every
+curve that is better than those before it is audited densely; where it is too near to something
+between the instants at which distances are demanded, those instants join them.
 """
 
 from dataclasses import replace
@@ -14,6 +14,7 @@ from planning.domain.report import RefineReport
 from planning.domain.steering import steering_of
 from planning.refine.audit import length_of
 from planning.refine.chart import FlatChart, chart_of
+from planning.refine.drive.drive_refiner import refine_drive
 from planning.refine.quickest import quickest
 from planning.refine.request import RefineRequest
 from planning.refine.soft_rows import solver_name
@@ -43,7 +44,8 @@ def refine(
         deadline: Of the whole plan; a share of what remains is used.
 
     Returns:
-        The curve, or None for "go on with the path"; and a report that says why.
+        The curve (arcs and lines of a car), or None for "go on with the path"; and a report that
+        says why.
     """
     path = request.path
     report = RefineReport(request.options.method, improved=False, length_before=path.length)
@@ -51,6 +53,15 @@ def refine(
     refusal = _refusal(world, request, share)
     if refusal:
         return None, replace(report, reason=refusal)
+    if steering_of(path.group):
+        return refine_drive(world, request, share, report)
+    return _refine_curve(world, request, share, report)
+
+
+def _refine_curve(
+    world: World, request: RefineRequest, share: Deadline, report: RefineReport
+) -> tuple[JointSpline | None, RefineReport]:
+    """Return a curve near a path of joints that may go any way."""
     task = RefineTask.of(world, request, share)
     report = replace(report, solver=solver_name(), lower_bound=task.least)
     if not task.is_held:
@@ -83,9 +94,9 @@ def _refusal(world: World, request: RefineRequest, share: Deadline) -> str:
 
 def _unfit(world: World, path: JointPath) -> str:
     """Return why a path must be left alone, or has no coordinates along it, or ""."""
-    if steering_of(path.group):
-        return "a car's path is left alone: a refined curve would slip sideways or turn too tightly"
-    chart = chart_of(path)
+    chart, num_cars = chart_of(path), len(steering_of(path.group))
+    if num_cars > 1 or (num_cars and not isinstance(chart, FlatChart)):
+        return "several cars, or a car with a joint that floats, are left alone"
     if len(chart.waypoints) < 2:
         return "the path does not move"
     if isinstance(chart, FlatChart):

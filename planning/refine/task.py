@@ -89,7 +89,7 @@ class RefineTask:
             tight,
             _holding(chart.box(tight), waypoints[0], request.held),
             bounds,
-            _least(request, bounds.loads),
+            least_of(request, bounds.loads),
             nearness if rules is None else RuledNearness(nearness, rules, chart),
             wish and wish.along(chart.measured(wish.nearness)),
             Auditor(world, group, buffers, rules and audited(rules)),
@@ -172,7 +172,7 @@ class RefineTask:
         return "", violated
 
 
-def _least(request: RefineRequest, loads: tuple[Load, ...]) -> float:
+def least_of(request: RefineRequest, loads: tuple[Load, ...] = ()) -> float:
     """Return a duration that no motion between the path's ends beats [s]."""
     group, ends = request.path.group, request.path.waypoints[[0, -1]]
     moved = Manifold(group.joints).minus(ends[1], ends[0])

@@ -85,7 +85,7 @@ def test_a_car_parks_in_a_gap(street: World, method: str) -> None:
     assert_driven(motion.trajectory, 0.3, reverse=True)
     assert body_velocities(motion.trajectory)[:, 0].min() < -0.05
     assert_free(street, motion)
-    assert "car" in motion.stages.refine.reason
+    assert motion.stages.refine.improved
     assert motion.stages.retime.blend_deviation == 0.0
     (check,) = [check for check in motion.certificate.checks if "steering" in check.name]
     assert check.passed
@@ -183,6 +183,12 @@ def test_searches_along_straight_lines_are_refused(
         planned(street, "passed", search=search)
 
 
+def shoulder_of(motion: MotionPlan) -> np.ndarray:
+    """Where the truck's arm is all along a motion."""
+    trajectory = motion.trajectory
+    return trajectory.positions(np.linspace(0.0, trajectory.duration, 400))[:, 3]
+
+
 def test_a_car_with_an_arm(tmp_path: Path) -> None:
     """The base drives, the arm keeps pace; alone, the arm is an arm."""
     folder = tmp_path / "truck"
@@ -199,12 +205,15 @@ def test_a_car_with_an_arm(tmp_path: Path) -> None:
     constraints = (planning.TightLimits({"truck::shoulder": (-1.6, 1.6)}),)
     motion = planned(world, np.array([0.8, 0.1, 0.3, 1.5]), constraints=constraints)
     assert motion.certificate.proven
+    assert motion.stages.refine.improved
+    assert np.abs(shoulder_of(motion)).max() <= 1.6
     assert_driven(motion.trajectory, 0.25, reverse=True)
     assert_free(world, motion)
     locked = (planning.LockedJoints(("truck::shoulder",)),)
     still = planned(world, np.array([0.8, 0.1, 0.3, 0.0]), constraints=locked)
     assert_driven(still.trajectory, 0.25, reverse=True)
     assert np.ptp(still.path.waypoints[:, 3]) == 0.0
+    assert np.ptp(shoulder_of(still)) == 0.0
     arm = planning.PlanningProblem("truck::arm", planning.JointGoal(np.array([[1.0]])))
     alone = planning.plan(arm, world, deadline=Deadline.after(30.0, time.monotonic))
     assert not [check for check in alone.certificate.checks if "steering" in check.name]

@@ -38,7 +38,7 @@ def test_a_plan_of_a_car_is_proven(plan):
     assert job["state"] == "succeeded", job["failure"]
     checks = {check["name"]: check for check in job["result"]["certificate"]["checks"]}
     assert checks[f"steering {JOINT}"]["passed"]
-    assert "car" in job["result"]["stages"]["refine"]["reason"]
+    assert job["result"]["stages"]["refine"]["improved"]
     assert job["request"]["search"]["spaces"] == {JOINT: {"turning_radius": 0.4, "reverse": False}}
 
 
