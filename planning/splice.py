@@ -1,5 +1,6 @@
 """stop_motion() and splice_motion(): leave a running motion, for a stand or for another motion."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -19,6 +20,8 @@ from planning.domain.value import Value
 from planning.errors import ProblemInvalid, RetimingFailed
 from planning.own_trajectory import require_joints
 from planning.proof_request import proof_request
+from planning.retime.path_limits import path_limits
+from planning.retime.path_stop import stops_along
 from planning.retime.state_to_state import to_rest, to_state
 from planning.timing import admit_timing
 from planning.world.rules.admission import require_constraints
@@ -63,7 +66,9 @@ class _Leaving:
     def by_sign(self) -> AccelerationBounds:
         return self.options.acceleration_bounds
 
-    def first_proven(self, made: list[TimedTrajectory], deadline: Deadline) -> ProvenMotion:
+    def first_proven(
+        self, made: Iterable[TimedTrajectory], deadline: Deadline, *, jerk: bool = True
+    ) -> ProvenMotion:
         """Return the first motion that is proven to keep everything from its first instant on."""
         refused: list[str] = []
         failed: Certificate | None = None
@@ -71,7 +76,7 @@ class _Leaving:
         for motion in made:
             request = replace(
                 proof_request(self.world, self.group, motion, self.options, margins),
-                jerk=True,
+                jerk=jerk,
                 constraints=self.constraints,
                 origin=self.running.start,
             )
@@ -93,11 +98,13 @@ def stop_motion(  # noqa: PLR0913  (a question in full)
     options: RetimeOptions | None = None,
     constraints: tuple[PathConstraint, ...] = (),
     margin: float | None = None,
+    along_path: bool = False,
 ) -> ProvenMotion:
     """Return the quickest stop from an instant of a motion, under jerk limits.
 
     Every joint brakes by itself, so the stop leaves the path; it is proven like any motion, and
-    held to what the motion was planned with only as far as that is told here.
+    held to what the motion was planned with only as far as that is told here. Along the path it is
+    the motion itself, slowed down, as quickly as profiles of one form allow; at worst its end.
 
     Args:
         world: The scene, loaded.
@@ -105,22 +112,31 @@ def stop_motion(  # noqa: PLR0913  (a question in full)
         running: What it does.
         time: When it shall begin to stop [s].
         deadline: When to give up.
-        options: Scales of the limits, and limits besides; the rest of them has no meaning here.
+        options: Scales of the limits, and limits besides; the rest of them has no meaning here, but
+            for a stop along the path: there `method` "toppra" lets accelerations jump, from the
+            first instant on, and "ruckig", or no options, does not.
             What they and the constraints say of the start they say of where `running` begins.
         constraints: What it shall keep.
         margin: Distance to keep [m]; None for the scene's.
+        along_path: Whether it shall stay on the path of `running`.
 
     Raises:
         UnknownName: There is no such group, body, frame or joint.
         ProblemInvalid: `running` is of other joints or no motion, `time` is not within it, or a
             limit or constraint makes no sense.
-        RetimingFailed: A joint is planar or floating, or there is no such stop.
+        RetimingFailed: A joint is planar or floating, or there is no such stop; never along the
+            path.
         NotCertified: The stop cannot be proven; evidence has the failed checks.
         DeadlineExceeded: Time ran out.
         Canceled: Somebody asked for the end.
     """
     leaving = _leaving(world, group, running, options, constraints, margin)
     _require_within(running, time)
+    if along_path:
+        more = path_limits(world, leaving.group, leaving.options)
+        jerk = leaving.options.method == "ruckig"
+        along = stops_along(running, time, leaving.limits, more, deadline, jerk=jerk)
+        return leaving.first_proven(along, deadline, jerk=jerk)
     made = to_rest(running.joints, leaving.limits, MotionState.of(running, time), leaving.by_sign)
     return leaving.first_proven([made], deadline)
 
@@ -196,7 +212,9 @@ def _leaving(
     joints = world.group(group)
     _require_motion(joints, running, "running")
     require_constraints(world, joints, constraints)
-    admitted = admit_timing(world, joints, options or RetimeOptions(), running.start, "options.")
+    admitted = admit_timing(
+        world, joints, options or RetimeOptions("ruckig"), running.start, "options."
+    )
     return _Leaving(world, joints, running, admitted, constraints, margin)
 
 

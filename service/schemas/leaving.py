@@ -1,8 +1,8 @@
 """Leave a running motion: for a stand, or for another motion."""
 
-from typing import Any
+from typing import Any, Self
 
-from pydantic import ConfigDict, Field
+from pydantic import ConfigDict, Field, model_validator
 
 from service.schemas.motion_limit import ScaledLimits
 from service.schemas.numbers import NonNegative
@@ -46,7 +46,27 @@ class _LeavingRequest(InScene, KeptConstraints, SamplingWire, ScaledLimits):
 class StopMotionRequest(_LeavingRequest):
     """Stop a running motion; only what is told here is kept."""
 
-    model_config = ConfigDict(json_schema_extra={"examples": [_STOP]})
+    model_config = ConfigDict(
+        json_schema_extra={"examples": [_STOP, {**_STOP, "along_path": True}]}
+    )
+
+    along_path: Boolean = Field(
+        default=False,
+        description="Stay on the path of the running motion, which is slowed down; else every "
+        "joint brakes by itself",
+    )
+    limit_jerk: Boolean = Field(
+        default=True,
+        description="Keep the limits on jerk, which the running motion must keep too; can only be "
+        "false along the path, where accelerations then may jump, at the first instant too",
+    )
+
+    @model_validator(mode="after")
+    def _limits_jerk_off_the_path(self) -> Self:
+        if not (self.limit_jerk or self.along_path):
+            message = "limit_jerk: only stops with `along_path` can do without"
+            raise ValueError(message)
+        return self
 
 
 class SpliceMotionRequest(_LeavingRequest):

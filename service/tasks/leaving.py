@@ -27,9 +27,13 @@ def stop(payload: dict[str, Any], channel: Channel) -> dict[str, Any]:
     request = StopMotionRequest.model_validate(payload["request"])
     with borrow_world(payload) as world:
         running, kind = own_trajectory(world.group(request.group), request.trajectory)
-        held = _held(request, channel)
+        held = _held(request, channel, jerk=request.limit_jerk)
+        along = request.along_path
         found = _found(
-            request, lambda: stop_motion(world, request.group, running, request.time, **held)
+            request,
+            lambda: stop_motion(
+                world, request.group, running, request.time, along_path=along, **held
+            ),
         )
     return {**found, "interpolation": kind}
 
@@ -45,7 +49,7 @@ def splice(payload: dict[str, Any], channel: Channel) -> dict[str, Any]:
         group = world.group(request.group)
         running, kind = own_trajectory(group, request.trajectory)
         onto, other = own_trajectory(group, request.onto, "onto")
-        held = _held(request, channel)
+        held = _held(request, channel, jerk=True)
         found = _found(
             request,
             lambda: splice_motion(world, request.group, running, request.time, onto, **held),
@@ -53,11 +57,14 @@ def splice(payload: dict[str, Any], channel: Channel) -> dict[str, Any]:
     return {**found, "interpolation": kind, "onto_interpolation": other}
 
 
-def _held(request: StopMotionRequest | SpliceMotionRequest, channel: Channel) -> dict[str, Any]:
+def _held(
+    request: StopMotionRequest | SpliceMotionRequest, channel: Channel, *, jerk: bool
+) -> dict[str, Any]:
     """Return what holds on the way."""
+    method = "ruckig" if jerk else "toppra"
     return {
         "deadline": Deadline.after(request.allowed_time, time.monotonic, channel.is_canceled),
-        "options": RetimeOptions(**motion_limits(request)),
+        "options": RetimeOptions(method=method, **motion_limits(request)),
         "constraints": constraint_values(request.path_constraints),
         "margin": request.margin,
     }

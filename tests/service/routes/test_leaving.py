@@ -50,6 +50,32 @@ def test_the_motion_goes_on_from_its_state_and_is_proven(client, scene, running,
     assert exact == motion["duration"] == motion["times"][-1]
 
 
+@pytest.mark.parametrize("limit_jerk", [True, False])
+def test_a_stop_along_the_path_is_as_proven(client, scene, running, limit_jerk):
+    body = {"along_path": True, "limit_jerk": limit_jerk}
+    time, answer = asked(client, scene, "stop", running, **body)
+    found = answer.json()
+    assert found["failure"] is None
+    assert found["certificate"]["proven"]
+    assert ("jerk" in {check["name"] for check in found["certificate"]["checks"]}) == limit_jerk
+    motion = found["trajectory"]
+    rates = 3 if limit_jerk else 2
+    begun, was = state_at(motion, 0.0)[:rates], state_at(running, time)[:rates]
+    for got, known in zip(begun, was, strict=True):
+        np.testing.assert_allclose(got, known, atol=1e-5)
+    # Its end lies between two samples of the path: each joint's between theirs.
+    path = np.array(running["positions"])
+    assert (path.min(axis=0) - 1e-9 <= motion["positions"][-1]).all()
+    assert (path.max(axis=0) + 1e-9 >= motion["positions"][-1]).all()
+    assert motion["duration"] <= running["duration"] - time + 1e-9
+
+
+def test_jerk_is_limited_off_the_path(client, scene, running):
+    _, answer = asked(client, scene, "stop", running, limit_jerk=False)
+    assert answer.status_code == 422
+    assert "along_path" in answer.json()["detail"]
+
+
 @pytest.mark.parametrize("what", ["stop", "splice"])
 def test_a_way_out_that_cannot_be_proven_is_a_failure_with_the_checks(client, scene, running, what):
     _, answer = asked(client, scene, what, running, tool_limits=[SLOW])
@@ -95,11 +121,14 @@ def test_what_cannot_be_meant_is_refused(client, scene, running):
     assert (answer.status_code, answer.json()["code"]) == (409, "unknown_name")
 
 
+@pytest.mark.parametrize(
+    "along", [{}, {"along_path": True}, {"along_path": True, "limit_jerk": False}]
+)
 @pytest.mark.parametrize("huge", [1e2, 1e6])
-def test_motions_beyond_all_limits_are_failures_too(client, scene, huge):
+def test_motions_beyond_all_limits_are_failures_too(client, scene, huge, along):
     wild = {"breaks": [0, 10], "bases": [[0] * 6], "coefficients": [[[huge] * 6] * 16]}
     samples = {"times": [0, 1], "positions": [[0] * 6] * 2, "polynomial": wild}
     for time in (0.0, 10.0):
-        answer = post(client, scene, "stop", trajectory=samples, time=time)
+        answer = post(client, scene, "stop", trajectory=samples, time=time, **along)
         assert answer.status_code == 200
         assert answer.json()["failure"]["code"] in {"retiming_failed", "not_certified"}
