@@ -30,6 +30,7 @@ from planning.parts import at_end_of, tool_of
 from planning.plan_task import PlanTask
 from planning.proving import prove_lines, prove_search
 from planning.refine.wish import require_wish
+from planning.roadmap_ground import Ground
 from planning.roadmap_shelf import RoadmapStore
 from planning.roadmaps import require_search, roadmap_of
 from planning.ruled import admit_rules, kept_goals
@@ -95,7 +96,8 @@ def plan(
         on_progress(Progress("search", 0.1, "looking for the roadmap"))
         with watch.stage("roadmap"):
             share = deadline.share(_ROADMAP_SHARE)
-            roadmap = roadmap_of(problem, world, start, roadmaps, share, watch)
+            ground = Ground.from_problem(problem, world, start, rules)
+            roadmap = roadmap_of(ground, roadmaps, share, watch)
     limits = world.limits(group) if rules is None else rules.limits(world.limits(group))
     task = PlanTask(
         world,

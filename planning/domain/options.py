@@ -48,7 +48,7 @@ class RoadmapOptions(Value):
     """A roadmap that many plans share.
 
     Attributes:
-        states: How many free configurations it has.
+        states: How many free configurations it has, not counting those on ways that bend.
         neighbours: With how many of the nearest others each is joined, where the way is free.
         seed: Of its samples; a plan's own seed does not change it.
     """

@@ -15,10 +15,10 @@ class Roadmap(Value):
 
     Attributes:
         key: Names all that decided it: the world as the group sees it, margins, metric, bounds,
-            options. Equal keys, equal roadmaps.
-        states: Free configurations, the group's q, shape (n, nq).
-        edges: Pairs of rows that a free geodesic joins, each pair once, the smaller row first,
-            sorted, shape (m, 2).
+            options, path constraints. Equal keys, equal roadmaps.
+        states: Free configurations, the q of the joints that are not locked, shape (n, nq).
+        edges: Pairs of rows that a free geodesic joins, or a car's drive, each pair once, the
+            smaller row first, sorted, shape (m, 2).
         num_states_checked: Configurations that were checked to build it.
     """
 

@@ -21,9 +21,9 @@ from planning.search.spaces import SearchSpace
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # Length of a step along the set [rad or m], and how near to it is on it.
-_STEP = 0.1
-_ON = 1e-5
-_MOST_ITERATIONS = 20
+STEP = 0.1
+ON = 1e-5
+MOST_ITERATIONS = 20
 
 
 @runtime_checkable
@@ -45,7 +45,11 @@ class Residual(Protocol):
 
 
 class ProjectedSpace(SearchSpace):
-    """A space of a group of bounded joints, within which a residual vanishes."""
+    """A space of a group of bounded joints, within which a residual vanishes.
+
+    Attributes:
+        residual: What vanishes.
+    """
 
     def __init__(
         self,
@@ -63,6 +67,7 @@ class ProjectedSpace(SearchSpace):
             residual: What shall vanish.
         """
         super().__init__(group, limits, anchors)
+        self.residual = residual
         self._count = group.num_positions
         # OMPL keeps no reference of its own to what Python made.
         self._constraint = _Residual(residual, self._count)
@@ -81,7 +86,7 @@ class ProjectedSpace(SearchSpace):
         """Return OMPL's space information, ready to plan with."""
         read, is_free = self.read, oracle.is_free
         information = ob.ConstrainedSpaceInformation(self.ompl)
-        self.ompl.setDelta(_STEP)
+        self.ompl.setDelta(STEP)
         information.setStateValidityChecker(lambda state: is_free(read(state)))
         information.setup()
         return information
@@ -104,8 +109,8 @@ class _Residual(ob.Constraint):
     def __init__(self, residual: Residual, count: int) -> None:
         # OMPL demands fewer equations than dimensions; ours mostly vanish, so a sum may do.
         self._is_stacked = residual.size < count
-        super().__init__(count, residual.size if self._is_stacked else 1, _ON)
-        self.setMaxIterations(_MOST_ITERATIONS)
+        super().__init__(count, residual.size if self._is_stacked else 1, ON)
+        self.setMaxIterations(MOST_ITERATIONS)
         self._residual = residual
 
     def function(self, state: Any, out: Any) -> None:

@@ -7,6 +7,7 @@ metrics; none of its planners is asked.
 """
 
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -17,11 +18,17 @@ from planning.domain.joints import JointGroup, JointLimits
 from planning.domain.manifold import Manifold
 from planning.domain.options import RoadmapOptions, SearchOptions
 from planning.domain.roadmap import Roadmap
+from planning.domain.steering import steering_of
 from planning.domain.value import Value
+from planning.search.car_space import CarSpace
 from planning.search.demands import block_weights, bounded, held_rotations
+from planning.search.driven_edges import DrivenEdges
 from planning.search.edges import EdgeChecker
+from planning.search.joining import Joining
 from planning.search.objective import Objective
 from planning.search.oracle import CollisionOracle, WatchedOracle
+from planning.search.projected import Residual
+from planning.search.projection import projected
 from planning.search.sampling import uniform_samples
 from planning.search.sound import FINER
 from planning.search.spaces import SearchSpace
@@ -31,6 +38,8 @@ type Rows = np.ndarray[Any, np.dtype[np.intp]]
 
 # Samples for each state that is wanted, at most: where next to nothing is free, states are fewer.
 _MOST_TRIES = 100
+# Of a car so many times as many neighbours are looked at as are wanted.
+_CANDIDATES = 5
 # Distances that are computed at once.
 _AT_ONCE = 500_000
 
@@ -94,11 +103,17 @@ class RoadmapRecipe(Value):
     @property
     def space(self) -> SearchSpace:
         """Where states lie; made anew each time."""
+        if steering_of(self.group):
+            return CarSpace(self.group, self.limits, self.rest[None], self.weights)
         return SearchSpace(self.group, self.limits, self.rest[None], self.weights, self.held)
 
 
 def grow_roadmap(
-    recipe: RoadmapRecipe, oracle: CollisionOracle, key: str, deadline: Deadline
+    recipe: RoadmapRecipe,
+    oracle: CollisionOracle,
+    key: str,
+    deadline: Deadline,
+    residual: Residual | None = None,
 ) -> Roadmap:
     """Return the roadmap of a recipe in a world.
 
@@ -109,6 +124,8 @@ def grow_roadmap(
         oracle: What is free.
         key: What the roadmap shall be known by.
         deadline: When to give up.
+        residual: What vanishes on a set that is too thin to be sampled; states are projected onto
+            it, and ways along it bend: where they do there are more states.
 
     Raises:
         Canceled: Somebody asked for the end.
@@ -116,31 +133,75 @@ def grow_roadmap(
     """
     watched = WatchedOracle(oracle, recipe.group, recipe.limits, deadline)
     space = recipe.space
-    states = _free_states(recipe, space, watched)
-    pairs = _nearest_pairs(recipe, space.manifold, states, deadline)
-    checker = EdgeChecker(space.manifold, watched, recipe.resolution)
-    free = checker.are_free(states[pairs[:, 0]], states[pairs[:, 1]])
-    return Roadmap(key, states, pairs[free], watched.num_states)
+    states = _free_states(recipe, space, watched, residual, deadline)
+    edges = space.checker(watched, recipe.resolution, recipe.metric.norm)
+    pairs = _nearest_pairs(recipe, edges, states, deadline)
+    between = Joining(edges, residual).between(states[pairs[:, 0]], states[pairs[:, 1]])
+    return _roadmap(key, states, pairs, between, watched.num_states)
 
 
-def _free_states(recipe: RoadmapRecipe, space: SearchSpace, oracle: WatchedOracle) -> Array:
+def _roadmap(
+    key: str,
+    states: Array,
+    pairs: Int32[np.ndarray, "m 2"],
+    between: list[Array | None],
+    num_states_checked: int,
+) -> Roadmap:
+    """Return the roadmap of joined states, with what lies between them as states as well."""
+    rows, joined, count = [states], list[list[int]](), len(states)
+    for (i, j), way in zip(pairs.tolist(), between, strict=True):
+        if way is None:
+            continue
+        chain = [i, *range(count, count + len(way)), j]
+        joined += [sorted(pair) for pair in pairwise(chain)]
+        rows.append(way)
+        count += len(way)
+    edges = np.array(sorted(joined), dtype=np.int32).reshape(-1, 2)
+    return Roadmap(key, np.concatenate(rows), edges, num_states_checked)
+
+
+def _free_states(
+    recipe: RoadmapRecipe,
+    space: SearchSpace,
+    oracle: WatchedOracle,
+    residual: Residual | None,
+    deadline: Deadline,
+) -> Array:
     count = recipe.options.states
     rng = np.random.default_rng(recipe.options.seed)
     kept = np.empty((0, recipe.group.num_positions))
     for _ in range(_MOST_TRIES):
         samples = uniform_samples(recipe.group, space, count, rng)
+        if residual is not None:
+            samples = _on_set(samples, space, residual, deadline)
         kept = np.concatenate([kept, samples[oracle.are_free(samples)]])
         if len(kept) >= count:
             break
     return kept[:count]
 
 
+def _on_set(samples: Array, space: SearchSpace, residual: Residual, deadline: Deadline) -> Array:
+    """Return the samples that have a place nearby on the set and in the box, there."""
+    found: list[Array] = []
+    for sample in samples:
+        deadline.check("search")
+        q = projected(residual, sample)
+        if q is not None and space.contains(q):
+            found.append(np.clip(q, space.lower, space.upper))
+    return np.array(found).reshape(-1, samples.shape[1])
+
+
 def _nearest_pairs(
-    recipe: RoadmapRecipe, manifold: Manifold, states: Array, deadline: Deadline
+    recipe: RoadmapRecipe, edges: EdgeChecker, states: Array, deadline: Deadline
 ) -> Int32[np.ndarray, "m 2"]:
     """Return each state with each of its nearest neighbours, every pair once, sorted."""
-    count = len(states)
-    wanted = min(recipe.options.neighbours, count - 1)
+    count, manifold = len(states), edges.manifold
+    is_driven = isinstance(edges, DrivenEdges)
+    if is_driven:
+        # How far it is by drive is told of those that are near as the crow flies.
+        manifold = Manifold(recipe.group.joints)
+    neighbours = recipe.options.neighbours
+    wanted = min(_CANDIDATES * neighbours if is_driven else neighbours, count - 1)
     if wanted < 1:
         return np.empty((0, 2), dtype=np.int32)
     metric = recipe.metric
@@ -150,6 +211,16 @@ def _nearest_pairs(
         distances = metric.norm(manifold.minus(states[None], states[rows, None]))
         distances[np.arange(len(rows)), rows] = np.inf
         nearest = np.argpartition(distances, wanted - 1, axis=1)[:, :wanted]
-        ends = np.stack([np.repeat(rows, wanted), nearest.ravel()], axis=1)
+        if is_driven:
+            nearest = _nearest_driven(edges, states, rows, nearest, neighbours)
+        ends = np.stack([np.repeat(rows, nearest.shape[1]), nearest.ravel()], axis=1)
         found.append(np.sort(ends, axis=1))
     return np.unique(np.concatenate(found), axis=0).astype(np.int32)
+
+
+def _nearest_driven(edges: EdgeChecker, states: Array, rows: Rows, near: Rows, wanted: int) -> Rows:
+    """Return of the near ones of each row, shape (m, k), those that the shortest drives lead to."""
+    ends = np.repeat(rows, near.shape[1])
+    lengths = edges.lengths(states[ends], states[near.ravel()]).reshape(near.shape)
+    order = np.argsort(lengths, axis=1, kind="stable")[:, :wanted]
+    return np.take_along_axis(near, order, axis=1)

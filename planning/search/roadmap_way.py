@@ -11,9 +11,13 @@ import numpy as np
 from jaxtyping import Float64
 
 from planning.domain.roadmap import Roadmap
+from planning.search.car_space import CarSpace
+from planning.search.driven_edges import DrivenEdges
 from planning.search.edges import EdgeChecker
 from planning.search.graph import Graph, Steps, cheapest_ways, measured, traced
+from planning.search.joining import Joining
 from planning.search.polyline import unrolled
+from planning.search.projected import ProjectedSpace
 from planning.search.query import Query
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
@@ -44,6 +48,19 @@ class Way:
     goal_row: int
 
 
+@dataclass(frozen=True)
+class _Ends:
+    """How the start and some goals are joined to a roadmap.
+
+    Attributes:
+        out: By rows of the roadmap, the waypoints between the start and that state.
+        into: The same of goals, by their rows among the goals.
+    """
+
+    out: dict[int, Array]
+    into: dict[int, dict[int, Array]]
+
+
 def way_through(roadmap: Roadmap, query: Query, edges: EdgeChecker) -> Way:
     """Return the cheapest way from the start to one of the nearest goals that can be joined.
 
@@ -56,7 +73,9 @@ def way_through(roadmap: Roadmap, query: Query, edges: EdgeChecker) -> Way:
         Canceled: Somebody asked for the end.
         DeadlineExceeded: The time has run out.
     """
-    out = _links(roadmap, query.start, edges)
+    space = query.space
+    joining = Joining(edges, space.residual if isinstance(space, ProjectedSpace) else None)
+    out = _links(roadmap, query.start, joining)
     nothing = Graph(roadmap.states, [], [], lambda _: [])
     none = np.empty((0, len(query.start)))
     if not out:
@@ -64,36 +83,35 @@ def way_through(roadmap: Roadmap, query: Query, edges: EdgeChecker) -> Way:
     way = Way("goal_not_joined", nothing, none, -1)
     cuts = range(_FIRST_PORTION, len(query.goals), _PORTION)
     for rows in np.split(np.arange(len(query.goals)), cuts):
-        links = {row: _links(roadmap, query.goals[row], edges) for row in rows.tolist()}
-        joined = {row: into for row, into in links.items() if into}
-        if not joined:
+        links = {row: _links(roadmap, query.goals[row], joining) for row in rows.tolist()}
+        ends = _Ends(out, {row: into for row, into in links.items() if into})
+        if not ends.into:
             continue
-        way = _cheapest(_joined_graph(roadmap, query, out, joined), query, list(joined))
+        way = _cheapest(_joined_graph(roadmap, query, ends), query, ends, edges)
         if not way.reason:
             break
     return way
 
 
-def _links(roadmap: Roadmap, q: Array, edges: EdgeChecker) -> list[int]:
-    """Return the rows of near states to which the way is free."""
-    distances = edges.manifold.distance(roadmap.states, q)
-    near = np.argsort(distances, kind="stable")[:_MOST_TRIED]
-    found: list[int] = []
+def _links(roadmap: Roadmap, q: Array, joining: Joining) -> dict[int, Array]:
+    """Return the rows of near states to which a way is free, and the waypoints between."""
+    near = joining.nearest(roadmap.states, q, _MOST_TRIED)
+    found: dict[int, Array] = {}
     for rows in np.split(near, range(_AT_ONCE, len(near), _AT_ONCE)):
-        free = edges.are_free(np.tile(q, (len(rows), 1)), roadmap.states[rows])
-        found += rows[free].tolist()
+        between = joining.between(np.tile(q, (len(rows), 1)), roadmap.states[rows])
+        pairs = zip(rows.tolist(), between, strict=True)
+        found |= {row: waypoints for row, waypoints in pairs if waypoints is not None}
         if len(found) >= _ENOUGH:
             break
     return found
 
 
-def _joined_graph(
-    roadmap: Roadmap, query: Query, out: list[int], joined: dict[int, list[int]]
-) -> Graph:
+def _joined_graph(roadmap: Roadmap, query: Query, ends: _Ends) -> Graph:
     """Return the roadmap with the start as its next row, and the goals after it."""
     start = len(roadmap.states)
+    out = list(ends.out)
     into: dict[int, list[int]] = {}
-    for place, links in enumerate(joined.values()):
+    for place, links in enumerate(ends.into.values()):
         for row in links:
             into.setdefault(row, []).append(start + 1 + place)
 
@@ -102,23 +120,37 @@ def _joined_graph(
             return [*roadmap.neighbours[row], *into.get(row, ())]
         return out if row == start else []
 
-    goals = list(range(start + 1, start + 1 + len(joined)))
-    qs = np.concatenate([roadmap.states, query.start[None], query.goals[list(joined)]])
+    goals = list(range(start + 1, start + 1 + len(ends.into)))
+    qs = np.concatenate([roadmap.states, query.start[None], query.goals[list(ends.into)]])
     return Graph(qs, [start], goals, neighbours)
 
 
-def _cheapest(graph: Graph, query: Query, rows: list[int]) -> Way:
+def _cheapest(graph: Graph, query: Query, ends: _Ends, edges: EdgeChecker) -> Way:
     goals = set(graph.goals)
-    for row, came_from in cheapest_ways(graph, _steps(graph, query)):
+    for row, came_from in cheapest_ways(graph, _steps(graph, query, edges)):
         if row in goals:
-            waypoints = unrolled(graph.qs[traced(came_from, row)], query.space.manifold)
-            return Way("", graph, waypoints, rows[row - graph.goals[0]])
+            goal_row = list(ends.into)[row - graph.goals[0]]
+            waypoints = _whole(graph, traced(came_from, row), ends.out, ends.into[goal_row])
+            waypoints = unrolled(waypoints, query.space.manifold)
+            if isinstance(query.space, CarSpace):
+                waypoints = query.space.drives.threaded(waypoints)
+            return Way("", graph, waypoints, goal_row)
     return Way("no_way", graph, np.empty((0, len(query.start))), -1)
 
 
-def _steps(graph: Graph, query: Query) -> Steps:
+def _whole(graph: Graph, rows: list[int], out: dict[int, Array], into: dict[int, Array]) -> Array:
+    """Return the waypoints of a way, those on which its ends are joined among them."""
+    first, last = out[rows[1]], into[rows[-2]][::-1]
+    parts = [graph.qs[rows[:1]], first, graph.qs[rows[1:-1]], last, graph.qs[rows[-1:]]]
+    return np.concatenate(parts)
+
+
+def _steps(graph: Graph, query: Query, edges: EdgeChecker) -> Steps:
     """Return the costs of edges, less by how much nearer they lead to the nearest goal."""
     objective, manifold = query.objective, query.space.manifold
+    if isinstance(edges, DrivenEdges):
+        # Of drives nothing is known of what is left but to measure it, which takes longer.
+        return measured(graph, edges.lengths)
     costs = measured(graph, objective.edge_costs)
     if objective.name == "clearance":  # where nothing is near, it is less than the length
         return costs

@@ -71,7 +71,7 @@ def _body_poses(world: World, group: JointGroup) -> Array:
     plant = world.drake.plant
     context = plant.CreateDefaultContext()
     poses: list[list[Array]] = []
-    for full in world.embed(group, _probes(group)):
+    for full in world.embed(group, probes(group)):
         plant.SetPositions(context, full)
         poses.append([
             plant.EvalBodyPoseInWorld(context, plant.get_body(index)).GetAsMatrix34()
@@ -80,7 +80,7 @@ def _body_poses(world: World, group: JointGroup) -> Array:
     return np.array(poses)
 
 
-def _probes(group: JointGroup) -> Array:
+def probes(group: JointGroup) -> Array:
     """Return configurations of no special meaning, shape (probes, nq)."""
     numbers = np.random.default_rng(0).uniform(0.1, 1.0, (_NUM_PROBES, group.num_positions))
     return Manifold(group.joints).normalized(numbers)

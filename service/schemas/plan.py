@@ -141,11 +141,8 @@ class PlanRequest(Wire):
     )
 
     @model_validator(mode="after")
-    def _know_neither_constraints_nor_lines_in_roadmaps(self) -> Self:
+    def _know_no_lines_in_roadmaps(self) -> Self:
         if self.search.roadmap is not None and isinstance(self.goal, LineGoalWire | PathGoalWire):
             message = "search.roadmap: goals `line` and `path` are not searched for; leave it out"
-            raise ValueError(message)
-        if self.search.roadmap is not None and self.path_constraints:
-            message = "search.roadmap: roadmaps know no path_constraints; ask for one of the two"
             raise ValueError(message)
         return self

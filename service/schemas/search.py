@@ -146,5 +146,5 @@ class SearchWire(Wire):
     roadmap: RoadmapWire | None = Field(
         default=None,
         description="Look for a path in this roadmap first, and ask the planner only where it has "
-        "none; not together with `path_constraints`",
+        "none; under `path_constraints` it is one that keeps them",
     )

@@ -169,18 +169,20 @@ def test_what_a_robot_cannot_drive_is_refused(street: World) -> None:
         planned(street, "passed", search=search)
 
 
-@pytest.mark.parametrize(
-    "search",
-    [
-        planning.SearchOptions(roadmap=planning.RoadmapOptions(states=50)),
-        planning.SearchOptions(planner="GCS"),
-    ],
-)
-def test_searches_along_straight_lines_are_refused(
-    street: World, search: planning.SearchOptions
-) -> None:
+def test_searches_along_straight_lines_are_refused(street: World) -> None:
     with pytest.raises(ProblemInvalid, match="cannot drive them"):
-        planned(street, "passed", search=search)
+        planned(street, "passed", search=planning.SearchOptions(planner="GCS"))
+
+
+def test_a_roadmap_of_drives_is_for_cars_that_drive_backwards(street: World) -> None:
+    few = planning.RoadmapOptions(states=30, neighbours=4)
+    forwards = {JOINT: planning.Steering(0.3, reverse=False)}
+    with pytest.raises(ProblemInvalid, match="cannot drive backwards") as caught:
+        planned(street, "passed", search=planning.SearchOptions(roadmap=few, spaces=forwards))
+    assert caught.value.evidence["field"] == "search.roadmap"
+    found = planned(street, "parked", search=planning.SearchOptions(roadmap=few))
+    assert found.certificate.proven
+    assert found.stages.search.roadmap.num_edges > 30
 
 
 def shoulder_of(motion: MotionPlan) -> np.ndarray:

@@ -118,6 +118,11 @@ class PathRules:
             rules.append(chosen)
         return replace(self, rules=tuple(rules))
 
+    @property
+    def roomy(self) -> "PathRules":
+        """The rules with all the room that they wish for, whatever start and goals have."""
+        return replace(self, rules=tuple(rule.leaving(rule.wish) for rule in self.rules))
+
     def oracle(self, inner: CollisionJudge) -> RuledOracle:
         """Return the judge of collisions and rules."""
         return RuledOracle(inner, Manifold(self.group.joints), self.rules)

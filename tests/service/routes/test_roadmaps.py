@@ -78,11 +78,18 @@ def test_nonsense_is_refused(posted, roadmap):
     assert plan(roadmap, status=422)["code"] == "request_invalid"
 
 
-def test_path_constraints_are_refused_together_with_a_roadmap(posted):
+def test_a_roadmap_under_path_constraints_keeps_them_and_is_kept(posted):
     _, plan = posted
-    locked = [{"type": "locked_joints", "joints": ["body::base_joint"]}]
-    problem = plan(FEW, status=422, path_constraints=locked)
-    assert "path_constraints" in str(problem)
+    limits = [{"type": "joint_limits", "limits": {"body::base_joint.x": [-0.42, 0.42]}}]
+    free, first, second = plan(FEW), *(plan(FEW, path_constraints=limits) for _ in range(2))
+    assert first["state"] == "succeeded", first["failure"]
+    assert first["result"] == second["result"]
+    told = [job["result"]["stages"]["search"]["roadmap"] for job in (free, first)]
+    assert told[0]["digest"] != told[1]["digest"]
+    assert told[1]["used"]
+    assert max(abs(row[0]) for row in first["result"]["path"]) <= 0.42
+    assert "roadmap_build" in first["timings"]
+    assert "roadmap_build" not in second["timings"]
 
 
 @pytest.mark.parametrize("kind", ["line", "path"])
