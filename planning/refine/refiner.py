@@ -13,16 +13,13 @@ from planning.domain.path import JointPath
 from planning.domain.report import RefineReport
 from planning.domain.steering import steering_of
 from planning.refine.audit import length_of
-from planning.refine.chart import FlatChart, chart_of
+from planning.refine.chart import chart_of
 from planning.refine.quickest import quickest
 from planning.refine.request import RefineRequest
 from planning.refine.soft_rows import solver_name
 from planning.refine.task import RefineTask
-from planning.world.kernel_scene import kernel_scene_of
 from planning.world.world import World
 
-# How closely the guess follows the path [rad or m]: nearer where the first led to nothing free.
-_CLOSE = (0.15, 0.04)
 # With less than this left of a plan's time, the automatic method leaves the path alone [s].
 _AMPLE = 0.5
 # Of the time that is left, what this stage may take.
@@ -48,32 +45,31 @@ def refine(
     path = request.path
     report = RefineReport(request.options.method, improved=False, length_before=path.length)
     share = deadline.share(_SHARE)
-    refusal = _refusal(world, request, share)
+    refusal = _refusal(request, share)
     if refusal:
         return None, replace(report, reason=refusal)
     task = RefineTask.of(world, request, share)
     report = replace(report, solver=solver_name(), lower_bound=task.least)
     if not task.is_held:
         return None, replace(report, reason="gravity is more than a joint can hold at an end")
-    guesses = [task.fitted(closeness) for closeness in _CLOSE]
-    found = quickest(world, task, guesses)
+    found = quickest(world, task)
     best = found.best
-    report = replace(report, rounds=found.steps, duration_before=task.duration_of(guesses[0]))
+    report = replace(report, rounds=found.steps, duration_before=task.duration_of(found.guess))
     if best is not None and found.steps == 0 and len(task.waypoints) == 2:
         return None, replace(report, reason="nothing is quicker than the straight path")
     if best is None:
-        return None, replace(report, reason=found.reason or "no time was left")
-    curve = task.curve_of(best)
+        return None, replace(report, reason=found.reason)
+    curve = found.task.curve_of(best)
     return curve, replace(
         report, improved=True, length_after=length_of(curve), duration_after=best.duration
     )
 
 
-def _refusal(world: World, request: RefineRequest, share: Deadline) -> str:
+def _refusal(request: RefineRequest, share: Deadline) -> str:
     """Return why not to begin, or ""."""
     if request.options.method == "none":
         return "not asked for"
-    unfit = _unfit(world, request.path)
+    unfit = _unfit(request.path)
     if unfit:
         return unfit
     if request.options.method == "auto" and share.remaining < _SHARE * _AMPLE:
@@ -81,17 +77,10 @@ def _refusal(world: World, request: RefineRequest, share: Deadline) -> str:
     return "no time was left" if share.is_over else ""
 
 
-def _unfit(world: World, path: JointPath) -> str:
-    """Return why a path must be left alone, or has no coordinates along it, or ""."""
+def _unfit(path: JointPath) -> str:
+    """Return why a path must be left alone, or ""."""
     if steering_of(path.group):
         return "a car's path is left alone: a refined curve would slip sideways or turn too tightly"
-    chart = chart_of(path)
-    if len(chart.waypoints) < 2:
+    if len(chart_of(path).waypoints) < 2:
         return "the path does not move"
-    if isinstance(chart, FlatChart):
-        return ""
-    if kernel_scene_of(world.drake) is None:
-        return "without the native kernel there are no gradients for floating joints"
-    if not chart.reaches:
-        return "a floating joint turns too far for the coordinates of one tangent space"
     return ""
