@@ -43,6 +43,11 @@ class JointPath(Value):
         return JointPath(self.group, manifold.normalized(np.stack(rows)))
 
     @property
+    def straight(self) -> "JointPath":
+        """The geodesic between the ends."""
+        return JointPath(self.group, self.waypoints[[0, -1]])
+
+    @property
     def spline(self) -> JointSpline:
         """The path as a curve: of degree one, or of degree five where arcs are followed."""
         manifold = manifold_of(self.group)

@@ -3,6 +3,11 @@
 The optimiser's control points are coordinates. Where joints do not float, positions are their own
 coordinates, without jumps by whole turns. Else they are tangents at one configuration in the middle
 of the way, q = base [+] delta, in which |delta'| bounds every rate (`planning.domain.curve`).
+
+The shortest tangents jump where a rotation is half a turn from the base, but they need not be the
+shortest: delta is followed along the way, and q is smooth in it and turns with it in every
+direction as long as it is shorter than a whole turn. The longer it is, the farther |delta'| is
+above the rate across it, by theta / (2 sin(theta / 2)): so the base is where the longest is short.
 """
 
 from dataclasses import dataclass, replace
@@ -12,18 +17,23 @@ import numpy as np
 from jaxtyping import Float64
 
 from planning.domain.curve import JointSpline
-from planning.domain.joints import JointLimits, JointType
+from planning.domain.joints import JointLimits
 from planning.domain.manifold import Manifold
 from planning.domain.path import JointPath
 from planning.refine.basis import spline_of
 from planning.refine.fit import unwrapped
 from planning.refine.nearness import Near, Nearness
 from planning.refine.power_basis import joint_spline
+from planning.refine.winding import tangents_along, turns_of
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
-# Tangents longer than this are no good coordinates: at pi they jump [rad].
-_LONGEST = 2.2
+# With tangents no longer than this one base is as good as another [rad].
+_LONG = 2.2
+# With longer ones than this none is good: rates across them seem to be three times what they are.
+_LONGEST = 4.5
+# Bases that are tried.
+_MOST_BASES = 33
 # Geodesics between waypoints are no straight lines in a chart: they are followed in such steps.
 _APART = 0.05
 
@@ -39,6 +49,11 @@ class Chart(Protocol):
     @property
     def waypoints(self) -> Array:
         """The path's, shape (n, nv)."""
+        ...
+
+    @property
+    def winds(self) -> bool:
+        """Whether the path turns so far that the shortest way between its ends is quite another."""
         ...
 
     def positions(self, deltas: Float64[np.ndarray, "m nv"]) -> Float64[np.ndarray, "m nq"]:
@@ -68,6 +83,11 @@ class FlatChart:
     def waypoints(self) -> Array:
         """The path's, without jumps by whole turns."""
         return unwrapped(self.path)
+
+    @property
+    def winds(self) -> bool:
+        """No: an angle goes the way that the search has found."""
+        return False
 
     def positions(self, deltas: Float64[np.ndarray, "m nv"]) -> Float64[np.ndarray, "m nq"]:
         """Return the same numbers."""
@@ -101,10 +121,9 @@ class TangentChart:
     waypoints: Float64[np.ndarray, "n nv"]
 
     @property
-    def reaches(self) -> bool:
-        """Whether no joint turns too far from the base for this to be a chart."""
-        turns = self.waypoints[:, _turning(self.path)].reshape(len(self.waypoints), -1, 3)
-        return bool((np.linalg.norm(turns, axis=2) <= _LONGEST).all())
+    def winds(self) -> bool:
+        """Whether some joint turns farther from the base than half the shortest way can be."""
+        return bool(turns_of(self.path.group, self.waypoints).max() > _LONG)
 
     def positions(self, deltas: Float64[np.ndarray, "m nv"]) -> Float64[np.ndarray, "m nq"]:
         """Return base [+] delta."""
@@ -162,25 +181,35 @@ class _TangentNearness:
 
 
 def chart_of(path: JointPath) -> FlatChart | TangentChart:
-    """Return coordinates for a path."""
+    """Return coordinates for a path.
+
+    Where it turns too far for those of one tangent space, the waypoints are those of the shortest
+    way between its ends instead.
+    """
     manifold = Manifold(path.group.joints)
     if manifold.is_flat:
         return FlatChart(path)
-    count = max(2, int(path.length / _APART) + 1)
-    dense = path.spline.positions(np.linspace(0.0, 1.0, count))
-    base = dense[count // 2]
-    deltas = manifold.minus(dense, base)
+    dense = _dense(path)
+    middle = np.array([len(dense) // 2])
+    base, deltas, longest = _charted(path, dense, middle)
+    if longest > _LONG:
+        tried = np.linspace(0, len(dense) - 1, _MOST_BASES).astype(np.intp)
+        base, deltas, longest = _charted(path, dense, tried)
+    if longest > _LONGEST:
+        return chart_of(path.straight)
     moves = np.linalg.norm(np.diff(deltas, axis=0), axis=1) > 1e-9
     return TangentChart(path, base, deltas[np.concatenate([[True], moves])])
 
 
-def _turning(path: JointPath) -> Any:
-    """Return which coordinates of v are those of rotations in space."""
-    return np.array(
-        [
-            joint.type is JointType.FLOATING and k < 3
-            for joint in path.group.joints
-            for k in range(joint.num_velocities)
-        ],
-        dtype=bool,
-    )
+def _dense(path: JointPath) -> Array:
+    """Return configurations along a path, in small steps."""
+    count = max(2, int(path.length / _APART) + 1)
+    return path.spline.positions(np.linspace(0.0, 1.0, count))
+
+
+def _charted(path: JointPath, dense: Array, anchors: Any) -> tuple[Array, Array, float]:
+    """Return the best base of some, the tangents there, and the longest turn among them [rad]."""
+    tangents = tangents_along(path.group, dense, anchors)
+    turns = turns_of(path.group, tangents).max(axis=(0, 2))
+    best = int(turns.argmin())
+    return dense[anchors[best]], tangents[:, best], float(turns[best])

@@ -7,6 +7,7 @@ import numpy as np
 from jaxtyping import Float64
 
 from planning.domain.joints import JointGroup
+from planning.domain.manifold import Manifold
 from planning.kernel.native import native
 from planning.refine.buffers import Demands
 from planning.refine.distances import group_checker
@@ -87,13 +88,9 @@ class DrakeNearness:
         self._model = model
         self._group = group
         self._state = state
-        indices = model.position_indices(group)
-        moved = np.zeros((len(state), len(indices)))
-        moved[indices, np.arange(len(indices))] = 1.0
-        for c in model.couplings:
-            moved[c.follower_position] = c.multiplier * moved[c.leader_position]
-        # Joints of the group do not float: their rates are those of their positions.
-        self._moved = moved
+        self._context: Any = model.plant.CreateDefaultContext()
+        self._is_flat = Manifold(group.joints).is_flat
+        self._moved = self._rates(np.array(state))
 
     def within(self, qs: Float64[np.ndarray, "m nq"], reach: float) -> Near:
         """Return the pairs with less than `reach` [m] beyond what is demanded."""
@@ -102,8 +99,19 @@ class DrakeNearness:
             clearance: Any = self._checker.CalcRobotClearance(full, reach)
             at.append(np.full(clearance.size(), i))
             spare.append(np.array(clearance.distances()))
-            gradients.append(np.array(clearance.jacobians()) @ self._moved)
+            moved = self._moved if self._is_flat else self._rates(full)
+            gradients.append(np.array(clearance.jacobians()) @ moved)
         return Near(np.concatenate(at), np.concatenate(spare), np.vstack(gradients))
+
+    def _rates(self, full: Float64[np.ndarray, " num_positions"]) -> Array:
+        """Return what the plant's positions change with the group's v, which Drake knows by q."""
+        plant = self._model.plant
+        plant.SetPositions(self._context, full)
+        rates: Any = plant.MakeVelocityToQDotMap(self._context)
+        moved = rates.toarray()[:, self._model.velocity_indices(self._group)]
+        for c in self._model.couplings:
+            moved[c.follower_position] = c.multiplier * moved[c.leader_position]
+        return moved
 
 
 def nearness_of(world: World, group: JointGroup, demands: Demands) -> Nearness:

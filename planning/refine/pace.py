@@ -23,6 +23,10 @@ type Array = np.ndarray[Any, np.dtype[np.float64]]
 type Indices = np.ndarray[Any, np.dtype[np.intp]]
 
 _PER_SPAN = 4
+# Of more rows than this the solver sees a few at first, one in so many.
+_MANY, _EVERY = 1500, 6
+# Rows are broken if they lack more than this of their bound.
+_DUST = 1e-6
 # Of its cap, so that the pace rests nowhere on the way.
 _SLOWEST = 1e-9
 
@@ -144,16 +148,30 @@ def fastest_pace(
     now = np.zeros(values.shape[:-1])
     rows = Rows.between(columns, values, now, rates.signed[:, None, :, None], RATE_PRICE)
     rows = rows.taken(np.minimum(rows.values, 0).sum(axis=1) < -1)
-    many = (rows,) if others is None else (rows, others.rows(caps, both_ends(number)))
-    size = n - 1
-    program = SoftProgram(
-        np.full(size, -1 / size), np.zeros(size), np.zeros(size), np.ones(size), many
-    )
+    extra = None if others is None else others.rows(caps, both_ends(number))
     b = np.zeros(n + 1)
-    b[1:-1] = np.clip(program.solve(), _SLOWEST, 1.0) * caps[1:-1]
+    b[1:-1] = np.clip(_most(n - 1, rows, extra), _SLOWEST, 1.0) * caps[1:-1]
     # The solver keeps rows to its tolerance; the whole pace is slowed down by the worst.
     worst = rates.worst(grid, b)
     return b / max(1.0, worst if others is None else max(worst, others.worst(b)))
+
+
+def _most(size: int, rows: Rows, extra: Rows | None) -> Array:
+    """Return the largest x in [0, 1]^size that keeps rows, each near 1 where nothing binds.
+
+    Of many others most bind nowhere: some are kept at first, then those that turn out to be broken.
+    """
+    flat = np.full(size, -1 / size), np.zeros(size), np.zeros(size), np.ones(size)
+    if extra is None:
+        return SoftProgram(*flat, (rows,)).solve()
+    kept = np.full(len(extra.least), len(extra.least) < _MANY)
+    kept[::_EVERY] = True
+    while True:
+        x = SoftProgram(*flat, (rows, extra.taken(kept))).solve()
+        broken = extra.lacks(x) > _DUST
+        if not (broken & ~kept).any():
+            return x
+        kept |= broken
 
 
 def duration_of(grid: Grid, b: Float64[np.ndarray, " n_plus_1"]) -> float:

@@ -60,12 +60,9 @@ class PaceRows:
         return cls(np.concatenate(lows, axis=1), np.concatenate(highs, axis=1))
 
     def caps(self) -> Array:
-        """Return bounds on b at every grid point but the ends, by the rows that know no minus."""
-        is_plain = (self.low >= 0) & (self.high >= 0)
-        low, high = (
-            np.where(is_plain, slopes, 0.0).max(axis=1, initial=0.0)
-            for slopes in (self.low, self.high)
-        )
+        """Return bounds on b at every grid point but the ends, by rows that know no other."""
+        low = np.where(self.high == 0, self.low, 0.0).max(axis=1, initial=0.0)
+        high = np.where(self.low == 0, self.high, 0.0).max(axis=1, initial=0.0)
         return 1 / np.maximum(np.maximum(low[1:], high[:-1]), STANDSTILL)
 
     def worst(self, b: Float64[np.ndarray, " n_plus_1"]) -> float:

@@ -1,6 +1,6 @@
 """quickest(): descents from one guess after another, and the best curve of all."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from jaxtyping import Float64
@@ -11,17 +11,24 @@ from planning.refine.look import Look
 from planning.refine.task import RefineTask
 from planning.world.world import Array, World
 
+# How closely the guess follows the path [rad or m]: nearer where the first led to nothing free.
+_CLOSE = (0.15, 0.04)
+
 
 @dataclass(frozen=True)
 class Found:
     """What descents came to.
 
     Attributes:
+        task: Of the best curve, in whose coordinates it is.
+        guess: Control points of the first guess, in those of the first task.
         best: The best free curve, or None.
         steps: How many steps were taken.
         reason: Why the last curve of the last descent was refused, or "".
     """
 
+    task: RefineTask
+    guess: Array
     best: Look | None = None
     steps: int = 0
     reason: str = ""
@@ -29,34 +36,39 @@ class Found:
     def descended(self, task: RefineTask, guess: Float64[np.ndarray, "k nv"]) -> "Found":
         """Return what there is after one more descent, from a guess."""
         other, more, reason = task.descend(guess)
+        steps = self.steps + more
         if self.best is None or (other is not None and other.worth < self.best.worth):
-            return Found(other, self.steps + more, reason)
-        return Found(self.best, self.steps + more, self.reason)
+            return Found(task, self.guess, other, steps, reason)
+        return replace(self, steps=steps)
 
 
-def quickest(world: World, task: RefineTask, guesses: list[Array]) -> Found:
+def quickest(world: World, task: RefineTask) -> Found:
     """Return the best of a few descents; others than the first only while nothing is good enough.
 
     Args:
         world: The scene, loaded.
         task: What every one of them needs.
-        guesses: Control points of curves near the path, the next where the last led nowhere.
     """
-    found = Found()
+    guesses = [task.fitted(closeness) for closeness in _CLOSE]
+    found = Found(task, guesses[0], reason="no time was left")
     for guess in guesses:
         if found.best is None and not task.share.is_over:
             found = found.descended(task, guess)
+    if task.chart.winds and task.wants_more_than(found.best):
+        direct = RefineTask.of(world, task.request.straight, task.share)
+        found = found.descended(direct, direct.fitted(_CLOSE[0]))
     if task.request.others.speed_zones and task.wants_more_than(found.best):
-        found = _around(world, task, found, guesses[0])
+        found = _around(world, found)
     if found.best is not None and task.wants_more_than(found.best):
-        found = found.descended(task, _straightened(found.best.points))
+        found = found.descended(found.task, _straightened(found.best.points))
     return found
 
 
-def _around(world: World, task: RefineTask, found: Found, points: Array) -> Found:
-    """Return what there is once ways around speed zones, near a curve, have been tried."""
+def _around(world: World, found: Found) -> Found:
+    """Return what there is once ways around speed zones have been tried."""
+    task = found.task
     detour = Detour.of(world, task.request, task.share)
-    for guess in () if detour is None else detour.guesses(points):
+    for guess in () if detour is None else detour.guesses(task.fitted(_CLOSE[0])):
         if detour is not None and task.wants_more_than(found.best):
             found = found.descended(detour.task, guess)
     return found

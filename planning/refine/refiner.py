@@ -19,11 +19,8 @@ from planning.refine.quickest import quickest
 from planning.refine.request import RefineRequest
 from planning.refine.soft_rows import solver_name
 from planning.refine.task import RefineTask
-from planning.world.kernel_scene import kernel_scene_of
 from planning.world.world import World
 
-# How closely the guess follows the path [rad or m]: nearer where the first led to nothing free.
-_CLOSE = (0.15, 0.04)
 # With less than this left of a plan's time, the automatic method leaves the path alone [s].
 _AMPLE = 0.5
 # Of the time that is left, what this stage may take.
@@ -50,7 +47,7 @@ def refine(
     path = request.path
     report = RefineReport(request.options.method, improved=False, length_before=path.length)
     share = deadline.share(_SHARE)
-    refusal = _refusal(world, request, share)
+    refusal = _refusal(request, share)
     if refusal:
         return None, replace(report, reason=refusal)
     if steering_of(path.group):
@@ -66,25 +63,24 @@ def _refine_curve(
     report = replace(report, solver=solver_name(), lower_bound=task.least)
     if not task.is_held:
         return None, replace(report, reason="gravity is more than a joint can hold at an end")
-    guesses = [task.fitted(closeness) for closeness in _CLOSE]
-    found = quickest(world, task, guesses)
+    found = quickest(world, task)
     best = found.best
-    report = replace(report, rounds=found.steps, duration_before=task.duration_of(guesses[0]))
+    report = replace(report, rounds=found.steps, duration_before=task.duration_of(found.guess))
     if best is not None and found.steps == 0 and len(task.waypoints) == 2:
         return None, replace(report, reason="nothing is quicker than the straight path")
     if best is None:
-        return None, replace(report, reason=found.reason or "no time was left")
-    curve = task.curve_of(best)
+        return None, replace(report, reason=found.reason)
+    curve = found.task.curve_of(best)
     return curve, replace(
         report, improved=True, length_after=length_of(curve), duration_after=best.duration
     )
 
 
-def _refusal(world: World, request: RefineRequest, share: Deadline) -> str:
+def _refusal(request: RefineRequest, share: Deadline) -> str:
     """Return why not to begin, or ""."""
     if request.options.method == "none":
         return "not asked for"
-    unfit = _unfit(world, request.path)
+    unfit = _unfit(request.path)
     if unfit:
         return unfit
     if request.options.method == "auto" and share.remaining < _SHARE * _AMPLE:
@@ -92,17 +88,11 @@ def _refusal(world: World, request: RefineRequest, share: Deadline) -> str:
     return "no time was left" if share.is_over else ""
 
 
-def _unfit(world: World, path: JointPath) -> str:
-    """Return why a path must be left alone, or has no coordinates along it, or ""."""
+def _unfit(path: JointPath) -> str:
+    """Return why a path must be left alone, or ""."""
     chart, num_cars = chart_of(path), len(steering_of(path.group))
     if num_cars > 1 or (num_cars and not isinstance(chart, FlatChart)):
         return "several cars, or a car with a joint that floats, are left alone"
     if len(chart.waypoints) < 2:
         return "the path does not move"
-    if isinstance(chart, FlatChart):
-        return ""
-    if kernel_scene_of(world.drake) is None:
-        return "without the native kernel there are no gradients for floating joints"
-    if not chart.reaches:
-        return "a floating joint turns too far for the coordinates of one tangent space"
     return ""

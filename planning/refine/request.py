@@ -1,6 +1,6 @@
 """RefineRequest: what to refine."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from planning.domain.joints import JointLimits
 from planning.domain.motion_limits import MotionLimits
@@ -35,3 +35,8 @@ class RefineRequest(Value):
     rules: PathRules | None = None
     others: MotionLimits = field(default_factory=MotionLimits)
     held: tuple[int, ...] = ()
+
+    @property
+    def straight(self) -> "RefineRequest":
+        """The same with the shortest way between the path's ends, free or not."""
+        return replace(self, path=self.path.straight)

@@ -59,14 +59,26 @@ class Rows:
         least = np.stack([now / high - 1, now / low - 1], axis=-1)
         return cls(twice, pairs.reshape(-1, entries), least.ravel(), price)
 
+    @classmethod
+    def stacked(cls, parts: "list[Rows]") -> "Rows":
+        """Return all rows of some, of one price."""
+        columns, values, least = (
+            np.concatenate(arrays)
+            for arrays in zip(*((p.columns, p.values, p.least) for p in parts), strict=True)
+        )
+        return cls(columns, values, least, parts[0].price)
+
     def taken(self, which: Any) -> "Rows":
         """Return those rows only."""
         return Rows(self.columns[which], self.values[which], self.least[which], self.price)
 
     def cost(self, x: Float64[np.ndarray, " n"]) -> float:
         """Return what the rows cost at x."""
-        sums = (self.values * np.append(x, 0.0)[self.columns]).sum(axis=1)
-        return self.price * float(np.maximum(self.least - sums, 0.0).sum())
+        return self.price * float(np.maximum(self.lacks(x), 0.0).sum())
+
+    def lacks(self, x: Float64[np.ndarray, " n"]) -> Float64[np.ndarray, " m"]:
+        """Return what each row lacks at x, negative where it has more than it must."""
+        return self.least - (self.values * np.append(x, 0.0)[self.columns]).sum(axis=1)
 
 
 @dataclass(frozen=True)

@@ -13,6 +13,7 @@ from planning.refine.soft_rows import Rows
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 type Indices = np.ndarray[Any, np.dtype[np.intp]]
+type Flags = np.ndarray[Any, np.dtype[np.bool_]]
 
 # Ratios that are nearer their bounds than this are looked at.
 _SEEN = 0.5
@@ -22,7 +23,8 @@ _HELD_SEEN = 0.75
 _REACH = 1.5
 # Of the planes about a vector, from its own [rad].
 _TILTS = (0.2, 0.5)
-_BOTH = np.array([-1.0, 1.0])
+# A plane that touches a ball has but one side; of what has one component the other counts as well.
+_ABOVE, _EITHER = (1.0,), (1.0, -1.0)
 
 
 @dataclass(frozen=True)
@@ -36,6 +38,8 @@ class Strain:
         now: The ratios, shape (m, rows).
         by_point: Their slopes by coordinates of control points, shape (m, rows, 4, nq).
         by_pace: By b at both ends of the interval, relative to it, shape (m, rows, 2).
+        is_told: Which of the rows are to be kept, shape (m, rows).
+        sides: On which ratios are bounded: above, or above and below.
         bound: Of the ratios.
         price: Of exceeding the bound by its own size, in durations.
     """
@@ -46,6 +50,8 @@ class Strain:
     now: Array
     by_point: Array
     by_pace: Array
+    is_told: Flags
+    sides: tuple[float, ...]
     bound: float = 1.0
     price: float = RATE_PRICE
 
@@ -68,6 +74,9 @@ class Strain:
             np.einsum("mbrd,mbd->mbr", normals, vectors).reshape(rows),
             moments.by_point(by_q, by_v, by_vdot),
             moments.by_pace(by_v, by_vdot),
+            # What u does not change is the same before a point of the grid as behind it.
+            by_vdot.any(axis=2) | (moments.shares < 1)[:, None],
+            _EITHER if vectors.shape[2] == 1 else _ABOVE,
         )
 
     @classmethod
@@ -81,7 +90,8 @@ class Strain:
         none = np.zeros_like(by_q)
         by_point, by_pace = moments.by_point(by_q, none, none), moments.by_pace(none, none)
         ends = moments.places, moments.owners, moments.intervals
-        return cls(*ends, held[seen], by_point, by_pace, MOST_HELD, price)
+        told = np.ones(by_q.shape[:2], dtype=bool)
+        return cls(*ends, held[seen], by_point, by_pace, told, _EITHER, MOST_HELD, price)
 
     def rows(self, points: Indices, pace: Indices, side: Array) -> Rows:
         """Return the rows that a step can make bind.
@@ -93,15 +103,21 @@ class Strain:
         """
         m, rows = self.now.shape
         by_point = (self.by_point * side).reshape(m, rows, 4 * len(side))
-        values = np.concatenate([by_point, self.by_pace], axis=2)
+        values = np.concatenate([by_point, self.by_pace], axis=2)[self.is_told]
         around = np.stack([pace[self.intervals], pace[self.intervals + 1]], axis=-1)
-        columns = np.concatenate(
-            [points[self.owners].reshape(m, 4 * points.shape[1]), around], axis=1
+        owned = points[self.owners].reshape(m, 4 * points.shape[1])
+        columns = np.repeat(
+            np.concatenate([owned, around], axis=1), self.is_told.sum(axis=1), axis=0
         )
-        columns = np.broadcast_to(columns[:, None], values.shape)
-        bounds = self.bound * _BOTH[:, None, None]
-        found = Rows.between(columns, values, self.now, bounds, self.price)
-        return found.taken(found.least > -_REACH * np.abs(found.values).sum(axis=1))
+        now = self.now[self.is_told]
+        reach = _REACH * np.abs(values).sum(axis=1) / self.bound
+        found: list[Rows] = []
+        for sign in self.sides:
+            least = sign * now / self.bound - 1
+            near = least > -reach
+            wanted = -sign * values[near] / self.bound
+            found.append(Rows(columns[near], wanted, least[near], self.price))
+        return Rows.stacked(found)
 
 
 def _normals(vectors: Float64[np.ndarray, "m balls dims"]) -> Float64[np.ndarray, "m balls k dims"]:

@@ -77,17 +77,21 @@ class ToolLoad:
 
         J is the derivative of the origin's position, so that J' v grows with v by 2 d(J v)/dq.
         """
-        jacobian = self.kinematics.jacobians(q)[:, 3:]
+        # Both sides of a point of the grid differ in vdot alone.
+        is_new = np.append(True, ((q[1:] != q[:-1]) | (v[1:] != v[:-1])).any(axis=1))[: len(q)]
+        places, own = np.flatnonzero(is_new), np.cumsum(is_new) - 1
+        swept = v[places]
+        (found,) = difference_quotients(lambda at: self._swept(at, swept), q[places])
+        by_q, jacobian = found[own, :, : q.shape[1]], self.kinematics.by_v(q)[:, 3:]
+        turned = np.einsum("mijk,mj->mik", by_q, v)
         none = np.zeros_like(jacobian)
+        by_velocity = np.stack([turned, jacobian, none]) / self._speed
         if self.limit.acceleration is None:
-            (turned,) = difference_quotients(lambda at: self._velocities(at, v), q)
-            return (np.stack([turned, jacobian, none]) / self._speed)[:, :, None]
-        (both,) = difference_quotients(lambda at: np.stack(self._rates(at, v, vdot), axis=1), q)
-        turned, bent = both[:, 0], both[:, 1]
+            return by_velocity[:, :, None]
+        bent = np.einsum("mijk,mj->mik", by_q, vdot) + found[own, :, -1]
         by_acceleration = np.stack([bent, 2 * turned, jacobian]) / self._acceleration
         if self.limit.speed is None:
             return by_acceleration[:, :, None]
-        by_velocity = np.stack([turned, jacobian, none]) / self._speed
         return np.stack([by_velocity, by_acceleration], axis=2)
 
     def held(self, q: Array) -> Array:
@@ -108,18 +112,29 @@ class ToolLoad:
     def _acceleration(self) -> float:
         return np.inf if self.limit.acceleration is None else self.limit.acceleration
 
-    def _velocities(self, q: Array, v: Array) -> Array:
-        """Return J v; v may have fewer rows, which repeat."""
-        return self.kinematics.velocities(q, repeated(v, len(q)))
+    def _swept(self, q: Array, v: Array) -> Array:
+        """Return J and, if accelerations count, J' v beside it; rows of v repeat.
+
+        Shape (m, 3, nq) or (m, 3, nq + 1).
+        """
+        jacobians = self.kinematics.by_v(q)[:, 3:]
+        if self.limit.acceleration is None:
+            return jacobians
+        bend = self._bend(q, repeated(v, len(q)))
+        return np.concatenate([jacobians, bend[:, :, None]], axis=2)
 
     def _rates(self, q: Array, v: Array, vdot: Array) -> tuple[Array, Array]:
-        """Return the origin's velocity and acceleration: J v, and J vdot + J' v; likewise."""
-        v, vdot = repeated(v, len(q)), repeated(vdot, len(q))
+        """Return the origin's velocity and acceleration: J v, and J vdot + J' v."""
+        jacobians = self.kinematics.by_v(q)[:, 3:]
+        velocity, pushed = (np.einsum("mij,mj->mi", jacobians, rate) for rate in (v, vdot))
+        return velocity, pushed + self._bend(q, v)
+
+    def _bend(self, q: Array, v: Array) -> Array:
+        """Return J' v."""
         reach = _STEP / np.maximum(_lengths(v), _TINY)
-        places = np.concatenate([q, q, q + reach * v, q - reach * v])
-        found = self.kinematics.velocities(places, np.concatenate([v, vdot, v, v]))
-        velocity, pushed, later, sooner = found.reshape(4, len(q), 3)
-        return velocity, pushed + (later - sooner) / (2 * reach)
+        ways = np.concatenate([q + reach * v, q - reach * v])
+        later, sooner = self.kinematics.velocities(ways, np.concatenate([v, v])).reshape(2, -1, 3)
+        return (later - sooner) / (2 * reach)
 
 
 def repeated(rows: Array, count: int) -> Array:

@@ -62,8 +62,7 @@ class ToolKinematics:
             return self.jacobians(qs)
         drake = self._world.drake
         chosen = np.concatenate([drake.velocity_indices(self._group), self._followers[0]])
-        found = np.stack([self._full(q)[:, chosen] for q in qs])
-        return self._by_tangent(qs, found)
+        return self._by_tangent(qs, self._full(qs)[:, :, chosen])
 
     @property
     def followers(self) -> tuple[Int64[np.ndarray, " k"], Float64[np.ndarray, " k"]]:
@@ -79,8 +78,7 @@ class ToolKinematics:
     def by_v(self, qs: Float64[np.ndarray, "n nq"]) -> Float64[np.ndarray, "n 6 nv"]:
         """Return the same by the group's v, which are Drake's generalized velocities."""
         if self._chain is None:
-            found = np.array([self._by_drake(q) for q in qs])
-            return found.reshape(len(qs), 6, self._group.num_velocities)
+            return self._by_drake(qs)
         return np.asarray(self._chain.jacobians(np.ascontiguousarray(qs)))
 
     def _by_tangent(self, qs: Array, by_v: Array) -> Array:
@@ -116,26 +114,28 @@ class ToolKinematics:
         """Made when it is first needed: it takes longer than many a query."""
         return self._world.drake.plant.CreateDefaultContext()
 
-    def _by_drake(self, q: Array) -> Array:
+    def _by_drake(self, qs: Array) -> Array:
         drake = self._world.drake
-        full = self._full(q)
+        full = self._full(qs)
         for follower, leader, multiplier in reversed(drake.mimics):
-            full[:, leader] += multiplier * full[:, follower]
-        return full[:, drake.velocity_indices(self._group)]
+            full[:, :, leader] += multiplier * full[:, :, follower]
+        return full[:, :, drake.velocity_indices(self._group)]
 
-    def _full(self, q: Array) -> Array:
-        """Return Drake's Jacobian by all velocities of the plant, shape (6, nv of the plant)."""
-        drake = self._world.drake
-        plant, context = drake.plant, self._context
-        plant.SetPositions(context, self._world.embed(self._group, q))
-        return plant.CalcJacobianSpatialVelocity(
-            context,
-            JacobianWrtVariable.kV,
-            drake.frames[self._frame],
+    def _full(self, qs: Array) -> Array:
+        """Return Drake's Jacobians by all velocities of the plant, shape (n, 6, num_velocities)."""
+        plant, context = self._world.drake.plant, self._context
+        frame, world, origin = (
+            self._world.drake.frames[self._frame],
+            plant.world_frame(),
             np.zeros(3),
-            plant.world_frame(),
-            plant.world_frame(),
         )
+        found = np.empty((len(qs), 6, plant.num_velocities()))
+        for i, full in enumerate(self._world.embed(self._group, qs)):
+            plant.SetPositions(context, full)
+            found[i] = plant.CalcJacobianSpatialVelocity(
+                context, JacobianWrtVariable.kV, frame, origin, world, world
+            )
+        return found
 
 
 def _joint_at(drake: DrakeModel, column: int) -> JointIndex:

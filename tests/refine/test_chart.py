@@ -4,21 +4,25 @@ import time
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 import planning
 from planning.domain import rotation
 from planning.domain.deadline import Deadline
 from planning.domain.goal import ConfigurationGoal, JointGoal
-from planning.domain.options import RefineOptions, SearchOptions
+from planning.domain.options import RefineOptions, RetimeOptions, SearchOptions
 from planning.domain.path import JointPath
 from planning.domain.plan import MotionPlan
 from planning.domain.problem import PlanningProblem
-from planning.kernel.native import native
 from planning.refine.buffers import Buffers
 from planning.refine.chart import FlatChart, TangentChart, chart_of
 from planning.refine.nearness import nearness_of
 from planning.refine.refiner import refine
 from planning.refine.request import RefineRequest
+from planning.retime.blend import blend_corners
+from planning.retime.retimer import retime
+from planning.world.loading import load_world
 from planning.world.world import World
 from tests.certify.conftest import smallest_distance
 from tests.conftest import bundled_world
@@ -49,7 +53,7 @@ def test_the_ends_of_a_curve_are_those_of_the_path() -> None:
     path = path_turning([0.0, 1.0, 2.5])
     chart = chart_of(path)
     assert isinstance(chart, TangentChart)
-    assert chart.reaches
+    assert not chart.winds
     manifold = path.spline.manifold
     placed = chart.positions(chart.waypoints)
     assert manifold.distance(placed[[0, -1]], path.waypoints[[0, -1]]).max() < 1e-12
@@ -70,11 +74,12 @@ def test_what_does_not_float_has_its_positions_as_coordinates() -> None:
     assert chart.waypoints[:, 2] == pytest.approx([3.0, 2 * np.pi - 3.0])
 
 
-def test_gradients_are_those_of_the_coordinates() -> None:
-    if native() is None:
-        pytest.skip("there are no gradients for floating joints without the kernel")
+@pytest.mark.parametrize("angles", [[0.0, 0.7, 1.6], [0.0, 2.0, 4.0, 6.0]])
+@pytest.mark.parametrize("kernel", [True, False])
+def test_gradients_are_those_of_the_coordinates(kernel: bool, angles: list[float]) -> None:
     world = bundled_world("window_3d")
-    path = path_turning([0.0, 0.7, 1.6])
+    world = load_world(world.scene, world.library, kernel=kernel)
+    path = path_turning(angles)
     chart = chart_of(path)
     ends = world.embed(path.group, path.waypoints[[0, -1]])
     buffers = Buffers.between(world, world.margins(), ends)
@@ -96,8 +101,6 @@ def test_gradients_are_those_of_the_coordinates() -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", [0, 2])
 def test_a_body_that_floats_flies_quicker_refined(seed: int) -> None:
-    if native() is None:
-        pytest.skip("there are no gradients for floating joints without the kernel")
     world = bundled_world("window_3d")
     refined, plain = plan(world, "trajopt", seed), plan(world, "none", seed)
     assert refined.stages.refine.improved
@@ -123,12 +126,56 @@ def test_what_the_search_kept_from_turning_does_not_turn() -> None:
     assert np.abs(q[:, 2] - start[2]).max() < 1e-12
 
 
-def test_who_turns_too_far_is_left_alone() -> None:
+@given(turns=st.lists(st.floats(0.1, 2.5), min_size=2, max_size=5), seed=st.integers(0, 99))
+@settings(max_examples=20, deadline=None)
+def test_coordinates_follow_whoever_turns_far(turns: list[float], seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    axes = AXIS + rng.normal(0, 0.2, (len(turns), 3))
+    group = bundled_world("window_3d").group("body")
+    steps = rotation.exp(np.array(turns)[:, None] * axes)
+    quaternions = [np.array([1.0, 0.0, 0.0, 0.0])]
+    for step in steps:
+        quaternions.append(rotation.multiply(quaternions[-1], step))
+    path = JointPath(group, np.hstack([quaternions, np.zeros((len(quaternions), 3))]))
+    chart = chart_of(path)
+    deltas = chart.waypoints
+    turned = np.linalg.norm(deltas[:, :3], axis=1)
+    assert turned.max() <= 4.5
+    # What is a small step along the path is one in coordinates, however far from the base.
+    assert np.linalg.norm(np.diff(deltas, axis=0), axis=1).max() < 0.3
+    manifold = path.spline.manifold
+    ends = chart.positions(deltas[[0, -1]])
+    assert manifold.distance(ends, path.waypoints[[0, -1]]).max() < 1e-9
+    assert chart.winds == (turned.max() > 2.2)
+
+
+@pytest.mark.parametrize("kernel", [True, False])
+@pytest.mark.parametrize("far", [5.5, 12.0])
+def test_who_turned_far_takes_the_short_way_if_it_is_free(far: float, kernel: bool) -> None:
     world = bundled_world("window_3d")
-    path = path_turning([0.0, 1.5, 3.0, 4.5, 5.5])
-    request = RefineRequest(
-        path, world.limits(path.group), world.margins(), RefineOptions("trajopt")
-    )
+    world = load_world(world.scene, world.library, kernel=kernel)
+    path = path_turning(np.linspace(0.0, far, 12).tolist())
+    limits = world.limits(path.group)
+    request = RefineRequest(path, limits, world.margins(), RefineOptions("trajopt"))
     curve, report = refine(world, request, Deadline.after(30.0, time.monotonic))
-    assert curve is None
-    assert ("too far" in report.reason) == (native() is not None)
+    assert curve is not None, report.reason
+    ends = np.stack([curve.start, curve.end])
+    assert path.spline.manifold.distance(ends, path.waypoints[[0, -1]]).max() < 1e-9
+    oracle = world.collision_oracle(path.group, world.margins())
+    assert oracle.are_free(curve.positions(np.linspace(0.0, 1.0, 1001))).all()
+    refined, plain = (retime(one, limits, RetimeOptions())[0] for one in (curve, path.spline))
+    assert refined.duration < 0.5 * plain.duration
+
+
+def test_whoever_must_turn_far_does_so_quicker(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where the short way is barred, the curve winds as the path does."""
+    monkeypatch.setattr(RefineRequest, "straight", property(lambda self: self))
+    world = bundled_world("window_3d")
+    path = path_turning([0.0, 1.5, 1.0, 2.5, 4.0, 3.5, 5.5])
+    limits = world.limits(path.group)
+    request = RefineRequest(path, limits, world.margins(), RefineOptions("trajopt"))
+    curve, report = refine(world, request, Deadline.after(30.0, time.monotonic))
+    assert curve is not None, report.reason
+    refined, _ = retime(curve, limits, RetimeOptions())
+    rounded, _ = retime(blend_corners(path, 0.03, 1), limits, RetimeOptions())
+    assert refined.duration < rounded.duration

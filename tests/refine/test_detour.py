@@ -129,6 +129,7 @@ def test_zones_that_hold_an_end_are_not_avoided(make_puck: Callable[..., World])
     assert detour.task.request.others.speed_zones == (about,)
 
 
+@pytest.mark.slow
 def test_who_floats_goes_around_too():
     world = bundled_world("window_3d")
     group = world.group("body")

@@ -17,7 +17,7 @@ from planning.domain.manifold import Manifold
 from planning.domain.options import RefineOptions, RetimeOptions
 from planning.domain.path import JointPath
 from planning.domain.value import digest
-from planning.refine import refiner, task
+from planning.refine import quickest, task
 from planning.refine.descent import Descent
 from planning.refine.refiner import refine
 from planning.refine.request import RefineRequest
@@ -248,7 +248,7 @@ def test_a_nearer_guess_is_tried_where_the_first_leads_nowhere(thin_wall, monkey
     monkeypatch.setattr(task, "fit_control_points", through_the_wall)
     curve, report = thin_wall.refined()
     assert curve is not None, report.reason
-    assert asked == list(refiner._CLOSE)
+    assert asked == list(quickest._CLOSE)
 
 
 def test_mimic_joints_follow(pickup):
