@@ -118,6 +118,16 @@ class PathRules:
             rules.append(chosen)
         return replace(self, rules=tuple(rules))
 
+    def without(self, index: int) -> "PathRules":
+        """Return all rules but one."""
+        rules = self.rules[:index] + self.rules[index + 1 :]
+        held = [rule.locked for rule in rules if isinstance(rule, LockRule)]
+        owners = [joint.name for joint in self.group.joints for _ in joint.velocity_names]
+        locked = {
+            name for flags in held for name, is_held in zip(owners, flags, strict=True) if is_held
+        }
+        return replace(self, rules=rules, locked=frozenset(locked))
+
     def oracle(self, inner: CollisionJudge) -> RuledOracle:
         """Return the judge of collisions and rules."""
         return RuledOracle(inner, Manifold(self.group.joints), self.rules)
