@@ -36,7 +36,6 @@ class LegTally(Value):
         where: The pair of bodies or the joint, or "".
         count: Configurations.
         max_fraction: The most of the line that any of them got, seen from the goal.
-        bodies: The pair, if that is it.
     """
 
     leg: str
@@ -44,7 +43,6 @@ class LegTally(Value):
     where: str
     count: int
     max_fraction: float
-    bodies: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)

@@ -110,25 +110,21 @@ class LegJudge:
         return None
 
     @property
+    def blocking_pairs(self) -> list[tuple[str, str]]:
+        """The bodies that stopped lines, pair by pair."""
+        stops = [self._traced(course).stop for _, _, course in self.ended[:_LOOKED_AT]]
+        return [stop.pair.bodies for stop in stops if stop is not None and stop.pair is not None]
+
+    @property
     def blocked_by(self) -> tuple[LegTally, ...]:
         """What stopped lines, most frequent first."""
-        fractions: dict[tuple[str, str, tuple[str, ...]], list[float]] = defaultdict(list)
+        fractions: dict[tuple[str, str, str], list[float]] = defaultdict(list)
         for name, _, course in self.ended[:_LOOKED_AT]:
             trace = self._traced(course)
             if trace.stop is not None:
                 key = name, trace.stop.reason, _where(trace.stop)
                 fractions[key].append(trace.fraction)
-        tallies = [
-            LegTally(
-                leg,
-                reason,
-                "-".join(where),
-                len(found),
-                max(found),
-                where if len(where) > 1 else (),
-            )
-            for (leg, reason, where), found in fractions.items()
-        ]
+        tallies = [LegTally(*key, len(found), max(found)) for key, found in fractions.items()]
         return tuple(sorted(tallies, key=lambda t: (-t.count, t.leg, t.reason, t.where)))
 
     def reach(
@@ -220,5 +216,5 @@ def _shifted(legs: GoalLegs, shift: Array) -> GoalLegs:
     return GoalLegs(approach, None if legs.retreat is None else legs.retreat.shifted(shift))
 
 
-def _where(stop: LineStop) -> tuple[str, ...]:
-    return (stop.joint,) if stop.pair is None else stop.pair.bodies
+def _where(stop: LineStop) -> str:
+    return stop.joint if stop.pair is None else "-".join(stop.pair.bodies)

@@ -56,8 +56,8 @@ class Course:
     Attributes:
         line: The line.
         longest: Largest step, as a share of the line.
-        finest: Where limits and bodies end it is found to this share of it.
         waypoints: Configurations, the first at the line's beginning.
+        finest: Where limits and bodies end it is found to this share of it.
         fractions: Of the line, one for each.
         max_shift: Bound on how far the tool was off between them [m].
         max_turn: And its rotation [rad].
@@ -67,8 +67,8 @@ class Course:
 
     line: ToolLine
     longest: float
-    finest: float
     waypoints: list[Array]
+    finest: float
     fractions: list[float] = field(default_factory=lambda: [0.0])
     max_shift: float = 0.0
     max_turn: float = 0.0

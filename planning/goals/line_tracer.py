@@ -78,7 +78,7 @@ class LineTracer:
             Canceled: Somebody asked for the end.
         """
         courses = [
-            Course(line, self._longest(line), self._fineness.end, [q])
+            Course(line, self._longest(line), [q], self._fineness.end)
             for line, q in zip(lines, starts, strict=True)
         ]
         if not courses:

@@ -33,6 +33,8 @@ _MAX_CLOSE_ROUNDS, _PATIENCE = 30, 3
 # Where looking around a goal begins, how many times farther it goes each time in vain, and where it
 # ends [m, in the pose metric].
 _FIRST, _FARTHER, _FAR = 1e-3, 3.0, 3.0
+# Of the time, what looking for the nearest may take.
+_SHARE = 0.9
 # What is nearer by less than this share is no news.
 _NEWS = 0.999
 # Obstacles that cost less than this share are not to blame: so near a minimum the search ends too.
@@ -67,13 +69,13 @@ class NearestSearch:
         rng: np.random.Generator,
         deadline: Deadline,
     ) -> None:
-        """Look until the deadline at most."""
+        """Look until the deadline at most; a little of the time is for what binds."""
         self._world = world
         self._query = query
         self._targets: list[Target] = list(targets)
         self._rng = rng
-        self._deadline = deadline
-        self._tries = PoseTries(world, query, self._targets, rng, deadline)
+        self._whole, self._deadline = deadline, deadline.share(_SHARE)
+        self._tries = PoseTries(world, query, self._targets, rng, self._deadline)
         self._nearby = Nearby(world, query.group, self._targets[0].frame, rng)
         self._best: _Found | None = None
 
@@ -108,10 +110,9 @@ class NearestSearch:
 
     def _begin(self, rows: Array, num_hints: int) -> list[tuple[int, Array]]:
         """Take the best free row, and return which to pull, and to which target."""
-        full = self._world.embed(self._query.group, rows)
-        reached = [Pose.from_matrix(x) for x in self._frame_poses(full)]
+        reached = self._poses_of(rows)
         targets = self._promising(reached)
-        costs = np.array([[self._cost(pose, i) for i in targets] for pose in reached])
+        costs = np.stack([self._costs(reached, i) for i in targets], axis=1)
         free = self._tries.are_feasible(rows)
         nearest = costs.argmin(axis=1)
         costs = costs.min(axis=1)
@@ -119,18 +120,18 @@ class NearestSearch:
         ordered = order[free[order]]
         for k in ordered[self._tries.lined(rows[ordered], np.array(targets)[nearest[ordered]])][:1]:
             index = targets[int(nearest[k])]
-            self._best = _Found(float(costs[k]), rows[k], reached[k], index)
+            self._best = _Found(float(costs[k]), rows[k], Pose.from_matrix(reached[k]), index)
         first = [k for k in order if k < num_hints][:_NUM_PULLED]
         then = [k for k in order if k >= num_hints][:_NUM_PULLED]
         freest = list(order[free[order]][:_NUM_PULLED])
         chosen = dict.fromkeys(int(k) for k in [*first, *then, *freest])
         return [(targets[int(nearest[k])], rows[k]) for k in chosen]
 
-    def _promising(self, reached: list[Pose]) -> list[int]:
+    def _promising(self, reached: Array) -> list[int]:
         """Return the targets that some of the poses are nearest to."""
         if len(self._targets) <= _MAX_TARGETS:
             return list(range(len(self._targets)))
-        places = np.array([pose.position for pose in reached])
+        places = reached[:, :3, 3]
         gaps = [
             float(np.linalg.norm(places - target.pose.position, axis=1).min())
             for target in self._targets
@@ -187,34 +188,36 @@ class NearestSearch:
     def _consider(self, rows: Array, indices: list[int]) -> None:
         """Keep the nearest of some configurations, if it will do and is nearer than the best."""
         feasible = np.flatnonzero(self._tries.are_feasible(rows))
-        reached = self._frame_poses(self._world.embed(self._query.group, rows[feasible]))
-        poses = [Pose.from_matrix(x_wt) for x_wt in reached]
-        kept = np.array(indices, dtype=np.int64)[feasible]
-        costs = np.array([self._cost(pose, int(i)) for pose, i in zip(poses, kept, strict=True)])
+        reached, kept = self._poses_of(rows[feasible]), np.array(indices, dtype=np.int64)[feasible]
+        costs = np.zeros(len(kept))
+        for i in set(kept.tolist()):
+            costs[kept == i] = self._costs(reached[kept == i], i)
         nearer = np.flatnonzero(costs < self._cost_so_far)
         order = nearer[np.argsort(costs[nearer], kind="stable")]
         for k in order[self._tries.lined(rows[feasible[order]], kept[order])][:1]:
-            q = np.array(rows[feasible[k]])
-            self._best = _Found(float(costs[k]), q, poses[k], int(kept[k]))
+            q, pose = np.array(rows[feasible[k]]), Pose.from_matrix(reached[k])
+            self._best = _Found(float(costs[k]), q, pose, int(kept[k]))
 
     def _pulled(self, target: Target, q: Array, *, is_apart: bool = True) -> Array:
         pull = to_pose(self._world, self._query, target)
         return pulled(self._world, self._query, pull, q, is_apart=is_apart)
 
-    def _frame_poses(self, full: Array) -> Array:
+    def _poses_of(self, rows: Array) -> Array:
+        """Return X_WT at each row, shape (n, 4, 4)."""
+        full = self._world.embed(self._query.group, rows)
         return self._world.frame_poses(self._targets[0].frame, full)
 
-    def _cost(self, pose: Pose, index: int) -> float:
+    def _costs(self, reached: Array, index: int) -> Array:
         metric = self._query.options.pose_metric
-        shift, turn = pose.distance(self._targets[index].closest(pose))
-        return float(np.hypot(metric.translation * shift, metric.rotation * turn))
+        shift, turn = self._targets[index].misses(reached)
+        return np.hypot(metric.translation * shift, metric.rotation * turn)
 
     def _report(self, best: _Found, *, is_reached: bool) -> NearestPose:
         """Say what binds, and how far away it is."""
         closest = self._targets[best.index].closest(best.pose)
         if self._is_close_work:
-            way = closest, best.index
-            bounds = barrier(self._world, self._query, self._tries, best.q, way)
+            target = self._targets[best.index]
+            bounds = barrier(self._world, self._query, target, best.q, self._whole)
         else:
             is_kept_off = partial(self._is_kept_off, best, is_reached=is_reached)
             bounds = bounds_at(self._world, self._query, best.q, is_kept_off)
@@ -233,5 +236,4 @@ class NearestSearch:
             return True
         target = self._targets[best.index]
         q = self._pulled(target, best.q, is_apart=False)
-        (x_wt,) = self._frame_poses(self._world.embed(self._query.group, q[None]))
-        return self._cost(Pose.from_matrix(x_wt), best.index) < _OWED * best.cost
+        return self._costs(self._poses_of(q[None]), best.index)[0] < _OWED * best.cost

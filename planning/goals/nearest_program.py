@@ -35,6 +35,8 @@ _LARGEST_ANGLE = 3.0
 
 def moved_along(target: Target, reached: Pose) -> Pose:
     """Return X_WG of a target that is moved as far as its closest pose is from X_WT."""
+    if not target.position_tolerance.any() and not target.rotation_tolerance.any():
+        return reached
     return reached @ target.closest(reached).inverse @ target.pose
 
 

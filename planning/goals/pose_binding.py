@@ -6,14 +6,15 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float64
 
+from planning.domain.deadline import Deadline
 from planning.domain.goal_configurations import Bounds
 from planning.domain.line import ToolLine
 from planning.domain.manifold import Manifold
-from planning.domain.pose import Pose
-from planning.goals.goal_lines import GoalLines
+from planning.goals.feasibility import Feasibility
+from planning.goals.goal_lines import GoalLines, goal_lines
 from planning.goals.goal_query import GoalQuery
 from planning.goals.nearby import step_to
-from planning.goals.pose_tries import PoseTries
+from planning.goals.nearest_program import Target
 from planning.world.tool_kinematics import ToolKinematics
 from planning.world.world import World
 
@@ -46,11 +47,11 @@ def bounds_at(
 def barrier(
     world: World,
     query: GoalQuery,
-    tries: PoseTries,
+    target: Target,
     q: Float64[np.ndarray, " nq"],
-    way: tuple[Pose, int],
+    deadline: Deadline,
 ) -> Bounds:
-    """Return all that stands against the first step from q towards a pose that anything bars.
+    """Return all that stands against the first step from q towards a target that anything bars.
 
     Near a minimum of the distance the way to the goal is barred at once. The steps are straight,
     by the least motion of the joints, beyond limits too.
@@ -58,20 +59,22 @@ def barrier(
     Args:
         world: The scene.
         query: What was asked.
-        tries: Whose lines count.
+        target: What q is near to.
         q: The nearest feasible configuration.
-        way: The pose within tolerance that is closest to it, and of which target.
+        deadline: When it is too late to look at lines.
     """
-    goal, index = way
-    rows = _steps(world, query, q, ToolLine(tries.frame, tries.pose_at(q), goal))
-    is_open = tries.are_feasible(rows)
-    if tries.lines is not None:
-        indices = np.full(int(is_open.sum()), index)
-        is_open[is_open] = tries.lines.are_free(rows[is_open], indices)
+    reached = world.frame_pose(target.frame, world.embed(query.group, q))
+    rows = _steps(world, query, q, ToolLine(target.frame, reached, target.closest(reached)))
+    lines = goal_lines(world, query, [target], deadline)
+    is_open = Feasibility(world, query).are_met(rows)
+    if lines is not None:
+        is_open[is_open] = lines.are_free(
+            rows[is_open], np.zeros(int(is_open.sum()), dtype=np.int64)
+        )
     barred = np.flatnonzero(~is_open)
-    if not len(barred):
+    if not len(barred) or deadline.is_over:
         return bounds_at(world, query, q, lambda: True)
-    return _against(world, query, tries.lines, rows[barred[0]], index)
+    return _against(world, query, lines, rows[barred[0]])
 
 
 def _steps(world: World, query: GoalQuery, q: Array, line: ToolLine) -> Array:
@@ -87,9 +90,7 @@ def _steps(world: World, query: GoalQuery, q: Array, line: ToolLine) -> Array:
     return np.stack(rows)
 
 
-def _against(
-    world: World, query: GoalQuery, lines: GoalLines | None, q: Array, index: int
-) -> Bounds:
+def _against(world: World, query: GoalQuery, lines: GoalLines | None, q: Array) -> Bounds:
     """Return all that stands against a configuration."""
     broken = [] if query.rules is None else query.rules.violations(q)
     pairs = tuple(pair.bodies for pair in world.violations(query.group, q, query.margins))
@@ -103,8 +104,7 @@ def _against(
     )
     if bounds != Bounds() or lines is None:
         return bounds
-    stop = lines.stop_of(q, index)
-    return Bounds(line=stop) if stop else Bounds(constraints=lines.broken_by(q, index))
+    return lines.bounds_of(q, 0)
 
 
 def _touching(world: World, query: GoalQuery, q: Array) -> tuple[tuple[str, str], ...]:

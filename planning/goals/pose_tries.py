@@ -13,7 +13,7 @@ from planning.goals.feasibility import Feasibility
 from planning.goals.goal_lines import goal_lines
 from planning.goals.goal_query import GoalQuery
 from planning.goals.nearest_program import Target
-from planning.goals.pose_solvers import DrakePoseSolver, kernel_pose_solver
+from planning.goals.pose_solvers import DrakePoseSolver, exact_kernel_solver
 from planning.goals.seeds import Seeds
 from planning.goals.tool_target import ToolTarget
 from planning.world.kernel_tree import kernel_chain
@@ -24,7 +24,7 @@ type Array = np.ndarray[Any, np.dtype[np.float64]]
 # How many of the free ones are handed out.
 _NUM_KEPT = 4
 # Of so many configurations at once it is looked whether they have lines.
-_NUM_LINED = 48
+_NUM_LINED = 12
 _NUM_BY_DRAKE = 24
 
 
@@ -76,7 +76,8 @@ class PoseTries:
     ) -> Int64[np.ndarray, " m"]:
         """Return which of some feasible rows have the goal's lines, in their order.
 
-        Lines take long: of many rows some are looked at, spread over all of them.
+        Lines take long: none is looked at beyond the first few that have them, nor of many that may
+        have them more than some, of which the last are spread over all.
 
         Args:
             rows: The best first.
@@ -84,8 +85,13 @@ class PoseTries:
         """
         if self.lines is None or not len(rows):
             return np.arange(len(rows))
-        looked_at = np.unique(np.linspace(0, len(rows) - 1, _NUM_LINED).astype(np.int64))
-        return looked_at[self.lines.are_free(rows[looked_at], indices[looked_at])]
+        likely = np.flatnonzero(self.lines.may_be_free(rows, indices))
+        spread = np.linspace(0, len(likely) - 1, _NUM_LINED).astype(np.int64)
+        for asked in (likely[:_NUM_LINED], np.unique(likely[spread]) if len(likely) else likely):
+            found = asked[self.lines.are_free(rows[asked], indices[asked])]
+            if len(found):
+                return found
+        return np.zeros(0, dtype=np.int64)
 
     def pose_at(self, q: Float64[np.ndarray, " nq"]) -> Pose:
         """Return X_WT of the tool frame."""
@@ -107,15 +113,10 @@ class PoseTries:
             index: Which of the targets is near.
         """
         metric = self._query.options.pose_metric
-        targets = [
-            ToolTarget(self.frame, pose, np.zeros(3), np.zeros(3)) for pose in _moved(base, moves)
-        ]
-        group = self._query.group
-        solver = kernel_pose_solver(self._world, group, targets)
-        if solver is None:
-            targets = targets[:_NUM_BY_DRAKE]
-            solver = DrakePoseSolver(self._world, group, self._deadline, targets)
-        seeds = self._seeds.take(len(targets)).copy()
+        group, poses = self._query.group, _moved(base, moves)
+        solver = exact_kernel_solver(self._world, group, self.frame, poses) or self._by_drake(poses)
+        count = len(moves) if self.are_fast else min(len(moves), _NUM_BY_DRAKE)
+        seeds = self._seeds.take(count).copy()
         if near is not None:
             seeds[::4] = near
         if len(self.hints):
@@ -128,11 +129,17 @@ class PoseTries:
         rows = rows[self.are_feasible(rows)]
         return rows[self.lined(rows, np.full(len(rows), index))][:_NUM_KEPT]
 
+    def _by_drake(self, poses: tuple[Array, Array]) -> DrakePoseSolver:
+        targets = [
+            ToolTarget(self.frame, Pose(p, a), np.zeros(3), np.zeros(3))
+            for p, a in zip(poses[0][:_NUM_BY_DRAKE], poses[1], strict=False)
+        ]
+        return DrakePoseSolver(self._world, self._query.group, self._deadline, targets)
 
-def _moved(base: Pose, moves: Array) -> list[Pose]:
-    """Return a pose displaced in its own axes, by half a turn at most."""
+
+def _moved(base: Pose, moves: Array) -> tuple[Array, Array]:
+    """Return a pose displaced in its own axes, by half a turn at most: p_WT and quaternions."""
     shifts, turns = moves[:, :3], np.array(moves[:, 3:])
     turns *= np.minimum(1.0, np.pi / np.maximum(np.linalg.norm(turns, axis=1), 1e-12))[:, None]
     positions = base.position + rotation.rotate(base.quaternion, shifts)
-    quaternions = rotation.multiply(base.quaternion, rotation.exp(turns))
-    return [Pose(p, a) for p, a in zip(positions, quaternions, strict=True)]
+    return positions, rotation.multiply(base.quaternion, rotation.exp(turns))

@@ -119,7 +119,7 @@ def _blocked(
     if shorter is not None:
         lengths = " and ".join(f"{1000 * m:.1f} mm of {leg}" for leg, m in shorter.lengths.items())
         message += f"; {lengths} would do"
-    removal = removal_that_does(world, query, funnel, rng, deadline.share(_REMOVAL_SHARE))
+    removal = removal_that_does(world, query, search, rng, deadline.share(_REMOVAL_SHARE))
     if removal is not None:
         message += f"; without {removal['bodies'][0]} there would be one"
     hints = _distinct(query, search.blocked.rows)

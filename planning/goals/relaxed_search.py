@@ -1,16 +1,15 @@
 """Searches with one thing less in the way: which body, or which path constraint."""
 
 from collections import Counter
-from collections.abc import Iterable
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from planning.domain.deadline import Deadline
-from planning.domain.funnel import Funnel
 from planning.errors import DeadlineExceeded
 from planning.goals.goal_query import GoalQuery
+from planning.goals.pose_search import PoseSearch
 from planning.goals.searched import searched
 from planning.world.rules.body_pairs import moved_bodies
 from planning.world.rules.rule import PathRule
@@ -27,19 +26,23 @@ _SPARE = 1e-5
 
 
 def removal_that_does(
-    world: World, query: GoalQuery, funnel: Funnel, rng: np.random.Generator, deadline: Deadline
+    world: World,
+    query: GoalQuery,
+    search: PoseSearch,
+    rng: np.random.Generator,
+    deadline: Deadline,
 ) -> dict[str, Any] | None:
     """Return the body without which there is a solution, as evidence; None if no single one does.
 
     Args:
         world: The scene, with the limits that the query's rules leave.
-        query: The goal, which none reaches.
-        funnel: What the bodies were that it ran into.
+        query: The goal, whose lines none of its configurations has.
+        search: What was found of those.
         rng: Of the seeds.
         deadline: When to stop asking.
     """
     options = replace(query.options, max_configurations=1)
-    for body in _in_the_way(world, query, funnel)[:_NUM_BODIES]:
+    for body in _in_the_way(world, query, search)[:_NUM_BODIES]:
         margins = query.margins.without(body, world.drake.bodies)
         relaxed = replace(query, margins=margins, options=options)
         found = _solutions(world, relaxed, rng, deadline)
@@ -119,20 +122,9 @@ def _lack(entry: dict[str, Any]) -> float:
     return np.inf if entry["value"] is None else abs(entry["value"] - entry["bound"])
 
 
-def _in_the_way(world: World, query: GoalQuery, funnel: Funnel) -> list[str]:
-    """Return the bodies that the group does not move and that it ran into, most often first."""
+def _in_the_way(world: World, query: GoalQuery, search: PoseSearch) -> list[str]:
+    """Return the bodies that the group does not move and that stop lines, most often first."""
     moved = moved_bodies(world.drake, query.group)
-    count = Counter[str]()
-    for names, times in _hits(funnel):
-        still = [name for name in names if name not in moved]
-        if len(still) == 1:
-            count[still[0]] += times
-    return [name for name, _ in count.most_common()]
-
-
-def _hits(funnel: Funnel) -> Iterable[tuple[tuple[str, ...], int]]:
-    """Yield pairs of bodies and how often they stopped a line or were a collision."""
-    for tally in funnel.blocked_by:
-        yield tally.bodies, tally.count
-    for pair in funnel.rejected_by:
-        yield pair.bodies, pair.count
+    pairs = [] if search.judge is None else search.judge.blocking_pairs
+    still = [[body for body in pair if body not in moved] for pair in pairs]
+    return [body for body, _ in Counter(own[0] for own in still if len(own) == 1).most_common()]

@@ -14,6 +14,9 @@ from planning.goals.nearest import NearestSearch
 from planning.goals.relaxation import alone_that_does, tolerance_that_does
 from planning.world.world import World
 
+# Of what remains of the time for goals, what the search for the nearest pose may take.
+_NEAREST_SHARE = 0.7
+
 
 def nearest_that_does(
     world: World,
@@ -36,7 +39,8 @@ def nearest_that_does(
     Returns:
         `nearest` and `relaxation` as evidence, and the nearest as words for a message.
     """
-    found = NearestSearch(world, query, aiming.accepted, rng, deadline).run(hints)
+    search = NearestSearch(world, query, aiming.accepted, rng, deadline.share(_NEAREST_SHARE))
+    found = search.run(hints)
     relaxation: dict[str, Any] = {
         "tolerance": None,
         "position": None,

@@ -43,7 +43,7 @@ def ask(
     """Return the goal configurations of a group that is where the scene puts it."""
     group = world.group(name)
     query = GoalQuery(group, goal, world.positions(group), world.margins(), options or IkOptions())
-    return find_goals(world, query, np.random.default_rng(seed), Deadline.after(60, time.monotonic))
+    return find_goals(world, query, np.random.default_rng(seed), Deadline.after(60, time.process_time))
 
 
 def at(
