@@ -34,7 +34,7 @@ _MAX_CLOSE_ROUNDS, _PATIENCE = 30, 3
 # ends [m, in the pose metric].
 _FIRST, _FARTHER, _FAR = 1e-3, 3.0, 3.0
 # Of the time, what looking for the nearest may take.
-_SHARE = 0.9
+_SHARE = 0.7
 # What is nearer by less than this share is no news.
 _NEWS = 0.999
 # Obstacles that cost less than this share are not to blame: so near a minimum the search ends too.
@@ -69,7 +69,7 @@ class NearestSearch:
         rng: np.random.Generator,
         deadline: Deadline,
     ) -> None:
-        """Look until the deadline at most; a little of the time is for what binds."""
+        """Look for most of the time until the deadline; the rest is for what binds."""
         self._world = world
         self._query = query
         self._targets: list[Target] = list(targets)

@@ -121,7 +121,7 @@ def _blocked(
         message += f"; {lengths} would do"
     removal = removal_that_does(world, query, search, rng, deadline.share(_REMOVAL_SHARE))
     if removal is not None:
-        message += f"; without {removal['bodies'][0]} there would be one"
+        message += f"; without {removal['body']} there would be one"
     hints = _distinct(query, search.blocked.rows)
     evidence, words = nearest_that_does(world, query, aiming, hints, rng, deadline)
     lengths = {"approach": None, "retreat": None, "pose_index": None}

@@ -48,7 +48,7 @@ def removal_that_does(
         found = _solutions(world, relaxed, rng, deadline)
         if found:
             ((q, index, _),) = found
-            return {"bodies": [body], "pose_index": index, "positions": q.tolist()}
+            return {"body": body, "pose_index": index, "positions": q.tolist()}
     return None
 
 

@@ -7,15 +7,18 @@ from jaxtyping import Float64
 
 from planning.domain.deadline import Deadline
 from planning.domain.goal_configurations import Bounds, NearestPose
-from planning.goals.aims import Aiming
+from planning.goals.aims import Aiming, aiming_of
 from planning.goals.goal_query import GoalQuery
 from planning.goals.line_stop import describe_stop
 from planning.goals.nearest import NearestSearch
 from planning.goals.relaxation import alone_that_does, tolerance_that_does
+from planning.goals.relaxed_search import constraints_that_do
 from planning.world.world import World
 
-# Of what remains of the time for goals, what the search for the nearest pose may take.
-_NEAREST_SHARE = 0.7
+# Of what remains of the time for goals, what searches without some constraint may take.
+_RELAXED_SHARE = 0.3
+# So many configurations that reach a goal are what tries begin with.
+_MOST_HINTS = 32
 
 
 def nearest_that_does(
@@ -39,8 +42,7 @@ def nearest_that_does(
     Returns:
         `nearest` and `relaxation` as evidence, and the nearest as words for a message.
     """
-    search = NearestSearch(world, query, aiming.accepted, rng, deadline.share(_NEAREST_SHARE))
-    found = search.run(hints)
+    found = NearestSearch(world, query, aiming.accepted, rng, deadline).run(hints)
     relaxation: dict[str, Any] = {
         "tolerance": None,
         "position": None,
@@ -53,6 +55,42 @@ def nearest_that_does(
         relaxation["tolerance"] = tolerance_that_does(world, query, target, found, deadline)
         relaxation |= alone_that_does(world, query, target, found, (rng, deadline.share(0.5)))
     return {"nearest": found and found.evidence, "relaxation": relaxation}, _describe(found)
+
+
+def keeping_that_does(
+    world: World,
+    query: GoalQuery,
+    rows: Float64[np.ndarray, "n nq"],
+    rng: np.random.Generator,
+    deadline: Deadline,
+) -> tuple[dict[str, Any], str]:
+    """Return the same where all that reach a goal are free, but break a path constraint.
+
+    The relaxation has the `constraints` of which each would do, if it gave way, as well.
+
+    Args:
+        world: The scene, with its own limits.
+        query: The goal and the rules.
+        rows: Configurations that reach it.
+        rng: Of the tries.
+        deadline: When to stop with what there is.
+    """
+    rules = query.rules
+    assert rules is not None  # noqa: S101  (something was broken)
+    constraints = constraints_that_do(world, query, rng, deadline.share(_RELAXED_SHARE))
+    tight = world.limited(query.group, rules.fixing(world.limits(query.group)))
+    aiming = aiming_of(world, query, rng)
+    evidence, words = nearest_that_does(tight, query, aiming, rows[:_MOST_HINTS], rng, deadline)
+    evidence["relaxation"]["constraints"] = constraints
+    if constraints:
+        words += f"; it would do if {' or '.join(map(_gives_way, constraints))} gave way"
+    return evidence, words
+
+
+def _gives_way(entry: dict[str, Any]) -> str:
+    if entry["value"] is None or entry["unit"] == "1":
+        return str(entry["constraint"])
+    return f"{entry['constraint']} (to {entry['value']:.4g} {entry['unit']})"
 
 
 def _describe(found: NearestPose | None) -> str:
@@ -69,7 +107,11 @@ def _binding(bounds: Bounds) -> str:
         return f"the {bounds.line.leg} binds: {describe_stop(bounds.line.stop)}"
     return {
         "collision": f"{', '.join('-'.join(pair) for pair in bounds.pairs)} bind",
-        "path_constraint": f"{', '.join(bounds.constraints)} bind",
+        "path_constraint": f"{', '.join(bounds.constraints)} {_bind(bounds.constraints)}",
         "limits": f"{', '.join(bounds.joints)} at their limits bind",
         "reach": "the reach binds",
     }[bounds.binding]
+
+
+def _bind(names: tuple[str, ...]) -> str:
+    return "bind" if len(names) > 1 else "binds"
