@@ -68,8 +68,9 @@ def test_a_goal_moved_to_the_nearest_pose_is_solved(approach: Way, retreat: Way)
     )
     moved = Pose.from_parts(near["goal"]["position"], near["goal"]["quaternion"])
     assert max(moved.distance(reached)) < 1e-9
-    found = ask(world, "arm", asking(approach, retreat, moved))
-    assert np.abs(found.positions - q).max(axis=1).min() < 1e-3
+    goal = asking(approach, retreat, moved)
+    assert have_lines(world, goal, q[None], [moved]).all()
+    assert len(ask(world, "arm", goal).positions)
 
 
 @pytest.mark.parametrize(("approach", "retreat"), WAYS)
@@ -125,7 +126,7 @@ def test_without_the_body_that_is_told_it_is_solved(approach: Way, retreat: Way)
 
 def test_no_body_is_told_where_none_is_in_the_way() -> None:
     with pytest.raises(ApproachBlocked) as refusal:
-        ask(world_by(NAME, "kernel"), "arm", asking((0.0, 0.0, -0.9), None), seconds=3.0)
+        ask(world_by(NAME, "kernel"), "arm", asking((0.0, 0.0, -0.9), None), seconds=2.0)
     assert refusal.value.evidence["relaxation"]["remove"] is None
 
 
@@ -167,7 +168,7 @@ def test_plans_say_the_same() -> None:
     goal = asking(approach, retreat)
     with pytest.raises(ApproachBlocked) as refusal:
         planning.plan(
-            PlanningProblem("arm", goal), world, deadline=Deadline.after(5.0, time.process_time)
+            PlanningProblem("arm", goal), world, deadline=Deadline.after(4.0, time.process_time)
         )
     said, known = refusal.value.evidence, blocked(approach, retreat).evidence
     assert said.keys() == known.keys()
