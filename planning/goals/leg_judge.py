@@ -63,6 +63,7 @@ class LegJudge:
         fine = fineness or Fineness()
         self._tracer = LineTracer(world, query.group, self._frame, query.margins, fine)
         self._legs: dict[bytes, GoalLegs] = {}
+        self._traces: list[tuple[str, LineTrace]] = []
         self.ended: list[tuple[str, int, Course]] = []
 
     def admit(
@@ -112,15 +113,14 @@ class LegJudge:
     @property
     def blocking_pairs(self) -> list[tuple[str, str]]:
         """The bodies that stopped lines, pair by pair."""
-        stops = [self._traced(course).stop for _, _, course in self.ended[:_LOOKED_AT]]
+        stops = [trace.stop for _, trace in self._looked_at()]
         return [stop.pair.bodies for stop in stops if stop is not None and stop.pair is not None]
 
     @property
     def blocked_by(self) -> tuple[LegTally, ...]:
         """What stopped lines, most frequent first."""
         fractions: dict[tuple[str, str, str], list[float]] = defaultdict(list)
-        for name, _, course in self.ended[:_LOOKED_AT]:
-            trace = self._traced(course)
+        for name, trace in self._looked_at():
             if trace.stop is not None:
                 key = name, trace.stop.reason, _where(trace.stop)
                 fractions[key].append(trace.fraction)
@@ -139,6 +139,12 @@ class LegJudge:
             for a in [rotation.from_matrix(R_WT)]
         ]
         return self._tracer.trace(lines, rows, self._deadline)
+
+    def _looked_at(self) -> list[tuple[str, LineTrace]]:
+        """Return the first of the lines that end early, each looked at only once."""
+        for name, _, course in self.ended[len(self._traces) : _LOOKED_AT]:
+            self._traces.append((name, self._traced(course)))
+        return self._traces
 
     def _traced(self, course: Course) -> LineTrace:
         group, margins = self._query.group, self._query.margins

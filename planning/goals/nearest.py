@@ -236,4 +236,4 @@ class NearestSearch:
             return True
         target = self._targets[best.index]
         q = self._pulled(target, best.q, is_apart=False)
-        return self._costs(self._poses_of(q[None]), best.index)[0] < _OWED * best.cost
+        return bool(self._costs(self._poses_of(q[None]), best.index)[0] < _OWED * best.cost)

@@ -170,10 +170,6 @@ def widened(constraint: PathConstraint, value: float) -> PathConstraint:
             return replace(constraint, box=replace(constraint.box, size=grown(constraint, -value)))
         case DistanceBand():
             return replace(constraint, min=value)
-        case TightLimits():
-            return TightLimits({
-                name: (low - value, high + value) for name, (low, high) in constraint.limits.items()
-            })
         case _:
             raise AssertionError
 
