@@ -169,7 +169,7 @@ class StartViolatesConstraint(PlanningFailure):
 class GoalViolatesConstraint(PlanningFailure):
     """Every goal configuration violates path constraints.
 
-    Evidence: `violations`, a tally; `nearest` and `relaxation` of given ones.
+    Evidence: `violations`, a tally; `nearest` and `relaxation`.
     """
 
     code = "goal_violates_constraint"
@@ -179,7 +179,7 @@ class GoalViolatesConstraint(PlanningFailure):
 class ApproachBlocked(PlanningFailure):
     """Free goal configurations exist, but none with a free approach and retreat.
 
-    Evidence: `funnel` with `blocked_by`.
+    Evidence: `funnel` with `blocked_by`; `nearest` and `relaxation`.
     """
 
     code = "approach_blocked"

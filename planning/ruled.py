@@ -9,12 +9,13 @@ from jaxtyping import Float64
 
 from planning.domain.constraint import PathConstraint
 from planning.domain.deadline import Deadline
-from planning.domain.goal import ConfigurationGoal, JointGoal
+from planning.domain.goal import ConfigurationGoal, JointGoal, PoseGoal, RegionGoal, RelativeGoal
 from planning.domain.goal_configurations import GoalConfigurations
 from planning.domain.joints import JointGroup, JointLimits
 from planning.errors import GoalViolatesConstraint, NoPathFound, StartViolatesConstraint
 from planning.goals.given import what_would_do
 from planning.goals.goal_query import GoalQuery
+from planning.goals.what_would_do import keeping_that_does
 from planning.search.lock import search_locked
 from planning.search.projected import Residual
 from planning.search.query import can_project
@@ -62,7 +63,7 @@ def kept_goals(
     """Return the goal configurations that keep the query's rules, on their lines too.
 
     Raises:
-        GoalViolatesConstraint: There is none; of given ones evidence has the nearest that does.
+        GoalViolatesConstraint: None does; evidence has the nearest that does, and what would do.
     """
     rules, goal = query.rules, query.goal
     if rules is None:
@@ -72,9 +73,14 @@ def kept_goals(
     if not rows:
         tally = _tally(found)
         evidence, words = dict[str, Any](), ""
-        if isinstance(goal, JointGoal | ConfigurationGoal):
-            rng = np.random.default_rng(seed)
-            evidence, words = what_would_do(world, query, goal, rng, deadline)
+        rng = np.random.default_rng(seed)
+        match goal:
+            case JointGoal() | ConfigurationGoal():
+                evidence, words = what_would_do(world, query, goal, rng, deadline)
+            case PoseGoal() | RegionGoal() | RelativeGoal():
+                evidence, words = keeping_that_does(world, query, goals.positions, rng, deadline)
+            case _:
+                pass
         message = _refusal(len(found), tally) + words
         raise GoalViolatesConstraint(message, {"violations": tally, **evidence})
     return GoalConfigurations(

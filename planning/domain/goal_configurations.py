@@ -8,13 +8,56 @@ from jaxtyping import Float64
 
 from planning.domain.funnel import Funnel
 from planning.domain.line import GoalLegs
+from planning.domain.line_trace import LegStop
 from planning.domain.pose import Pose
 from planning.domain.value import Value
 
 
 @dataclass(frozen=True, eq=False)
+class Bounds(Value):
+    """What keeps a pose from being nearer to the one that was asked for.
+
+    Attributes:
+        joints: The coordinates at their limits.
+        pairs: The pairs of bodies at their margins.
+        constraints: The path constraints that would be violated, on the goal's lines too.
+        line: What would stop one of these lines.
+    """
+
+    joints: tuple[str, ...] = ()
+    pairs: tuple[tuple[str, str], ...] = ()
+    constraints: tuple[str, ...] = ()
+    line: LegStop | None = None
+
+    @property
+    def binding(self) -> str:
+        """The first of those that do: "collision", ... "limits", or "reach" if none does."""
+        if self.pairs:
+            return "collision"
+        if self.constraints:
+            return "path_constraint"
+        if self.line is not None:
+            return self.line.leg
+        return "limits" if self.joints else "reach"
+
+    @property
+    def evidence(self) -> dict[str, Any]:
+        """All of it as JSON has it."""
+        return {
+            "binding": self.binding,
+            "joints": list(self.joints),
+            "pairs": [list(pair) for pair in self.pairs],
+            "constraints": list(self.constraints),
+            "line": self.line and self.line.evidence,
+        }
+
+
+@dataclass(frozen=True, eq=False)
 class NearestPose(Value):
-    """The nearest pose that the tool frame can take, free and within limits, to what it cannot.
+    """The nearest feasible pose that the tool frame can take to what it cannot.
+
+    Feasible are poses with a configuration that is free and within limits, keeps the path
+    constraints, and has the lines that the goal asks for.
 
     Attributes:
         pose: X_WT, the tool frame in world.
@@ -22,9 +65,8 @@ class NearestPose(Value):
         translation_error: From the nearest pose within the goal's tolerance [m].
         rotation_error: From the same [rad].
         pose_index: To which of the goal's poses it is the nearest.
-        binding: What keeps it from being nearer: "limits", "collision", or "reach" if neither.
-        joints: The coordinates at their limits, if limits bind.
-        pairs: The pairs of bodies at their margins, if collisions bind.
+        goal: X_WG of that pose, were it moved along, so that it is met there as it stands.
+        bounds: What keeps it from being nearer.
     """
 
     pose: Pose
@@ -32,9 +74,8 @@ class NearestPose(Value):
     translation_error: float
     rotation_error: float
     pose_index: int
-    binding: str
-    joints: tuple[str, ...] = ()
-    pairs: tuple[tuple[str, str], ...] = ()
+    goal: Pose
+    bounds: Bounds
 
     @property
     def evidence(self) -> dict[str, Any]:
@@ -46,9 +87,11 @@ class NearestPose(Value):
             "translation_error": self.translation_error,
             "rotation_error": self.rotation_error,
             "pose_index": self.pose_index,
-            "binding": self.binding,
-            "joints": list(self.joints),
-            "pairs": [list(pair) for pair in self.pairs],
+            "goal": {
+                "position": self.goal.position.tolist(),
+                "quaternion": self.goal.quaternion.tolist(),
+            },
+            **self.bounds.evidence,
         }
 
 

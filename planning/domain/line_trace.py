@@ -1,7 +1,7 @@
 """How far a straight line of a tool can be followed, and what stops it."""
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 from jaxtyping import Float64
@@ -36,6 +36,34 @@ class LineStop(Value):
     joint: str
     pair: BodyPair | None
     singular_value: float
+
+
+@dataclass(frozen=True, eq=False)
+class LegStop(Value):
+    """What ended an approach or a retreat, seen from the goal outwards.
+
+    Attributes:
+        leg: "approach" or "retreat".
+        stop: What ended it.
+    """
+
+    leg: str
+    stop: LineStop
+
+    @property
+    def evidence(self) -> dict[str, Any]:
+        """The same as JSON has it."""
+        stop = self.stop
+        return {
+            "leg": self.leg,
+            "reason": stop.reason,
+            "fraction": stop.fraction,
+            "position": stop.where.position.tolist(),
+            "quaternion": stop.where.quaternion.tolist(),
+            "joint": stop.joint,
+            "bodies": None if stop.pair is None else list(stop.pair.bodies),
+            "singular_value": stop.singular_value,
+        }
 
 
 @dataclass(frozen=True, eq=False)

@@ -17,7 +17,7 @@ from planning.domain.goal import PoseGoal
 from planning.domain.goal_configurations import GoalConfigurations
 from planning.domain.joints import JointLimits
 from planning.domain.line import GoalLegs, Leg, ToolLine
-from planning.domain.line_trace import LineStop
+from planning.domain.line_trace import LegStop, LineStop, LineTrace
 from planning.domain.pose import Pose
 from planning.goals.goal_query import GoalQuery
 from planning.goals.joint_metric import JointMetric
@@ -52,6 +52,7 @@ class LegJudge:
         goal: PoseGoal,
         targets: Sequence[ToolTarget],
         deadline: Deadline,
+        fineness: Fineness | None = None,
     ) -> None:
         """Prepare for the goal's targets in world."""
         self._world, self._query, self._deadline = world, query, deadline
@@ -59,8 +60,10 @@ class LegJudge:
         self._axes = np.array([target.pose.quaternion for target in targets])
         self._ways = {"approach": goal.approach, "retreat": goal.retreat}
         self._frame = targets[0].frame
-        self._tracer = LineTracer(world, query.group, self._frame, query.margins, Fineness())
+        fine = fineness or Fineness()
+        self._tracer = LineTracer(world, query.group, self._frame, query.margins, fine)
         self._legs: dict[bytes, GoalLegs] = {}
+        self._traces: list[tuple[str, LineTrace]] = []
         self.ended: list[tuple[str, int, Course]] = []
 
     def admit(
@@ -88,18 +91,36 @@ class LegJudge:
             for q, row in zip(admitted, rows, strict=True)
         ]
 
+    def keep_rules(self, rows: Float64[np.ndarray, "n nq"]) -> Bool[np.ndarray, " n"]:
+        """Return whether all lines of each row that was admitted keep the query's rules."""
+        rules = self._query.rules
+        kept = np.ones(len(rows), dtype=bool)
+        if rules is not None:
+            for i, legs in enumerate(self.legs_of(rows, rows)):
+                kept[i] = all(rules.are_kept(leg.positions).all() for leg in legs.all)
+        return kept
+
+    def stop_of(self, q: Float64[np.ndarray, " nq"], target: int) -> LegStop | None:
+        """Return what ends the first line of a configuration that does not reach its end."""
+        for name, way in self._ways.items():
+            if way is not None:
+                (course,) = self.reach(name, q[None], np.array([target]))
+                stop = self._traced(course).stop
+                if stop is not None:
+                    return LegStop(name, stop)
+        return None
+
+    @property
+    def blocking_pairs(self) -> list[tuple[str, str]]:
+        """The bodies that stopped lines, pair by pair."""
+        stops = [trace.stop for _, trace in self._looked_at()]
+        return [stop.pair.bodies for stop in stops if stop is not None and stop.pair is not None]
+
     @property
     def blocked_by(self) -> tuple[LegTally, ...]:
         """What stopped lines, most frequent first."""
         fractions: dict[tuple[str, str, str], list[float]] = defaultdict(list)
-        for name, _, course in self.ended[:_LOOKED_AT]:
-            trace = traced(
-                self._world,
-                self._query.group,
-                self._query.margins,
-                self._tracer.kinematics,
-                course,
-            )
+        for name, trace in self._looked_at():
             if trace.stop is not None:
                 key = name, trace.stop.reason, _where(trace.stop)
                 fractions[key].append(trace.fraction)
@@ -118,6 +139,16 @@ class LegJudge:
             for a in [rotation.from_matrix(R_WT)]
         ]
         return self._tracer.trace(lines, rows, self._deadline)
+
+    def _looked_at(self) -> list[tuple[str, LineTrace]]:
+        """Return the first of the lines that end early, each looked at only once."""
+        for name, _, course in self.ended[len(self._traces) : _LOOKED_AT]:
+            self._traces.append((name, self._traced(course)))
+        return self._traces
+
+    def _traced(self, course: Course) -> LineTrace:
+        group, margins = self._query.group, self._query.margins
+        return traced(self._world, group, margins, self._tracer.kinematics, course)
 
     def _reaching(self, name: str, rows: Array, targets: Indices, good: Flags) -> dict[int, Leg]:
         """Return the legs outwards from those of the good rows that have one."""

@@ -57,6 +57,7 @@ class Course:
         line: The line.
         longest: Largest step, as a share of the line.
         waypoints: Configurations, the first at the line's beginning.
+        finest: Where limits and bodies end it is found to this share of it.
         fractions: Of the line, one for each.
         max_shift: Bound on how far the tool was off between them [m].
         max_turn: And its rotation [rad].
@@ -67,6 +68,7 @@ class Course:
     line: ToolLine
     longest: float
     waypoints: list[Array]
+    finest: float
     fractions: list[float] = field(default_factory=lambda: [0.0])
     max_shift: float = 0.0
     max_turn: float = 0.0
@@ -111,5 +113,5 @@ class Course:
                     self.halt = Halt.STUCK
             case Halt.LIMIT | Halt.COLLISION:
                 self._wall, self._before_wall, self.beyond = step.fraction, step.halt, step.beyond
-        if self._wall - self.at < FINEST:
+        if self._wall - self.at < self.finest:
             self.halt = self._before_wall

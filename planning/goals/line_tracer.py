@@ -11,7 +11,7 @@ from planning.domain.deadline import Deadline
 from planning.domain.joints import JointGroup
 from planning.domain.line import MAX_SHIFT, MAX_TURN, ToolLine
 from planning.domain.manifold import Manifold
-from planning.goals.line_course import Course, Halt, Judged
+from planning.goals.line_course import FINEST, Course, Halt, Judged
 from planning.goals.line_steps import LineSteps
 from planning.goals.start import DUST
 from planning.world.margins import PairMargins
@@ -38,11 +38,14 @@ class Fineness:
         max_shift: Between waypoints the tool is this near to the line [m].
         max_turn: And its rotation [rad].
         max_step: Between waypoints the tool moves by this much at most [m].
+        end: Where limits and bodies end a line is found to this share of it. Whether a line reaches
+            its end does not depend on it.
     """
 
     max_shift: float = MAX_SHIFT
     max_turn: float = MAX_TURN
     max_step: float = 0.05
+    end: float = FINEST
 
 
 class LineTracer:
@@ -75,7 +78,8 @@ class LineTracer:
             Canceled: Somebody asked for the end.
         """
         courses = [
-            Course(line, self._longest(line), [q]) for line, q in zip(lines, starts, strict=True)
+            Course(line, self._longest(line), [q], self._fineness.end)
+            for line, q in zip(lines, starts, strict=True)
         ]
         if not courses:
             return courses

@@ -8,8 +8,8 @@ from jaxtyping import Float64
 
 from planning.domain.deadline import Deadline
 from planning.domain.manifold import Manifold
+from planning.goals.feasibility import Feasibility
 from planning.goals.goal_query import GoalQuery
-from planning.goals.joint_feasibility import JointFeasibility
 from planning.goals.joint_metric import JointMetric
 from planning.goals.joint_moves import JointMoves
 from planning.goals.joint_pull import to_configuration
@@ -71,7 +71,7 @@ class NearestJointSearch:
         self._manifold = Manifold(query.group.joints)
         self._moves = JointMoves(query.group, self._metric, rng)
         self._seeds = Seeds(query.group, self._limits, query.start, rng)
-        self._feasibility = JointFeasibility(world, query)
+        self._feasibility = Feasibility(world, query)
         self._inside = self._clipped(goals)
         self._best: Found | None = None
         self._num_pulls = 0

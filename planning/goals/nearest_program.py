@@ -7,9 +7,11 @@ import numpy as np
 from jaxtyping import Float64
 from pydrake.math import RigidTransform, RotationMatrix
 
+from planning.domain.pose import Pose
 from planning.goals.goal_query import GoalQuery
 from planning.goals.group_program import GroupProgram
 from planning.goals.region_target import RegionTarget
+from planning.goals.rule_program import keep_rules
 from planning.goals.tool_target import ToolTarget
 from planning.world.world import World
 
@@ -31,6 +33,13 @@ _SETTLED = 1e-6
 _LARGEST_ANGLE = 3.0
 
 
+def moved_along(target: Target, reached: Pose) -> Pose:
+    """Return X_WG of a target that is moved as far as its closest pose is from X_WT."""
+    if not target.position_tolerance.any() and not target.rotation_tolerance.any():
+        return reached
+    return reached @ target.closest(reached).inverse @ target.pose
+
+
 def pulled(
     world: World,
     query: GoalQuery,
@@ -42,7 +51,8 @@ def pulled(
     """Return where sequential quadratic programming (SNOPT) leads q on its way to a goal.
 
     A local minimum of the distance if all goes well; whoever asks checks what it is. Bodies are
-    kept apart unless `is_apart` is False; limits are always kept.
+    kept apart unless `is_apart` is False; limits are always kept, and rules that a program can be
+    told.
     """
     limits = world.limits(query.group)
     pairs: dict[tuple[Any, Any], float] = {}
@@ -55,6 +65,8 @@ def pulled(
         slack += depth + _SLACK if 0 < depth < _SMALL else 0.0
         program = GroupProgram(world, query.group, _MAJOR_ITERATIONS)
         pull(program, q)
+        if query.rules is not None:
+            keep_rules(program, world, query.rules)
         for pair, margin in pairs.items():
             program.ik.AddDistanceConstraint(pair, margin + slack, np.inf)
         moved = np.clip(program.solve(q), limits.lower, limits.upper)

@@ -31,6 +31,7 @@ class PoseSearch:
 
     Attributes:
         found: The distinct free solutions so far.
+        blocked: The distinct free solutions without approach or retreat.
         colliding: Solutions within limits that are nearer to something than its margin.
     """
 
@@ -54,7 +55,7 @@ class PoseSearch:
         self.judge = judge
         self._manifold = Manifold(query.group.joints)
         self.found = Distinct(query.group, self._manifold)
-        self._blocked = Distinct(query.group, self._manifold)
+        self.blocked = Distinct(query.group, self._manifold)
         self.colliding: list[Array] = []
 
     def run(self, aims: Aims, solver: PoseSolver, max_trials: int) -> None:
@@ -132,13 +133,13 @@ class PoseSearch:
     def _approachable(self, q: Array, targets: Indices, free: Flags, is_new: Flags) -> Flags:
         """Return which of the free rows have approach and retreat; strike the others as new."""
         good = np.array(free)
-        is_new[free] &= ~self._blocked.contains(q[free], targets[free])
+        is_new[free] &= ~self.blocked.contains(q[free], targets[free])
         asked = np.flatnonzero(is_new)
         if self.judge is not None and len(asked):
             bad = asked[~self.judge.admit(q[asked], targets[asked])]
-            self._blocked.add(q[bad], targets[bad])
+            self.blocked.add(q[bad], targets[bad])
             is_new[bad] = False
-        good[free] = ~self._blocked.contains(q[free], targets[free])
+        good[free] = ~self.blocked.contains(q[free], targets[free])
         return good
 
     def _end(self, free: Flags, is_new: Flags) -> int:

@@ -5,10 +5,11 @@ from typing import Any, Protocol, runtime_checkable
 import numpy as np
 from jaxtyping import Bool, Float64, Int64
 
+from planning.domain import rotation
 from planning.domain.deadline import Deadline
 from planning.domain.joints import JointGroup
 from planning.goals.ik_program import IkProgram
-from planning.goals.tool_target import ToolTarget
+from planning.goals.tool_target import FreedomKind, ToolTarget
 from planning.kernel.native import native
 from planning.world.kernel_tree import kernel_chain
 from planning.world.world import World
@@ -87,19 +88,19 @@ class KernelPoseSolver:
     num_at_once = 320
 
     def __init__(
-        self, world: World, group: JointGroup, targets: list[ToolTarget], chain: Any
+        self,
+        world: World,
+        group: JointGroup,
+        chain: Any,
+        poses: tuple[Float64[np.ndarray, "n 3"], Float64[np.ndarray, "n 4"]],
+        tolerance: Any,
     ) -> None:
-        """Prepare for targets of the frame that the kernel's chain leads to."""
-        self._chain = chain
+        """Prepare for poses X_WG, as p_WG [m] and quaternions, of the frame the chain leads to."""
+        self._chain, self._tolerance = chain, tolerance
         limits = world.limits(group)
         self._bounds = limits.lower, limits.upper
-        poses = [target.pose.matrix for target in targets]
-        self._targets = np.array([np.append(x[:3, :3].ravel(), x[:3, 3]) for x in poses])
-        module: Any = native()
-        rest = targets[0].rotation_freedom
-        self._tolerance = module.IkTolerance(
-            targets[0].position_tolerance, rest.kind, rest.axis, rest.bound
-        )
+        turns = rotation.matrix(poses[1]).reshape(-1, 9)
+        self._targets = np.concatenate([turns, poses[0]], axis=1)
 
     def solve(
         self,
@@ -108,6 +109,8 @@ class KernelPoseSolver:
         enough: int,
     ) -> tuple[Flags, Array]:
         """As PoseSolver says."""
+        if not len(seeds):
+            return np.zeros(0, dtype=bool), seeds
         converged, q, _ = self._chain.solve(
             np.ascontiguousarray(seeds),
             targets,
@@ -125,4 +128,26 @@ def kernel_pose_solver(
 ) -> KernelPoseSolver | None:
     """Return the kernel's solver, or None if there is no kernel for this world."""
     chain = kernel_chain(world.drake, group, world.state, targets[0].frame)
-    return None if chain is None else KernelPoseSolver(world, group, targets, chain)
+    if chain is None:
+        return None
+    module: Any = native()
+    rest = targets[0].rotation_freedom
+    tolerance = module.IkTolerance(targets[0].position_tolerance, rest.kind, rest.axis, rest.bound)
+    positions = np.stack([target.pose.position for target in targets])
+    quaternions = np.stack([target.pose.quaternion for target in targets])
+    return KernelPoseSolver(world, group, chain, (positions, quaternions), tolerance)
+
+
+def exact_kernel_solver(
+    world: World,
+    group: JointGroup,
+    frame: str,
+    poses: tuple[Float64[np.ndarray, "n 3"], Float64[np.ndarray, "n 4"]],
+) -> KernelPoseSolver | None:
+    """Return the same for many poses X_WG of a frame, as p_WG [m] and quaternions, met exactly."""
+    chain = kernel_chain(world.drake, group, world.state, frame)
+    if chain is None:
+        return None
+    module: Any = native()
+    tolerance = module.IkTolerance(np.zeros(3), FreedomKind.BALL, 0, 0.0)
+    return KernelPoseSolver(world, group, chain, poses, tolerance)

@@ -7,20 +7,19 @@ from typing import Any
 import numpy as np
 
 from planning.domain.deadline import Deadline
-from planning.domain.funnel import Funnel, funnel_evidence
-from planning.domain.goal_configurations import NearestPose
+from planning.domain.funnel import funnel_evidence
 from planning.domain.manifold import Manifold
 from planning.errors import ApproachBlocked, GoalInCollision, GoalUnreachable
 from planning.goals.aims import Aiming
 from planning.goals.goal_query import GoalQuery
-from planning.goals.leg_judge import LegJudge
-from planning.goals.nearest import NearestSearch
 from planning.goals.pose_search import PoseSearch
 from planning.goals.ranking import Distinct
-from planning.goals.relaxation import alone_that_does, least_deep, tolerance_that_does
+from planning.goals.relaxation import least_deep
+from planning.goals.relaxed_search import removal_that_does
 from planning.goals.shorter_legs import shorter_legs
 from planning.goals.start import describe_pairs, pair_evidence
 from planning.goals.tally import tallied
+from planning.goals.what_would_do import nearest_that_does
 from planning.world.world import World
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
@@ -29,6 +28,8 @@ type Array = np.ndarray[Any, np.dtype[np.float64]]
 _LOOKED_AT = 256
 # And of so many distinct ones it is asked what would have to give way.
 _NUM_DISTINCT = 32
+# Of what remains of the time for goals, what searches without some body may take.
+_REMOVAL_SHARE = 0.3
 
 
 def refusal(
@@ -45,22 +46,9 @@ def refusal(
     """
     funnel = search.funnel(())
     if funnel.collision_free > 0 and search.judge is not None:
-        return _blocked(world, query, search.judge, funnel, deadline)
-    hints = _distinct(query, search)
-    found = NearestSearch(world, query, aiming.accepted, rng, deadline).run(hints)
-    relaxation: dict[str, Any] = {
-        "tolerance": None,
-        "position": None,
-        "rotation": None,
-        "obstacles": [],
-        "positions": None,
-    }
-    if found is not None:
-        target = aiming.accepted[found.pose_index]
-        relaxation["tolerance"] = tolerance_that_does(target, found)
-        relaxation |= alone_that_does(world, query, target, found, (rng, deadline.share(0.5)))
-    evidence = {"nearest": found and found.evidence, "relaxation": relaxation}
-    words = _describe(found)
+        return _blocked(world, query, aiming, search, rng, deadline)
+    hints = _distinct(query, search.colliding)
+    evidence, words = nearest_that_does(world, query, aiming, hints, rng, deadline)
     if search.colliding:
         return all_collide(world, query, search, deadline, evidence, words)
     message = (
@@ -88,7 +76,7 @@ def all_collide(
         evidence: What else there is to say; its `relaxation` gets the obstacles.
         words: The same as words.
     """
-    rows = _distinct(query, search)
+    rows = _distinct(query, search.colliding)
     tally = tallied(world, query, search.colliding[: max(_LOOKED_AT, query.num_measured)], deadline)
     funnel = search.funnel(tally.summary)
     hits = ", ".join(
@@ -112,8 +100,15 @@ def all_collide(
 
 
 def _blocked(
-    world: World, query: GoalQuery, judge: LegJudge, funnel: Funnel, deadline: Deadline
+    world: World,
+    query: GoalQuery,
+    aiming: Aiming,
+    search: PoseSearch,
+    rng: np.random.Generator,
+    deadline: Deadline,
 ) -> ApproachBlocked:
+    funnel, judge = search.funnel(()), search.judge
+    assert judge is not None  # noqa: S101  (something was blocked)
     words = ", ".join(
         f"{tally.count} times {tally.reason}{' of ' if tally.where else ''}{tally.where} stops the "
         f"{tally.leg} ({100 * tally.max_fraction:.0f} % of it is free at best)"
@@ -124,26 +119,19 @@ def _blocked(
     if shorter is not None:
         lengths = " and ".join(f"{1000 * m:.1f} mm of {leg}" for leg, m in shorter.lengths.items())
         message += f"; {lengths} would do"
-    evidence = {"relaxation": shorter and shorter.evidence}
-    return ApproachBlocked(message, {"funnel": funnel_evidence(funnel), **evidence})
+    removal = removal_that_does(world, query, search, rng, deadline.share(_REMOVAL_SHARE))
+    if removal is not None:
+        message += f"; without {removal['body']} there would be one"
+    hints = _distinct(query, search.blocked.rows)
+    evidence, words = nearest_that_does(world, query, aiming, hints, rng, deadline)
+    lengths = {"approach": None, "retreat": None, "pose_index": None}
+    relaxation = {**evidence["relaxation"], **lengths, **(shorter.evidence if shorter else {})}
+    evidence = {"nearest": evidence["nearest"], "relaxation": {**relaxation, "remove": removal}}
+    return ApproachBlocked(message + words, {"funnel": funnel_evidence(funnel), **evidence})
 
 
-def _distinct(query: GoalQuery, search: PoseSearch) -> Array:
-    """Return the first distinct ones of the configurations that collide."""
-    rows = np.reshape(search.colliding[:_LOOKED_AT], (-1, query.group.num_positions))
+def _distinct(query: GoalQuery, found: list[Array] | Array) -> Array:
+    """Return the first distinct ones of some configurations that will not do."""
+    rows = np.reshape(found[:_LOOKED_AT], (-1, query.group.num_positions))
     known = Distinct(query.group, Manifold(query.group.joints))
     return rows[known.are_new(rows, np.zeros(len(rows), dtype=np.int64))][:_NUM_DISTINCT]
-
-
-def _describe(found: NearestPose | None) -> str:
-    if found is None:
-        return ""
-    binding = {
-        "collision": f"{', '.join('-'.join(pair) for pair in found.pairs)} bind",
-        "limits": f"{', '.join(found.joints)} at their limits bind",
-        "reach": "the reach binds",
-    }[found.binding]
-    return (
-        f"; the nearest free pose is {1000 * found.translation_error:.1f} mm and "
-        f"{np.degrees(found.rotation_error):.2f} deg away, where {binding}"
-    )

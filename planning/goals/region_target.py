@@ -36,12 +36,17 @@ class RegionTarget(Value):
 
     def are_met_by(self, reached: Float64[np.ndarray, "n 4 4"]) -> Bool[np.ndarray, " n"]:
         """Return whether each X_WT is in the region, but for what a solver may miss."""
-        flags = np.zeros(len(reached), dtype=bool)
-        for i, x_wt in enumerate(reached):
-            pose = Pose.from_matrix(x_wt)
-            shift, turn = self.closest(pose).distance(pose)
-            flags[i] = shift <= 2 * POSE_TOLERANCE and turn <= 2 * POSE_TOLERANCE
-        return flags
+        shift, turn = self.misses(reached)
+        return (shift <= 2 * POSE_TOLERANCE) & (turn <= 2 * POSE_TOLERANCE)
+
+    def misses(
+        self, reached: Float64[np.ndarray, "n 4 4"]
+    ) -> tuple[Float64[np.ndarray, " n"], Float64[np.ndarray, " n"]]:
+        """Return how far each X_WT is from a pose in the region that is close to it [m and rad]."""
+        poses = [Pose.from_matrix(x_wt) for x_wt in reached]
+        found = [self.closest(pose).distance(pose) for pose in poses]
+        shift, turn = np.reshape(found, (-1, 2)).T
+        return shift, turn
 
     def closest(self, reached: Pose) -> Pose:
         """Return a pose in the region that is close to X_WT: X_WT itself if it is in it."""

@@ -8,6 +8,7 @@ from jaxtyping import Float64
 from planning.domain.body_pair import BodyPair
 from planning.domain.deadline import Deadline
 from planning.domain.goal_configurations import NearestPose
+from planning.goals.goal_lines import goal_lines
 from planning.goals.goal_query import GoalQuery
 from planning.goals.nearest_alone import AloneSearch, Freedom
 from planning.goals.nearest_program import Target
@@ -15,8 +16,16 @@ from planning.goals.pose_tries import PoseTries
 from planning.world.world import World
 
 
-def tolerance_that_does(target: Target, nearest: NearestPose) -> dict[str, Any]:
-    """Return a tolerance with which the nearest feasible pose is a solution, as evidence."""
+def tolerance_that_does(
+    world: World, query: GoalQuery, target: Target, nearest: NearestPose, deadline: Deadline
+) -> dict[str, Any] | None:
+    """Return a tolerance with which the nearest feasible pose is a solution, as evidence.
+
+    None if it has the goal's lines only where the goal's axes turn with it.
+    """
+    lines = goal_lines(world, query, [target], deadline)
+    if lines is not None and not lines.are_free_from(nearest.positions[None], 0)[0]:
+        return None
     position, turn = target.widened(nearest.pose)
     return {
         "pose_index": nearest.pose_index,
@@ -34,7 +43,8 @@ def alone_that_does(
 ) -> dict[str, Any]:
     """Return tolerances of which each would do, of the position and of the rotation alone.
 
-    They are at least the errors of the nearest pose in the pose metric: nothing nearer is free.
+    They are at least the errors of the nearest pose in the pose metric: nothing nearer is free. A
+    turn is no way out for goals with lines, whose axes stay where they are.
 
     Args:
         world: The scene.
@@ -51,13 +61,16 @@ def alone_that_does(
         )
     )
     goal = target.closest(nearest.pose)
-    tries = PoseTries(world, query, target.frame, rng, deadline)
+    tries = PoseTries(world, query, [target], rng, deadline)
     tries.hints = nearest.positions[None]
     found: dict[str, Any] = {}
     for freedom, weight in (
         (Freedom.POSITION, metric.translation),
         (Freedom.ROTATION, metric.rotation),
     ):
+        if freedom is Freedom.ROTATION and tries.lines is not None:
+            found["rotation"] = None
+            continue
         alone = AloneSearch(tries, goal, freedom).run(cost / weight, rng, deadline.share(0.5))
         found[freedom.name.lower()] = alone and {
             "error": alone.error,

@@ -60,16 +60,10 @@ def shorter_legs(
         left = {name: way if way.any() else None for name, way in scaled.items()}
         shorter = replace(goal, **left)
         again = LegJudge(world, replace(query, goal=shorter), shorter, judge.targets, deadline)
-        if again.admit(q[None], np.array([target]))[0] and _keeps_rules(query, again, q):
+        if again.admit(q[None], np.array([target]))[0] and again.keep_rules(q[None])[0]:
             lengths = {name: float(np.linalg.norm(way)) for name, way in scaled.items()}
             return ShorterLegs(target, lengths, q)
     return None
-
-
-def _keeps_rules(query: GoalQuery, judge: LegJudge, q: Array) -> bool:
-    (legs,) = judge.legs_of(q[None], q[None])
-    rules = query.rules
-    return rules is None or all(rules.are_kept(leg.positions).all() for leg in legs.all)
 
 
 def _farthest(

@@ -87,6 +87,29 @@ class ToolTarget(Value):
         angle = float(np.linalg.norm(turn))
         return error if angle <= rest.bound else rotation.exp(turn * (rest.bound / angle))
 
+    def misses(
+        self, reached: Float64[np.ndarray, "n 4 4"]
+    ) -> tuple[Float64[np.ndarray, " n"], Float64[np.ndarray, " n"]]:
+        """Return how far each X_WT is from its closest pose within tolerance [m and rad]."""
+        x_wg = self.pose.matrix
+        miss = np.abs((reached[:, :3, 3] - x_wg[:3, 3]) @ x_wg[:3, :3])
+        shift = np.linalg.norm(np.maximum(miss - self.position_tolerance, 0.0), axis=1)
+        return shift, np.maximum(self._turns(reached) - self.rotation_freedom.bound, 0.0)
+
+    def _turns(self, reached: Array) -> Array:
+        """Return the angle that is bounded of each X_WT; 0 if none is."""
+        rest = self.rotation_freedom
+        if rest.kind is FreedomKind.FREE:
+            return np.zeros(len(reached))
+        change = reached[:, :3, :3] - self.pose.matrix[:3, :3]
+        # |R_1 - R_2| = sqrt(8) sin(angle / 2); of one column it is the chord of its own angle.
+        chord = (
+            np.linalg.norm(change, axis=(1, 2)) / np.sqrt(2)
+            if rest.kind is FreedomKind.BALL
+            else np.linalg.norm(change[:, :, rest.axis], axis=1)
+        )
+        return 2 * np.arcsin(np.minimum(chord / 2, 1.0))
+
     def is_met_by(self, reached: Pose) -> bool:
         """Return whether X_WT is within tolerance of the target."""
         return bool(self.are_met_by(reached.matrix[None])[0])
@@ -96,18 +119,7 @@ class ToolTarget(Value):
         x_wg = self.pose.matrix
         miss = (reached[:, :3, 3] - x_wg[:3, 3]) @ x_wg[:3, :3]
         inside = (np.abs(miss) <= self.position_tolerance + POSE_TOLERANCE).all(axis=1)
-        rest = self.rotation_freedom
-        change = reached[:, :3, :3] - x_wg[:3, :3]
-        if rest.kind is FreedomKind.FREE:
-            return inside
-        # |R_1 - R_2| = sqrt(8) sin(angle / 2); of one column it is the chord of its own angle.
-        chord = (
-            np.linalg.norm(change, axis=(1, 2)) / np.sqrt(2)
-            if rest.kind is FreedomKind.BALL
-            else np.linalg.norm(change[:, :, rest.axis], axis=1)
-        )
-        turn = 2 * np.arcsin(np.minimum(chord / 2, 1.0))
-        return inside & (turn <= rest.bound + POSE_TOLERANCE)
+        return inside & (self._turns(reached) <= self.rotation_freedom.bound + POSE_TOLERANCE)
 
     def widened(self, reached: Pose) -> tuple[Array, Array]:
         """Return position and rotation tolerances of which X_WT is within."""

@@ -34,7 +34,7 @@ class DrakeCollisionOracle:
         self._model = model
         self._manifold = Manifold(group.joints)
         self._checker: Any = bare.Clone() if bare else bare_checker(model)
-        if margins.largest > 0:
+        if margins.largest > 0 or margins.by_pair:
             _apply_margins(self._checker, model, margins)
         self._full = model.follow(np.array(state))
         self._indices = model.position_indices(group)

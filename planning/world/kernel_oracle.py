@@ -135,4 +135,5 @@ def demands_of(scene: KernelScene, margins: PairMargins) -> Array:
     it may lack it in truth, so only boxes that overlap are surely in collision for Drake.
     """
     margin = scene.demands(margins)
-    return np.column_stack([margin, np.where(scene.is_of_boxes, 0.0, margin)])
+    touching = np.where(scene.is_of_boxes, np.minimum(margin, 0.0), margin)
+    return np.column_stack([margin, touching])

@@ -1,9 +1,12 @@
 """PairMargins: the distance that is demanded of two bodies."""
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field, replace
 
 from planning.domain.value import Value
+
+# A margin that any two bodies keep, wherever they are [m].
+_GONE = -1e3
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,6 +34,11 @@ class PairMargins(Value):
         if exception is not None:
             return exception
         return 0.0 if self.are_of_one_robot(body_a, body_b) else self.default
+
+    def without(self, body: str, others: Iterable[str]) -> "PairMargins":
+        """Return margins under which a body is not there: it may be in any of the others."""
+        gone = {(min(body, other), max(body, other)): _GONE for other in others if other != body}
+        return replace(self, by_pair={**self.by_pair, **gone})
 
     def are_of_one_robot(self, body_a: str, body_b: str) -> bool:
         """Return whether two bodies are parts of one robot, or held by it."""

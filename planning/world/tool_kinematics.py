@@ -19,7 +19,11 @@ type Indices = np.ndarray[Any, np.dtype[np.int64]]
 
 
 class ToolKinematics:
-    """By the native kernel if there is one for this world, else by Drake; all else stays put."""
+    """By the native kernel if there is one for this world, else by Drake; all else stays put.
+
+    Attributes:
+        frame: Full name of T.
+    """
 
     def __init__(self, world: World, group: JointGroup, frame: str) -> None:
         """Prepare for one frame.
@@ -28,7 +32,7 @@ class ToolKinematics:
             UnknownName: There is no such frame.
         """
         world.require_frame(frame)
-        self._world, self._group, self._frame = world, group, frame
+        self._world, self._group, self.frame = world, group, frame
         self._chain = kernel_chain(world.drake, group, world.state, frame)
         self._turning = _turning(group)
 
@@ -38,7 +42,7 @@ class ToolKinematics:
         """Return R_WT and p_WT [m]."""
         if self._chain is None:
             full = self._world.embed(self._group, qs)
-            x = self._world.frame_poses(self._frame, full)
+            x = self._world.frame_poses(self.frame, full)
             return np.ascontiguousarray(x[:, :3, :3]), np.ascontiguousarray(x[:, :3, 3])
         x = self._chain.poses(np.ascontiguousarray(qs))
         return x[:, :9].reshape(-1, 3, 3), x[:, 9:]
@@ -100,7 +104,7 @@ class ToolKinematics:
         for c in drake.following(self._group):
             member, scale = led[c.leader_velocity]
             led[c.follower_velocity] = member, scale * c.multiplier
-        tool = drake.frames[self._frame].body().index()
+        tool = drake.frames[self.frame].body().index()
         found = [
             (column, *led[column])
             for column in list(led)[len(own) :]
@@ -125,7 +129,7 @@ class ToolKinematics:
         """Return Drake's Jacobians by all velocities of the plant, shape (n, 6, num_velocities)."""
         plant, context = self._world.drake.plant, self._context
         frame, world, origin = (
-            self._world.drake.frames[self._frame],
+            self._world.drake.frames[self.frame],
             plant.world_frame(),
             np.zeros(3),
         )

@@ -94,7 +94,7 @@ def test_a_goal_without_a_free_line_says_what_blocks_it(
     world = world_by("ur5e_pickup", "kernel")
     ways = [None if way is None else np.array(way) for way in (approach, retreat)]
     with pytest.raises(ApproachBlocked) as failure:
-        ask(world, "arm", with_ways(at(Pose.identity(), "pick"), *ways))
+        ask(world, "arm", with_ways(at(Pose.identity(), "pick"), *ways), seconds=2.0)
     funnel = failure.value.evidence["funnel"]
     assert funnel["collision_free"] > funnel["approach_ok"] == funnel["distinct"] == 0
     first = funnel["blocked_by"][0]
@@ -122,7 +122,7 @@ def test_lines_as_long_as_a_refusal_says_would_do(
     ways = {name: None if way is None else np.array(way) for name, way in asked.items()}
     goal = at(Pose.identity(), "pick")
     with pytest.raises(ApproachBlocked) as failure:
-        ask(world, "arm", with_ways(goal, **ways))
+        ask(world, "arm", with_ways(goal, **ways), seconds=2.0)
     relaxation = failure.value.evidence["relaxation"]
     shares = {
         name: relaxation[name] / np.linalg.norm(way)
@@ -139,4 +139,4 @@ def test_lines_as_long_as_a_refusal_says_would_do(
     cut = min(shares, key=lambda name: shares[name])
     longer = shorter | {cut: ways[cut] * min(1.0, 1.1 * shares[cut] + 0.01)}
     with pytest.raises(ApproachBlocked):
-        ask(world, "arm", with_ways(goal, **{"approach": None, **longer}))
+        ask(world, "arm", with_ways(goal, **{"approach": None, **longer}), seconds=2.0)

@@ -123,6 +123,16 @@ class PathRules:
         """The rules with all the room that they wish for, whatever start and goals have."""
         return replace(self, rules=tuple(rule.leaving(rule.wish) for rule in self.rules))
 
+    def without(self, index: int) -> "PathRules":
+        """Return all rules but one."""
+        rules = self.rules[:index] + self.rules[index + 1 :]
+        held = [rule.locked for rule in rules if isinstance(rule, LockRule)]
+        owners = [joint.name for joint in self.group.joints for _ in joint.velocity_names]
+        locked = {
+            name for flags in held for name, is_held in zip(owners, flags, strict=True) if is_held
+        }
+        return replace(self, rules=rules, locked=frozenset(locked))
+
     def oracle(self, inner: CollisionJudge) -> RuledOracle:
         """Return the judge of collisions and rules."""
         return RuledOracle(inner, Manifold(self.group.joints), self.rules)

@@ -1,0 +1,44 @@
+"""Feasibility: which of some configurations are allowed, whatever they reach."""
+
+from typing import Any
+
+import numpy as np
+from jaxtyping import Bool, Float64
+
+from planning.goals.goal_query import GoalQuery
+from planning.goals.start import within_limits
+from planning.world.world import World
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
+
+# Configurations that are judged at once.
+_AT_ONCE = 64
+
+
+class Feasibility:
+    """Judges configurations by the world's limits, its bodies, and the query's rules."""
+
+    def __init__(self, world: World, query: GoalQuery) -> None:
+        """Judge for the query's group, with its margins."""
+        self._limits = world.limits(query.group)
+        self._oracle = world.collision_oracle(query.group, query.margins)
+        self._rules = query.rules
+
+    def are_met(self, rows: Float64[np.ndarray, "n nq"]) -> Bool[np.ndarray, " n"]:
+        """Return which rows are within limits and free, and keep the rules."""
+        feasible = within_limits(self._limits, rows)
+        feasible[feasible] = self._oracle.are_free(rows[feasible])
+        if self._rules is not None:
+            feasible[feasible] = self._rules.are_kept(rows[feasible])
+        return feasible
+
+    def first(self, rows: Float64[np.ndarray, "n nq"]) -> int | None:
+        """Return the index of the first row that is feasible, None if none is.
+
+        No more of them are judged than it takes.
+        """
+        for begin in range(0, len(rows), _AT_ONCE):
+            kept = np.flatnonzero(self.are_met(rows[begin : begin + _AT_ONCE]))
+            if len(kept):
+                return begin + int(kept[0])
+        return None

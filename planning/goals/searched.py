@@ -1,0 +1,75 @@
+"""One search for configurations that reach a pose, by the fastest solver there is."""
+
+import logging
+from collections.abc import Callable
+from functools import partial
+
+import numpy as np
+
+from planning.domain.deadline import Deadline
+from planning.domain.joints import JointGroup
+from planning.goals.aims import Aiming, aiming_of
+from planning.goals.goal_query import GoalQuery
+from planning.goals.leg_judge import leg_judge
+from planning.goals.pose_search import PoseSearch
+from planning.goals.pose_solvers import DrakePoseSolver, PoseSolver, kernel_pose_solver
+from planning.goals.ranking import Distinct
+from planning.goals.tool_target import ToolTarget
+from planning.world.world import World
+
+_LOG = logging.getLogger(__name__)
+
+
+def searched(
+    world: World, query: GoalQuery, rng: np.random.Generator, deadline: Deadline
+) -> tuple[Aiming, PoseSearch]:
+    """Search, by the kernel if there is one, and let Drake verify what it finds.
+
+    Drake answers alone if it refutes a single one of the kernel's.
+    """
+    group = query.group
+    aiming = aiming_of(world, query, rng)
+    state = rng.bit_generator.state
+    solve = partial(kernel_pose_solver, world, group)
+    search = _followed(world, query, aiming, solve, rng, deadline)
+    if search is not None and not _are_met(world, group, aiming, search.found):
+        _LOG.error("Drake refutes the kernel's inverse kinematics of %s", group.name)
+        rng.bit_generator.state, search = state, None
+    if search is None:
+        drake = partial(DrakePoseSolver, world, group, deadline)
+        search = _followed(world, query, aiming, drake, rng, deadline)
+    assert search is not None  # noqa: S101  (Drake always has a solver)
+    return aiming, search
+
+
+def _followed(
+    world: World,
+    query: GoalQuery,
+    aiming: Aiming,
+    solver_of: Callable[[list[ToolTarget]], PoseSolver | None],
+    rng: np.random.Generator,
+    deadline: Deadline,
+) -> PoseSearch | None:
+    """Return the search once it is over, None if there is no such solver."""
+    solver = solver_of(aiming.first.targets)
+    if solver is None:
+        return None
+    trials = query.options.max_trials
+    judge = leg_judge(world, query, aiming.first.targets, deadline)
+    search = PoseSearch(world, query, rng, deadline, judge)
+    search.run(aiming.first, solver, int(np.ceil(aiming.share * trials)))
+    aims = aiming.first
+    if aiming.then is not None and not len(search.found):
+        aims, solver = aiming.then, solver_of(aiming.then.targets) or solver
+    search.run(aims, solver, trials)
+    return search
+
+
+def _are_met(world: World, group: JointGroup, aiming: Aiming, found: Distinct) -> bool:
+    """Return whether Drake agrees that every solution reaches its target."""
+    frame = aiming.accepted[0].frame
+    reached = world.frame_poses(frame, world.embed(group, found.rows))
+    return all(
+        bool(target.are_met_by(reached[found.targets == i]).all())
+        for i, target in enumerate(aiming.accepted)
+    )

@@ -1,0 +1,117 @@
+"""What there is to say of a goal of a tool frame that has no solution: the nearest one that has."""
+
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float64
+
+from planning.domain.deadline import Deadline
+from planning.domain.goal_configurations import Bounds, NearestPose
+from planning.goals.aims import Aiming, aiming_of
+from planning.goals.goal_query import GoalQuery
+from planning.goals.line_stop import describe_stop
+from planning.goals.nearest import NearestSearch
+from planning.goals.relaxation import alone_that_does, tolerance_that_does
+from planning.goals.relaxed_search import constraints_that_do
+from planning.world.world import World
+
+# Of what remains of the time for goals, what searches without some constraint may take.
+_RELAXED_SHARE = 0.3
+# So many configurations that reach a goal are what tries begin with.
+_MOST_HINTS = 32
+
+
+def nearest_that_does(
+    world: World,
+    query: GoalQuery,
+    aiming: Aiming,
+    hints: Float64[np.ndarray, "n nq"],
+    rng: np.random.Generator,
+    deadline: Deadline,
+) -> tuple[dict[str, Any], str]:
+    """Return the nearest feasible pose, and the tolerances of which each would do.
+
+    Args:
+        world: The scene, with the limits that the query's rules leave.
+        query: The goal.
+        aiming: What counts as reached.
+        hints: Configurations that reach the goal, or nearly, but will not do.
+        rng: Of the tries.
+        deadline: When to stop with what there is.
+
+    Returns:
+        `nearest` and `relaxation` as evidence, and the nearest as words for a message.
+    """
+    found = NearestSearch(world, query, aiming.accepted, rng, deadline).run(hints)
+    relaxation: dict[str, Any] = {
+        "tolerance": None,
+        "position": None,
+        "rotation": None,
+        "obstacles": [],
+        "positions": None,
+    }
+    if found is not None:
+        target = aiming.accepted[found.pose_index]
+        relaxation["tolerance"] = tolerance_that_does(world, query, target, found, deadline)
+        relaxation |= alone_that_does(world, query, target, found, (rng, deadline.share(0.5)))
+    return {"nearest": found and found.evidence, "relaxation": relaxation}, _describe(found)
+
+
+def keeping_that_does(
+    world: World,
+    query: GoalQuery,
+    rows: Float64[np.ndarray, "n nq"],
+    rng: np.random.Generator,
+    deadline: Deadline,
+) -> tuple[dict[str, Any], str]:
+    """Return the same where all that reach a goal are free, but break a path constraint.
+
+    The relaxation has the `constraints` of which each would do, if it gave way, as well.
+
+    Args:
+        world: The scene, with its own limits.
+        query: The goal and the rules.
+        rows: Configurations that reach it.
+        rng: Of the tries.
+        deadline: When to stop with what there is.
+    """
+    rules = query.rules
+    assert rules is not None  # noqa: S101  (something was broken)
+    constraints = constraints_that_do(world, query, rng, deadline.share(_RELAXED_SHARE))
+    tight = world.limited(query.group, rules.fixing(world.limits(query.group)))
+    aiming = aiming_of(world, query, rng)
+    evidence, words = nearest_that_does(tight, query, aiming, rows[:_MOST_HINTS], rng, deadline)
+    evidence["relaxation"]["constraints"] = constraints
+    if constraints:
+        words += f"; it would do if {' or '.join(map(_gives_way, constraints))} gave way"
+    return evidence, words
+
+
+def _gives_way(entry: dict[str, Any]) -> str:
+    if entry["value"] is None or entry["unit"] == "1":
+        return str(entry["constraint"])
+    return f"{entry['constraint']} (to {entry['value']:.4g} {entry['unit']})"
+
+
+def _describe(found: NearestPose | None) -> str:
+    if found is None:
+        return ""
+    return (
+        f"; the nearest free pose is {1000 * found.translation_error:.1f} mm and "
+        f"{np.degrees(found.rotation_error):.2f} deg away, where {_binding(found.bounds)}"
+    )
+
+
+def _binding(bounds: Bounds) -> str:
+    if bounds.line is not None:
+        return f"the {bounds.line.leg} binds: {describe_stop(bounds.line.stop)}"
+    return {
+        "collision": f"{', '.join('-'.join(pair) for pair in bounds.pairs)} bind",
+        "path_constraint": f"{', '.join(bounds.constraints)} {_bind(bounds.constraints)}",
+        "limits": f"{', '.join(bounds.joints)} at their limits bind",
+        "reach": "the reach binds",
+    }[bounds.binding]
+
+
+def _bind(names: tuple[str, ...]) -> str:
+    return "bind" if len(names) > 1 else "binds"
