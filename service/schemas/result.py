@@ -21,8 +21,8 @@ class CheckWire(Answer):
     bound: float | None = Field(description="What it was held against, in `unit`; null for none")
     unit: str = Field(description="Of value, bound and resolution; `1` for peak over limit")
     resolution: float | None = Field(
-        description="How far the true worst value may lie beyond `value`; null if it is not bounded, "
-        "as where a search for it ended at once"
+        description="How far the true worst value may lie beyond `value`; null if it is not "
+        "bounded, as where a search for it ended at once"
     )
     passed: bool = Field(description="Whether the property holds")
     where: str = Field(description="The joint or pair that is worst, or empty")
