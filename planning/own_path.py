@@ -1,11 +1,12 @@
 """retime_path(): time and prove a path that somebody else found."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from planning.candidates import candidates
+from planning.certify.certifier import certify
 from planning.certify.refusal import failed_checks, not_certified
 from planning.domain.certificate import Certificate
 from planning.domain.constraint import PathConstraint
@@ -18,7 +19,7 @@ from planning.domain.problem import PlanningProblem
 from planning.domain.report import CertifyReport, RetimeReport
 from planning.domain.value import Value
 from planning.errors import ProblemInvalid
-from planning.own_trajectory import certify_trajectory
+from planning.proof_request import proof_request
 from planning.retime.path_limits import path_limits
 from planning.stopwatch import Stopwatch
 from planning.timing import admit_timing
@@ -110,18 +111,14 @@ def retime_path(  # noqa: PLR0913  (a question in full)
         path_limits=path_limits(world, joints, timing),
     )
     for candidate in made:
-        certificate, report = certify_trajectory(
-            world,
-            group,
-            candidate.trajectory,
-            deadline=deadline,
-            options=timing,
+        request = replace(
+            proof_request(world, joints, candidate.trajectory, timing, world.margins(margin)),
             start=path.waypoints[0],
-            goal=path.waypoints[-1],
-            margin=margin,
+            goals=path.waypoints[-1:],
             constraints=constraints,
-            wanted=wanted,
+            options=wanted or CertifyOptions(),
         )
+        certificate, report = certify(world.drake, request, deadline)
         if certificate.proven:
             return RetimedPath(path, candidate.trajectory, certificate, candidate.retime, report)
         failed = certificate

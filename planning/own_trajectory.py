@@ -4,6 +4,7 @@ from dataclasses import replace
 from typing import Any
 
 from planning.certify.certifier import certify
+from planning.certify.first_unproven import with_first_unproven
 from planning.domain.certificate import Certificate
 from planning.domain.constraint import PathConstraint
 from planning.domain.curve import TimedTrajectory
@@ -48,7 +49,8 @@ def certify_trajectory(  # noqa: PLR0913  (a question in full)
         wanted: What else to find out, if it is proven; None for nothing.
 
     Returns:
-        The certificate, `proven` or with failed checks, and what it took.
+        The certificate, `proven` or with failed checks, and what it took. If clearance is not
+        proven it says until when it is.
 
     Raises:
         UnknownName: There is no such group, body, frame or joint.
@@ -76,7 +78,8 @@ def certify_trajectory(  # noqa: PLR0913  (a question in full)
         constraints=constraints,
         options=wanted,
     )
-    return certify(world.drake, request, deadline)
+    certificate, report = certify(world.drake, request, deadline)
+    return with_first_unproven(world.drake, request, certificate, deadline), report
 
 
 def require_joints(group: JointGroup, trajectory: TimedTrajectory, field: str) -> None:

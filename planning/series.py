@@ -14,12 +14,18 @@ from planning.domain.value import Value
 from planning.retime.path_limits import path_limits
 from planning.timing import admit_timing
 from planning.world.dynamics import GroupDynamics
+from planning.world.margins import PairMargins
+from planning.world.tool_kinematics import ToolKinematics
 from planning.world.world import World
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
-# Bodies farther apart than this are not of interest, and cost time [m].
-_FARTHEST = 0.5
+# Bodies that have more than the last to spare are not of interest; few are looked at first [m].
+_HORIZONS = (0.1, 0.5)
+_FARTHEST = _HORIZONS[-1]
+# Accelerations just before and after a break that differ by this share of the limit have jumped;
+# how near to the break they are looked at, as a share of the duration.
+_JUMP, _BESIDE = 1e-3, 1e-9
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,15 +34,22 @@ class MotionSeries(Value):
 
     Attributes:
         group: What moves.
-        limits: What it may do, unscaled.
+        limits: What it may do: the group's limits, scaled as the options say.
+        options: The limits besides, with zones in world; jerk is limited if `method` is "ruckig".
         times: [s].
         positions: [rad or m].
         rates: The tangent's derivatives of order 1, 2 and 3: velocity, acceleration and jerk
             [rad/s^k or m/s^k].
+        jumps: When acceleration jumps within the motion, which no finite jerk does [s].
         efforts: What the motion takes of each joint [N m or N].
-        clearance: Smallest signed distance of any two bodies that may collide [m], half a metre
-            where all are farther apart.
+        clearance: Smallest signed distance of any two bodies that may collide [m]; where all are
+            farther apart, half a metre more than the largest margin.
         pairs: Whose it is, or two empty names.
+        margin: What is demanded of bodies of different robots and objects [m].
+        spare: The least that any two bodies have to spare over the margin demanded of them [m], at
+            most half a metre. Bodies of one robot owe each other none.
+        tool_speeds: Of the origins of the group's tool frame and of all frames that are limited, by
+            their names [m/s].
         shares: How much is used of each limit that was asked for besides those of joints [1], by
             its check in the certificate: `acceleration`, `tool_speed <frame>`,
             `tool_acceleration <frame>`, `speed_zone <name>`, which is zero outside of the zone.
@@ -44,35 +57,56 @@ class MotionSeries(Value):
 
     group: JointGroup
     limits: JointLimits
+    options: RetimeOptions
     times: Float64[np.ndarray, " m"]
     positions: Float64[np.ndarray, "m nq"]
     rates: Float64[np.ndarray, "3 m nv"]
+    jumps: Float64[np.ndarray, " k"]
     efforts: Float64[np.ndarray, "m nv"]
     clearance: Float64[np.ndarray, " m"]
     pairs: tuple[tuple[str, str], ...]
+    margin: float
+    spare: Float64[np.ndarray, " m"]
+    tool_speeds: Mapping[str, Float64[np.ndarray, " m"]]
     shares: Mapping[str, Float64[np.ndarray, "m limits"]]
+
+    @property
+    def is_jerk_limited(self) -> bool:
+        """Whether jerk was limited; else acceleration may jump, and jerk says nothing."""
+        return self.options.method == "ruckig"
+
+    @property
+    def acceleration_range(self) -> tuple[Float64[np.ndarray, " nv"], Float64[np.ndarray, " nv"]]:
+        """Lowest and highest acceleration of every coordinate, with bounds by sign.
+
+        A block of several coordinates is limited by its norm: each alone may use all of it.
+        """
+        highest = np.zeros(self.rates.shape[2])
+        for block, bound in zip(self.limits.blocks, self.limits.acceleration, strict=True):
+            highest[list(block)] = bound
+        lowest = -highest
+        columns = dict(self.group.blocks)
+        for name, (low, high) in self.options.acceleration_bounds.items():
+            i = columns[name][0]
+            lowest[i], highest[i] = max(low, lowest[i]), min(high, highest[i])
+        return lowest, highest
 
     @property
     def utilisation(self) -> dict[str, Array]:
         """Rate or effort over its limit, by the name of its check, each of shape (m, limits).
 
         Of joints there is a column for each block, and for `acceleration` one more for each that
-        has bounds by sign.
+        has bounds by sign. `jerk` is there only if it is limited; `torque` always, limited or not.
         """
         limits = self.limits
         amounts = {
             "velocity": (self.rates[0], limits.velocity),
             "acceleration": (self.rates[1], limits.acceleration),
-            "jerk": (self.rates[2], limits.jerk),
             "torque": (self.efforts, limits.effort),
         }
-        used = {
-            name: np.stack(
-                [np.linalg.norm(values[:, list(block)], axis=1) for block in limits.blocks], axis=1
-            )
-            / bound
-            for name, (values, bound) in amounts.items()
-        }
+        if self.is_jerk_limited:
+            amounts["jerk"] = self.rates[2], limits.jerk
+        used = {name: _norms(values, limits) / bound for name, (values, bound) in amounts.items()}
         for name, more in self.shares.items():
             used[name] = np.concatenate([used[name], more], axis=1) if name in used else more
         return used
@@ -84,6 +118,7 @@ def motion_series(
     trajectory: TimedTrajectory,
     count: int = 201,
     options: RetimeOptions | None = None,
+    margin: float | None = None,
 ) -> MotionSeries:
     """Return a motion's numbers at evenly spread instants.
 
@@ -95,8 +130,9 @@ def motion_series(
         group: What moves.
         trajectory: The motion, one of the group's joints.
         count: Of instants, at least 2.
-        options: The limits besides those of joints, and what the group carries that the scene does
-            not show.
+        options: The scales of the limits, whether jerk is limited (`method`), the limits besides
+            those of joints, and what the group carries that the scene does not show.
+        margin: The distance that was to be kept [m]; None for the scene's.
 
     Raises:
         UnknownName: There is no such group, frame or joint.
@@ -105,21 +141,77 @@ def motion_series(
     joints = world.group(group)
     asked = admit_timing(world, joints, options or RetimeOptions(), trajectory.start)
     dynamics = GroupDynamics(world, joints, asked.payload)
+    limits = world.limits(joints).scaled(asked.velocity_scale, asked.acceleration_scale)
     times = np.linspace(0.0, trajectory.duration, count)
-    q = trajectory.positions(times)
-    probe = world.distance_probe(world.margins())
-    nearest = [probe.pairs_within(full, _FARTHEST)[:1] for full in world.embed(joints, q)]
+    q, v = trajectory.positions(times), trajectory.velocities(times)
+    margins = world.margins(margin)
+    clearance, pairs, spare = _distances(world, margins, world.embed(joints, q))
     return MotionSeries(
         group=joints,
-        limits=world.limits(joints),
+        limits=limits,
+        options=asked,
         times=times,
         positions=q,
         rates=np.stack([trajectory.tangents(times, order) for order in (1, 2, 3)]),
-        efforts=dynamics.efforts(q, trajectory.velocities(times), trajectory.accelerations(times)),
-        clearance=np.array([pairs[0].distance if pairs else _FARTHEST for pairs in nearest]),
-        pairs=tuple(pairs[0].bodies if pairs else ("", "") for pairs in nearest),
+        jumps=_jumps(trajectory, limits),
+        efforts=dynamics.efforts(q, v, trajectory.accelerations(times)),
+        clearance=clearance,
+        pairs=pairs,
+        margin=margins.default,
+        spare=spare,
+        tool_speeds=_tool_speeds(world, joints, asked, (q, v)),
         shares=_shares(world, joints, asked, trajectory, times),
     )
+
+
+def _distances(
+    world: World, margins: PairMargins, states: Array
+) -> tuple[Array, tuple[tuple[str, str], ...], Array]:
+    """Return the least distance, whose it is, and the least to spare, at full positions by rows."""
+    probe = world.distance_probe(margins)
+    largest = max(margins.largest, 0.0)
+    clearance = np.full(len(states), _FARTHEST + largest)
+    spare = np.full(len(states), _FARTHEST)
+    pairs: list[tuple[str, str]] = []
+    for i, full in enumerate(states):
+        near = ()
+        for horizon in _HORIZONS:
+            near = probe.pairs_within(full, horizon + largest)
+            least = min((p.distance - margins.of(*p.bodies) for p in near), default=np.inf)
+            # What is beyond the horizon has more than that to spare.
+            if least <= horizon:
+                spare[i] = least
+                break
+        pairs.append(near[0].bodies if near else ("", ""))
+        if near:
+            clearance[i] = near[0].distance
+    return clearance, tuple(pairs), spare
+
+
+def _jumps(trajectory: TimedTrajectory, limits: JointLimits) -> Array:
+    """Return the instants at which acceleration jumps, by the norms of blocks."""
+    breaks, beside = trajectory.breaks[1:-1], _BESIDE * trajectory.duration
+    steps = trajectory.accelerations(breaks + beside) - trajectory.accelerations(breaks - beside)
+    sizes = _norms(steps, limits) / limits.acceleration
+    return breaks[(sizes > _JUMP).any(axis=1)]
+
+
+def _norms(values: Array, limits: JointLimits) -> Array:
+    """Return the norm of every block, shape (m, num_blocks)."""
+    return np.stack(
+        [np.linalg.norm(values[:, list(block)], axis=1) for block in limits.blocks], axis=1
+    )
+
+
+def _tool_speeds(
+    world: World, group: JointGroup, options: RetimeOptions, states: tuple[Array, Array]
+) -> dict[str, Array]:
+    """Return the speeds of frames at rows of q and v [m/s]."""
+    limited = [entry.frame for entry in (*options.tool_limits, *options.speed_zones)]
+    return {
+        frame: np.linalg.norm(ToolKinematics(world, group, frame).velocities(*states), axis=1)
+        for frame in dict.fromkeys([*group.tool_frames[:1], *limited])
+    }
 
 
 def _shares(

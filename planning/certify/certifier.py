@@ -1,13 +1,18 @@
 """certify(): every check on one trajectory, and the verdict."""
 
 from dataclasses import replace
+from typing import Any
 
-from planning.certify.clearance import Clearance, check_clearance
+import numpy as np
+
+from planning.certify.clearance import check_clearance
 from planning.certify.constraint_checks import constraint_checks
 from planning.certify.end_checks import continuity_checks, goal_check, rest_check, start_check
 from planning.certify.form_check import form_check
 from planning.certify.limit_checks import position_check, rate_check
 from planning.certify.line_check import line_checks
+from planning.certify.nearest_points import nearest_points
+from planning.certify.proof_parts import Clearance
 from planning.certify.request import CertifyRequest
 from planning.certify.robustness import robustness
 from planning.certify.steering_check import steering_checks
@@ -20,6 +25,8 @@ from planning.domain.report import CertifyReport
 from planning.world.drake_model import DrakeModel
 
 __all__ = ["CertifyRequest", "certify"]
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 
 def certify(
@@ -63,7 +70,8 @@ def certify(
     if all(check.passed for check in checks):
         stop, report = _findings(model, request, report, deadline)
         checks += stop
-    return _verdict(checks, clearance), report
+    points = nearest_points(model, request, clearance.nearest)
+    return _verdict(request, checks, clearance, points), report
 
 
 def _findings(
@@ -92,11 +100,16 @@ def _motion_checks(request: CertifyRequest) -> list[Check]:
     ]
 
 
-def _verdict(checks: tuple[Check, ...], clearance: Clearance) -> Certificate:
+def _verdict(
+    request: CertifyRequest, checks: tuple[Check, ...], clearance: Clearance, points: Array
+) -> Certificate:
+    nearest = clearance.nearest
     return Certificate(
         proven=all(check.passed for check in checks),
-        min_clearance=clearance.min_clearance,
-        pair=clearance.pair,
-        time=clearance.time,
+        min_clearance=nearest.distance,
+        pair=nearest.bodies,
+        time=nearest.time,
         checks=checks,
+        points=points,
+        proven_until=request.trajectory.duration if clearance.check.passed else 0.0,
     )

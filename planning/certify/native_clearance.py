@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from planning.certify.proof_parts import MARGIN_SLACK, Clearance
+from planning.certify.proof_parts import MARGIN_SLACK, Clearance, Spot
 from planning.certify.request import CertifyRequest
 from planning.domain.certificate import Check
 from planning.domain.deadline import Deadline
@@ -21,7 +21,7 @@ from planning.world.drake_model import DrakeModel
 from planning.world.kernel_scene import KernelScene
 
 # The kernel's numbers for outcomes (prover.hpp).
-_PROVEN, _TOO_NEAR = 0, 1
+_PROVEN, _TOO_NEAR, _UNPROVEN = 0, 1, 2
 
 
 def native_clearance(
@@ -35,14 +35,13 @@ def native_clearance(
     """
     margins = scene.demands(request.margins)
     proof = prover(scene, model, request, margins).prove(partial(deadline.check, "certify"))
-    nearest = proof.nearest
     return Clearance(
         check=_check(scene, proof, margins),
-        min_clearance=nearest.distance,
-        pair=scene.bodies[nearest.pair] if nearest.pair >= 0 else ("", ""),
-        time=nearest.time,
+        nearest=_spot(scene, proof.nearest),
+        checked=_spot(scene, _worst(proof)),
         intervals=proof.segments,
         queries=proof.looks,
+        is_decided=proof.outcome != _UNPROVEN,
     )
 
 
@@ -63,20 +62,30 @@ def prover(scene: KernelScene, model: DrakeModel, request: CertifyRequest, margi
 
 def _check(scene: KernelScene, proof: Any, margins: Any) -> Check:
     """Return the verdict: of the pair with the least to spare, or of the one that cannot be."""
+    worst, passed = _worst(proof), proof.outcome == _PROVEN
+    pair = worst.pair
     if proof.outcome in {_PROVEN, _TOO_NEAR}:
-        seen, passed = proof.tightest, proof.outcome == _PROVEN
-        gap = max(0.0, proof.nearest.distance - proof.floor) if seen.pair >= 0 and passed else 0.0
-        pair, distance, time, resolution = seen.pair, seen.distance, seen.time, gap
+        gap = max(0.0, proof.nearest.distance - proof.floor) if pair >= 0 and passed else 0.0
     else:
-        pair, distance, time, passed = proof.pair, proof.distance, proof.time, False
-        resolution = proof.uncertainty
+        gap = proof.uncertainty
     return Check(
         name="clearance",
-        value=distance,
+        value=worst.distance,
         bound=float(margins[pair]) if pair >= 0 else 0.0,
         unit="m",
-        resolution=resolution,
+        resolution=gap,
         passed=passed,
         where="-".join(scene.bodies[pair]) if pair >= 0 else "",
-        time=time,
+        time=worst.time,
     )
+
+
+def _spot(scene: KernelScene, seen: Any) -> Spot:
+    if seen.pair < 0:
+        return Spot()
+    return Spot(scene.pairs[seen.pair], scene.bodies[seen.pair], seen.distance, seen.time)
+
+
+def _worst(proof: Any) -> Any:
+    """Return the sighting, or the proof itself, that has the pair to tell of."""
+    return proof.tightest if proof.outcome in {_PROVEN, _TOO_NEAR} else proof

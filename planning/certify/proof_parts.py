@@ -3,6 +3,7 @@
 from dataclasses import dataclass, field
 
 import numpy as np
+from pydrake.geometry import GeometryId
 
 from planning.certify.pair_distances import Indices
 from planning.certify.segments import Segment
@@ -14,24 +15,42 @@ MARGIN_SLACK = 1e-6
 
 
 @dataclass(frozen=True)
+class Spot:
+    """Two shapes at an instant.
+
+    Attributes:
+        shapes: Drake's names of both; none if there was no pair to look at.
+        bodies: Full names of their bodies, or two empty ones.
+        distance: Their signed distance as measured [m], infinite without a pair.
+        time: When [s].
+    """
+
+    shapes: tuple[GeometryId, ...] = ()
+    bodies: tuple[str, str] = ("", "")
+    distance: float = np.inf
+    time: float = 0.0
+
+
+@dataclass(frozen=True)
 class Clearance:
     """What was found of the clearance.
 
     Attributes:
         check: The verdict: distance and margin of the pair with the least to spare.
-        min_clearance: Smallest signed distance at any instant looked at [m].
-        pair: Between whom.
-        time: When [s].
+        nearest: The smallest signed distance at any instant looked at.
+        checked: The pair that the check tells of.
         intervals: Segments that were bounded.
         queries: Configurations at which distances were measured.
+        is_decided: Whether other distances, or directions, would give the same verdict: it passed,
+            or a pair is too near for certain.
     """
 
     check: Check
-    min_clearance: float
-    pair: tuple[str, str]
-    time: float
+    nearest: Spot
+    checked: Spot
     intervals: int
     queries: int
+    is_decided: bool = True
 
 
 @dataclass(order=True)

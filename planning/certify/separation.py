@@ -32,11 +32,13 @@ class Separation:
         lower: Largest slab that was found [m]; negative if none separates.
         upper: Smallest distance of points of both shapes that was found [m]; 0 if they overlap.
         direction: Unit vector of that slab, from B to A.
+        corners: Of the simplex that has the point of `upper`, shape (1 to 4, 3) [m].
     """
 
     lower: float
     upper: float
     direction: Float64[np.ndarray, "3"]
+    corners: Float64[np.ndarray, "k 3"]
 
 
 def separation(
@@ -49,6 +51,7 @@ def separation(
         guess: A vector to begin with, for example from B's middle to A's.
         enough: A lower bound as large as this ends the search [m].
     """
+    corners = np.zeros((0, 3))
     v = guess if np.linalg.norm(guess) > _TOLERANCE else np.array([1.0, 0.0, 0.0])
     simplex = np.zeros((0, 3))
     lower, upper, direction = -np.inf, np.inf, v / np.linalg.norm(v)
@@ -64,10 +67,47 @@ def separation(
         length = float(np.linalg.norm(v))
         if length >= upper:
             break
-        upper = length
+        upper, corners = length, simplex
         if upper <= _TOLERANCE:
-            return Separation(lower, 0.0, direction)
-    return Separation(lower, upper, direction)
+            return Separation(lower, 0.0, direction, corners)
+    return Separation(lower, upper, direction, corners)
+
+
+def nearest_point(
+    farthest_of_a: Callable[[Array], Array],
+    farthest_of_b: Callable[[Array], Array],
+    guess: Float64[np.ndarray, "3"],
+) -> Float64[np.ndarray, "2 3"]:
+    """Return the nearest points of two convex sets [m]; of sets that overlap, a common one twice.
+
+    The nearest point of the set of all a - b is a mixture of corners of the last simplex; so are
+    the points of A and B that make it, of the a and the b of those corners.
+
+    Args:
+        farthest_of_a: Returns the point of A that lies farthest along a vector.
+        farthest_of_b: The same of B.
+        guess: A vector to begin with, from B's middle to A's.
+    """
+    met: list[tuple[Array, Array]] = []
+
+    def support(n: Array) -> Array:
+        met.append((farthest_of_a(n), farthest_of_b(-n)))
+        return met[-1][0] - met[-1][1]
+
+    corners = separation(support, guess, np.inf).corners
+    ends = [next(ends for ends in met if (ends[0] - ends[1] == c).all()) for c in corners]
+    ahead, behind = np.array(ends).swapaxes(0, 1)
+    weights = _weights(corners)
+    return np.stack([weights @ ahead, weights @ behind])
+
+
+def _weights(corners: Array) -> Array:
+    """Return how much of each corner is in the point of their plane nearest to the origin."""
+    size = len(corners)
+    system = np.ones((size + 1, size + 1))
+    system[:size, :size] = corners @ corners.T
+    system[size, size] = 0.0
+    return np.linalg.lstsq(system, np.append(np.zeros(size), 1.0))[0][:size]
 
 
 def _nearest(points: Array) -> tuple[Array, Array]:

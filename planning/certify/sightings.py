@@ -4,8 +4,10 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
+from pydrake.geometry import GeometryId
 
 from planning.certify.candidate_pairs import CandidatePairs
+from planning.certify.proof_parts import Spot
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 type Indices = np.ndarray[Any, np.dtype[np.intp]]
@@ -20,6 +22,7 @@ class Sighting:
         distance: Its signed distance [m].
         margin: The distance demanded of it [m].
         names: Its bodies.
+        shapes: Drake's names of its shapes, or none.
         time: When [s].
     """
 
@@ -28,11 +31,17 @@ class Sighting:
     margin: float = 0.0
     names: tuple[str, str] = ("", "")
     time: float = 0.0
+    shapes: tuple[GeometryId, ...] = ()
 
     @property
     def where(self) -> str:
         """The bodies, as one name."""
         return "-".join(self.names) if self.names[0] else ""
+
+    @property
+    def spot(self) -> Spot:
+        """Where it was."""
+        return Spot(self.shapes, self.names, self.distance, self.time)
 
 
 @dataclass
@@ -69,3 +78,4 @@ class Sightings:
             sighting.least, sighting.distance = float(what[least]), float(distances[least])
             sighting.margin = float(self.pairs.margins[pairs[least]])
             sighting.names, sighting.time = self.pairs.names[pairs[least]], time
+            sighting.shapes = self.pairs.ids[pairs[least]]

@@ -1,7 +1,11 @@
 """Certificate: what was proven of a trajectory, how finely it was looked at, and by how much."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
+import numpy as np
+from jaxtyping import Float64
+
+from planning.domain.body_pair import BodyPair
 from planning.domain.value import Value
 
 
@@ -12,13 +16,14 @@ class Check(Value):
     Attributes:
         name: position, velocity, acceleration, jerk, start, goal, continuity, clearance, or one of
             those that are only made if they are asked for.
-        value: The worst value found, in `unit`; a guaranteed bound where `resolution` is 0.
+        value: The worst value found, in `unit`; a guaranteed bound where `resolution` is 0. Of a
+            check that failed it is the worst that was seen until then: there may be worse.
         bound: What it was held against, in `unit`.
         unit: Of value, bound and resolution; "1" for utilisation (peak over limit).
         resolution: How far the true worst value may lie beyond `value`.
         passed: Whether the property holds.
         where: The joint, block or pair that is worst, or "".
-        time: When it is worst [s].
+        time: When that is [s]; not the first instant at which a check fails.
     """
 
     name: str
@@ -40,11 +45,19 @@ class Certificate(Value):
 
     Attributes:
         proven: Every check passed and clearance was bounded on the whole interval.
-        min_clearance: Smallest signed distance found [m]; the true one is at most the clearance
-            check's `resolution` below it. Infinite if there is no pair to look at.
-        pair: The two bodies that come closest, or ("", "").
-        time: When they do [s].
+        min_clearance: Smallest signed distance found [m]. If clearance is proven the true one is at
+            most the clearance check's `resolution` below it; else it is the smallest at the
+            instants that were looked at, and there may be smaller ones. Infinite if there is no
+            pair to look at.
+        pair: The two bodies whose it is, or ("", "").
+        time: When [s].
         checks: All checks, passed or not.
+        points: Their nearest points then, in world and in the order of `pair`: p_WA and p_WB [m];
+            none without a pair. Of shapes that overlap they are the deepest.
+        proven_until: All pairs are proven to keep their margins from the beginning until then [s]:
+            the duration, if the check of clearance passed.
+        first_unproven: The pair that stopped the proof there, within a tenth of a millisecond, with
+            its distance and nearest points; None if nothing did, or if nobody looked for it.
     """
 
     proven: bool
@@ -52,6 +65,9 @@ class Certificate(Value):
     pair: tuple[str, str]
     time: float
     checks: tuple[Check, ...]
+    points: Float64[np.ndarray, "k 3"] = field(default_factory=lambda: np.zeros((0, 3)))
+    proven_until: float = 0.0
+    first_unproven: BodyPair | None = None
 
     @property
     def failed(self) -> tuple[Check, ...]:

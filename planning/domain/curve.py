@@ -154,6 +154,16 @@ class TimedTrajectory(Curve):
             np.concatenate(padded),
         )
 
+    def until(self, time: float) -> "TimedTrajectory":
+        """Return the motion up to an instant within it, later than its beginning [s]."""
+        pieces = int(np.searchsorted(self.breaks[1:], time)) + 1
+        return TimedTrajectory(
+            self.joints,
+            np.append(self.breaks[:pieces], time),
+            self.bases[:pieces],
+            self.coefficients[:pieces],
+        )
+
     def after(self, time: float) -> "TimedTrajectory":
         """Return what is left of the motion from an instant within it on [s]."""
         piece = int(self.locate(np.array([time]))[0][0])

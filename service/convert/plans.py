@@ -8,6 +8,7 @@ from planning.domain.certificate import Certificate
 from planning.domain.plan import MotionPlan, StageReports
 from service.convert.numbers import finite, listed
 from service.convert.trajectories import sampled_wire
+from service.convert.verdicts import pair_wire
 
 
 def plan_wire(plan: MotionPlan, period: float, num_points: int | None) -> dict[str, Any]:
@@ -34,11 +35,15 @@ def plan_wire(plan: MotionPlan, period: float, num_points: int | None) -> dict[s
 
 def certificate_wire(certificate: Certificate) -> dict[str, Any]:
     """Return a certificate for the wire."""
+    stopped = certificate.first_unproven
     return {
         "proven": certificate.proven,
         "min_clearance": finite(certificate.min_clearance),
         "pair": list(certificate.pair),
         "time": certificate.time,
+        "points": listed(certificate.points),
+        "proven_until": certificate.proven_until,
+        "first_unproven": None if stopped is None else pair_wire(stopped),
         "checks": [
             {
                 **dataclasses.asdict(check),

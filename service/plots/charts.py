@@ -23,12 +23,11 @@ _STYLE: dict[Any, Any] = {
     "axes.grid": True,
     "grid.alpha": 0.25,
 }
-_LINE, _LIMIT, _FAINT = "#1f4e79", "#b03a2e", "#7f8c8d"
+_LINE, _LIMIT, _FAINT, _OTHER = "#1f4e79", "#b03a2e", "#7f8c8d", "#b9770e"
 _WIDTH, _ROW, _MARGIN = 7.0, 0.95, 0.9
 # Of a legend: its height by entry [in], and how long a name may be. Ten colours take turns.
 _ENTRY, _LONGEST = 0.19, 40
 _STROKES = ("-", "--", "-.", ":")
-_UNITS = {1: "/s", 2: "/s²", 3: "/s³"}
 
 
 def draw(name: str, series: MotionSeries) -> str:
@@ -54,13 +53,34 @@ def _positions(figure: Figure, series: MotionSeries) -> None:
     figure.suptitle("position and its limits [rad or m]")
 
 
-def _rates(order: int, attribute: str) -> Callable[[Figure, MotionSeries], None]:
-    def chart(figure: Figure, series: MotionSeries) -> None:
-        bounds = _symmetric(series, getattr(series.limits, attribute))
-        _rows(figure, series, series.group.velocity_names, series.rates[order - 1], bounds)
-        figure.suptitle(f"{attribute} and its limits [rad{_UNITS[order]} or m{_UNITS[order]}]")
+def _velocity(figure: Figure, series: MotionSeries) -> None:
+    bounds = _symmetric(series, series.limits.velocity)
+    _rows(figure, series, series.group.velocity_names, series.rates[0], bounds)
+    figure.suptitle("velocity and its limits [rad/s or m/s]")
 
-    return chart
+
+def _acceleration(figure: Figure, series: MotionSeries) -> None:
+    bounds = list(zip(*series.acceleration_range, strict=True))
+    _rows(figure, series, series.group.velocity_names, series.rates[1], bounds)
+    figure.suptitle("acceleration and its limits [rad/s² or m/s²]")
+
+
+def _jerk(figure: Figure, series: MotionSeries) -> None:
+    unit = "[rad/s³ or m/s³]"
+    if series.is_jerk_limited:
+        bounds = _symmetric(series, series.limits.jerk)
+        _rows(figure, series, series.group.velocity_names, series.rates[2], bounds)
+        figure.suptitle(f"jerk and its limits {unit}")
+        return
+    bounds = [(-np.inf, np.inf)] * series.rates.shape[2]
+    rows = _rows(figure, series, series.group.velocity_names, series.rates[2], bounds)
+    for axes in rows:
+        axes.plot(series.jumps, np.zeros_like(series.jumps), "|", color=_LIMIT, markersize=6)
+    figure.suptitle(
+        f"jerk between jumps {unit}: it was not limited (method toppra);\n"
+        f"at the marks, {len(series.jumps)}, acceleration jumps and jerk is infinite",
+        fontsize=8,
+    )
 
 
 def _torque(figure: Figure, series: MotionSeries) -> None:
@@ -72,11 +92,18 @@ def _torque(figure: Figure, series: MotionSeries) -> None:
 def _clearance(figure: Figure, series: MotionSeries) -> None:
     figure.set_size_inches(_WIDTH, 3.0)
     axes = figure.subplots()
-    axes.plot(series.times, 1000 * series.clearance, color=_LINE)
-    axes.axhline(0.0, color=_LIMIT, linestyle="--", linewidth=0.8)
+    axes.plot(series.times, 1000 * series.clearance, color=_LINE, label="smallest distance")
+    axes.axhline(0.0, color=_LIMIT, linestyle="--", linewidth=0.8, label="contact")
     least = int(np.argmin(series.clearance))
     axes.plot(series.times[least], 1000 * series.clearance[least], "o", color=_LIMIT, markersize=4)
-    between = " and ".join(series.pairs[least])
+    if (series.spare != series.clearance).any():
+        margin = 1000 * series.margin
+        axes.axhline(margin, color=_OTHER, linestyle=":", label=f"margin, {margin:.4g} mm")
+        axes.plot(
+            series.times, 1000 * series.spare, color=_OTHER, label="least to spare over margins"
+        )
+        figure.legend(loc="outside lower center", ncols=4, fontsize=7)
+    between = " and ".join(series.pairs[least]) or "all are farther apart"
     axes.set_title(
         f"smallest distance of any pair [mm]; least, {1000 * series.clearance[least]:.1f} mm at "
         f"{series.times[least]:.2f} s: {between}",
@@ -85,30 +112,43 @@ def _clearance(figure: Figure, series: MotionSeries) -> None:
     axes.set_xlabel("time [s]")
 
 
+def _tool_speed(figure: Figure, series: MotionSeries) -> None:
+    limits = {limit.frame: limit.speed for limit in series.options.tool_limits}
+    bounds = [(-np.inf, limits.get(frame) or np.inf) for frame in series.tool_speeds]
+    if not bounds:
+        figure.suptitle("the group has no tool frame, and none is limited")
+        return
+    speeds = np.stack(list(series.tool_speeds.values()), axis=1)
+    _rows(figure, series, tuple(series.tool_speeds), speeds, bounds)
+    figure.suptitle("speed of tool frames, and its limits [m/s]")
+
+
 def _utilisation(figure: Figure, series: MotionSeries) -> None:
     used = {name: values.max(axis=1) for name, values in series.utilisation.items()}
     shown = {name: values for name, values in used.items() if np.isfinite(values).all()}
-    figure.set_size_inches(_WIDTH, max(3.0, _ENTRY * (len(shown) + 1)))
+    figure.set_size_inches(_WIDTH, max(3.0, _ENTRY * (len(shown) + 2)))
     axes = figure.subplots()
     for i, (name, values) in enumerate(shown.items()):
         told = name if len(name) <= _LONGEST else f"{name[:_LONGEST]}..."
         axes.plot(series.times, values, label=told, linewidth=1.1, linestyle=_STROKES[i // 10 % 4])
     axes.axhline(1.0, color=_LIMIT, linestyle="--", linewidth=0.8)
-    axes.set_title("use of the limits, of the joint that uses most (1: all of it)", fontsize=8)
-    # A jerk that nobody limits would hide all others.
-    axes.set_ylim(0.0, 1.5)
+    unlimited = "" if series.is_jerk_limited else "; jerk was not limited"
+    axes.set_title(f"use of the limits, of the joint that uses most{unlimited}", fontsize=8)
+    top = max([1.0, *(float(values.max()) for values in shown.values())])
+    axes.set_ylim(0.0, 1.05 * top)
     axes.set_xlabel("time [s]")
     figure.legend(loc="outside right upper")
 
 
 CHARTS: dict[str, Callable[[Figure, MotionSeries], None]] = {
-    "acceleration": _rates(2, "acceleration"),
+    "acceleration": _acceleration,
     "clearance": _clearance,
-    "jerk": _rates(3, "jerk"),
+    "jerk": _jerk,
     "position": _positions,
+    "tool_speed": _tool_speed,
     "torque": _torque,
     "utilisation": _utilisation,
-    "velocity": _rates(1, "velocity"),
+    "velocity": _velocity,
 }
 
 
@@ -128,8 +168,8 @@ def _rows(
     names: tuple[str, ...],
     values: Array,
     bounds: list[tuple[float, float]],
-) -> None:
-    """Draw a row for every coordinate, with its limits where they are finite."""
+) -> list[Any]:
+    """Draw a row for every coordinate, with its limits where they are finite; return the axes."""
     figure.set_size_inches(_WIDTH, _MARGIN + _ROW * len(names))
     rows = figure.subplots(len(names), 1, sharex=True, squeeze=False)[:, 0]
     for axes, name, column, limits in zip(rows, names, values.T, bounds, strict=True):
@@ -145,3 +185,4 @@ def _rows(
             fontsize=7,
         )
     rows[-1].set_xlabel("time [s]")
+    return list(rows)

@@ -43,8 +43,17 @@ type Slowness = Annotated[
 type Exact = Annotated[bool, Query(description="Add the exact piecewise polynomial (JSON only)")]
 
 type Chart = Annotated[
-    Literal["acceleration", "clearance", "jerk", "position", "torque", "utilisation", "velocity"],
-    Path(description="What to draw over time, against its limits"),
+    Literal[
+        "acceleration",
+        "clearance",
+        "jerk",
+        "position",
+        "tool_speed",
+        "torque",
+        "utilisation",
+        "velocity",
+    ],
+    Path(description="What to draw over time, against its limits as the plan was asked to keep"),
 ]
 
 _SVG = {"schema": {"type": "string", "description": "A drawing"}}
@@ -110,7 +119,7 @@ async def get_plot(job: PlanJob, desk: DeskDep, name: Chart) -> Response:
         **{part: job.payload[part] for part in ("scene", "library")},
         "group": job.payload["request"]["group"],
         "trajectory": polynomial_of(job),
-        "retime": job.payload["request"]["retime"],
+        **{part: job.payload["request"].get(part) for part in ("retime", "margin")},
         "name": name,
     }
     drawing = await desk.ask("service.tasks.plots:plot", payload)

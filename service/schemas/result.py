@@ -4,6 +4,7 @@ from typing import Literal
 
 from pydantic import ConfigDict, Field
 
+from service.schemas.check import PairWire
 from service.schemas.report import StagesWire
 from service.schemas.trajectory import TrajectoryWire
 from service.schemas.wire import Answer
@@ -13,7 +14,10 @@ class CheckWire(Answer):
     """One property that was checked on the whole interval."""
 
     name: str = Field(description="position, velocity, acceleration, jerk, clearance, start, ...")
-    value: float | None = Field(description="The worst value found, in `unit`; null for none")
+    value: float | None = Field(
+        description="The worst value found, in `unit`; of a check that failed the worst seen until "
+        "then, there may be worse; null for none"
+    )
     bound: float | None = Field(description="What it was held against, in `unit`; null for none")
     unit: str = Field(description="Of value, bound and resolution; `1` for peak over limit")
     resolution: float | None = Field(
@@ -22,7 +26,9 @@ class CheckWire(Answer):
     )
     passed: bool = Field(description="Whether the property holds")
     where: str = Field(description="The joint or pair that is worst, or empty")
-    time: float = Field(description="When it is worst [s]")
+    time: float = Field(
+        description="When that is [s]; not the first instant at which a check fails"
+    )
 
 
 class CertificateWire(Answer):
@@ -32,10 +38,30 @@ class CertificateWire(Answer):
 
     proven: bool = Field(description="Every check passed on the whole interval")
     min_clearance: float | None = Field(
-        description="Smallest signed distance found [m]; null if there is no pair to look at"
+        description="Smallest signed distance found [m]; if clearance is proven the true one is at "
+        "most the `resolution` of the check `clearance` below it, else there may be smaller ones; "
+        "null if there is no pair to look at"
     )
-    pair: tuple[str, str] = Field(description="The two bodies that come closest, or empty names")
-    time: float = Field(description="When they do [s]")
+    pair: tuple[str, str] = Field(description="The two bodies whose it is, or empty names")
+    time: float = Field(
+        description="When that is [s]; if clearance is not proven neither the first instant that "
+        "is too near nor for certain the worst"
+    )
+    points: list[list[float]] = Field(
+        default=[],
+        description="The nearest point of each of `pair` then, in world [m], of shapes that "
+        "overlap the deepest; empty without a pair",
+    )
+    proven_until: float = Field(
+        default=0.0,
+        description="Clearance is proven from the beginning until then [s]: the duration, if the "
+        "check `clearance` passed",
+    )
+    first_unproven: PairWire | None = Field(
+        default=None,
+        description="The pair that stopped the proof of clearance there, at most 0.1 ms later; "
+        "null if none did",
+    )
     checks: list[CheckWire] = Field(description="All checks, passed or not")
 
 

@@ -14,7 +14,7 @@ DEFAULT_PERIOD = 0.01
 class SamplingWire(Wire):
     """So many samples, or one every so often."""
 
-    sample_period: Annotated[Real, Field(ge=1e-3, le=10)] | None = Field(
+    sample_period: Annotated[Real, Field(ge=1e-4, le=10)] | None = Field(
         default=DEFAULT_PERIOD,
         description="Of the delivered samples [s]; 200000 at most, more are `problem_invalid`; "
         "null where `num_points` says how many",

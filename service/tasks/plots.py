@@ -20,5 +20,7 @@ def plot(payload: dict[str, Any], _: Channel) -> dict[str, Any]:
     trajectory = trajectory_value(payload["trajectory"])
     options = retime_value(RetimeWire.model_validate(payload["retime"]))
     with borrow_world(payload) as world:
-        series = motion_series(world, payload["group"], trajectory, options=options)
+        series = motion_series(
+            world, payload["group"], trajectory, options=options, margin=payload["margin"]
+        )
     return {"svg": draw(payload["name"], series)}

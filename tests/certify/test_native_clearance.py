@@ -191,9 +191,9 @@ def test_both_proofs_agree_on_random_robots(seed: int, margin: float) -> None:
     if ours.check.passed != theirs.check.passed:
         # Only what one of them could not decide may the other one prove.
         assert max(ours.check.resolution, theirs.check.resolution) > 0
-    elif ours.check.passed and np.isfinite(ours.min_clearance):
-        assert ours.min_clearance - ours.check.resolution <= theirs.min_clearance + 1e-6
-        assert theirs.min_clearance - theirs.check.resolution <= ours.min_clearance + 1e-6
+    elif ours.check.passed and np.isfinite(ours.nearest.distance):
+        assert ours.nearest.distance - ours.check.resolution <= theirs.nearest.distance + 1e-6
+        assert theirs.nearest.distance - theirs.check.resolution <= ours.nearest.distance + 1e-6
 
 
 @given(seed=st.integers(0, 1000))
@@ -208,7 +208,7 @@ def test_both_proofs_agree_on_an_arm(seed: int) -> None:
     ours, theirs = natively(robot, request), in_python(robot, request)
     assert ours.check.passed == theirs.check.passed
     if ours.check.passed:
-        assert ours.min_clearance == pytest.approx(theirs.min_clearance, abs=2e-3)
+        assert ours.nearest.distance == pytest.approx(theirs.nearest.distance, abs=2e-3)
         assert ours.intervals <= theirs.intervals
 
 
@@ -226,7 +226,7 @@ def test_to_slide_along_a_wall_takes_few_segments() -> None:
     found = natively(robot, request)
     assert found.check.passed
     assert found.intervals < 10
-    assert found.min_clearance == pytest.approx(1e-5, abs=1e-9)
+    assert found.nearest.distance == pytest.approx(1e-5, abs=1e-9)
 
 
 def test_every_run_gives_the_same_bytes() -> None:

@@ -121,11 +121,11 @@ def test_the_plot_shows_the_use_of_each_by_the_name_of_its_check(pickup: World) 
         for check in made.certificate.checks
         if check.name.startswith(("tool", "speed_zone"))
     }
-    assert set(used) - {"velocity", "acceleration", "jerk", "torque"} == set(peaks)
+    assert set(used) - {"velocity", "acceleration", "torque"} == set(peaks)
     for name, peak in {**peaks, "acceleration": 1.0}.items():
         assert 0.95 * peak < used[name].max() <= peak + 1e-3, name
     plain = planning.motion_series(pickup, "arm", made.trajectory, 3).utilisation
-    assert set(plain) == {"velocity", "acceleration", "jerk", "torque"}
+    assert set(plain) == {"velocity", "acceleration", "torque"}
 
 
 @pytest.mark.parametrize("method", ["toppra", "ruckig"])

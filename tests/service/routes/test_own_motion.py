@@ -30,6 +30,32 @@ def test_what_a_plan_delivered_is_proven_again(client, scene, solved, exact):
     assert answer["duration"] == exact["duration"]
 
 
+def test_nearest_points_are_as_far_apart_as_they_are_said_to_be(client, scene, solved, exact):
+    answer = post(client, scene, "certify", trajectory=exact).json()
+    for certificate in (answer["certificate"], solved["result"]["certificate"]):
+        apart = np.linalg.norm(np.subtract(*certificate["points"]))
+        assert apart == pytest.approx(certificate["min_clearance"], abs=1e-3)
+        assert certificate["proven_until"] == exact["duration"]
+        assert certificate["first_unproven"] is None
+
+
+def test_a_motion_into_the_table_is_proven_until_it_touches(client, scene, solved):
+    begin = solved["result"]["start"]
+    end = [*begin]
+    end[1] += 1.2
+    names = solved["result"]["trajectory"]["joint_names"]
+    down = {"joint_names": names, "times": [0, 4], "positions": [begin, end]}
+    still = {"velocities": [[0] * 6] * 2, "accelerations": [[0] * 6] * 2}
+    answer = post(client, scene, "certify", trajectory=down | still)
+    certificate = answer.json()["certificate"]
+    assert not certificate["proven"]
+    first = certificate["first_unproven"]
+    assert 0 < certificate["proven_until"] < certificate["time"] < 4
+    assert first["distance"] == pytest.approx(0.0, abs=1e-4)
+    assert len(first["points"]) == 2
+    assert certificate["min_clearance"] < first["distance"]
+
+
 @pytest.mark.parametrize(
     ("left_out", "kind"),
     [

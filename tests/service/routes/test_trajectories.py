@@ -107,7 +107,8 @@ def test_the_replay_is_a_page_by_itself(client, solved):
     assert len(answer.content) > 100_000
 
 
-CHARTS = ["acceleration", "clearance", "jerk", "position", "torque", "utilisation", "velocity"]
+JOINT_CHARTS = ["acceleration", "jerk", "position", "torque", "velocity"]
+CHARTS = [*JOINT_CHARTS, "clearance", "tool_speed", "utilisation"]
 
 
 @pytest.mark.parametrize("name", CHARTS)
@@ -117,9 +118,8 @@ def test_plots_are_drawings_of_every_joint(client, solved, name):
     assert answer.headers["content-type"] == "image/svg+xml"
     drawing = ET.fromstring(answer.text)
     words = {text for element in drawing.iter() for text in [element.text] if text}
-    if name in {"clearance", "utilisation"}:
-        assert "time [s]" in words
-    else:
+    assert "time [s]" in words
+    if name in JOINT_CHARTS:
         joints = solved["result"]["trajectory"]["joint_names"]
         assert {joint.partition("::")[2] for joint in joints} <= words
     if name == "velocity":

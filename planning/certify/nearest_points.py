@@ -1,0 +1,102 @@
+"""The nearest points of two shapes at an instant of a motion: where to look, for people.
+
+Drake finds them. Where it finds shapes farther apart than the proof did (it overstates distances of
+separate boxes, docs/decisions/0006), the search that bounds distances from both sides does.
+Nothing is proven by them.
+"""
+
+from typing import Any
+from weakref import WeakKeyDictionary
+
+import numpy as np
+from jaxtyping import Float64
+from pydrake.geometry import GeometryId, HalfSpace
+from pydrake.planning import RobotDiagram
+from pydrake.systems.framework import Context
+
+from planning.certify.candidate_pairs import geometry_of
+from planning.certify.collision_shapes import CollisionShapes
+from planning.certify.proof_parts import Spot
+from planning.certify.request import CertifyRequest
+from planning.certify.separation import nearest_point
+from planning.world.drake_model import DrakeModel
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
+type Placed = tuple[int, Array, Array]
+
+# Drake's distance may be above that of the proof by this before it is doubted [m].
+_DOUBT = 1e-6
+
+# Making a context takes longer than all the rest.
+_contexts: WeakKeyDictionary[RobotDiagram, Context] = WeakKeyDictionary()
+
+
+def nearest_points(
+    model: DrakeModel,
+    request: CertifyRequest,
+    spot: Spot,
+) -> Float64[np.ndarray, "k 3"]:
+    """Return p_WA and p_WB [m] of two shapes, the deepest ones if they overlap.
+
+    Args:
+        model: The scene.
+        request: Has the group, its motion, and where all else is.
+        spot: Which shapes and when, and what the proof measured then; no points if there are none.
+    """
+    shapes = spot.shapes
+    if not shapes:
+        return np.zeros((0, 3))
+    query = _query(model, request, spot.time)
+    inspector: Any = model.scene_graph.model_inspector()
+    a, b = shapes
+    flat = [isinstance(inspector.GetShape(i), HalfSpace) for i in shapes]
+    if any(flat):
+        return _above(model, query, shapes, flat)
+    found = query.ComputeSignedDistancePairClosestPoints(a, b)
+    if found.distance > max(spot.distance, 0.0) + _DOUBT:
+        return _searched(model, query, shapes)
+    points = [
+        query.GetPoseInWorld(found.id_A).multiply(found.p_ACa),
+        query.GetPoseInWorld(found.id_B).multiply(found.p_BCb),
+    ]
+    return np.array(points if found.id_A == a else points[::-1])
+
+
+def _query(model: DrakeModel, request: CertifyRequest, time: float) -> Any:
+    """Return Drake's query object with the motion at an instant."""
+    context = _contexts.get(model.diagram)
+    if context is None:
+        context = _contexts[model.diagram] = model.diagram.CreateDefaultContext()
+    q = request.trajectory.positions(np.array([time]))[0]
+    plant_context = model.plant.GetMyMutableContextFromRoot(context)
+    model.plant.SetPositions(plant_context, model.embed(request.group, q, request.state))
+    query_context = model.scene_graph.GetMyContextFromRoot(context)
+    return model.scene_graph.get_query_output_port().Eval(query_context)
+
+
+def _placed(shapes: CollisionShapes, query: Any, geometry: GeometryId) -> Placed:
+    """Return a shape's row, R_WG and p_WG [m]."""
+    pose = query.GetPoseInWorld(geometry)
+    return shapes.rows[geometry], pose.rotation().matrix(), pose.translation()
+
+
+def _above(model: DrakeModel, query: Any, ids: tuple[GeometryId, ...], flat: list[bool]) -> Array:
+    """Return the lowest point of a shape over a half space, which Drake does not find, and below.
+
+    Two half spaces have no nearest points.
+    """
+    if all(flat):
+        return np.zeros((0, 3))
+    shapes = geometry_of(model).shapes
+    ground, other = (_placed(shapes, query, ids[i]) for i in (flat.index(True), flat.index(False)))
+    up = ground[1][:, 2]
+    lowest = shapes.point(*other, -up)
+    foot = lowest - up * (up @ (lowest - ground[2]))
+    return np.array([foot, lowest] if flat[0] else [lowest, foot])
+
+
+def _searched(model: DrakeModel, query: Any, ids: tuple[GeometryId, ...]) -> Array:
+    """Return the points by our own search."""
+    shapes = geometry_of(model).shapes
+    a, b = (_placed(shapes, query, i) for i in ids)
+    return nearest_point(lambda n: shapes.point(*a, n), lambda n: shapes.point(*b, n), a[2] - b[2])
