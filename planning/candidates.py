@@ -3,8 +3,6 @@
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 
-import numpy as np
-
 from planning.domain.curve import JointSpline, TimedTrajectory
 from planning.domain.deadline import Deadline
 from planning.domain.joints import JointGroup, JointLimits
@@ -13,25 +11,18 @@ from planning.domain.options import RetimeOptions, SearchOptions
 from planning.domain.path import JointPath
 from planning.domain.problem import PlanningProblem
 from planning.domain.report import RefineReport, RetimeReport
-from planning.domain.steering import steering_of
 from planning.errors import RetimingFailed
 from planning.refine.refiner import refine
 from planning.refine.request import RefineRequest
 from planning.refine.wish import Wish, wish_of
-from planning.retime.blend import blend_corners
 from planning.retime.explain import explain_duration
 from planning.retime.path_limit import PathLimit
 from planning.retime.retimer import retime
+from planning.shapes import Shape, clear_shapes
 from planning.stopwatch import Stopwatch
 from planning.world.margins import PairMargins
 from planning.world.rules.path_rules import PathRules
 from planning.world.world import World
-
-# How far corners may be rounded, largest first (joint-space length). The last resort, 0, follows
-# the very path that was checked and rests at every corner.
-_DEVIATIONS = (0.1, 0.03, 0.008, 0.0)
-# How closely a rounded path is looked at before it is timed (joint-space length).
-_GLANCE = 0.03
 
 
 @dataclass(frozen=True)
@@ -121,20 +112,21 @@ def candidates(  # noqa: PLR0913  (a question in full)
             lower_bound=report.lower_bound,
         )
     # With jerk limits a wide corner may well be slower than a rest: all of them are compared.
-    clear = _clear_deviations(world, path, problem, margins, rules)
+    oracle = world.collision_oracle(group, margins)
+    clear = clear_shapes(path, retime_options, oracle, rules)
     with watch.stage("retime"):
-        compared = list(clear) if problem.retime.method == "ruckig" else [next(clear)]
+        compared = list(clear) if retime_options.method == "ruckig" else [next(clear)]
     made: list[Candidate] = []
-    for deviation in compared:
-        made = _rounded(path, deviation, timing, unrefined)
+    for shape in compared:
+        made = _shaped(shape, timing, unrefined)
         first += made
     wish = refined and wish_of(world, group, margins, problem.refine.clearance)
     if wish is not None:
         first = [_wished(candidate, wish) for candidate in first]
     yield from sorted(first, key=lambda candidate: candidate.worth)
-    for deviation in clear:
+    for shape in clear:
         deadline.check("retime")
-        made = _rounded(path, deviation, timing, unrefined)
+        made = _shaped(shape, timing, unrefined)
         yield from made
     if not made:
         raise _untimed(timing.failed)
@@ -170,50 +162,10 @@ def _rules(world: World, path: JointPath, problem: PlanningProblem) -> PathRules
     return PathRules.compiled(world, group, problem.constraints, path.waypoints[0])
 
 
-def _clear_deviations(
-    world: World,
-    path: JointPath,
-    problem: PlanningProblem,
-    margins: PairMargins,
-    rules: PathRules | None,
-) -> Iterator[float]:
-    """Yield the deviations that do not collide at a glance; what does is not worth timing."""
-    *rounded, sharp = _deviations(problem.retime)
-    if steering_of(path.group):
-        # Rounded, a car's path would leave the arcs that it can drive.
-        yield sharp
-        return
-    group = world.group(problem.group)
-    oracle = world.collision_oracle(group, margins)
-    smoothness = 2 if problem.retime.method == "ruckig" else 1
-    count = int(path.length / _GLANCE) + 2
-    for deviation in rounded:
-        curve = blend_corners(path, deviation, smoothness)
-        glances = curve.positions(np.linspace(0.0, 1.0, count))
-        is_kept = rules is None or bool(rules.are_kept(glances).all())
-        if is_kept and oracle.are_free(glances).all():
-            yield deviation
-    yield sharp
-
-
-def _deviations(options: RetimeOptions) -> tuple[float, ...]:
-    """Return how far corners may be rounded, largest first; the last is 0."""
-    most = options.deviation
-    if most is None:
-        return _DEVIATIONS
-    return most, *(less for less in _DEVIATIONS if less < most)
-
-
-def _rounded(
-    path: JointPath, deviation: float, timing: _Timing, report: RefineReport
-) -> list[Candidate]:
-    smoothness = 2 if timing.options.method == "ruckig" else 1
-    with timing.watch.stage("retime"):
-        spline = blend_corners(path, deviation, smoothness)
-    name = f"path with corners rounded by {deviation:g}" if deviation else "path itself"
+def _shaped(shape: Shape, timing: _Timing, report: RefineReport) -> list[Candidate]:
     return [
-        replace(made, retime=replace(made.retime, blend_deviation=deviation))
-        for made in _timed(name, spline, timing, report)
+        replace(made, retime=replace(made.retime, blend_deviation=shape.deviation))
+        for made in _timed(shape.name, shape.spline, timing, report)
     ]
 
 

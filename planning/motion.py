@@ -7,7 +7,6 @@ import numpy as np
 
 from planning.domain.curve import TimedTrajectory
 from planning.domain.duration import DurationExplanation
-from planning.domain.joints import JointLimits
 from planning.domain.line import MAX_SHIFT, MAX_TURN, LineSection
 from planning.domain.options import RetimeOptions
 from planning.domain.path import JointPath
@@ -16,7 +15,7 @@ from planning.domain.report import RetimeReport
 from planning.errors import RetimingFailed
 from planning.parts import Part
 from planning.retime.audit import RATES
-from planning.retime.explain import explain_slowed, joined_explanation
+from planning.retime.explain import asked_for, joined_explanation
 from planning.retime.path_limit import PathLimit
 from planning.world.tool_kinematics import ToolKinematics
 from planning.world.world import Array, World
@@ -84,14 +83,11 @@ class Motion:
             explanation=_explained(reports),
         )
 
-    def lasting(
-        self, options: RetimeOptions, limits: JointLimits, path_limits: Sequence[PathLimit] = ()
-    ) -> "Motion":
+    def lasting(self, options: RetimeOptions, path_limits: Sequence[PathLimit] = ()) -> "Motion":
         """Return the motion with all parts slowed alike to the duration that is asked for.
 
         Args:
             options: Say how long it shall take.
-            limits: Of the joints, unscaled.
             path_limits: With which the parts were timed.
 
         Raises:
@@ -105,8 +101,9 @@ class Motion:
             evidence = {"method": options.method, "duration": options.duration, "least": least}
             raise RetimingFailed(message, evidence)
         factor = max(1.0, options.duration / least)
-        slowed = (_slower(part, factor, path_limits) for part in self.parts)
-        return Motion(tuple(_explained_anew(part, limits, options, path_limits) for part in slowed))
+        if factor == 1.0:
+            return self
+        return Motion(tuple(_slower(part, factor, path_limits) for part in self.parts))
 
     @property
     def _free(self) -> list[Part]:
@@ -153,18 +150,9 @@ def _slower(part: Part, factor: float, path_limits: Sequence[PathLimit]) -> Part
             if use.share(1.0) > used.get(limit.name, -1.0):
                 binding[limit.name], used[limit.name] = use.where, use.share(1.0)
     made = replace(report, duration=report.duration * factor, binding=binding, utilisation=used)
+    if report.explanation is not None:
+        made = replace(made, explanation=asked_for(made.duration))
     return replace(part, trajectory=trajectory, report=made)
-
-
-def _explained_anew(
-    part: Part, limits: JointLimits, options: RetimeOptions, path_limits: Sequence[PathLimit]
-) -> Part:
-    """Return a part that was slowed with what still binds, if it was explained."""
-    before = part.report.explanation
-    if before is None:
-        return part
-    after = explain_slowed(before, part.trajectory, limits, options, path_limits)
-    return replace(part, report=replace(part.report, explanation=after))
 
 
 def _explained(reports: Sequence[RetimeReport]) -> DurationExplanation | None:

@@ -140,8 +140,7 @@ def _timed(task: PlanTask, legs: Sequence[tuple[PartKind, Leg]], begin: Array) -
 
 def _lasting(task: PlanTask, parts: tuple[Part, ...]) -> Motion:
     """Return the motion that parts make, as long as was asked for."""
-    limits = task.world.limits(task.group)
-    return Motion(parts).lasting(task.problem.retime, limits, task.path_limits)
+    return Motion(parts).lasting(task.problem.retime, task.path_limits)
 
 
 def _require_hope(certificate: Certificate, refused: list[str]) -> None:

@@ -7,20 +7,23 @@ from planning.domain.value import Value
 
 @dataclass(frozen=True, eq=False)
 class BindingInterval(Value):
-    """What keeps a motion from being quicker for a while.
+    """What keeps a motion from being quicker for a while: the limit that is used the most.
 
     Attributes:
         begin: [s].
         end: [s].
         limit: velocity, acceleration, jerk or the name of a path limit (torque, tool_speed,
-            tool_acceleration, speed_zone, acceleration_bounds); "" where none is used to the full.
+            tool_acceleration, speed_zone, acceleration_bounds); "duration" where the motion takes
+            longer than it must because that was asked for; "" only while nothing moves.
         where: The joint, block, frame or zone whose limit it is, or "".
+        share: How much of it is used at most, in [0, 1]; 1 where it is met.
     """
 
     begin: float
     end: float
     limit: str
     where: str
+    share: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,7 +48,8 @@ class DurationExplanation(Value):
     Attributes:
         intervals: What binds when; together they cover the motion.
         relaxed: The factor by which limits were relaxed, one at a time.
-        savings: What that saved, the most first.
+        savings: What that saved, the most first; measured for limits that are met somewhere, and
+            no others.
     """
 
     intervals: tuple[BindingInterval, ...]

@@ -19,6 +19,7 @@ from planning.domain.curve import JointSpline
 from planning.domain.manifold import Manifold
 from planning.domain.path import JointPath
 from planning.domain.steering import steering_of
+from planning.retime.straight_runs import STRAIGHT, without_straight_runs
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
@@ -38,18 +39,22 @@ _ALIKE, _ALIKE_SHARE = 1e-6, 1e-3
 def blend_corners(path: JointPath, deviation: float, smoothness: int = 1) -> JointSpline:
     """Return the path with its corners rounded; waypoints that nearly repeat become one.
 
+    Waypoints in the middle of straight lines change nothing.
+
     Args:
         path: Waypoints joined by geodesics; where a base is steered, nothing is rounded.
         deviation: How far the curve may be from each corner (joint-space length); 0 for none.
         smoothness: 1 for a continuous r', 2 for a continuous r'' as well.
     """
-    if deviation <= 0 or steering_of(path.group):
+    if steering_of(path.group):
         return path.spline
     manifold = Manifold(path.group.joints)
     alike = max(_SHORTEST, min(_ALIKE, _ALIKE_SHARE * deviation))
-    waypoints = _distinct(path.waypoints, manifold, alike)
-    if len(waypoints) < 3:
-        return path.spline
+    waypoints = without_straight_runs(path.waypoints, manifold, STRAIGHT)
+    if deviation > 0:
+        waypoints = _distinct(waypoints, manifold, alike)
+    if deviation <= 0 or len(waypoints) < 3:
+        return JointSpline.through(path.group.joints, waypoints)
     steps = manifold.minus(waypoints[1:], waypoints[:-1])
     lengths = np.sqrt((steps**2).sum(axis=1))
     # Directions in which lines leave their first waypoint, and arrive at their second.

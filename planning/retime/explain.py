@@ -1,4 +1,8 @@
-"""Why a motion takes as long as it does: what binds when, and what more of it would save."""
+"""Why a motion takes as long as it does: what binds when, and what more of it would save.
+
+Between two instants at which a limit is met, jerk limits often let a motion come near several and
+meet none: what is used the most is named all the same, with the share of it that is used.
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -10,6 +14,7 @@ from planning.domain.curve import Curve, JointSpline, TimedTrajectory
 from planning.domain.duration import BindingInterval, DurationExplanation, Saving
 from planning.domain.joints import JointLimits
 from planning.domain.options import RetimeOptions
+from planning.domain.report import RetimeReport
 from planning.errors import RetimingFailed
 from planning.retime.audit import RATES
 from planning.retime.bounds import block_norms
@@ -23,8 +28,14 @@ _SAMPLES = 400
 _BINDS = 0.97
 # How much of a limit is added to see what it would save.
 _RELAXED = 1.2
+# A limit that is met only for an instant, between samples, is used this much.
+_MET = 0.999
 # Savings that are not worth naming [s].
 _LEAST_SAVING = 1e-4
+# Savings are measured for so many limits at most, those that bind the longest.
+_MOST_SAVINGS = 8
+# Durations that are longer by this share were asked for.
+_LONGER = 1e-8
 
 
 type _Named = tuple[str, str]
@@ -46,10 +57,9 @@ class _Task:
     options: RetimeOptions
     path_limits: tuple[PathLimit, ...]
 
-    @property
-    def duration(self) -> float:
-        """The least that the limits allow [s]."""
-        return retime(self.spline, self.limits, self.options, self.path_limits)[0].duration
+    def timed(self) -> RetimeReport:
+        """Return how the path is timed, as quickly as the limits allow."""
+        return retime(self.spline, self.limits, self.options, self.path_limits)[1]
 
     def relaxed(self, named: _Named) -> "_Task":
         """Return the same with one limit relaxed."""
@@ -75,7 +85,8 @@ def explain_duration(
     """Return which limit binds in which interval, and what relaxing each by a fifth would save.
 
     A saving is measured: the same path is timed again with that limit raised and all others as
-    they are.
+    they are. Where a duration was asked for that is longer than the least, that is all there is to
+    say: no limit holds the motion back.
 
     Args:
         spline: The path.
@@ -84,36 +95,24 @@ def explain_duration(
         options: With which it was made.
         path_limits: With which it was made.
     """
-    intervals = _intervals(trajectory, limits, options, path_limits)
     task = _Task(spline, limits, replace(options, duration=None), tuple(path_limits))
-    least = task.duration
-    bound = dict.fromkeys((entry.limit, entry.where) for entry in intervals if entry.limit)
-    savings = [Saving(*named, _saving(task.relaxed(named), least)) for named in bound]
+    least = task.timed()
+    if options.duration is not None and trajectory.duration > least.duration * (1 + _LONGER):
+        return asked_for(trajectory.duration)
+    intervals = _intervals(trajectory, limits, options, path_limits)
+    savings = [
+        Saving(*named, _saving(task.relaxed(named), least.duration))
+        for named in _binding(intervals, least)[:_MOST_SAVINGS]
+    ]
     worthwhile = [saving for saving in savings if saving.seconds > _LEAST_SAVING]
     worthwhile.sort(key=lambda saving: -saving.seconds)
     return DurationExplanation(intervals, _RELAXED, tuple(worthwhile))
 
 
-def explain_slowed(
-    explanation: DurationExplanation,
-    trajectory: TimedTrajectory,
-    limits: JointLimits,
-    options: RetimeOptions,
-    path_limits: Sequence[PathLimit] = (),
-) -> DurationExplanation:
-    """Return the explanation of a motion that was slowed as a whole since.
-
-    Args:
-        explanation: Of the motion as it was.
-        trajectory: The motion as it is.
-        limits: Unscaled.
-        options: With which it was made.
-        path_limits: With which it was made.
-    """
-    intervals = _intervals(trajectory, limits, options, path_limits)
-    bound = {(entry.limit, entry.where) for entry in intervals}
-    savings = tuple(entry for entry in explanation.savings if (entry.limit, entry.where) in bound)
-    return replace(explanation, intervals=intervals, savings=savings)
+def asked_for(duration: float) -> DurationExplanation:
+    """Return the explanation of a motion that takes longer than it must, as was asked for [s]."""
+    whole = BindingInterval(0.0, duration, "duration", "", 1.0)
+    return DurationExplanation((whole,), _RELAXED, ())
 
 
 def joined_explanation(
@@ -150,11 +149,31 @@ def _intervals(
         for where, shares in limit.shares(trajectory, times).items():
             used[limit.name, where] = shares
     named, table = list(used), np.stack(list(used.values()), axis=1)
-    binding = np.where(table.max(axis=1) >= _BINDS, table.argmax(axis=1), -1)
+    largest = table.max(axis=1).clip(0.0, 1.0)
+    # Odd where it is met; two below what any of them has where nothing moves.
+    which = np.where(largest > 0, 2 * table.argmax(axis=1) + (largest >= _BINDS), -2)
     return tuple(
-        BindingInterval(begin, end, *(named[which] if which >= 0 else ("", "")))
-        for which, begin, end in _runs(binding, times)
+        BindingInterval(
+            float(bounds[0]),
+            float(bounds[1]),
+            *(named[kind // 2] if kind >= 0 else ("", "")),
+            float(largest[samples].max()),
+        )
+        for kind, samples, bounds in _runs(which, times)
     )
+
+
+def _binding(intervals: Sequence[BindingInterval], report: RetimeReport) -> list[_Named]:
+    """Return the limits that are met somewhere, those that are met the longest first."""
+    seconds: dict[_Named, float] = {}
+    for entry in intervals:
+        if entry.share >= _BINDS:
+            named = entry.limit, entry.where
+            seconds[named] = seconds.get(named, 0.0) + entry.end - entry.begin
+    for kind, where in report.binding.items():
+        if report.utilisation[kind] >= _MET:
+            seconds.setdefault((kind, where), 0.0)
+    return sorted(seconds, key=lambda named: -seconds[named])
 
 
 def _used(
@@ -173,20 +192,20 @@ def _block_names(curve: Curve) -> list[str]:
     return [name for joint in curve.joints for name, _ in joint.blocks]
 
 
-def _runs(binding: Any, times: Array) -> list[tuple[int, float, float]]:
-    """Return runs of the same limit: which, and from when to when; they cover the motion."""
-    cuts = np.flatnonzero(np.diff(binding)) + 1
-    first = np.concatenate([[0], cuts])
-    edges = [times[0], *((times[cuts - 1] + times[cuts]) / 2), times[-1]]
+def _runs(which: Any, times: Array) -> list[tuple[int, slice, Array]]:
+    """Return runs of the same number: it, its samples, and from when to when it lasts."""
+    cuts = np.flatnonzero(np.diff(which)) + 1
+    first, last = np.concatenate([[0], cuts]), np.append(cuts, len(times))
+    edges = np.array([times[0], *((times[cuts - 1] + times[cuts]) / 2), times[-1]])
     return [
-        (int(binding[i]), float(begin), float(end))
-        for i, begin, end in zip(first, edges[:-1], edges[1:], strict=True)
+        (int(which[a]), slice(int(a), int(b)), edges[i : i + 2])
+        for i, (a, b) in enumerate(zip(first, last, strict=True))
     ]
 
 
 def _saving(relaxed: _Task, duration: float) -> float:
     """Return by how much shorter the motion is with one limit relaxed [s]."""
     try:
-        return max(0.0, duration - relaxed.duration)
+        return max(0.0, duration - relaxed.timed().duration)
     except RetimingFailed:
         return 0.0

@@ -4,7 +4,8 @@ Berscheid and Kroeger, "Jerk-limited real-time trajectory generation with arbitr
 RSS 2021. The path is one degree of freedom; ruckig takes it from speed to speed, state to state:
 its waypoint mode would call a service in the network and is never used. On a straight line that is
 exact and time-optimal. Where the path bends, `speed_plan` says at which places the acceleration is
-zero, how fast to be there, and which bounds on sdot, sddot and sdddot keep the limits in between.
+zero, how fast to be there, and which bounds on sdot, sddot and sdddot keep the limits in between;
+from what that gives, `polish` goes on.
 """
 
 from collections.abc import Sequence
@@ -20,6 +21,7 @@ from planning.retime.bounds import block_peaks
 from planning.retime.cells import cut_at, even_edges, num_short, with_cuts
 from planning.retime.compose import compose
 from planning.retime.path_limit import PathLimit, PeakLimit
+from planning.retime.polish import polished
 from planning.retime.profile import SpeedProfile
 from planning.retime.speed_plan import Cells, Hop, plan_speeds
 
@@ -43,25 +45,27 @@ def ruckig_profile(
 ) -> SpeedProfile:
     """Return a rest-to-rest profile along a stretch, the quickest if it is straight.
 
-    Under path limits it is the quicker of two: one that knows those of them that are `PeakLimit`s,
-    and one that knows none; slowed as a whole, both keep all.
+    Under path limits it is the quickest of several: one that knows those of them that are
+    `PeakLimit`s, and others that know none; slowed as a whole, they keep all.
 
     Raises:
         RetimingFailed: No profile is found.
     """
     cut, is_straight = _in_cells(stretch)
     plain = _planned(stretch, _cells(cut, limits), is_straight)
-    slowing = _slowing(stretch, plain, path_limits)
+    found = [plain] if is_straight.all() else [polished(stretch, plain, limits), plain]
+    if not path_limits:
+        return found[0]
+    slowed = [profile.duration * _slowing(stretch, profile, path_limits) for profile in found]
     known = [limit for limit in path_limits if isinstance(limit, PeakLimit)]
-    if slowing <= 1 or not known:
-        return plain
-    edges = with_cuts(cut.breaks, [limit.cuts(stretch) for limit in path_limits])
-    short = cut_at(stretch, edges)
-    short = cut_at(stretch, even_edges(edges, num_short(short, _LONGEST)))
-    cells = _cells(short, limits, known)
-    careful = _planned(stretch, cells, np.zeros(short.num_pieces, dtype=bool))
-    both = careful.duration * _slowing(stretch, careful, path_limits), plain.duration * slowing
-    return careful if both[0] < both[1] else plain
+    if known and slowed[-1] > plain.duration:
+        edges = with_cuts(cut.breaks, [limit.cuts(stretch) for limit in path_limits])
+        short = cut_at(stretch, edges)
+        short = cut_at(stretch, even_edges(edges, num_short(short, _LONGEST)))
+        cells = _cells(short, limits, known)
+        found.append(_planned(stretch, cells, np.zeros(short.num_pieces, dtype=bool)))
+        slowed.append(found[-1].duration * _slowing(stretch, found[-1], path_limits))
+    return found[int(np.argmin(slowed))]
 
 
 def _planned(stretch: JointSpline, cells: Cells, is_straight: Any) -> SpeedProfile:

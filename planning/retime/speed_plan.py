@@ -28,6 +28,10 @@ _FINE = np.geomspace(0.84, 1.19, 9)
 _SHARES = (0.5, 0.15)
 # Hops over more cells are not tried.
 _LONGEST_HOP = 24
+# On paths of more cells hops begin and end at some of their boundaries only.
+_MOST_NODES = 320
+# So many hops are timed at once, which fits a cache.
+_AT_ONCE = 1024
 _ROOM = 1 - 1e-9
 # Speeds are whole powers of one plus this, so that two of them are the same or clearly not: hops
 # between almost the same speeds would have phases too short for polynomials in double precision.
@@ -79,11 +83,12 @@ def plan_speeds(cells: Cells) -> list[Hop]:
     """Return the quickest chain of hops from rest to rest; empty if there is none."""
     tops = cells.top_speeds()
     caps = np.minimum(np.append(tops, np.inf), np.insert(tops, 0, np.inf))
-    nodes = np.arange(len(caps))
+    nodes = np.arange(0, len(tops), -(-len(tops) // _MOST_NODES))
+    nodes = np.append(nodes, len(tops))
     hops: list[Hop] = []
     for slower in _SLOWER:
         if not hops:
-            speeds = np.asarray(slower * caps[:, None] * _COARSE, dtype=np.float64)
+            speeds = np.asarray(slower * caps[nodes, None] * _COARSE, dtype=np.float64)
             hops = _quickest(cells, nodes, speeds)
     for _ in range(2):
         if not hops:
@@ -101,7 +106,12 @@ def _quickest(cells: Cells, nodes: Any, speeds: Array) -> list[Hop]:
     begins, ends = _pairs(len(nodes))
     peaks = _peaks_between(cells, nodes, begins, ends)
     lengths = cells.edges[nodes[ends]] - cells.edges[nodes[begins]]
-    times, shares = _hop_times(peaks, lengths, speeds[begins], speeds[ends])
+    chunks = [slice(i, i + _AT_ONCE) for i in range(0, len(begins), _AT_ONCE)]
+    timed = [
+        _hop_times(peaks[:, :, rows], lengths[rows], speeds[begins[rows]], speeds[ends[rows]])
+        for rows in chunks
+    ]
+    times, shares = (np.concatenate([part[i] for part in timed]) for i in range(2))
     count = speeds.shape[1]
     best = np.full((len(nodes), count), np.inf)
     best[0, 0] = 0.0
@@ -140,10 +150,11 @@ def _peaks_between(cells: Cells, nodes: Any, begins: Any, ends: Any) -> Array:
     """Return the largest of each m between two nodes, shape (6, blocks, pairs)."""
     stacked = np.concatenate([cells.m1, cells.m2, cells.m3]).transpose(1, 0, 2)
     between = np.maximum.reduceat(stacked, nodes[:-1], axis=0)
-    table = np.zeros((len(nodes), len(nodes), *stacked.shape[1:]))
-    for begin in range(len(nodes) - 1):
-        table[begin, begin + 1 :] = np.maximum.accumulate(between[begin:], axis=0)
-    return np.ascontiguousarray(table[begins, ends].transpose(1, 2, 0))
+    table = np.zeros((min(_LONGEST_HOP, len(between)), len(between), *stacked.shape[1:]))
+    table[0] = between
+    for more in range(1, len(table)):
+        table[more, :-more] = np.maximum(table[more - 1, :-more], between[more:])
+    return np.ascontiguousarray(table[ends - begins - 1, begins].transpose(1, 2, 0))
 
 
 def _bounds(peaks: Array, speeds: Array, share: float) -> tuple[Array, Array]:

@@ -43,9 +43,13 @@ class BindingIntervalWire(Answer):
     end: float = Field(description="[s]")
     limit: str = Field(
         description="velocity, acceleration, jerk, torque, tool_speed, tool_acceleration, "
-        "speed_zone or acceleration_bounds; empty where none is used up"
+        "speed_zone or acceleration_bounds: the one that is used the most; duration where the "
+        "motion takes longer than it must because that was asked for; empty while nothing moves"
     )
     where: str = Field(description="The joint, block, frame or zone whose limit it is, or empty")
+    share: float = Field(
+        description="How much of it is used at most, 0 to 1; 1 where it is met [1]"
+    )
 
 
 class SavingWire(Answer):
@@ -63,7 +67,9 @@ class DurationExplanationWire(Answer):
         description="What binds when; together they cover the motion"
     )
     relaxed: float = Field(description="The factor by which limits were relaxed, one at a time")
-    savings: list[SavingWire] = Field(description="What that saved, the most first")
+    savings: list[SavingWire] = Field(
+        description="What that saved, the most first; measured for limits that are met"
+    )
 
 
 class RetimeReportWire(Answer):

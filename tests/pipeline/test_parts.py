@@ -171,18 +171,22 @@ def test_all_parts_are_explained(pickup: World, slower: float | None) -> None:
             for entry in explained.intervals
             if part.begin <= (entry.begin + entry.end) / 2 <= part.end
         }
-        assert (limits == {""}) is (slower is not None)
+        assert (limits == {"duration"}) is (slower is not None)
+        assert "" not in limits
     named = [(saving.limit, saving.where) for saving in explained.savings]
     assert len(named) == len(set(named))
     assert bool(named) is (slower is None)
 
 
-def test_lines_are_explained(pickup: World) -> None:
+@pytest.mark.parametrize("method", ["ruckig", "toppra"])
+def test_lines_are_explained(pickup: World, method: str) -> None:
     pose = pickup.frame_pose("arm::tcp", pickup.state)
     down = Pose(pose.position + np.array([0, 0.05, -0.05]), pose.quaternion)
     goal = LineGoal((PoseTarget(down, "world"),), "", 1e-3, 0.01)
-    problem = planning.PlanningProblem("arm", goal, retime=RetimeOptions(explain=True))
+    options = RetimeOptions("ruckig" if method == "ruckig" else "toppra", explain=True)
+    problem = planning.PlanningProblem("arm", goal, retime=options)
     found = planning.plan(problem, pickup, deadline=Deadline.after(60, time.monotonic))
     explained = found.stages.retime.explanation
     assert explained is not None
+    assert all(entry.limit and entry.share > 0 for entry in explained.intervals)
     assert explained.intervals[-1].end == pytest.approx(found.trajectory.duration)

@@ -62,10 +62,12 @@ def test_a_plan_with_a_payload_keeps_torques_and_says_so(method: str) -> None:
     assert not torque_of(too_quick).passed
 
 
-def test_an_explanation_names_the_joint_whose_torque_binds() -> None:
-    plan = solve(RetimeOptions(effort=True, payload=SEVEN, explain=True))
+@pytest.mark.parametrize("method", ["toppra", "ruckig"])
+def test_an_explanation_names_the_joint_whose_torque_binds(method: str) -> None:
+    plan = solve(RetimeOptions(method=method, effort=True, payload=SEVEN, explain=True))
     explained = plan.stages.retime.explanation
     assert explained is not None
+    assert all(entry.limit and entry.share > 0 for entry in explained.intervals)
     bound = {entry.where for entry in explained.intervals if entry.limit == "torque"}
     assert plan.stages.retime.binding["torque"] in bound
     assert any(saving.limit == "torque" for saving in explained.savings)

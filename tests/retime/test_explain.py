@@ -15,6 +15,7 @@ from planning.retime.retimer import RETIMERS, retime
 from tests.conftest import group_of, limits_of, random_waypoints
 
 SEVEN = group_of(*[JointType.REVOLUTE] * 7)
+RUCKIG = RetimeOptions(method="ruckig")
 SMOOTHNESS = {"toppra": 1, "ruckig": 2}
 
 
@@ -55,13 +56,53 @@ def test_intervals_cover_the_motion_and_savings_are_what_timing_again_gives(
     ends = [entry.end for entry in found.intervals]
     assert begins == [0.0, *ends[:-1]]
     assert ends[-1] == pytest.approx(report.duration)
-    assert any(entry.limit for entry in found.intervals)
+    assert all(entry.limit and 0 < entry.share <= 1 for entry in found.intervals)
+    assert max(entry.share for entry in found.intervals) > 0.97
     gains = [entry.seconds for entry in found.savings]
     assert gains == sorted(gains, reverse=True)
     assert all(0 < gain < report.duration for gain in gains)
-    assert {(s.limit, s.where) for s in found.savings} <= {
-        (entry.limit, entry.where) for entry in found.intervals
-    }
+    met = {*report.binding.items()}
+    met |= {(entry.limit, entry.where) for entry in found.intervals if entry.share >= 0.97}
+    assert {(saving.limit, saving.where) for saving in found.savings} <= met
+    assert len(found.savings) <= 8
+
+
+@settings(max_examples=3)
+@given(seed=st.integers(0, 10_000))
+def test_shares_are_those_of_the_limit_that_is_named(seed: int) -> None:
+    limits = limits_of(SEVEN)
+    spline = blend_corners(JointPath(SEVEN, random_waypoints(SEVEN, seed, 4)), 0.05, 2)
+    trajectory, _ = retime(spline, limits, RUCKIG)
+    for entry in explain_duration(spline, trajectory, limits, RUCKIG).intervals:
+        block = int(entry.where.removeprefix("g::j"))
+        order = RETIMERS["ruckig"].rates.index(entry.limit) + 1
+        times = np.linspace(entry.begin, entry.end, 30)[1:-1]
+        rates = np.abs(trajectory.tangents(times, order)[:, block])
+        used = float(rates.max() / getattr(limits, entry.limit)[block])
+        assert entry.share == pytest.approx(used, abs=0.25)
+
+
+@pytest.mark.parametrize("method", sorted(RETIMERS))
+def test_a_duration_that_was_asked_for_is_what_binds(method: str) -> None:
+    limits = limits_of(SEVEN)
+    spline = blend_corners(
+        JointPath(SEVEN, random_waypoints(SEVEN, 5, 3)), 0.05, SMOOTHNESS[method]
+    )
+    least = retime(spline, limits, RetimeOptions(method=method))[0].duration
+    for factor, limited in ((1.0, True), (1.5, False)):
+        options = RetimeOptions(method=method, duration=factor * least)
+        trajectory, _ = retime(spline, limits, options)
+        found = explain_duration(spline, trajectory, limits, options)
+        assert ({entry.limit for entry in found.intervals} == {"duration"}) is not limited
+        assert bool(found.savings) is limited
+
+
+def test_while_nothing_moves_nothing_binds() -> None:
+    limits = limits_of(SEVEN)
+    spline = JointPath(SEVEN, np.zeros((2, 7))).spline
+    trajectory, _ = retime(spline, limits, RUCKIG)
+    found = explain_duration(spline, trajectory, limits, RUCKIG)
+    assert [(entry.limit, entry.share) for entry in found.intervals] == [("", 0.0)]
 
 
 @pytest.mark.parametrize("method", sorted(RETIMERS))

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from planning.domain.joints import JointGroup, JointType
@@ -18,6 +18,7 @@ RUCKIG = RetimeOptions(method="ruckig")
 
 
 @pytest.mark.parametrize("group", [SEVEN, SPACE])
+@settings(max_examples=8)
 @given(seed=st.integers(0, 10_000), deviation=st.sampled_from([0.0, 0.02, 0.2]))
 def test_acceleration_is_continuous_and_its_slope_within_the_jerk(
     group: JointGroup, seed: int, deviation: float
@@ -34,6 +35,7 @@ def test_acceleration_is_continuous_and_its_slope_within_the_jerk(
     assert np.abs(vdot[[0, -1]]).max() < 1e-6
 
 
+@settings(max_examples=8)
 @given(seed=st.integers(0, 10_000))
 def test_generous_jerk_costs_little_more_than_none(seed: int) -> None:
     limits = limits_of(SEVEN, jerk=1e5)
@@ -82,6 +84,7 @@ def test_sizes_far_from_one_do_no_harm(scale: float) -> None:
 
 
 @pytest.mark.parametrize("group", [SEVEN, SPACE])
+@settings(max_examples=8)
 @given(seed=st.integers(0, 10_000))
 def test_the_plan_keeps_the_limits_before_the_audit(group: JointGroup, seed: int) -> None:
     path = JointPath(group, random_waypoints(group, seed, 4))
@@ -89,15 +92,16 @@ def test_the_plan_keeps_the_limits_before_the_audit(group: JointGroup, seed: int
     assert report.slowed <= 1 + 1e-6
 
 
-def test_a_line_between_corners_is_one_state_to_state_motion() -> None:
+def test_a_line_is_one_state_to_state_motion() -> None:
     # Seven phases of constant jerk at most; a line in several hops would have more.
     for seed in range(5):
         path = JointPath(SEVEN, random_waypoints(SEVEN, seed, 4, spread=1.5))
-        trajectory, _ = retime(blend_corners(path, 0.02, 2), limits_of(SEVEN), RUCKIG)
+        trajectory, _ = retime(blend_corners(path, 0.0, 2), limits_of(SEVEN), RUCKIG)
         on_first_line = (trajectory.bases == path.waypoints[0]).all(axis=1)
-        assert 3 <= on_first_line.sum() <= 8
+        assert 3 <= on_first_line.sum() <= 7
 
 
+@settings(max_examples=8)
 @given(seed=st.integers(0, 10_000), jerk=st.sampled_from([20.0, 100.0, 1000.0]))
 def test_the_plan_keeps_the_limits_along_curves_too(seed: int, jerk: float) -> None:
     spline, _ = smooth_spline(seed)
