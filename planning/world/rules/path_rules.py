@@ -6,35 +6,22 @@ from typing import Any
 import numpy as np
 from jaxtyping import Bool, Float64
 
-from planning.domain import rotation
 from planning.domain.constraint import (
-    DistanceBand,
-    KeepIn,
-    KeepOut,
     LockedJoints,
-    OrientationCone,
     PathConstraint,
-    PathPredicate,
-    PlacedBox,
-    PositionBand,
-    TightLimits,
-    constraint_label,
 )
 from planning.domain.joints import JointGroup, JointLimits, JointType
 from planning.domain.manifold import Manifold
-from planning.domain.pose import Pose
 from planning.errors import ProblemInvalid
 from planning.world.rules.admission import require_constraints
 from planning.world.rules.band_rule import BandRule
-from planning.world.rules.body_pairs import banded_pairs
 from planning.world.rules.box_rule import BoxRule
 from planning.world.rules.cone_rule import ConeRule
 from planning.world.rules.joint_rules import LimitRule, LockRule
-from planning.world.rules.predicate_rule import PredicateRule
 from planning.world.rules.residual import RuleResidual
 from planning.world.rules.rule import PathRule
+from planning.world.rules.rule_compiler import RuleCompiler
 from planning.world.rules.ruled_oracle import RuledOracle
-from planning.world.tool_kinematics import ToolKinematics
 from planning.world.world import CollisionJudge, World
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
@@ -74,7 +61,7 @@ class PathRules:
             ProblemInvalid: A number makes no sense.
         """
         require_constraints(world, group, constraints)
-        compiler = _Compiler(world, group, start)
+        compiler = RuleCompiler(world, group, start)
         rules = tuple(compiler.rule(i, c) for i, c in enumerate(constraints))
         locks = [c.joints for c in constraints if isinstance(c, LockedJoints)]
         return cls(group, rules, frozenset(name for names in locks for name in names))
@@ -195,70 +182,3 @@ def _positions_of(group: JointGroup, names: frozenset[str]) -> Any:
         ],
         dtype=bool,
     )
-
-
-@dataclass(frozen=True)
-class _Compiler:
-    """What rules are made of."""
-
-    world: World
-    group: JointGroup
-    start: Array
-
-    def rule(self, index: int, constraint: PathConstraint) -> PathRule:
-        label = constraint_label(index, constraint)
-        match constraint:
-            case DistanceBand():
-                pairs = banded_pairs(
-                    self.world, self.group, constraint, f"path_constraints.{index}"
-                )
-                return BandRule(
-                    label, self.world, self.group, pairs, constraint.min, constraint.max
-                )
-            case KeepOut() | KeepIn() | PositionBand():
-                motion = ToolKinematics(self.world, self.group, constraint.frame)
-                is_inside = not isinstance(constraint, KeepOut)
-                half = constraint.box.size / 2
-                return BoxRule(label, motion, self._box_pose(constraint.box), half, is_inside)
-            case OrientationCone():
-                return self._cone(label, constraint)
-            case LockedJoints() | TightLimits():
-                return self._joints(label, constraint)
-            case PathPredicate():
-                name = f"{label} {constraint.name}".removesuffix(" predicate")
-                return PredicateRule(name, constraint.predicate, constraint.resolution)
-
-    def _reference(self, name: str) -> Pose:
-        return self.world.frame_pose(name, self.world.embed(self.group, self.start))
-
-    def _box_pose(self, box: PlacedBox) -> Pose:
-        return self._reference(box.reference) @ box.pose
-
-    def _cone(self, label: str, cone: OrientationCone) -> ConeRule:
-        turn = rotation.matrix(self._reference(cone.reference).quaternion)
-        direction = turn @ cone.direction
-        return ConeRule(
-            label,
-            ToolKinematics(self.world, self.group, cone.frame),
-            cone.axis / np.linalg.norm(cone.axis),
-            direction / np.linalg.norm(direction),
-            cone.tolerance,
-        )
-
-    def _joints(self, label: str, constraint: LockedJoints | TightLimits) -> PathRule:
-        joints = self.group.joints
-        if isinstance(constraint, LockedJoints):
-            flags = [j.name in constraint.joints for j in joints for _ in range(j.num_velocities)]
-            locked = np.array(flags, dtype=bool)
-            return LockRule(label, Manifold(joints), self.start, locked, self.group.velocity_names)
-        lower = np.full(self.group.num_positions, -np.inf)
-        upper, circle = -lower, np.zeros(len(lower), dtype=bool)
-        names = self.group.position_names
-        for name, (low, high) in constraint.limits.items():
-            lower[names.index(name)], upper[names.index(name)] = low, high
-        iq = 0
-        for joint in joints:
-            if any(joint.wraps):
-                circle[iq : iq + joint.num_positions] = joint.wraps
-            iq += joint.num_positions
-        return LimitRule(label, lower, upper, circle, names)
