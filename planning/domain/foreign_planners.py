@@ -1,4 +1,4 @@
-"""Planners that people know by name from elsewhere and that OMPL's wheel does not bind.
+"""Geometric planners that people know by name from elsewhere and OMPL's wheel does not bind.
 
 CoppeliaSim offers these. Each has the nearest planner that is here, and how the two are kin.
 """
@@ -42,8 +42,8 @@ def unknown_planner(name: str, known: Iterable[str]) -> UnknownName:
         )
     nearest, kinship = _KIN[foreign]
     message = (
-        f"planner {name!r} is OMPL's, but OMPL's Python wheel does not bind it; the closest that "
-        f"is here is {nearest!r}, which {kinship}; planners: {names}"
+        f"planner {name!r} is OMPL's, but OMPL's Python wheel does not bind it as a geometric "
+        f"planner; the closest that is here is {nearest!r}, which {kinship}; planners: {names}"
     )
     evidence = {
         "kind": "planner",

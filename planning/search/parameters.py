@@ -119,6 +119,9 @@ def set_parameters(planner: Any, parameters: Mapping[str, Scalar]) -> None:
         setter = setters[name]
         now = value_of(planner, setter)
         value = _converted(given, now)
+        if value is not None and value == now:
+            # A default may lie outside of the range, where it means that the planner chooses.
+            continue
         if value is None or not _admits(name, value):
             raise ProblemInvalid(
                 f"parameter {name!r} of {type(planner).__name__} is {given!r}; "

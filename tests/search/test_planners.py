@@ -123,7 +123,6 @@ def test_an_unknown_parameter_is_named_with_those_there_are():
         ("FMT", "num_samples", 10.5),
         ("FMT", "num_samples", 10**9),
         ("FMT", "radius_multiplier", 0.0),
-        ("PRM", "max_nearest_neighbors", 0),
         ("AORRTC", "range", -1.0),
         ("BITstar", "samples_per_batch", -3),
     ],
@@ -169,3 +168,9 @@ def test_what_was_accepted_once_does_not_vouch_for_its_like():
         with pytest.raises(ProblemInvalid):
             check_planner("RRT", {"goal_bias": True})
         check_planner("RRT", {"goal_bias": 1})
+
+
+@pytest.mark.parametrize("card", ompl_cards(), ids=lambda card: card.name)
+def test_a_listed_default_is_accepted(card):
+    for parameter in card.parameters:
+        check_planner(card.name, {parameter.name: parameter.default})
