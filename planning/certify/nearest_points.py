@@ -6,19 +6,17 @@ Nothing is proven by them.
 """
 
 from typing import Any
-from weakref import WeakKeyDictionary
 
 import numpy as np
 from jaxtyping import Float64
 from pydrake.geometry import GeometryId, HalfSpace
-from pydrake.planning import RobotDiagram
-from pydrake.systems.framework import Context
 
 from planning.certify.candidate_pairs import geometry_of
 from planning.certify.collision_shapes import CollisionShapes
 from planning.certify.proof_parts import Spot
 from planning.certify.request import CertifyRequest
 from planning.certify.separation import nearest_point
+from planning.world.contexts import shared_context
 from planning.world.drake_model import DrakeModel
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
@@ -26,9 +24,6 @@ type Placed = tuple[int, Array, Array]
 
 # Drake's distance may be above that of the proof by this before it is doubted [m].
 _DOUBT = 1e-6
-
-# Making a context takes longer than all the rest.
-_contexts: WeakKeyDictionary[RobotDiagram, Context] = WeakKeyDictionary()
 
 
 def nearest_points(
@@ -64,9 +59,7 @@ def nearest_points(
 
 def _query(model: DrakeModel, request: CertifyRequest, time: float) -> Any:
     """Return Drake's query object with the motion at an instant."""
-    context = _contexts.get(model.diagram)
-    if context is None:
-        context = _contexts[model.diagram] = model.diagram.CreateDefaultContext()
+    context = shared_context(model)
     q = request.trajectory.positions(np.array([time]))[0]
     plant_context = model.plant.GetMyMutableContextFromRoot(context)
     model.plant.SetPositions(plant_context, model.embed(request.group, q, request.state))

@@ -3,6 +3,7 @@
 from planning.domain.scene import Scene
 from planning.errors import SceneInvalid, UnknownName
 from planning.world.builder import build_diagram
+from planning.world.contexts import shared_context
 from planning.world.kernel_tree import kernel_chain
 from planning.world.model_library import ModelLibrary
 from planning.world.world import World
@@ -26,8 +27,9 @@ def load_world(scene: Scene, library: ModelLibrary | None = None, *, kernel: boo
     chosen = library or ModelLibrary.bundled()
     drake, robots = build_diagram(scene, chosen, kernel=kernel)
     world = World(scene, chosen, drake, robots)
+    # Now, rather than in the first plan.
+    shared_context(drake)
     for group in world.groups:
-        # Now, rather than in the first plan.
         world.limits(group)
         world.collision_oracle(group, world.margins())
         if group.tool_frames:
