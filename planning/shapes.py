@@ -50,14 +50,18 @@ def clear_shapes(
     The path itself is the last one, whatever it looks like.
     """
     count = int(path.length / _GLANCE) + 2
+    shape, is_told = None, True
     for shape in _shapes(path, options):
-        if shape.deviation == 0:
-            yield shape
-            continue
         glances = shape.spline.positions(np.linspace(0.0, 1.0, count))
-        is_kept = rules is None or bool(rules.are_kept(glances).all())
-        if is_kept and judge.are_free(glances).all():
+        is_told = shape.deviation == 0 or (
+            (rules is None or bool(rules.are_kept(glances).all()))
+            and bool(judge.are_free(glances).all())
+        )
+        if is_told:
             yield shape
+    # Without corners to round the last is the path itself under another name.
+    if shape is not None and not is_told:
+        yield Shape("path itself", 0.0, shape.spline)
 
 
 def _shapes(path: JointPath, options: RetimeOptions) -> Iterator[Shape]:
