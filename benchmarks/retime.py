@@ -4,7 +4,8 @@ Paths are random walks of 3 to 8 waypoints of a Panda and a UR5e, in turns, from
 obstacles. Each contender times each path in its usual way under the same limits: toppra and Drake
 along a cubic spline through the waypoints (Drake along our rounded path as well), ruckig from
 waypoint to waypoint, state to state, at rest at each. Motions are judged by samples 1 ms apart:
-ten times finer than they are usually delivered. `docs/benchmarks.md` says more.
+ten times finer than they are usually delivered. Then curves and lines are sampled by 5 to 200
+waypoints and timed by ours. `docs/benchmarks.md` says more.
 """
 
 import argparse
@@ -12,6 +13,7 @@ import json
 import sys
 import time
 from collections.abc import Sequence
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -26,10 +28,13 @@ from rich.table import Table  # noqa: E402
 from benchmarks.retiming.contenders import CONTENDERS, JERK, YARDSTICKS  # noqa: E402
 from benchmarks.retiming.judge import Verdict, judged  # noqa: E402
 from benchmarks.retiming.paths import Question, random_paths  # noqa: E402
+from benchmarks.retiming.sampled import Sampled, sampled  # noqa: E402
 from planning.errors import RetimingFailed  # noqa: E402
 
 # Limits count as kept up to here: a sample of a motion at its limit may be rounded.
 WITHIN = 1 + 1e-4
+# So many of the robots' starts have a curve and a line.
+SAMPLED = 6
 _COLUMNS = {
     "valid": "valid",
     "within": "within limits",
@@ -101,12 +106,16 @@ def main(arguments: Sequence[str] | None = None) -> None:
     questions = random_paths(max(1, options.paths), options.seed)
     measured(questions[:2])  # warms up, not counted
     told = summary(measured(questions))
+    rows = sampled(questions[:SAMPLED], options.seed)
     if options.json:
-        print(json.dumps({"paths": len(questions), "seed": options.seed, "contenders": told}))
+        answer = {"paths": len(questions), "seed": options.seed, "contenders": told}
+        print(json.dumps({**answer, "sampled": [asdict(row) for row in rows]}))
         return
     console = Console(width=170, highlight=False)
     console.print(f"{len(questions)} random paths of {', '.join({q.robot: 0 for q in questions})}")
     console.print(_table(told))
+    console.print("the same curves and lines by more and more waypoints, medians")
+    console.print(_sampled_table(rows))
 
 
 def _table(told: dict[str, dict[str, Any]]) -> Table:
@@ -127,6 +136,16 @@ def _table(told: dict[str, dict[str, Any]]) -> Table:
             _cell(row["ratio"]),
             f"{ms['median']:.2f} / {ms['p95']:.2f}",
         )
+    return table
+
+
+def _sampled_table(rows: list[Sampled]) -> Table:
+    table = Table(box=SIMPLE, pad_edge=False)
+    for title in ("", "waypoints", "method", "duration s", "corners rounded s", "ms"):
+        table.add_column(title, justify="right" if title else "left")
+    for row in rows:
+        numbers = _cell(row.duration_s), _cell(row.rounded_s), f"{row.ms:.1f}"
+        table.add_row(row.kind, str(row.count), row.method, *numbers)
     return table
 
 

@@ -51,7 +51,8 @@ class RetimeReport(Value):
         binding: Name of the coordinate, frame or zone that is nearest its bound, per limit kind.
         utilisation: Peak over limit, per limit kind.
         stops: Instants of rest between start and goal.
-        blend_deviation: How far corners were rounded (joint-space length); 0 for none.
+        blend_deviation: How far corners were rounded, or the curve that was smoothed may be from
+            the path (joint-space length); 0 for neither.
         explanation: Why it takes that long, if that was asked for.
     """
 

@@ -33,7 +33,7 @@ _MET = 0.999
 # Savings that are not worth naming [s].
 _LEAST_SAVING = 1e-4
 # Savings are measured for so many limits at most, those that bind the longest.
-_MOST_SAVINGS = 8
+_MOST_SAVINGS = 6
 # Durations that are longer by this share were asked for.
 _LONGER = 1e-8
 

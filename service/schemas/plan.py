@@ -83,7 +83,7 @@ class RetimeWire(SamplingWire, ScaledLimits):
         default=False,
         description="Say which limit binds when, and what relaxing it would save "
         "(`stages.retime.explanation`); takes some 20 ms for each part, with ruckig as long as "
-        "timing it once more for each limit that binds, eight at most",
+        "timing it once more for each limit that binds, six at most",
     )
 
 

@@ -81,7 +81,10 @@ class RetimeReportWire(Answer):
     binding: dict[str, str] = Field(description="What is nearest its bound, per limit")
     utilisation: dict[str, float] = Field(description="Peak over limit, per limit [1]")
     stops: int = Field(description="Instants of rest between start and goal")
-    blend_deviation: float = Field(description="How far corners were rounded [rad or m]")
+    blend_deviation: float = Field(
+        description="How far corners were rounded, or the smoothed curve may be from the path "
+        "[rad or m]"
+    )
     explanation: DurationExplanationWire | None = Field(
         default=None, description="Why it takes that long, if that was asked for"
     )

@@ -9,6 +9,7 @@ from benchmarks.retiming.contenders import CONTENDERS, YARDSTICKS, ours
 from benchmarks.retiming.judge import Verdict, deviation, judged
 from benchmarks.retiming.motion import Motion
 from benchmarks.retiming.paths import Question, random_paths
+from benchmarks.retiming.sampled import COUNTS, sampled
 
 
 @pytest.fixture(scope="module")
@@ -82,3 +83,12 @@ def test_every_contender_has_its_row_and_ours_keep_their_limits(questions: list[
             assert row["deviation"]["worst"] <= 0.1
             assert row["ratio"] >= 1.0 - 1e-9
     assert told["ours, toppra, corners kept"]["deviation"]["worst"] < 1e-6
+
+
+def test_how_finely_a_path_is_sampled_matters_little(questions: list[Question]) -> None:
+    rows = sampled(questions[:1], 1)
+    assert len(rows) == 4 * len(COUNTS)
+    for kind in ("curve", "line"):
+        for method in ("toppra", "ruckig"):
+            some = [row.duration_s for row in rows if (row.kind, row.method) == (kind, method)]
+            assert max(some) < (1.1 if kind == "curve" else 1 + 1e-6) * min(some)

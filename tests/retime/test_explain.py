@@ -41,7 +41,7 @@ def test_a_single_joint_speeds_up_cruises_and_brakes() -> None:
 
 
 @pytest.mark.parametrize("method", sorted(RETIMERS))
-@settings(max_examples=8)
+@settings(max_examples=4)
 @given(seed=st.integers(0, 10_000))
 def test_intervals_cover_the_motion_and_savings_are_what_timing_again_gives(
     method: str, seed: int
@@ -64,10 +64,10 @@ def test_intervals_cover_the_motion_and_savings_are_what_timing_again_gives(
     met = {*report.binding.items()}
     met |= {(entry.limit, entry.where) for entry in found.intervals if entry.share >= 0.97}
     assert {(saving.limit, saving.where) for saving in found.savings} <= met
-    assert len(found.savings) <= 8
+    assert len(found.savings) <= 6
 
 
-@settings(max_examples=3)
+@settings(max_examples=2)
 @given(seed=st.integers(0, 10_000))
 def test_shares_are_those_of_the_limit_that_is_named(seed: int) -> None:
     limits = limits_of(SEVEN)
@@ -76,10 +76,12 @@ def test_shares_are_those_of_the_limit_that_is_named(seed: int) -> None:
     for entry in explain_duration(spline, trajectory, limits, RUCKIG).intervals:
         block = int(entry.where.removeprefix("g::j"))
         order = RETIMERS["ruckig"].rates.index(entry.limit) + 1
-        times = np.linspace(entry.begin, entry.end, 30)[1:-1]
+        # Jerk jumps: only an instant that was looked at has the share that was seen.
+        times = np.linspace(0.0, trajectory.duration, 401)
+        times = times[(times >= entry.begin) & (times <= entry.end)]
         rates = np.abs(trajectory.tangents(times, order)[:, block])
         used = float(rates.max() / getattr(limits, entry.limit)[block])
-        assert entry.share == pytest.approx(used, abs=0.25)
+        assert entry.share == pytest.approx(min(1.0, used), abs=1e-6)
 
 
 @pytest.mark.parametrize("method", sorted(RETIMERS))
@@ -106,6 +108,7 @@ def test_while_nothing_moves_nothing_binds() -> None:
 
 
 @pytest.mark.parametrize("method", sorted(RETIMERS))
+@settings(max_examples=5)
 @given(seed=st.integers(0, 10_000), factor=st.floats(1.0, 20.0))
 def test_a_duration_that_is_asked_for_is_met_exactly(method: str, seed: int, factor: float) -> None:
     limits = limits_of(SEVEN)
