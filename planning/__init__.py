@@ -27,12 +27,14 @@ if TYPE_CHECKING:
         GoalPredicate,
         JointGoal,
         LineGoal,
+        PoseBall,
         PoseGoal,
         PoseTarget,
         RegionGoal,
         RelativeGoal,
     )
     from planning.domain.interpolation import trajectory_through
+    from planning.domain.line import Displacement
     from planning.domain.line_trace import LineTrace
     from planning.domain.motion_limits import SpeedZone, ToolLimit
     from planning.domain.options import (
@@ -70,7 +72,7 @@ if TYPE_CHECKING:
     from planning.growing import grow_regions
     from planning.ik import assess_configurations, solve_ik
     from planning.kernel.native import kernel_name
-    from planning.line import Displacement, Fineness, trace_line
+    from planning.line import Fineness, trace_line
     from planning.own_path import RetimedPath, retime_path
     from planning.own_trajectory import certify_trajectory
     from planning.pipeline import plan
@@ -105,7 +107,7 @@ _DOORS = {
     "ConfigurationQuality": "planning.domain.quality",
     "Deadline": "planning.domain.deadline",
     "DetachObject": "planning.domain.scene_operation",
-    "Displacement": "planning.line",
+    "Displacement": "planning.domain.line",
     "DistanceBand": "planning.domain.constraint",
     "Fineness": "planning.line",
     "ForbidPair": "planning.domain.scene_operation",
@@ -129,6 +131,7 @@ _DOORS = {
     "PlannerCard": "planning.domain.planner_card",
     "PlanningProblem": "planning.domain.problem",
     "Pose": "planning.domain.pose",
+    "PoseBall": "planning.domain.goal",
     "PoseGoal": "planning.domain.goal",
     "PoseMetric": "planning.domain.options",
     "PoseTarget": "planning.domain.goal",
@@ -225,6 +228,7 @@ __all__ = [
     "PlannerCard",
     "PlanningProblem",
     "Pose",
+    "PoseBall",
     "PoseGoal",
     "PoseMetric",
     "PoseTarget",

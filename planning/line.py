@@ -1,39 +1,19 @@
 """trace_line(): how far a tool can be moved in a straight line, and what stops it."""
 
-from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
-from jaxtyping import Float64
-
-from planning.domain import rotation
 from planning.domain.deadline import Deadline
 from planning.domain.goal import PoseTarget
-from planning.domain.line import ToolLine
+from planning.domain.line import Displacement, ToolLine
 from planning.domain.line_trace import LineTrace
-from planning.domain.pose import Pose
-from planning.domain.value import Value
 from planning.errors import ProblemInvalid
 from planning.goals.line_stop import traced
 from planning.goals.line_tracer import Fineness, LineTracer
-from planning.goals.tool_target import placed
+from planning.goals.tool_target import line_end
 from planning.world.positions import require_positions
-from planning.world.world import Array, World
+from planning.world.world import World
 
-__all__ = ["Displacement", "Fineness", "trace_line"]
-
-
-@dataclass(frozen=True, eq=False)
-class Displacement(Value):
-    """A way without a turn.
-
-    Attributes:
-        vector: The way [m], shape (3,).
-        frame: In whose axes: "world" or any frame of the scene, as it stands at the start.
-    """
-
-    vector: Float64[np.ndarray, "3"]
-    frame: str = "world"
+__all__ = ["Fineness", "trace_line"]
 
 
 def trace_line(  # noqa: PLR0913  (a question in full)
@@ -82,22 +62,7 @@ def trace_line(  # noqa: PLR0913  (a question in full)
     tool = frame or joints.tool_frames[0]
     tracer = LineTracer(world, joints, tool, margins, fine)
     full = world.embed(joints, q)
-    line = tool_line(world, full, tool, to)
+    begin = world.frame_pose(tool, full)
+    line = ToolLine(tool, begin, line_end(world, full, begin, to))
     course = tracer.trace([line], q[None], deadline)[0]
     return traced(world, joints, margins, tracer.kinematics, course)
-
-
-def tool_line(world: World, full: Array, tool: str, to: PoseTarget | Displacement) -> ToolLine:
-    """Return the line of a tool from where a full configuration puts it.
-
-    Raises:
-        UnknownName: A frame does not exist.
-    """
-    begin = world.frame_pose(tool, full)
-    match to:
-        case PoseTarget():
-            return ToolLine(tool, begin, placed(world, full, to))
-        case Displacement():
-            axes = placed(world, full, PoseTarget(Pose.identity(), to.frame))
-            way = rotation.rotate(axes.quaternion, np.asarray(to.vector))
-            return ToolLine(tool, begin, Pose(begin.position + way, begin.quaternion))

@@ -14,7 +14,7 @@ from planning.candidates import Candidate
 from planning.domain.cubic import cubic_through
 from planning.domain.curve import TimedTrajectory
 from planning.domain.funnel import Funnel
-from planning.domain.goal import Goal, LineGoal, PoseGoal
+from planning.domain.goal import Goal, LineGoal, PoseGoal, RegionGoal
 from planning.domain.goal_configurations import GoalConfigurations
 from planning.domain.joints import JointGroup
 from planning.domain.line import GoalLegs, Leg
@@ -54,7 +54,7 @@ class Part:
 
 def tool_of(group: JointGroup, goal: Goal) -> str:
     """Return the tool frame that a goal speaks of, or the group's default, or "" for none."""
-    named = goal.frame if isinstance(goal, PoseGoal | LineGoal) else ""
+    named = goal.frame if isinstance(goal, PoseGoal | RegionGoal | LineGoal) else ""
     return named or next(iter(group.tool_frames), "")
 
 

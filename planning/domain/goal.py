@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float64
 
-from planning.domain.line import MAX_SHIFT, MAX_TURN
+from planning.domain.line import MAX_SHIFT, MAX_TURN, Displacement
 from planning.domain.pose import Pose
 from planning.domain.value import Value
 
@@ -48,6 +48,26 @@ class PoseTarget(Value):
 
 
 @dataclass(frozen=True, eq=False)
+class PoseBall(Value):
+    """All poses within a weighted distance of one, in place of a box and a rotation.
+
+    The distance is sqrt((w_x x)^2 + (w_y y)^2 + (w_z z)^2 + (w_r theta)^2), with x, y, z the way
+    from the target's origin to the tool's [m] and theta the angle between them [rad].
+
+    Attributes:
+        tolerance: The largest distance, positive.
+        weights: w_x, w_y, w_z [1/m] and w_r [1/rad], none negative, shape (4,); what has no weight
+            is free.
+        frame: By whose axes x, y and z are: "" for the target's own, "world", or any frame of the
+            scene.
+    """
+
+    tolerance: float
+    weights: Float64[np.ndarray, "4"]
+    frame: str = ""
+
+
+@dataclass(frozen=True, eq=False)
 class PoseGoal(Value):
     """Bring a tool frame to any of some poses.
 
@@ -61,6 +81,8 @@ class PoseGoal(Value):
             the tool is displaced by this, in the target's axes [m], shape (3,); None for none.
         retreat: After the goal the tool goes on in a straight line by this, in the target's axes
             [m], shape (3,); None for none.
+        ball: Accepts other poses than the two tolerances say, which count for nothing then; the
+            solutions are spread over them. None for what the tolerances say.
     """
 
     targets: tuple[PoseTarget, ...]
@@ -69,6 +91,7 @@ class PoseGoal(Value):
     rotation_tolerance: Float64[np.ndarray, "3"]
     approach: Float64[np.ndarray, "3"] | None = None
     retreat: Float64[np.ndarray, "3"] | None = None
+    ball: PoseBall | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,13 +99,14 @@ class LineGoal(Value):
     """Bring a tool frame to a pose in a straight line, or through several, at rest at each.
 
     Attributes:
-        targets: At least one; a frame that moves counts where the start puts it.
+        targets: At least one: a pose, or a way from where the line before it ends; a frame that
+            moves counts where the start puts it.
         frame: Full name of the tool frame; "" for the group's default.
         max_shift: How far the tool may be from the lines [m].
         max_turn: How far its rotation may be off [rad].
     """
 
-    targets: tuple[PoseTarget, ...]
+    targets: tuple[PoseTarget | Displacement, ...]
     frame: str = ""
     max_shift: float = MAX_SHIFT
     max_turn: float = MAX_TURN
@@ -107,12 +131,16 @@ class RegionGoal(Value):
         position_tolerance: Half-widths of the box, in G's axes [m], shape (3,); infinite leaves an
             axis free, and solutions are then looked for as far as the group reaches.
         rotation_tolerance: By G's axes [rad], shape (3,); pi or more leaves an axis free.
+        approach: As of PoseGoal, in G's axes, wherever in the region the motion ends.
+        retreat: The same.
     """
 
     targets: tuple[PoseTarget, ...]
     frame: str
     position_tolerance: Float64[np.ndarray, "3"]
     rotation_tolerance: Float64[np.ndarray, "3"]
+    approach: Float64[np.ndarray, "3"] | None = None
+    retreat: Float64[np.ndarray, "3"] | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -152,5 +180,7 @@ class GoalPredicate:
     draw: Callable[[np.random.Generator], np.ndarray[Any, np.dtype[np.float64]]] | None = None
 
 
+# Goals that may have an approach and a retreat.
+type LinedGoal = PoseGoal | RegionGoal
 type ReachGoal = PoseGoal | RegionGoal | RelativeGoal
 type Goal = JointGoal | ConfigurationGoal | ReachGoal | LineGoal | GoalPredicate

@@ -66,7 +66,8 @@ class NearestPose(Value):
         rotation_error: From the same [rad].
         pose_index: To which of the goal's poses it is the nearest.
         goal: X_WG of that pose, were it moved along, so that it is met there as it stands.
-        bounds: What keeps it from being nearer.
+        bounds: What keeps it from being nearer; None if the time ran out before that was clear, and
+            then there may well be a nearer one.
     """
 
     pose: Pose
@@ -75,7 +76,7 @@ class NearestPose(Value):
     rotation_error: float
     pose_index: int
     goal: Pose
-    bounds: Bounds
+    bounds: Bounds | None
 
     @property
     def evidence(self) -> dict[str, Any]:
@@ -91,7 +92,9 @@ class NearestPose(Value):
                 "position": self.goal.position.tolist(),
                 "quaternion": self.goal.quaternion.tolist(),
             },
-            **self.bounds.evidence,
+            **(self.bounds or Bounds()).evidence,
+            **({} if self.bounds else {"binding": None}),
+            "cut_short": self.bounds is None,
         }
 
 

@@ -15,6 +15,19 @@ MAX_SHIFT, MAX_TURN = 1e-3, float(np.radians(0.5))
 
 
 @dataclass(frozen=True, eq=False)
+class Displacement(Value):
+    """A way without a turn.
+
+    Attributes:
+        vector: The way [m], shape (3,).
+        frame: In whose axes: "world" or any frame of the scene, as it stands at the start.
+    """
+
+    vector: Float64[np.ndarray, "3"]
+    frame: str = "world"
+
+
+@dataclass(frozen=True, eq=False)
 class ToolLine(Value):
     """The straight motion of a tool frame T from one pose to another.
 

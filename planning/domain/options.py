@@ -30,17 +30,20 @@ class IkOptions(Value):
     """How hard to look for goal configurations, and which of them are near.
 
     Attributes:
-        max_configurations: Stop at this many distinct free ones.
+        max_configurations: So many at most, the nearest of those that are found: of goals of a tool
+            frame as many are looked for, but 100 at least.
         max_trials: Stop after this many seeds of the solver, over all targets.
         joint_weights: Factor on each joint's part of the distance from the start, by full name;
             1 for joints that are not named.
         pose_metric: Which pose is the nearest to one that no configuration reaches.
+        time_limit: For finding them, or saying why there is none [s]; None for as long as there is.
     """
 
     max_configurations: int = 100
     max_trials: int = 300
     joint_weights: Mapping[str, float] = field(default_factory=dict)
     pose_metric: PoseMetric = field(default_factory=PoseMetric)
+    time_limit: float | None = None
 
 
 @dataclass(frozen=True, eq=False)

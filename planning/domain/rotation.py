@@ -34,6 +34,12 @@ def conjugate(a: Float64[np.ndarray, "*n 4"]) -> Float64[np.ndarray, "*n 4"]:
     return a * np.array([1.0, -1.0, -1.0, -1.0])
 
 
+def normalized(a: Float64[np.ndarray, "n 4"]) -> Float64[np.ndarray, "n 4"]:
+    """Return quaternions as unit quaternions with w >= 0."""
+    lengths = np.sqrt(np.vecdot(a, a))
+    return np.where(a[:, :1] >= 0, a, -a) / lengths[:, None]
+
+
 def exp(phi: Float64[np.ndarray, "*n 3"]) -> Float64[np.ndarray, "*n 4"]:
     """Return the unit quaternions of rotation vectors [rad]."""
     theta = np.linalg.norm(phi, axis=-1, keepdims=True)

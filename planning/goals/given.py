@@ -123,21 +123,24 @@ def what_would_do(
     )
     rules = query.rules
     tight = world if rules is None else world.limited(group, rules.fixing(world.limits(group)))
-    found = NearestJointSearch(tight, query, rows, rng, deadline.share(_SHARE)).run()
+    hasty = deadline.share(_SHARE)
+    found = NearestJointSearch(tight, query, rows, rng, hasty).run()
+    is_cut_short = hasty.is_over
     nearest = found and described(world, query, tight.limits(group), rows[found.index], found)
     evidence = {
-        "nearest": nearest and nearest.evidence,
+        "nearest": nearest and {**nearest.evidence, "cut_short": is_cut_short},
         "relaxation": relaxation_of(world, query, rows),
     }
-    return evidence, "" if nearest is None else _words(nearest)
+    return evidence, "" if nearest is None else _words(nearest, is_cut_short=is_cut_short)
 
 
-def _words(nearest: NearestConfiguration) -> str:
+def _words(nearest: NearestConfiguration, *, is_cut_short: bool) -> str:
     binding = [*("-".join(pair) for pair in nearest.pairs), *nearest.constraints]
     binding += [f"the limit of {name}" for name in nearest.joints]
     most = int(np.argmax(np.abs(nearest.differences)))
+    which = "configuration that was found in time" if is_cut_short else "configuration"
     return (
-        f"; the nearest feasible configuration is {nearest.distance:.4g} away "
+        f"; the nearest feasible {which} is {nearest.distance:.4g} away "
         f"({nearest.names[most]} by {nearest.differences[most]:.4g}), where "
         f"{', '.join(binding)} {'bind' if len(binding) > 1 else 'binds'}"
     )

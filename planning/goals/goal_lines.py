@@ -8,7 +8,7 @@ from jaxtyping import Bool, Float64, Int64
 
 from planning.domain import rotation
 from planning.domain.deadline import Deadline
-from planning.domain.goal import PoseGoal
+from planning.domain.goal import LinedGoal, PoseGoal, RegionGoal
 from planning.domain.goal_configurations import Bounds
 from planning.domain.pose import Pose
 from planning.errors import DeadlineExceeded
@@ -43,7 +43,7 @@ class GoalLines:
         self,
         world: World,
         query: GoalQuery,
-        goal: PoseGoal,
+        goal: LinedGoal,
         targets: Sequence[Target],
         deadline: Deadline,
     ) -> None:
@@ -158,6 +158,8 @@ def goal_lines(
 ) -> GoalLines | None:
     """Return the judge of lines near a goal, None if it asks for none."""
     goal = query.goal
-    if not isinstance(goal, PoseGoal) or (goal.approach is None and goal.retreat is None):
+    if not isinstance(goal, PoseGoal | RegionGoal):
+        return None
+    if goal.approach is None and goal.retreat is None:
         return None
     return GoalLines(world, query, goal, targets, deadline)

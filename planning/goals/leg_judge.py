@@ -13,7 +13,7 @@ from jaxtyping import Bool, Float64, Int64
 from planning.domain import rotation
 from planning.domain.deadline import Deadline
 from planning.domain.funnel import Funnel, LegTally
-from planning.domain.goal import PoseGoal
+from planning.domain.goal import LinedGoal, PoseGoal, RegionGoal
 from planning.domain.goal_configurations import GoalConfigurations
 from planning.domain.joints import JointLimits
 from planning.domain.line import GoalLegs, Leg, ToolLine
@@ -24,9 +24,9 @@ from planning.goals.joint_metric import JointMetric
 from planning.goals.line_course import Course
 from planning.goals.line_stop import traced
 from planning.goals.line_tracer import Fineness, LineTracer
+from planning.goals.nearest_program import Target
 from planning.goals.ranking import nearest_first
 from planning.goals.start import DUST
-from planning.goals.tool_target import ToolTarget
 from planning.world.world import World
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
@@ -49,8 +49,8 @@ class LegJudge:
         self,
         world: World,
         query: GoalQuery,
-        goal: PoseGoal,
-        targets: Sequence[ToolTarget],
+        goal: LinedGoal,
+        targets: Sequence[Target],
         deadline: Deadline,
         fineness: Fineness | None = None,
     ) -> None:
@@ -165,11 +165,13 @@ class LegJudge:
 
 
 def leg_judge(
-    world: World, query: GoalQuery, targets: Sequence[ToolTarget], deadline: Deadline
+    world: World, query: GoalQuery, targets: Sequence[Target], deadline: Deadline
 ) -> LegJudge | None:
     """Return the judge of a goal, or None if it asks for no lines."""
     goal = query.goal
-    if not isinstance(goal, PoseGoal) or (goal.approach is None and goal.retreat is None):
+    if not isinstance(goal, PoseGoal | RegionGoal):
+        return None
+    if goal.approach is None and goal.retreat is None:
         return None
     return LegJudge(world, query, goal, targets, deadline)
 

@@ -7,7 +7,7 @@ from planning.errors import LineBlocked
 from planning.goals.goal_query import GoalQuery
 from planning.goals.line_stop import describe_stop, stop_evidence, traced
 from planning.goals.line_tracer import Fineness, LineTracer
-from planning.goals.tool_target import placed
+from planning.goals.tool_target import line_end
 from planning.world.world import World
 
 
@@ -29,7 +29,7 @@ def follow_lines(
     at = world.frame_pose(tool, full)
     legs: list[Leg] = []
     for i, target in enumerate(goal.targets):
-        line = ToolLine(tool, at, placed(world, full, target))
+        line = ToolLine(tool, at, line_end(world, full, at, target))
         course = tracer.trace([line], q[None], deadline)[0]
         trace = traced(world, query.group, query.margins, tracer.kinematics, course)
         if trace.stop is not None:

@@ -8,7 +8,7 @@ import numpy as np
 from jaxtyping import Float64
 
 from planning.domain.deadline import Deadline
-from planning.domain.goal_configurations import NearestPose
+from planning.domain.goal_configurations import Bounds, NearestPose
 from planning.domain.pose import Pose
 from planning.goals.goal_query import GoalQuery
 from planning.goals.nearby import Nearby
@@ -89,7 +89,7 @@ class NearestSearch:
         rows = np.concatenate([hints, self._tries.random(_NUM_RANDOM)])
         begun = self._begin(rows, len(hints))
         for i, q in begun:
-            if self._deadline.is_over and self._best is not None:
+            if self._deadline.is_over:
                 break
             self._consider(self._pulled(self._targets[i], q)[None], [i])
         if self._is_close_work:
@@ -102,6 +102,11 @@ class NearestSearch:
         if self._best is None:
             return None
         return self._report(self._best, is_reached=len(hints) > 0)
+
+    @property
+    def is_late(self) -> bool:
+        """Whether there is no time for more."""
+        return self._deadline.is_over
 
     @property
     def _is_close_work(self) -> bool:
@@ -200,7 +205,7 @@ class NearestSearch:
 
     def _pulled(self, target: Target, q: Array, *, is_apart: bool = True) -> Array:
         pull = to_pose(self._world, self._query, target)
-        return pulled(self._world, self._query, pull, q, is_apart=is_apart)
+        return pulled(self._world, self._query, pull, q, is_apart=is_apart, deadline=self._whole)
 
     def _poses_of(self, rows: Array) -> Array:
         """Return X_WT at each row, shape (n, 4, 4)."""
@@ -213,14 +218,11 @@ class NearestSearch:
         return np.hypot(metric.translation * shift, metric.rotation * turn)
 
     def _report(self, best: _Found, *, is_reached: bool) -> NearestPose:
-        """Say what binds, and how far away it is."""
+        """Say what binds, if there was time to find out, and how far away it is."""
         closest = self._targets[best.index].closest(best.pose)
-        if self._is_close_work:
-            target = self._targets[best.index]
-            bounds = barrier(self._world, self._query, target, best.q, self._whole)
-        else:
-            is_kept_off = partial(self._is_kept_off, best, is_reached=is_reached)
-            bounds = bounds_at(self._world, self._query, best.q, is_kept_off)
+        bounds = None if self.is_late else self._bounds(best, is_reached=is_reached)
+        if self._whole.is_over:
+            bounds = None
         return NearestPose(
             best.pose,
             best.q,
@@ -229,6 +231,13 @@ class NearestSearch:
             moved_along(self._targets[best.index], best.pose),
             bounds,
         )
+
+    def _bounds(self, best: _Found, *, is_reached: bool) -> Bounds:
+        if self._is_close_work:
+            target = self._targets[best.index]
+            return barrier(self._world, self._query, target, best.q, self._whole)
+        is_kept_off = partial(self._is_kept_off, best, is_reached=is_reached)
+        return bounds_at(self._world, self._query, best.q, is_kept_off)
 
     def _is_kept_off(self, best: _Found, *, is_reached: bool) -> bool:
         """Whether the best comes nearer once bodies may touch; surely if the goal is reached."""

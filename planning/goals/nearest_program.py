@@ -7,7 +7,9 @@ import numpy as np
 from jaxtyping import Float64
 from pydrake.math import RigidTransform, RotationMatrix
 
+from planning.domain.deadline import Deadline
 from planning.domain.pose import Pose
+from planning.goals.ball_target import BallTarget
 from planning.goals.goal_query import GoalQuery
 from planning.goals.group_program import GroupProgram
 from planning.goals.region_target import RegionTarget
@@ -16,7 +18,7 @@ from planning.goals.tool_target import ToolTarget
 from planning.world.world import World
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
-type Target = ToolTarget | RegionTarget
+type Target = ToolTarget | RegionTarget | BallTarget
 # Adds to a program what draws it to a goal from where it is, q of shape (nq,).
 type Pull = Callable[[GroupProgram, Array], None]
 
@@ -47,12 +49,13 @@ def pulled(
     q: Float64[np.ndarray, " nq"],
     *,
     is_apart: bool = True,
+    deadline: Deadline | None = None,
 ) -> Float64[np.ndarray, " nq"]:
     """Return where sequential quadratic programming (SNOPT) leads q on its way to a goal.
 
     A local minimum of the distance if all goes well; whoever asks checks what it is. Bodies are
     kept apart unless `is_apart` is False; limits are always kept, and rules that a program can be
-    told.
+    told. After the deadline there are no more rounds.
     """
     limits = world.limits(query.group)
     pairs: dict[tuple[Any, Any], float] = {}
@@ -73,6 +76,8 @@ def pulled(
         step = float(np.abs(moved - q).max())
         q = moved
         if step < _SETTLED and len(pairs) == known and depth <= 0:
+            break
+        if deadline is not None and deadline.is_over:
             break
     return q
 

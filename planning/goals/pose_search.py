@@ -7,6 +7,7 @@ import numpy as np
 from planning.domain.deadline import Deadline
 from planning.domain.funnel import Funnel, PairTally
 from planning.domain.manifold import Manifold
+from planning.errors import DeadlineExceeded
 from planning.goals.aims import Aims
 from planning.goals.goal_query import GoalQuery
 from planning.goals.leg_judge import LegJudge
@@ -52,6 +53,7 @@ class PoseSearch:
         self._drawn = self._seeds.take(0)
         self._tried = self._converged = self._within = self._free = self._repeats = 0
         self._approached = self._breaking = 0
+        self._wanted = query.options.max_configurations
         self.judge = judge
         self._manifold = Manifold(query.group.joints)
         self.found = Distinct(query.group, self._manifold)
@@ -66,13 +68,18 @@ class PoseSearch:
             solver: For the targets of these.
             max_trials: The end, counted from the first trial of all runs.
         """
-        while not self._is_done(max_trials):
-            count = min(solver.num_at_once, max_trials - self._tried)
+        end = aims.end_within(max_trials)
+        while self._tried < end and not self.is_done(max_trials):
+            count = min(solver.num_at_once, end - self._tried)
             seeds, targets = aims.trials(self._tried, count)
             # Some will collide, and some be the same.
-            enough = 2 * (self._query.options.max_configurations - len(self.found))
+            enough = 2 * (self._wanted - len(self.found))
             converged, q = solver.solve(self._rows(seeds), targets, enough)
-            self._admit(converged, q, aims.poses[targets[: len(q)]])
+            try:
+                self._admit(converged, q, aims.poses[targets[: len(q)]])
+            except DeadlineExceeded:
+                # What was not judged in time does not count as tried.
+                return
 
     def funnel(self, rejected_by: tuple[PairTally, ...]) -> Funnel:
         """Return how many got how far."""
@@ -88,10 +95,11 @@ class PoseSearch:
             blocked_by=self.judge.blocked_by if self.judge else (),
         )
 
-    def _is_done(self, max_trials: int) -> bool:
+    def is_done(self, max_trials: int) -> bool:
+        """Return whether there is enough, or no hope or time or trial for more."""
         return (
             self._tried >= max_trials
-            or len(self.found) >= self._query.options.max_configurations
+            or len(self.found) >= self._wanted
             or self._repeats >= _PATIENCE
             or self._deadline.is_over
         )
@@ -151,6 +159,6 @@ class PoseSearch:
                 self._repeats = 0
             else:
                 self._repeats += 1
-            if found >= self._query.options.max_configurations or self._repeats >= _PATIENCE:
+            if found >= self._wanted or self._repeats >= _PATIENCE:
                 return int(i) + 1
         return len(free)

@@ -14,6 +14,7 @@ from planning.errors import GoalUnreachable
 from planning.goals.aims import Aims
 from planning.goals.goal_query import GoalQuery
 from planning.goals.joint_metric import JointMetric
+from planning.goals.out_of_time import require_time
 from planning.goals.pose_search import PoseSearch
 from planning.goals.ranking import nearest_first
 from planning.goals.refusal import all_collide
@@ -84,7 +85,7 @@ def accepted_by(
     if len(rows):
         found = nearest_first(metric, query.start, rows, search.found.targets, len(rows))
         return GoalConfigurations(*found, funnel)
-    deadline.check("goals")
+    require_time(world, query, search, deadline)
     if query.rules is not None and funnel.collision_free > 0:
         return accepted_by(world, replace(query, rules=None), goal, rng, deadline)
     if search.colliding:

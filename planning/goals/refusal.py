@@ -7,10 +7,10 @@ from typing import Any
 import numpy as np
 
 from planning.domain.deadline import Deadline
-from planning.domain.funnel import funnel_evidence
+from planning.domain.funnel import PairTally, funnel_evidence
 from planning.domain.manifold import Manifold
 from planning.errors import ApproachBlocked, GoalInCollision, GoalUnreachable
-from planning.goals.aims import Aiming
+from planning.goals.aiming import Aiming
 from planning.goals.goal_query import GoalQuery
 from planning.goals.pose_search import PoseSearch
 from planning.goals.ranking import Distinct
@@ -79,13 +79,9 @@ def all_collide(
     rows = _distinct(query, search.colliding)
     tally = tallied(world, query, search.colliding[: max(_LOOKED_AT, query.num_measured)], deadline)
     funnel = search.funnel(tally.summary)
-    hits = ", ".join(
-        f"{tally.count} hit {'-'.join(tally.bodies)} by {1000 * tally.min_depth:.1f} to "
-        f"{1000 * tally.max_depth:.1f} mm"
-        for tally in funnel.rejected_by[:3]
-    )
     relaxation = dict(evidence.get("relaxation", {}))
-    message = f"all {funnel.within_limits} configurations that reach the goal collide: {hits}"
+    message = f"all {funnel.within_limits} configurations that reach the goal collide"
+    message += _hits(funnel.rejected_by, is_cut_short=deadline.is_over)
     if query.rules is not None:
         rows = rows[query.rules.are_kept(rows)]
     if len(rows):
@@ -97,6 +93,18 @@ def all_collide(
     return GoalInCollision(
         message, {**evidence, "funnel": funnel_evidence(funnel), "relaxation": relaxation}
     )
+
+
+def _hits(tallies: tuple[PairTally, ...], *, is_cut_short: bool) -> str:
+    if not tallies:
+        return ""
+    words = ", ".join(
+        f"{tally.count} hit {'-'.join(tally.bodies)} by {1000 * tally.min_depth:.1f} to "
+        f"{1000 * tally.max_depth:.1f} mm"
+        for tally in tallies[:3]
+    )
+    measured = sum(tally.count for tally in tallies)
+    return f": of the {measured} measured in time {words}" if is_cut_short else f": {words}"
 
 
 def _blocked(

@@ -67,12 +67,16 @@ class RegionTarget(Value):
         turn = np.where(free, bounds, np.maximum(bounds, np.abs(vector)))
         return np.maximum(np.abs(error.position), self.position_tolerance), turn
 
-    def samples(self, count: int, reach: ReachBall, rng: np.random.Generator) -> list[Pose]:
-        """Return poses X_WT spread over the part of the region that is in reach, G itself first."""
-        positions = self._positions(count, reach, rng)
-        turns = self._turns(count, rng)
-        drawn = [self.pose @ Pose(p, a) for p, a in zip(positions, turns, strict=True)]
-        return [self.pose, *drawn][:count]
+    def samples(
+        self, count: int, reach: ReachBall, rng: np.random.Generator
+    ) -> tuple[Float64[np.ndarray, "count 3"], Float64[np.ndarray, "count 4"]]:
+        """Return X_WT spread over what of the region is in reach, G itself first: p and R."""
+        middle = self.pose
+        shifts, turns = self._positions(count, reach, rng), self._turns(count, rng)
+        positions = middle.position + rotation.rotate(middle.quaternion, shifts)
+        turns = rotation.normalized(rotation.multiply(middle.quaternion, turns))
+        positions = np.concatenate([middle.position[None], positions])[:count]
+        return positions, np.concatenate([middle.quaternion[None], turns])[:count]
 
     @property
     def _free(self) -> Any:
@@ -108,11 +112,11 @@ class RegionTarget(Value):
         twist = rotation.exp(vectors * e)
         if free.sum() == 1:
             return rotation.multiply(rotation.exp(_within_half_a_turn(vectors * (1 - e))), twist)
-        tilts = np.array([_tilt_and_twist(a, axis)[0] for a in anywhere])
+        tilts, _ = _tilts_and_twists(anywhere, axis)
         return rotation.multiply(rotation.exp(tilts), twist)
 
     def _positions(self, count: int, reach: ReachBall, rng: np.random.Generator) -> Array:
-        """Return positions p_GT in the box and in reach where the box is, shape (count, 3)."""
+        """Return positions positions in the box and in reach where the box is, shape (count, 3)."""
         box = self.position_tolerance
         center = (self.pose.inverse @ Pose.from_parts(reach.center)).position
         lower = np.clip(center - reach.radius, -box, box)
@@ -124,11 +128,16 @@ class RegionTarget(Value):
 
 
 def _tilt_and_twist(turn: Array, axis: int) -> tuple[Array, float]:
-    """Split R into exp(tilt) exp(twist e): a turn about e, then a tilt square to it."""
-    twist = float(2 * np.arctan2(turn[1 + axis], turn[0]))
-    twist = float(np.remainder(twist + np.pi, 2 * np.pi) - np.pi)
-    untwisted = rotation.exp(-twist * np.eye(3)[axis])
-    return rotation.log(rotation.multiply(turn, untwisted)), twist
+    tilts, twists = _tilts_and_twists(turn[None], axis)
+    return tilts[0], float(twists[0])
+
+
+def _tilts_and_twists(turns: Array, axis: int) -> tuple[Array, Array]:
+    """Split each R into exp(tilt) exp(twist e): a turn about e, then a tilt square to it."""
+    twists = 2 * np.arctan2(turns[:, 1 + axis], turns[:, 0])
+    twists = np.remainder(twists + np.pi, 2 * np.pi) - np.pi
+    untwisted = rotation.exp(-twists[:, None] * np.eye(3)[axis])
+    return rotation.log(rotation.multiply(turns, untwisted)), twists
 
 
 def _within_half_a_turn(vectors: Array) -> Array:

@@ -44,7 +44,8 @@ def alone_that_does(
     """Return tolerances of which each would do, of the position and of the rotation alone.
 
     They are at least the errors of the nearest pose in the pose metric: nothing nearer is free. A
-    turn is no way out for goals with lines, whose axes stay where they are.
+    turn is no way out for goals with lines, whose axes stay where they are. Less may do where time
+    ran out, which `cut_short` says.
 
     Args:
         world: The scene.
@@ -63,7 +64,7 @@ def alone_that_does(
     goal = target.closest(nearest.pose)
     tries = PoseTries(world, query, [target], rng, deadline)
     tries.hints = nearest.positions[None]
-    found: dict[str, Any] = {}
+    found: dict[str, Any] = {"cut_short": nearest.bounds is None}
     for freedom, weight in (
         (Freedom.POSITION, metric.translation),
         (Freedom.ROTATION, metric.rotation),
@@ -71,7 +72,9 @@ def alone_that_does(
         if freedom is Freedom.ROTATION and tries.lines is not None:
             found["rotation"] = None
             continue
-        alone = AloneSearch(tries, goal, freedom).run(cost / weight, rng, deadline.share(0.5))
+        brief = deadline.share(0.5)
+        alone = AloneSearch(tries, goal, freedom).run(cost / weight, rng, brief)
+        found["cut_short"] |= brief.is_over
         found[freedom.name.lower()] = alone and {
             "error": alone.error,
             "pose_index": nearest.pose_index,

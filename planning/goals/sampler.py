@@ -21,6 +21,7 @@ from planning.goals.given import given_configurations
 from planning.goals.goal_query import GoalQuery
 from planning.goals.joint_metric import JointMetric
 from planning.goals.leg_judge import with_legs
+from planning.goals.out_of_time import require_time
 from planning.goals.pose_search import PoseSearch
 from planning.goals.predicate_search import accepted_by
 from planning.goals.ranking import equivalents, nearest_first
@@ -33,6 +34,8 @@ type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # Of the time for goals under rules, what the search for those that keep them may take.
 _RULED_SHARE = 0.5
+# So many solutions are looked for though fewer may be wanted: those are to be the nearest.
+_LEAST = 100
 
 
 def find_goals(
@@ -49,6 +52,7 @@ def find_goals(
         DeadlineExceeded: Time ran out before a configuration was found.
         Canceled: Somebody asked for the end.
     """
+    deadline = _limited(deadline, query.options.time_limit)
     match query.goal:
         case LineGoal():
             message = "lines are not searched for; `trace_path` follows them"
@@ -59,6 +63,14 @@ def find_goals(
             return accepted_by(world, query, goal, rng, deadline)
         case JointGoal() | ConfigurationGoal() as goal:
             return given_configurations(world, query, goal, rng, deadline)
+
+
+def _limited(deadline: Deadline, seconds: float | None) -> Deadline:
+    """Return the earlier deadline; where a limit for goals alone is, the limit is what is told."""
+    within = deadline.within(seconds)
+    if seconds is None or within.at >= deadline.at:
+        return deadline
+    return replace(within, allowed=seconds)
 
 
 def _reaching(
@@ -72,16 +84,21 @@ def _reaching(
     tight, plain = world, query
     if query.rules is not None:
         tight = world.limited(query.group, query.rules.fixing(world.limits(query.group)))
-        _, search = searched(tight, query, rng, deadline.share(_RULED_SHARE))
+        _, search = searched(tight, _widely(query), rng, deadline.share(_RULED_SHARE))
         if len(search.found):
             return _ranked(tight, query, search, deadline)
-        deadline.check("goals")
+        require_time(tight, query, search, deadline)
         plain = replace(query, rules=None)
-    aiming, search = searched(world, plain, rng, deadline)
+    aiming, search = searched(world, _widely(plain), rng, deadline)
     if not len(search.found):
-        deadline.check("goals")
+        require_time(world, plain, search, deadline)
         raise refusal(tight, query, aiming, search, rng, deadline)
     return _ranked(world, plain, search, deadline)
+
+
+def _widely(query: GoalQuery) -> GoalQuery:
+    wanted = max(query.options.max_configurations, _LEAST)
+    return replace(query, options=replace(query.options, max_configurations=wanted))
 
 
 def _ranked(

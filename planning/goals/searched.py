@@ -8,13 +8,18 @@ import numpy as np
 
 from planning.domain.deadline import Deadline
 from planning.domain.joints import JointGroup
-from planning.goals.aims import Aiming, aiming_of
+from planning.goals.aiming import Aiming, aiming_of
+from planning.goals.aims import Aims, ExactPoses
 from planning.goals.goal_query import GoalQuery
 from planning.goals.leg_judge import leg_judge
 from planning.goals.pose_search import PoseSearch
-from planning.goals.pose_solvers import DrakePoseSolver, PoseSolver, kernel_pose_solver
+from planning.goals.pose_solvers import (
+    DrakePoseSolver,
+    PoseSolver,
+    exact_kernel_solver,
+    kernel_pose_solver,
+)
 from planning.goals.ranking import Distinct
-from planning.goals.tool_target import ToolTarget
 from planning.world.world import World
 
 _LOG = logging.getLogger(__name__)
@@ -30,13 +35,14 @@ def searched(
     group = query.group
     aiming = aiming_of(world, query, rng)
     state = rng.bit_generator.state
-    solve = partial(kernel_pose_solver, world, group)
-    search = _followed(world, query, aiming, solve, rng, deadline)
+    kernel = partial(_by_kernel, world, group)
+    search = _followed(world, query, aiming, kernel, rng, deadline)
     if search is not None and not _are_met(world, group, aiming, search.found):
         _LOG.error("Drake refutes the kernel's inverse kinematics of %s", group.name)
-        rng.bit_generator.state, search = state, None
+        search = None
     if search is None:
-        drake = partial(DrakePoseSolver, world, group, deadline)
+        rng.bit_generator.state = state
+        drake = partial(_by_drake, world, group, deadline)
         search = _followed(world, query, aiming, drake, rng, deadline)
     assert search is not None  # noqa: S101  (Drake always has a solver)
     return aiming, search
@@ -46,23 +52,40 @@ def _followed(
     world: World,
     query: GoalQuery,
     aiming: Aiming,
-    solver_of: Callable[[list[ToolTarget]], PoseSolver | None],
+    solver_of: Callable[[Aims], PoseSolver | None],
     rng: np.random.Generator,
     deadline: Deadline,
 ) -> PoseSearch | None:
     """Return the search once it is over, None if there is no such solver."""
-    solver = solver_of(aiming.first.targets)
-    if solver is None:
-        return None
     trials = query.options.max_trials
-    judge = leg_judge(world, query, aiming.first.targets, deadline)
+    first = int(np.ceil(aiming.share * trials))
+    judge = leg_judge(world, query, aiming.accepted, deadline)
     search = PoseSearch(world, query, rng, deadline, judge)
-    search.run(aiming.first, solver, int(np.ceil(aiming.share * trials)))
-    aims = aiming.first
-    if aiming.then is not None and not len(search.found):
-        aims, solver = aiming.then, solver_of(aiming.then.targets) or solver
-    search.run(aims, solver, trials)
+    for aims in aiming.first:
+        solver = solver_of(aims)
+        if solver is None:
+            return None
+        search.run(aims, solver, first)
+        if aiming.then is not None and not len(search.found) and search.is_done(first):
+            search.run(aiming.then, solver_of(aiming.then) or solver, trials)
+        search.run(aims, solver, trials)
+        if search.is_done(trials):
+            break
     return search
+
+
+def _by_kernel(world: World, group: JointGroup, aims: Aims) -> PoseSolver | None:
+    targets = aims.targets
+    if isinstance(targets, ExactPoses):
+        poses = targets.positions, targets.quaternions
+        return exact_kernel_solver(world, group, targets.frame, poses)
+    return kernel_pose_solver(world, group, targets)
+
+
+def _by_drake(world: World, group: JointGroup, deadline: Deadline, aims: Aims) -> PoseSolver:
+    targets = aims.targets
+    each = targets.each if isinstance(targets, ExactPoses) else targets
+    return DrakePoseSolver(world, group, deadline, each)
 
 
 def _are_met(world: World, group: JointGroup, aiming: Aiming, found: Distinct) -> bool:

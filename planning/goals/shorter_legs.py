@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from planning.domain.deadline import Deadline
-from planning.domain.goal import PoseGoal
+from planning.domain.goal import PoseGoal, RegionGoal
 from planning.domain.value import Value
 from planning.goals.goal_query import GoalQuery
 from planning.goals.leg_judge import LegJudge
@@ -50,7 +50,7 @@ def shorter_legs(
 ) -> ShorterLegs | None:
     """Return the longest lines that one of the configurations that were judged has, if any has."""
     goal = query.goal
-    assert isinstance(goal, PoseGoal)  # noqa: S101  (no other goal has a judge)
+    assert isinstance(goal, PoseGoal | RegionGoal)  # noqa: S101  (no other goal has a judge)
     ways = {"approach": goal.approach, "retreat": goal.retreat}
     asked = {name: way for name, way in ways.items() if way is not None}
     for target, q, shares in _farthest(judge, asked):

@@ -16,6 +16,10 @@ from planning.world.world import World
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 
+# So many are looked at however late it is: nothing would be said of any.
+_AT_LEAST = 4
+
+
 @dataclass
 class Tally:
     """Counts which pairs rejected configurations hit first."""
@@ -37,10 +41,13 @@ class Tally:
 
 
 def tallied(world: World, query: GoalQuery, rows: list[Array], deadline: Deadline) -> Tally:
-    """Return which pairs some configurations of the group hit, as far as there is time to look."""
+    """Return which pairs some configurations of the group hit, as far as there is time to look.
+
+    It is looked at the first few in any case.
+    """
     tally = Tally()
-    for q in rows:
-        if deadline.is_over:
+    for i, q in enumerate(rows):
+        if i >= _AT_LEAST and deadline.is_over:
             break
         tally.add(world.violations(query.group, q, query.margins), query.margins)
     return tally

@@ -8,8 +8,9 @@ import numpy as np
 from jaxtyping import Bool, Float64
 
 from planning.domain import rotation
-from planning.domain.goal import PoseGoal, PoseTarget, RegionGoal, RelativeGoal
+from planning.domain.goal import PoseBall, PoseGoal, PoseTarget, RegionGoal, RelativeGoal
 from planning.domain.joints import JointGroup
+from planning.domain.line import Displacement
 from planning.domain.pose import Pose
 from planning.domain.value import Value
 from planning.world.world import World
@@ -154,6 +155,27 @@ def placed(world: World, full: Array, target: PoseTarget) -> Pose:
     return world.frame_pose(target.frame, full) @ target.pose
 
 
+def line_end(world: World, full: Array, begin: Pose, to: PoseTarget | Displacement) -> Pose:
+    """Return where a line of a tool ends, in world.
+
+    Args:
+        world: The scene, loaded.
+        full: The configuration by which frames that move count.
+        begin: X_WT where the line begins.
+        to: Its end, or the way to it.
+
+    Raises:
+        UnknownName: A frame does not exist.
+    """
+    match to:
+        case PoseTarget():
+            return placed(world, full, to)
+        case Displacement():
+            axes = placed(world, full, PoseTarget(Pose.identity(), to.frame))
+            way = rotation.rotate(axes.quaternion, np.asarray(to.vector))
+            return Pose(begin.position + way, begin.quaternion)
+
+
 def tool_targets(
     world: World,
     group: JointGroup,
@@ -177,6 +199,17 @@ def tool_targets(
         )
         for target in goal.targets
     ]
+
+
+def axes_of(world: World, full: Array, ball: PoseBall, target: Pose) -> Array:
+    """Return R_WA, the axes by which a ball about a target X_WG is measured.
+
+    Raises:
+        UnknownName: The frame does not exist.
+    """
+    if not ball.frame:
+        return target.quaternion
+    return placed(world, full, PoseTarget(Pose.identity(), ball.frame)).quaternion
 
 
 def relative_target(

@@ -7,7 +7,7 @@ from jaxtyping import Float64
 
 from planning.domain.deadline import Deadline
 from planning.domain.goal_configurations import Bounds, NearestPose
-from planning.goals.aims import Aiming, aiming_of
+from planning.goals.aiming import Aiming, aiming_of
 from planning.goals.goal_query import GoalQuery
 from planning.goals.line_stop import describe_stop
 from planning.goals.nearest import NearestSearch
@@ -42,13 +42,15 @@ def nearest_that_does(
     Returns:
         `nearest` and `relaxation` as evidence, and the nearest as words for a message.
     """
-    found = NearestSearch(world, query, aiming.accepted, rng, deadline).run(hints)
+    search = NearestSearch(world, query, aiming.accepted, rng, deadline)
+    found = search.run(hints)
     relaxation: dict[str, Any] = {
         "tolerance": None,
         "position": None,
         "rotation": None,
         "obstacles": [],
         "positions": None,
+        "cut_short": search.is_late,
     }
     if found is not None:
         target = aiming.accepted[found.pose_index]
@@ -96,10 +98,13 @@ def _gives_way(entry: dict[str, Any]) -> str:
 def _describe(found: NearestPose | None) -> str:
     if found is None:
         return ""
-    return (
-        f"; the nearest free pose is {1000 * found.translation_error:.1f} mm and "
-        f"{np.degrees(found.rotation_error):.2f} deg away, where {_binding(found.bounds)}"
+    away = (
+        f"{1000 * found.translation_error:.1f} mm and "
+        f"{np.degrees(found.rotation_error):.2f} deg away"
     )
+    if found.bounds is None:
+        return f"; the nearest free pose that was found in time is {away}"
+    return f"; the nearest free pose is {away}, where {_binding(found.bounds)}"
 
 
 def _binding(bounds: Bounds) -> str:

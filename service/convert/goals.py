@@ -9,12 +9,14 @@ from planning.domain.goal import (
     Goal,
     JointGoal,
     LineGoal,
+    PoseBall,
     PoseGoal,
     PoseTarget,
     ReachGoal,
     RegionGoal,
     RelativeGoal,
 )
+from planning.domain.line import Displacement
 from planning.domain.options import (
     CertifyOptions,
     ClearanceWish,
@@ -32,14 +34,16 @@ from service.convert.constraints import constraint_values
 from service.convert.motion_limits import motion_limits
 from service.schemas.goal import (
     ConfigurationGoalWire,
-    DeviationWire,
     GoalWire,
     JointGoalWire,
+    LineEndWire,
     LineGoalWire,
     PathGoalWire,
+    PoseBallWire,
     PoseGoalWire,
     RegionGoalWire,
     RelativeGoalWire,
+    WayWire,
 )
 from service.schemas.ik import IkWire
 from service.schemas.plan import CertifyWire, PlanRequest, RefineWire, RetimeWire
@@ -75,14 +79,31 @@ def pose_goal_value(goal: PoseGoalWire) -> PoseGoal:
         rotation_tolerance=np.array(goal.tolerance.rotation, dtype=np.float64),
         approach=_way(goal.approach),
         retreat=_way(goal.retreat),
+        ball=None if goal.metric is None else _ball(goal.metric),
     )
 
 
-def line_goal_value(poses: list[PoseWire], frame: str | None, deviation: DeviationWire) -> LineGoal:
-    """Return the domain's goal of lines through poses."""
-    return LineGoal(
-        tuple(map(target_value, poses)), frame or "", deviation.position, deviation.rotation
+def _ball(metric: PoseBallWire) -> PoseBall:
+    weights = np.array(metric.weights, dtype=np.float64)
+    return PoseBall(metric.tolerance, weights, metric.frame or "")
+
+
+def line_end_value(end: LineEndWire) -> PoseTarget | Displacement:
+    """Return where a line shall lead."""
+    if end.pose is not None:
+        return target_value(end.pose)
+    way = end.displacement or WayWire(vector=[0.0, 0.0, 0.0])
+    return Displacement(np.array(way.vector, dtype=np.float64), way.frame)
+
+
+def line_goal_value(goal: LineGoalWire | PathGoalWire) -> LineGoal:
+    """Return the domain's goal of one line or several."""
+    ends = (
+        (line_end_value(goal),)
+        if isinstance(goal, LineGoalWire)
+        else tuple(map(target_value, goal.poses))
     )
+    return LineGoal(ends, goal.frame or "", goal.deviation.position, goal.deviation.rotation)
 
 
 def _way(vector: list[float] | None) -> np.ndarray[Any, np.dtype[np.float64]] | None:
@@ -101,6 +122,8 @@ def region_goal_value(goal: RegionGoalWire) -> RegionGoal:
         frame=goal.frame or "",
         position_tolerance=position,
         rotation_tolerance=turn,
+        approach=_way(goal.approach),
+        retreat=_way(goal.retreat),
     )
 
 
@@ -124,10 +147,8 @@ def goal_value(goal: GoalWire) -> Goal:
             return JointGoal(np.atleast_2d(np.array(goal.positions, dtype=np.float64)))
         case ConfigurationGoalWire():
             return ConfigurationGoal(goal.name)
-        case LineGoalWire():
-            return line_goal_value([goal.pose], goal.frame, goal.deviation)
-        case PathGoalWire():
-            return line_goal_value(goal.poses, goal.frame, goal.deviation)
+        case LineGoalWire() | PathGoalWire():
+            return line_goal_value(goal)
         case _:
             return reach_goal_value(goal)
 
@@ -135,7 +156,8 @@ def goal_value(goal: GoalWire) -> Goal:
 def ik_value(ik: IkWire) -> IkOptions:
     """Return the domain's IK options."""
     metric = PoseMetric(ik.pose_metric.translation, ik.pose_metric.rotation)
-    return IkOptions(ik.max_configurations, ik.max_trials, dict(ik.joint_weights), metric)
+    weights = dict(ik.joint_weights)
+    return IkOptions(ik.max_configurations, ik.max_trials, weights, metric, ik.time_limit)
 
 
 def retime_value(retime: RetimeWire) -> RetimeOptions:

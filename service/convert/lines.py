@@ -2,23 +2,12 @@
 
 from typing import Any
 
-import numpy as np
-
-from planning import Displacement, Fineness, LineTrace
-from planning.domain.goal import PoseTarget
+from planning import Fineness, LineTrace
 from planning.domain.line_trace import LineStop
-from service.convert.goals import pose_wire, target_value
+from service.convert.goals import pose_wire
 from service.convert.numbers import listed
 from service.convert.verdicts import pair_wire
-from service.schemas.line import LineRequest, WayWire
-
-
-def way_value(request: LineRequest) -> PoseTarget | Displacement:
-    """Return where a line shall lead."""
-    if request.pose is not None:
-        return target_value(request.pose)
-    way = request.displacement or WayWire(vector=[0.0, 0.0, 0.0])
-    return Displacement(np.array(way.vector, dtype=np.float64), way.frame)
+from service.schemas.line import LineRequest
 
 
 def fineness_value(request: LineRequest) -> Fineness:

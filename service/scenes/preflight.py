@@ -102,9 +102,9 @@ def frames_of(
         case RegionGoalWire():
             named = [pose.frame for pose in goal.poses or [goal.pose] if pose is not None]
         case PoseGoalWire():
-            named = [pose.frame for pose in goal.poses]
+            named = [pose.frame for pose in goal.poses] + [goal.metric and goal.metric.frame]
         case LineGoalWire():
-            named = [goal.pose.frame]
+            named = [end.frame for end in (goal.pose, goal.displacement) if end is not None]
         case PathGoalWire():
             named = [pose.frame for pose in goal.poses]
     return [name for name in [goal.frame, *named] if name is not None]

@@ -51,6 +51,26 @@ class ConfigurationGoalWire(Wire):
     name: Name = Field(description="Of the configuration, for example `home`")
 
 
+type Weight = Annotated[Real, Field(ge=0, le=1e3)]
+
+
+class PoseBallWire(Wire):
+    """All poses within a weighted distance: sqrt(sum (w_i * way_i)^2 + (w_r * angle)^2)."""
+
+    tolerance: Annotated[Real, Field(ge=1e-6, le=1e3)] = Field(
+        description="The largest distance [1]"
+    )
+    weights: Annotated[list[Weight], Field(min_length=4, max_length=4)] = Field(
+        default=[1.0, 1.0, 1.0, 0.1],
+        description="w_x, w_y, w_z [1/m] and w_r [1/rad]; what has no weight is free",
+    )
+    frame: Name | None = Field(
+        default=None,
+        description="By whose axes the way from the target's origin is, as they stand at the "
+        "start: any frame; null for the target's own",
+    )
+
+
 class PoseGoalWire(Wire):
     """Bring a tool frame to a pose, or to any of several."""
 
@@ -74,6 +94,10 @@ class PoseGoalWire(Wire):
     tolerance: ToleranceWire = Field(
         default_factory=ToleranceWire, description="How far off it may be"
     )
+    metric: PoseBallWire | None = Field(
+        default=None,
+        description="Instead of `tolerance`: how far off it may be by a weighted metric",
+    )
     approach: Triple | None = Field(
         default=None,
         description="The motion ends in a straight line without a turn, which begins where the "
@@ -85,20 +109,56 @@ class PoseGoalWire(Wire):
         "axes [m]; null for none",
     )
 
+    @model_validator(mode="after")
+    def _one_tolerance(self) -> Self:
+        if self.metric is not None and any([*self.tolerance.position, *self.tolerance.rotation]):
+            message = "give `tolerance` or `metric`, and not both"
+            raise ValueError(message)
+        return self
 
-class LineGoalWire(Wire):
-    """Bring a tool frame to a pose in a straight line from the start."""
+
+class WayWire(Wire):
+    """A way without a turn."""
+
+    vector: Triple = Field(description="The way [m]")
+    frame: Name = Field(
+        default="world", description="In whose axes, as they stand at the start: any frame"
+    )
+
+
+class LineEndWire(Wire):
+    """Where a straight line ends that begins where the tool stands."""
+
+    pose: PoseWire | None = Field(
+        default=None,
+        description="Where the line ends, and the rotation turns along with the translation; this "
+        "or `displacement`",
+    )
+    displacement: WayWire | None = Field(
+        default=None, description="Or the way from where the tool stands"
+    )
+
+    @model_validator(mode="after")
+    def _one_end(self) -> Self:
+        if (self.pose is None) == (self.displacement is None):
+            message = "give `pose` or `displacement`, and not both"
+            raise ValueError(message)
+        return self
+
+
+class LineGoalWire(LineEndWire):
+    """Bring a tool frame to a pose, or by a displacement, in a straight line from the start."""
 
     model_config = ConfigDict(
         json_schema_extra={
-            "examples": [{"type": "line", "pose": {"position": [0, 0, -0.05], "frame": "arm::tcp"}}]
+            "examples": [
+                {"type": "line", "displacement": {"vector": [0, 0, 0.1]}},
+                {"type": "line", "pose": {"position": [0, 0, -0.05], "frame": "arm::tcp"}},
+            ]
         }
     )
 
     type: Literal["line"] = Field(description="Says which goal this is")
-    pose: PoseWire = Field(
-        description="Where the line ends; the rotation turns along with the translation"
-    )
     frame: ToolFrame = None
     deviation: DeviationWire = Field(
         default_factory=DeviationWire,
@@ -166,6 +226,17 @@ class RegionGoalWire(Wire):
             description="Axes of the region that it is unbounded along (`x`, `y`, `z`: as far as "
             "the group reaches) or free to turn about (`rx`, `ry`, `rz`)",
         )
+    )
+
+    approach: Triple | None = Field(
+        default=None,
+        description="As of a pose: the last way to wherever in the region the motion ends begins "
+        "where the tool is displaced by this, in the region's axes [m]; null for none",
+    )
+    retreat: Triple | None = Field(
+        default=None,
+        description="As of a pose: the way that the tool goes on, in the region's axes [m]; null "
+        "for none",
     )
 
     @model_validator(mode="after")

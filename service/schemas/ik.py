@@ -24,7 +24,9 @@ class IkWire(Wire):
     """How hard to look for goal configurations, and which of them are near."""
 
     max_configurations: Annotated[int, Strict(), Field(ge=1, le=10_000), WHOLE] = Field(
-        default=100, description="Stop at this many distinct free ones"
+        default=100,
+        description="At most so many, the nearest to the start of all that are found; as many are "
+        "looked for, but 100 at least, and until 40 in a row are known already",
     )
     max_trials: Annotated[int, Strict(), Field(ge=1, le=100_000), WHOLE] = Field(
         default=300, description="Stop after this many seeds of the solver, over all poses"
@@ -38,4 +40,9 @@ class IkWire(Wire):
     pose_metric: PoseMetricWire = Field(
         default_factory=PoseMetricWire,
         description="Which pose is the nearest to one that no configuration reaches",
+    )
+    time_limit: Annotated[Real, Field(gt=0, le=3600)] | None = Field(
+        default=None,
+        description="For finding them, or saying why there is none [s]; null for as long as there "
+        "is",
     )

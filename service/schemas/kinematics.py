@@ -125,5 +125,5 @@ class IkResponse(Answer):
         description="Why there is none, `goal_unreachable`, `goal_in_collision`, "
         "`approach_blocked` or `goal_violates_constraint`; the evidence has the `nearest` "
         "feasible pose and the `relaxation` that would do, what blocks the approaches, and what is "
-        "violated; null if there is one"
+        "violated; or `deadline_exceeded`, with the funnel so far; null if there is one"
     )

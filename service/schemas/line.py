@@ -1,14 +1,14 @@
 """Asking how far a tool can be moved in a straight line, and what stops it."""
 
-from typing import Annotated, Literal, Self
+from typing import Annotated, Literal
 
-from pydantic import ConfigDict, Field, model_validator
+from pydantic import ConfigDict, Field
 
 from service.schemas.check import PairWire
-from service.schemas.goal import DeviationWire, ToolFrame
-from service.schemas.numbers import NonNegative, Positions, Real, Triple
+from service.schemas.goal import DeviationWire, LineEndWire, ToolFrame
+from service.schemas.numbers import NonNegative, Positions, Real
 from service.schemas.pose import PoseWire
-from service.schemas.wire import Answer, Boolean, Name, Wire
+from service.schemas.wire import Answer, Boolean, Name
 
 
 class FoundDeviationWire(Answer):
@@ -18,16 +18,7 @@ class FoundDeviationWire(Answer):
     rotation: float = Field(description="Of its rotation [rad]")
 
 
-class WayWire(Wire):
-    """A way without a turn."""
-
-    vector: Triple = Field(description="The way [m]")
-    frame: Name = Field(
-        default="world", description="In whose axes, as they stand at the start: any frame"
-    )
-
-
-class LineRequest(Wire):
+class LineRequest(LineEndWire):
     """Move a tool in a straight line, as far as it goes."""
 
     model_config = ConfigDict(
@@ -42,12 +33,6 @@ class LineRequest(Wire):
     start: Positions | None = Field(
         default=None,
         description="Where the group stands at first [rad or m]; null for the scene's state",
-    )
-    pose: PoseWire | None = Field(
-        default=None, description="Where the line ends; this or `displacement`"
-    )
-    displacement: WayWire | None = Field(
-        default=None, description="Or the way from where the tool stands"
     )
     frame: ToolFrame = None
     margin: Annotated[NonNegative, Field(le=10)] | None = Field(
@@ -64,13 +49,6 @@ class LineRequest(Wire):
     allowed_time: Annotated[Real, Field(gt=0, le=60)] = Field(
         default=5.0, description="Give up after this long [s]"
     )
-
-    @model_validator(mode="after")
-    def _one_end(self) -> Self:
-        if (self.pose is None) == (self.displacement is None):
-            message = "give `pose` or `displacement`, and not both"
-            raise ValueError(message)
-        return self
 
 
 class LineStopWire(Answer):

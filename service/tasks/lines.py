@@ -6,7 +6,8 @@ from typing import Any
 import numpy as np
 
 from planning import Deadline, trace_line
-from service.convert.lines import fineness_value, trace_wire, way_value
+from service.convert.goals import line_end_value
+from service.convert.lines import fineness_value, trace_wire
 from service.schemas.line import LineRequest
 from service.tasks.channel import Channel
 from service.tasks.worlds import borrow_world
@@ -26,7 +27,7 @@ def line(payload: dict[str, Any], channel: Channel) -> dict[str, Any]:
         trace = trace_line(
             world,
             request.group,
-            way_value(request),
+            line_end_value(request),
             deadline=deadline,
             start=start,
             frame=request.frame or "",

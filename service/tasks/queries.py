@@ -15,6 +15,7 @@ from planning import (
 )
 from planning.errors import (
     ApproachBlocked,
+    DeadlineExceeded,
     GoalInCollision,
     GoalUnreachable,
     GoalViolatesConstraint,
@@ -30,7 +31,13 @@ from service.schemas.kinematics import FkRequest, IkRequest
 from service.tasks.channel import Channel
 from service.tasks.worlds import borrow_world
 
-_NO_SOLUTION = (ApproachBlocked, GoalInCollision, GoalUnreachable, GoalViolatesConstraint)
+_NO_SOLUTION = (
+    ApproachBlocked,
+    DeadlineExceeded,
+    GoalInCollision,
+    GoalUnreachable,
+    GoalViolatesConstraint,
+)
 
 
 def check(payload: dict[str, Any], _: Channel) -> dict[str, Any]:
@@ -69,7 +76,7 @@ def ik(payload: dict[str, Any], channel: Channel) -> dict[str, Any]:
 
     Raises:
         InputError: The group, a frame or a count is wrong.
-        PlanningFailure: The start is invalid, or time ran out.
+        PlanningFailure: The start is invalid, or nobody wants the answer any more.
     """
     request = IkRequest.model_validate(payload["request"])
     start = None if request.start is None else np.array(request.start, dtype=np.float64)

@@ -10,11 +10,12 @@ from hypothesis import strategies as st
 import planning
 from planning.domain.deadline import Deadline
 from planning.domain.goal import PoseTarget
+from planning.domain.line import Displacement
 from planning.domain.line_trace import LineTrace
 from planning.domain.manifold import Manifold
 from planning.domain.pose import Pose
 from planning.errors import DeadlineExceeded, ProblemInvalid, UnknownName
-from planning.line import Displacement, Fineness, trace_line
+from planning.line import Fineness, trace_line
 from planning.world.world import World
 from tests.conftest import bundled_world
 from tests.goals.conftest import ENGINES, world_by

@@ -1,5 +1,6 @@
 """What is nearest is feasible, and what would do does."""
 
+import itertools
 from dataclasses import replace
 from functools import cache
 from typing import Any
@@ -9,11 +10,14 @@ import pytest
 
 import planning
 from planning.domain import rotation
+from planning.domain.deadline import Deadline
 from planning.domain.goal import PoseGoal, PoseTarget, RegionGoal
 from planning.domain.options import IkOptions, PoseMetric
 from planning.domain.pose import Pose
 from planning.errors import GoalInCollision, GoalUnreachable
+from planning.goals.goal_query import GoalQuery
 from planning.goals.pose_solvers import kernel_pose_solver
+from planning.goals.sampler import find_goals
 from planning.goals.start import within_limits
 from planning.goals.tool_target import ToolTarget
 from planning.kernel.native import native
@@ -246,3 +250,27 @@ def test_free_bodies_have_nearest_poses_too() -> None:
         ask(world, group.name, at(inside), IkOptions(5, 20))
     near = refusal.value.evidence["nearest"]
     assert not world.violations(group, np.array(near["positions"]), world.margins())
+
+
+@pytest.mark.parametrize("seconds", [12, 30, 60, 10_000])
+def test_what_time_cuts_short_says_so_and_not_what_binds(seconds: int) -> None:
+    """Time goes by with every look at the clock: in every place it may run out."""
+    world = world_by(NAME, "kernel")
+    group, goal = world.group("arm"), at(looking_down(PLACES[1]))
+    query = GoalQuery(group, goal, world.positions(group), world.margins(), IkOptions(5, 60))
+    ticks = itertools.count()
+    deadline = Deadline.after(float(seconds), lambda: float(next(ticks)))
+    with pytest.raises(
+        GoalInCollision, match=r"collide: .+; the least deep hits .+-box"
+    ) as refusal:
+        find_goals(world, query, np.random.default_rng(0), deadline)
+    nearest, relaxation = refusal.value.evidence["nearest"], refusal.value.evidence["relaxation"]
+    settled = refused_at(PLACES[1])["nearest"]
+    assert not settled["cut_short"]
+    assert nearest is None or nearest["cut_short"] == (nearest["binding"] is None)
+    if nearest is None or nearest["cut_short"]:
+        assert relaxation["cut_short"]
+        assert "where" not in refusal.value.detail
+    else:
+        assert nearest["translation_error"] == pytest.approx(settled["translation_error"], abs=0.01)
+    assert relaxation["cut_short"] == (seconds < 1000)

@@ -1,5 +1,6 @@
 """The kernel's way to a goal and Drake's: other numbers, the same kind of answer."""
 
+import itertools
 import time
 from dataclasses import replace
 from pathlib import Path
@@ -45,17 +46,15 @@ def test_the_same_question_has_the_same_answer(engine: str) -> None:
     assert ask(world, group.name, at(target), IkOptions(10, 30), seed=1) != first
 
 
-@ENGINES
-def test_options_end_the_search(engine: str) -> None:
-    world = world_by("panda_shelf", engine)
+def test_options_end_the_search() -> None:
+    world = world_by("panda_shelf", "kernel")
     group = world.groups[0]
     target = world.frame_pose(group.tool_frames[0], world.state)
-    few = ask(world, group.name, at(target), IkOptions(max_configurations=3))
-    assert len(few.positions) == few.funnel.distinct == 3
-    assert_narrows(few.funnel)
-    # The seed that found the third was the last one tried.
-    again = IkOptions(max_configurations=3, max_trials=few.funnel.tried - 1)
-    assert ask(world, group.name, at(target), again).funnel.distinct == 2
+    most = ask(world, group.name, at(target), IkOptions(max_configurations=110, max_trials=900))
+    assert len(most.positions) == most.funnel.distinct == 110
+    assert_narrows(most.funnel)
+    fewer = IkOptions(max_configurations=110, max_trials=most.funnel.tried - 20)
+    assert ask(world, group.name, at(target), fewer).funnel.distinct < 110
     short = ask(world, group.name, at(target), IkOptions(max_trials=7))
     assert short.funnel.tried == 7
 
@@ -105,6 +104,36 @@ def test_time_and_patience_of_others_end_it(engine: str) -> None:
         find_goals(world, query, rng, Deadline.after(0.0, time.monotonic))
     with pytest.raises(Canceled):
         find_goals(world, query, rng, Deadline.after(9.0, time.monotonic, lambda: True))
+
+
+@pytest.mark.parametrize("wanted", [1, 3, 8])
+def test_few_configurations_are_the_nearest_whole_turns_included(wanted: int) -> None:
+    world = world_by("ur5e_pickup", "kernel")
+    group, goal = world.group("arm"), at(Pose.identity(), "pick")
+    few = ask(world, "arm", goal, IkOptions(max_configurations=wanted))
+    every = ask(world, "arm", goal, IkOptions(10_000, 2000), seed=1)
+    start = world.positions(group)
+    distances = np.linalg.norm(few.positions - start, axis=1)
+    all_of_them = np.linalg.norm(every.positions - start, axis=1)
+    np.testing.assert_allclose(distances, all_of_them[:wanted], atol=1e-5)
+
+
+def test_a_time_limit_for_goals_alone_tells_the_funnel() -> None:
+    """Time goes by with every look at the clock, so it runs out after some of the trials."""
+    world = world_by("ur5e_pickup", "kernel")
+    inside = at(Pose.from_parts([0.45, 0.25, 0.0], rpy=[np.pi, 0, 0.3]))
+    options = IkOptions(100, 100_000, time_limit=3.0)
+    group = world.group("arm")
+    query = GoalQuery(group, inside, world.positions(group), world.margins(), options)
+    ticks = itertools.count()
+    deadline = Deadline.after(1000.0, lambda: float(next(ticks)))
+    with pytest.raises(DeadlineExceeded, match="3 s ran out") as refusal:
+        find_goals(world, query, np.random.default_rng(0), deadline)
+    evidence = refusal.value.evidence
+    assert (evidence["allowed"], evidence["max_trials"]) == (3.0, 100_000)
+    assert 0 < evidence["funnel"]["tried"] < 2000
+    assert evidence["cut_short"]
+    assert evidence["funnel"]["rejected_by"]
 
 
 def test_how_many_seeds_are_taken_at_once_does_not_matter(monkeypatch: Any) -> None:

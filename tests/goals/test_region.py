@@ -1,5 +1,7 @@
 """Regions: what is in them, and solutions that are spread over them."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -10,6 +12,8 @@ from planning.domain.goal import PoseTarget, RegionGoal
 from planning.domain.options import IkOptions
 from planning.domain.pose import Pose
 from planning.errors import GoalUnreachable
+from planning.goals.aims import ExactPoses
+from planning.goals.drawn_aims import DrawnAims
 from planning.goals.reach_ball import ReachBall, reach_ball
 from planning.goals.region_target import RegionTarget
 from tests.goals.conftest import ENGINES, EXACT, ask, world_by
@@ -51,7 +55,8 @@ def test_samples_are_in_the_region_and_little_else_is(
     bounds = np.where(free, FREE, bound * rng.uniform(0.3, 1.0, 3))
     box = rng.uniform(0.0, 0.5, 3)
     target = RegionTarget("tool", middle, box, bounds)
-    drawn = target.samples(12, ReachBall(middle.position, 10.0), rng)
+    samples = target.samples(12, ReachBall(middle.position, 10.0), rng)
+    drawn = [Pose(p, a) for p, a in zip(*samples, strict=True)]
     assert target.are_met_by(np.stack([pose.matrix for pose in drawn])).all()
     for pose in drawn:
         error = middle.inverse @ pose
@@ -114,6 +119,46 @@ def test_solutions_are_spread_over_the_box_and_nearest_first(engine: str) -> Non
     assert np.ptp(places[:, 0]) > box[0]
     distances = np.linalg.norm(found.positions - world.positions(group), axis=1)
     assert (np.diff(distances) >= -1e-9).all()
+
+
+def test_poses_are_drawn_as_trials_are_made(monkeypatch: Any) -> None:
+    """However many may come: nobody waits for those that are not needed, and all are in there."""
+    world = world_by("ur5e_pickup", "kernel")
+    reach = reach_ball(world, world.group("arm"), "arm::tcp")
+    regions = [
+        RegionTarget("arm::tcp", middle, np.full(3, 0.05), np.array([0.1, 0.1, FREE]))
+        for middle in (DOWN, HARD)
+    ]
+    counts: list[int] = []
+    samples = RegionTarget.samples
+
+    def counted(target: RegionTarget, count: int, *rest: Any) -> Any:
+        counts.append(count)
+        return samples(target, count, *rest)
+
+    monkeypatch.setattr(RegionTarget, "samples", counted)
+    rng = np.random.default_rng(0)
+    aims = DrawnAims(regions, reach, 3001, rng)
+    state = rng.bit_generator.state
+    assert max(counts) < 700
+    begin = 0
+    for some in aims:
+        assert isinstance(some.targets, ExactPoses)
+        assert some.first == begin
+        begin = some.end or 0
+        assert len(some.targets) == begin - some.first
+        seeds, targets = some.trials(some.first, begin - some.first)
+        np.testing.assert_array_equal(seeds, np.arange(some.first, begin))
+        np.testing.assert_array_equal(targets, np.arange(len(targets)))
+        # The middles, which come first, are alike.
+        assert len(np.unique(some.targets.quaternions, axis=0)) >= len(targets) - 1
+        for i, region in enumerate(regions):
+            those = some.targets.positions[i::90], some.targets.quaternions[i::90]
+            poses = [Pose(p, a).matrix for p, a in zip(*those, strict=True)]
+            assert region.are_met_by(np.stack(poses)).all()
+    assert begin >= 3001
+    assert rng.bit_generator.state == state
+    assert [id(one) for one in aims] == [id(one) for one in aims]
 
 
 def test_free_positions_end_where_the_group_does() -> None:

@@ -8,7 +8,8 @@ import pytest
 
 import planning
 from planning.domain.deadline import Deadline
-from planning.domain.goal import Goal, LineGoal, PoseGoal, PoseTarget
+from planning.domain.goal import Goal, LineGoal, PoseGoal, PoseTarget, RegionGoal
+from planning.domain.line import Displacement
 from planning.domain.options import RetimeOptions, SearchOptions
 from planning.domain.plan import MotionPlan
 from planning.domain.pose import Pose
@@ -100,6 +101,32 @@ def test_a_line_goal_is_met_straight(pickup: World) -> None:
     assert max(tool(pickup, found, [found.trajectory.duration])[0].distance(end)) < 1e-6
     bounds = {check.name: check.bound for check in found.certificate.checks}
     assert (bounds["line"], bounds["line rotation"]) == (1e-4, 1e-3)
+
+
+def test_ways_from_where_the_tool_stands_are_gone_one_after_another(pickup: World) -> None:
+    begin = pickup.frame_pose("arm::tcp", pickup.state)
+    ways = Displacement(np.array([0, 0, 0.1])), Displacement(np.array([0, 0.06, 0]), "arm::tcp")
+    found = ask(pickup, LineGoal(ways))
+    assert found.certificate.proven
+    assert [part.length for part in found.parts] == pytest.approx([0.1, 0.06])
+    first, second = tool(pickup, found, [part.end for part in found.parts])
+    assert max(first.distance(Pose(begin.position + ways[0].vector, begin.quaternion))) < 1e-6
+    assert max(second.distance(first @ Pose.from_parts(ways[1].vector))) < 1e-6
+
+
+def test_a_region_is_approached_and_left_in_its_own_axes(pickup: World) -> None:
+    box, any_yaw = np.array([0.01, 0.01, 0.0]), np.array([0.0, 0.0, np.pi])
+    goal = RegionGoal(PICK.targets, "", box, any_yaw, UP, np.array([0.03, 0, -0.05]))
+    found = ask(pickup, goal)
+    assert found.certificate.proven
+    assert [part.kind for part in found.parts] == ["free", "approach", "retreat"]
+    pick = pickup.frame_pose("pick", pickup.state)
+    before, at, after = (
+        pick.inverse @ pose for pose in tool(pickup, found, [part.end for part in found.parts])
+    )
+    assert (np.abs(at.position) <= box + 1e-5).all()
+    np.testing.assert_allclose(before.position - at.position, UP, atol=1e-5)
+    np.testing.assert_allclose(after.position - at.position, [0.03, 0, -0.05], atol=1e-5)
 
 
 def test_a_path_rests_at_each_of_its_poses(pickup: World) -> None:

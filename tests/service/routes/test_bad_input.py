@@ -103,12 +103,30 @@ BAD_PLANS = {
         422, "request_invalid", "not both",
     ),
     "unknown goal type": ({"goal": {"type": "fly"}}, 422, "request_invalid", "goal"),
+    "two tolerances": (
+        {
+            "goal": {
+                "type": "pose", "poses": [POSE], "tolerance": {"position": [0.1] * 3},
+                "metric": {"tolerance": 0.1},
+            }
+        },
+        422, "request_invalid", "not both",
+    ),
+    "metric by no axes": (
+        {"goal": {"type": "pose", "poses": [POSE], "metric": {"tolerance": 1, "frame": "abve"}}},
+        409, "unknown_name", "above",
+    ),
     "flat approach": (
         {"goal": {"type": "pose", "poses": [POSE], "approach": [0, -0.1]}}, 422,
         "request_invalid", "approach",
     ),
     "line into nowhere": (
         {"goal": {"type": "line", "pose": {**POSE, "frame": "abve"}}}, 409, "unknown_name", "above",
+    ),
+    "line to nowhere": ({"goal": {"type": "line"}}, 422, "request_invalid", "`displacement`"),
+    "line along nothing": (
+        {"goal": {"type": "line", "displacement": {"vector": [0, 0, 1], "frame": "abve"}}}, 409,
+        "unknown_name", "above",
     ),
     "path of no poses": ({"goal": {"type": "path", "poses": []}}, 422, "request_invalid", "poses"),
     "unknown constraint": (

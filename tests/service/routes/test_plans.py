@@ -192,6 +192,15 @@ def test_a_pose_is_approached_in_a_straight_line(client, scene):
     assert shares + funnel["distinct"] / funnel["tried"] == pytest.approx(1)
 
 
+def test_a_way_straight_up_is_a_plan(client, scene):
+    goal = {"type": "line", "displacement": {"vector": [0, 0, 0.05]}}
+    request = {"scene": scene, "group": "arm", "goal": goal}
+    job = client.post("/v1/plans?wait=40", json=request).json()
+    assert job["state"] == "succeeded", job["failure"]
+    (part,) = job["result"]["parts"]
+    assert (part["kind"], part["length"]) == ("line", pytest.approx(0.05))
+
+
 def test_a_blocked_line_is_a_failure_with_its_evidence(client, scene):
     goal = {"type": "line", "pose": {"position": [0, 0, 0], "frame": "block"}}
     request = {"scene": scene, "group": "arm", "goal": goal}

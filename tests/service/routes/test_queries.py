@@ -137,6 +137,32 @@ def test_ik_of_a_region(client, scene, poses):
         assert (np.abs(places) <= np.array([0.05, 0.02, 0]) + 1e-5).all()
 
 
+def test_ik_of_poses_by_a_metric(client, scene):
+    metric = {"tolerance": 0.03, "weights": [1, 1, 0, 0.1], "frame": "world"}
+    goal = {"type": "pose", "poses": [DOWN], "metric": metric}
+    found = ask(client, scene, "ik", goal=goal, ik={"max_configurations": 20}).json()
+    rows = [entry["positions"] for entry in found["configurations"]]
+    poses = ask(client, scene, "fk", configurations=rows, frames=["arm::tcp"]).json()["results"]
+    ways = np.array([pose["arm::tcp"]["position"] for pose in poses]) - DOWN["position"]
+    assert (np.hypot(ways[:, 0], ways[:, 1]) <= 0.03 + 1e-5).all()
+    assert np.abs(ways[:, 2]).max() > 0.05
+
+
+def test_ik_says_what_it_had_tried_when_time_was_over(client, scene):
+    """However many trials are asked for: the time is kept, and the funnel is told."""
+    goal = {
+        "type": "region",
+        "pose": {"position": [0.6, 0, 0.05], "rpy": [np.pi, 0, 0]},
+        "free_axes": ["rz"],
+    }
+    ik = {"max_trials": 100_000, "time_limit": 0.05}
+    found = ask(client, scene, "ik", goal=goal, ik=ik).json()
+    assert found["configurations"] == []
+    assert found["failure"]["code"] == "deadline_exceeded"
+    assert found["failure"]["evidence"]["cut_short"]
+    assert found["funnel"]["tried"] < 100_000
+
+
 def test_ik_of_a_displacement(client, scene, group):
     goal = {"type": "relative", "displacement": {"position": [0, 0, 0.03]}, "reference": "world"}
     found = ask(client, scene, "ik", goal=goal).json()
