@@ -76,8 +76,7 @@ def _shapes(path: JointPath, options: RetimeOptions) -> Iterator[Shape]:
     before: JointSpline | None = None
     for deviation in deviations:
         spline = blend_corners(path, deviation, smoothness)
-        # The path itself comes last even where there was nothing to round.
-        if spline != before or deviation == 0:
+        if spline != before:
             name = f"path with corners rounded by {deviation:g}" if deviation else "path itself"
             yield Shape(name, deviation, spline)
         before = spline
