@@ -8,13 +8,13 @@ from jaxtyping import Bool, Float64, Int64
 
 from planning.domain import rotation
 from planning.domain.deadline import Deadline
-from planning.domain.goal import LinedGoal, PoseGoal, RegionGoal
+from planning.domain.goal import LinedGoal
 from planning.domain.goal_configurations import Bounds
 from planning.domain.pose import Pose
 from planning.errors import DeadlineExceeded
 from planning.goals.feasibility import Feasibility
 from planning.goals.goal_query import GoalQuery
-from planning.goals.leg_judge import LegJudge
+from planning.goals.leg_judge import LegJudge, lined
 from planning.goals.line_tracer import Fineness
 from planning.goals.nearest_program import Target, moved_along
 from planning.goals.pose_solvers import exact_kernel_solver
@@ -157,9 +157,5 @@ def goal_lines(
     world: World, query: GoalQuery, targets: Sequence[Target], deadline: Deadline
 ) -> GoalLines | None:
     """Return the judge of lines near a goal, None if it asks for none."""
-    goal = query.goal
-    if not isinstance(goal, PoseGoal | RegionGoal):
-        return None
-    if goal.approach is None and goal.retreat is None:
-        return None
-    return GoalLines(world, query, goal, targets, deadline)
+    goal = lined(query.goal)
+    return None if goal is None else GoalLines(world, query, goal, targets, deadline)

@@ -13,7 +13,7 @@ from jaxtyping import Bool, Float64, Int64
 from planning.domain import rotation
 from planning.domain.deadline import Deadline
 from planning.domain.funnel import Funnel, LegTally
-from planning.domain.goal import LinedGoal, PoseGoal, RegionGoal
+from planning.domain.goal import Goal, LinedGoal, PoseGoal, RegionGoal
 from planning.domain.goal_configurations import GoalConfigurations
 from planning.domain.joints import JointLimits
 from planning.domain.line import GoalLegs, Leg, ToolLine
@@ -168,12 +168,15 @@ def leg_judge(
     world: World, query: GoalQuery, targets: Sequence[Target], deadline: Deadline
 ) -> LegJudge | None:
     """Return the judge of a goal, or None if it asks for no lines."""
-    goal = query.goal
+    goal = lined(query.goal)
+    return None if goal is None else LegJudge(world, query, goal, targets, deadline)
+
+
+def lined(goal: Goal) -> LinedGoal | None:
+    """Return the goal if it asks for lines."""
     if not isinstance(goal, PoseGoal | RegionGoal):
         return None
-    if goal.approach is None and goal.retreat is None:
-        return None
-    return LegJudge(world, query, goal, targets, deadline)
+    return None if goal.approach is None and goal.retreat is None else goal
 
 
 def with_legs(
