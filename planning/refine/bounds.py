@@ -12,7 +12,7 @@ from planning.refine.load import Load
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # An infinite bound would make numbers that are none.
-_UNBOUNDED_RATE = 1e3
+_UNBOUNDED_RATE, _UNBOUNDED_JERK = 1e3, 1e6
 # Of the jerk, what the curve itself may have: changes of pace need the rest. Found by measurement.
 _JERK_SHARE = 0.1
 
@@ -55,8 +55,12 @@ class Bounds:
             loads: What else bounds the pace.
         """
         velocity, acceleration, jerks = (
-            np.minimum(limits.per_coordinate(rates), _UNBOUNDED_RATE)
-            for rates in (limits.velocity, limits.acceleration, limits.jerk)
+            np.minimum(limits.per_coordinate(rates), most)
+            for rates, most in (
+                (limits.velocity, _UNBOUNDED_RATE),
+                (limits.acceleration, _UNBOUNDED_RATE),
+                (limits.jerk, _UNBOUNDED_JERK),
+            )
         )
         either = np.stack([acceleration, acceleration])
         if signed is not None:
