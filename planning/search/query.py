@@ -113,11 +113,11 @@ def query_of(
 
 def _space(group: JointGroup, limits: JointLimits, task: SearchTask, weights: Array) -> SearchSpace:
     anchors = np.concatenate([task.start[None], task.goals])
+    held = held_rotations(group, task.options.spaces)
     if task.residual is not None:
         return ProjectedSpace(group, limits, anchors, task.residual)
     if steering_of(group):
         return CarSpace(group, limits, anchors, weights)
-    held = held_rotations(group, task.options.spaces)
     return SearchSpace(group, limits, anchors, weights, held)
 
 
