@@ -41,12 +41,12 @@ def test_a_plan_with_a_pool_is_the_same_plan(monkeypatch):
     problem = PlanningProblem(
         "body",
         ConfigurationGoal("exit"),
-        search=SearchOptions(allowed_planning_time=30.0, attempts=3),
+        search=SearchOptions(allowed_planning_time=120.0, attempts=3),
         refine=RefineOptions("none"),
     )
     world = bundled_world("maze_2d")
     serial, parallel = (
-        planning.plan(problem, world, deadline=Deadline.after(30.0, time.monotonic), pool=pool)
+        planning.plan(problem, world, deadline=Deadline.after(120.0, time.monotonic), pool=pool)
         for pool in (None, ForkPool(2))
     )
     assert parallel.digest == serial.digest
