@@ -36,16 +36,13 @@ from service.schemas.goal import (
     ConfigurationGoalWire,
     GoalWire,
     JointGoalWire,
-    LineEndWire,
-    LineGoalWire,
-    PathGoalWire,
     PoseBallWire,
     PoseGoalWire,
     RegionGoalWire,
     RelativeGoalWire,
-    WayWire,
 )
 from service.schemas.ik import IkWire
+from service.schemas.line_goal import LineEndWire, LineGoalWire, PathGoalWire, WayWire
 from service.schemas.plan import CertifyWire, PlanRequest, RefineWire, RetimeWire
 from service.schemas.pose import PoseWire
 from service.schemas.search import CarWire, RoadmapWire, SearchWire

@@ -21,12 +21,11 @@ from service.schemas.goal import (
     ConfigurationGoalWire,
     GoalWire,
     JointGoalWire,
-    LineGoalWire,
-    PathGoalWire,
     PoseGoalWire,
     RegionGoalWire,
     RelativeGoalWire,
 )
+from service.schemas.line_goal import LineGoalWire, PathGoalWire
 
 type Group = dict[str, Any]
 

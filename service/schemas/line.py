@@ -5,9 +5,10 @@ from typing import Annotated, Literal
 from pydantic import ConfigDict, Field
 
 from service.schemas.check import PairWire
-from service.schemas.goal import DeviationWire, LineEndWire, ToolFrame
+from service.schemas.line_goal import DeviationWire, LineEndWire
 from service.schemas.numbers import NonNegative, Positions, Real
 from service.schemas.pose import PoseWire
+from service.schemas.tool_frame import ToolFrame
 from service.schemas.wire import Answer, Boolean, Name
 
 

@@ -5,8 +5,9 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import ConfigDict, Field, Strict, model_validator
 
 from service.schemas.constraint import ConstraintWire
-from service.schemas.goal import GoalWire, LineGoalWire, PathGoalWire
+from service.schemas.goal import GoalWire
 from service.schemas.ik import IkWire
+from service.schemas.line_goal import LineGoalWire, PathGoalWire
 from service.schemas.motion_limit import ScaledLimits
 from service.schemas.numbers import WHOLE, NonNegative, Positions, Real
 from service.schemas.sampling import SamplingWire

@@ -147,18 +147,18 @@ def test_a_cup_is_kept_upright_around_a_pillar(tolerance: float) -> None:
     world = pillar()
     cone = OrientationCone(TOOL, np.array([0.0, 0.0, 2.0]), DOWN, tolerance)
     goal = hand_at(0.4, 0.4, 0.6)
-    found = solve(world, "panda", goal, cone, start=beside_the_pillar(), seed=2)
+    found = solve(world, "panda", goal, cone, start=beside_the_pillar(), seed=5)
     plain = solve(
         world,
         "panda",
         goal,
         cone,
         start=beside_the_pillar(),
-        seed=2,
+        seed=5,
         refine=RefineOptions("none"),
     )
     assert found.stages.refine.improved
-    assert found.trajectory.duration < plain.trajectory.duration
+    assert found.trajectory.duration < 0.95 * plain.trajectory.duration
     poses = world.frame_poses(TOOL, world.embed(world.group("panda"), dense(found)))
     angles = np.arccos(np.clip(poses[:, :3, 2] @ DOWN, -1.0, 1.0))
     (check,) = checks_of(found)

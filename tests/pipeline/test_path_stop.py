@@ -80,8 +80,8 @@ def test_a_stop_along_the_path_stays_on_it_and_keeps_what_the_motion_keeps(
         np.testing.assert_allclose(MotionState.of(motion, motion.duration).v, 0.0, atol=1e-6)
         assert off_the_path(motion, running, at) < 1e-7
         assert motion.duration <= left + 1e-9
-        # In the midst of a motion it is sooner over than the motion.
-        assert share != 0.5 or motion.duration < left
+        # In the midst of a motion it is sooner over than the motion; limits on jerk leave little.
+        assert share != 0.5 or motion.duration < (0.9 if method == "toppra" else 0.98) * left
 
 
 def test_what_limits_a_motion_makes_its_stops_longer(pickup: World) -> None:

@@ -95,7 +95,9 @@ def test_a_plan_is_proven_and_quicker(case: str, monkeypatch: pytest.MonkeyPatch
     monkeypatch.setattr(candidates, "_others", lambda _: MotionLimits())
     blind = solve(name, goals[name], timing, "trajopt")
     quickest = min(plain.trajectory.duration, blind.trajectory.duration)
-    assert found.stages.refine.lower_bound < found.trajectory.duration < 0.99 * quickest
+    # Under jerk limits the path itself is followed nearly as quickly.
+    gain = 0.99 if timing is RUCKIG else 0.98
+    assert found.stages.refine.lower_bound < found.trajectory.duration < gain * quickest
 
 
 @pytest.mark.slow

@@ -96,7 +96,7 @@ def test_links_of_one_robot_may_be_near_one_another(arm):
     assert wish.shortfall(trajectory) == 0
 
 
-def test_a_plan_has_the_clearance_that_it_can_pay_for_and_says_so():
+def test_a_plan_pays_for_its_clearance_and_says_so():
     world = bundled_world("panda_shelf")
     target = planning.PoseTarget(planning.Pose.identity(), "lower")
     goal = planning.PoseGoal((target,), "", np.zeros(3), np.zeros(3))
@@ -111,11 +111,11 @@ def test_a_plan_has_the_clearance_that_it_can_pay_for_and_says_so():
             world,
             deadline=planning.Deadline.after(30.0, time.monotonic),
         )
-        for clearance in (None, ClearanceWish(0.04, 30.0))
+        for clearance in (None, ClearanceWish(0.1, 30.0))
     )
     assert plain.stages.refine.shortfall is None
     assert wished.stages.refine.shortfall == pytest.approx(0, abs=1e-3)
-    assert wished.trajectory.duration < plain.trajectory.duration + 30.0 * 0.04
+    assert wished.trajectory.duration > plain.trajectory.duration
     assert wished.certificate.proven
     assert wished.certificate.min_clearance > plain.certificate.min_clearance + 0.02
 
