@@ -5,8 +5,17 @@ PYTHON := $(VENV)/bin/python
 STAMP := $(VENV)/.ready
 UV_VERSION := 0.13.8
 
-.PHONY: demo test check format lint imports types fast slow drake-only sanitize setup lock bench \
-        bench-cars bench-kernel bench-mbm bench-regions bench-retime bench-seeds pictures serve clean
+# What a campaign starts from: `make campaign SEED=123` tries again what another one tried.
+ifndef SEED
+SEED := $(shell od -An -N4 -tu4 /dev/urandom | tr -d ' ')
+endif
+# How many times as many cases as in `make test`.
+FACTOR ?= 40
+# Every call's shapes and types are checked in these packages; `make test` checks the doors alone.
+SHAPES := --jaxtyping-packages=planning,tests.check
+
+.PHONY: demo test check format lint imports types drake-only shapes campaign sanitize setup lock \
+        bench bench-cars bench-kernel bench-mbm bench-regions bench-retime bench-seeds pictures serve clean
 
 setup: $(STAMP)
 
@@ -34,19 +43,23 @@ demo: setup
 serve: setup
 	@$(VENV)/bin/wayproof serve
 
+# Everything that a change can break, on all cores.
 test: setup
-	@$(PYTHON) -m pytest
+	@$(PYTHON) -m pytest -n auto --dist worksteal
 
-fast: setup
-	@$(PYTHON) -m pytest -m "not slow"
+# The same with the shapes and types of every call checked: takes three times as long.
+shapes: setup
+	@$(PYTHON) -m pytest -n auto --dist worksteal $(SHAPES)
 
-slow: setup
-	@$(PYTHON) -m pytest -m slow
+# Thousands of random cases from a fresh seed, which is printed.
+campaign: setup
+	@echo "make campaign SEED=$(SEED)"
+	@WAYPROOF_PROFILE=campaign WAYPROOF_SEED=$(SEED) WAYPROOF_FACTOR=$(FACTOR) \
+	$(PYTHON) -m pytest -n auto --dist worksteal -m campaign --hypothesis-seed=$(SEED)
 
-# What has to hold on a machine without a compiler as well.
+# A machine without a compiler: both collision oracles agree (contracts), and plans on Drake alone.
 drake-only: setup
-	@$(PYTHON) -m pytest --no-kernel -m "not slow" tests/contracts tests/search tests/goals \
-	  tests/certify tests/pipeline tests/world
+	@$(PYTHON) -m pytest -n auto --dist worksteal --no-kernel -m drake_only
 
 # The kernel's own tests with addresses and undefined behaviour checked; needs gcc or clang.
 sanitize: setup

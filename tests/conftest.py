@@ -2,7 +2,6 @@
 
 import os
 import sys
-import time
 from collections.abc import Callable
 from functools import cache
 from importlib.util import module_from_spec, spec_from_file_location
@@ -10,23 +9,26 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import Phase, settings
+from hypothesis import is_hypothesis_test
 
 import planning
 from planning.domain.deadline import Deadline
 from planning.domain.joints import Joint, JointGroup, JointLimits, JointType
 from planning.world.world import World
+from tests.clocks import no_hurry
+from tests.profiles import PROFILE, load_hypothesis_profile
 
-# Explaining a failure traces every line, which takes minutes in numerical code.
-PHASES = (Phase.explicit, Phase.generate, Phase.shrink)
-settings.register_profile("ci", derandomize=True, deadline=None, max_examples=25, phases=PHASES)
-settings.load_profile("ci")
+load_hypothesis_profile()
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption(
         "--no-kernel", action="store_true", help="as on a machine without a compiler: Drake alone"
     )
+
+
+def pytest_report_header() -> str:
+    return f"profile: {PROFILE.name}, seed {PROFILE.seed}"
 
 
 def pytest_configure(config: pytest.Config) -> None:
@@ -38,6 +40,12 @@ def pytest_configure(config: pytest.Config) -> None:
         module = module_from_spec(spec)
         sys.modules["planning.kernel._native"] = module
         spec.loader.exec_module(module)
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    for item in items:
+        if is_hypothesis_test(getattr(item, "function", None)):
+            item.add_marker(pytest.mark.campaign)
 
 
 @cache
@@ -72,7 +80,7 @@ def urdf_world(tmp_path: Path) -> Callable[..., World]:
 
 @pytest.fixture
 def deadline() -> Deadline:
-    return Deadline.after(60.0, time.monotonic)
+    return no_hurry()
 
 
 def group_of(*types: JointType) -> JointGroup:

@@ -1,7 +1,6 @@
 """Pictures of the seeds: solids where they are, near ones before far ones, small files."""
 
 import struct
-import time
 import zlib
 from pathlib import Path
 
@@ -9,11 +8,11 @@ import numpy as np
 import pytest
 from pydrake import geometry
 
-import planning
 from benchmarks.seed_pictures import VIEWS, draw
 from benchmarks.seed_scenes.canvas import Canvas
 from benchmarks.seed_scenes.meshes import triangles
 from benchmarks.seed_scenes.seeds import SEEDS
+from tests.clocks import no_hurry
 from tests.conftest import bundled_world
 
 IMAGES = Path(__file__).parents[2] / "docs" / "images"
@@ -63,7 +62,7 @@ def test_near_things_hide_far_ones_in_any_order() -> None:
 @pytest.mark.slow
 def test_a_seed_is_drawn_in_a_small_file() -> None:
     seed = next(seed for seed in SEEDS if seed.name == "window_3d")
-    deadline = planning.Deadline.after(60.0, time.monotonic)
+    deadline = no_hurry(60.0)
     png = draw(seed.run(bundled_world("window_3d"), 0, deadline), VIEWS["window_3d"])
     image = pixels(png)
     assert len(np.unique(image.reshape(-1, 3), axis=0)) > 20

@@ -3,7 +3,6 @@
 import json
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +11,7 @@ import pytest
 import planning
 from benchmarks.seed_scenes.cycle import pick_and_place
 from benchmarks.seed_scenes.seeds import SEEDS
+from tests.clocks import no_hurry
 from tests.conftest import bundled_world
 
 SCRIPT = Path(__file__).parents[2] / "benchmarks" / "seeds.py"
@@ -54,7 +54,7 @@ def test_a_failure_is_counted_told_and_ends_with_1(monkeypatch, capsys) -> None:
 @pytest.mark.slow
 def test_the_part_gets_into_the_tray_and_nothing_touches_on_the_way() -> None:
     start = bundled_world("irb120_cell")
-    deadline = planning.Deadline.after(60.0, time.monotonic)
+    deadline = no_hurry(60.0)
     legs = pick_and_place(start, 1, deadline)
     carried = [leg.world.drake.owners for leg in legs]
     assert carried == [{}, {"part": "arm"}, {"part": "arm"}, {}]

@@ -1,6 +1,5 @@
 """Sound motions in small worlds, for the certifier to judge."""
 
-import time
 from collections.abc import Iterator
 from dataclasses import replace
 
@@ -12,11 +11,11 @@ from planning.certify import bernstein, clearance
 from planning.certify.certifier import CertifyRequest, certify
 from planning.domain.certificate import Certificate
 from planning.domain.curve import TimedTrajectory
-from planning.domain.deadline import Deadline
 from planning.domain.joints import JointGroup
 from planning.domain.manifold import Manifold
 from planning.kernel.native import native
 from planning.world.world import World
+from tests.clocks import no_hurry
 
 
 @pytest.fixture(scope="module", params=["native", "python"])
@@ -63,7 +62,7 @@ def request_for(
 
 def judged(world: World, request: CertifyRequest, **changes: object) -> Certificate:
     changed = replace(request, **changes)
-    return certify(world.drake, changed, Deadline.after(30.0, time.monotonic))[0]
+    return certify(world.drake, changed, no_hurry(30.0))[0]
 
 
 def smallest_distance(world: World, trajectory: TimedTrajectory, name: str, step: float) -> float:

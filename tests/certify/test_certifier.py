@@ -13,6 +13,7 @@ from planning.domain.scene import PairMargin
 from planning.world.world import World
 from tests.certify.conftest import judged, quintic, request_for, smallest_distance, world_from
 from tests.conftest import bundled_world
+from tests.profiles import num_cases
 
 pytestmark = pytest.mark.usefixtures("implementation")
 
@@ -85,7 +86,7 @@ def test_a_graze_is_proven_and_a_touch_is_not(gap: float) -> None:
 
 
 @given(x=st.floats(-0.1, 0.4), thickness=st.floats(0.0005, 0.003))
-@settings(max_examples=10)
+@settings(max_examples=num_cases(6))
 def test_a_thin_wall_between_two_samples_is_caught(x: float, thickness: float) -> None:
     world = flat_world(x=x, thickness=thickness)
     # 0.6 m in one go: a sample every 10 ms is up to 12 mm from the next.
@@ -184,7 +185,7 @@ def test_a_motion_through_the_box_is_refused_with_pair_and_depth() -> None:
 
 
 @given(seed=st.integers(0, 1000))
-@settings(max_examples=12)
+@settings(max_examples=num_cases(6))
 def test_nothing_proven_is_found_in_collision_by_a_fine_loop(seed: int) -> None:
     world = bundled_world("ur5e_pickup")
     group = world.group("arm")
@@ -203,7 +204,7 @@ def test_nothing_proven_is_found_in_collision_by_a_fine_loop(seed: int) -> None:
 
 
 @given(seed=st.integers(0, 1000))
-@settings(max_examples=10)
+@settings(max_examples=num_cases(6))
 def test_a_turning_body_is_judged_as_a_fine_loop_judges_it(seed: int) -> None:
     world = bundled_world("window_3d")
     group = world.group("body")

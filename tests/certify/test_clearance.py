@@ -29,6 +29,8 @@ from tests.certify.chains import (
     random_trajectory,
 )
 from tests.certify.conftest import quintic
+from tests.clocks import no_hurry
+from tests.profiles import num_cases
 
 pytestmark = pytest.mark.usefixtures("implementation")
 
@@ -39,7 +41,7 @@ def judge(
     robot: Robot, trajectory: TimedTrajectory, margins: PairMargins = NO_MARGIN
 ) -> Certificate:
     request = robot.request(trajectory, margins)
-    return certify(robot.model, request, Deadline.after(30.0, time.monotonic))[0]
+    return certify(robot.model, request, no_hurry(30.0))[0]
 
 
 def clearance_of(certificate: Certificate) -> Any:
@@ -55,7 +57,7 @@ def slider(shape: Shape, obstacle: Shape, at: np.ndarray) -> Robot:
 
 
 @given(seed=st.integers(0, 100_000), margin=st.sampled_from([0.0, 0.0, 0.01]))
-@settings(max_examples=20)
+@settings(max_examples=num_cases(6))
 @pytest.mark.slow
 def test_random_robots_are_judged_as_a_fine_loop_judges_them(seed: int, margin: float) -> None:
     rng = np.random.default_rng(seed)
@@ -108,7 +110,7 @@ def test_a_head_on_approach_to_a_graze_is_proven(shape: Shape, gap: float) -> No
 def test_a_contact_that_lasts_is_refused_at_once() -> None:
     robot = slider(Box(0.1, 0.1, 0.1), Box(0.1, 1.0, 4.0), np.array([0.1, 0.0, 0.0]))
     request = robot.request(quintic(robot.group, np.zeros(1), np.ones(1), 1.0), NO_MARGIN)
-    certificate, report = certify(robot.model, request, Deadline.after(30.0, time.monotonic))
+    certificate, report = certify(robot.model, request, no_hurry(30.0))
     assert not certificate.proven
     assert report.intervals < 50
 
@@ -241,7 +243,7 @@ def test_no_time_is_no_verdict() -> None:
     with pytest.raises(DeadlineExceeded):
         certify(robot.model, request, Deadline.after(0.0, time.monotonic))
     with pytest.raises(Canceled):
-        certify(robot.model, request, Deadline.after(9.0, time.monotonic, lambda: True))
+        certify(robot.model, request, no_hurry(9.0, lambda: True))
 
 
 def test_a_deadline_ends_a_long_proof() -> None:

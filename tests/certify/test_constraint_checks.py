@@ -1,6 +1,5 @@
 """Path constraints on the whole interval: what is proven is true, and what is broken is refused."""
 
-import time
 from collections.abc import Callable
 from dataclasses import replace
 
@@ -26,11 +25,12 @@ from planning.domain.constraint import (
     TightLimits,
 )
 from planning.domain.curve import TimedTrajectory
-from planning.domain.deadline import Deadline
 from planning.domain.pose import Pose
 from planning.world.world import World
 from tests.certify.conftest import quintic, request_for, world_from
+from tests.clocks import no_hurry
 from tests.conftest import bundled_world
+from tests.profiles import num_cases
 
 TCP = "arm::tcp"
 UP = np.array([0.0, 0.0, 1.0])
@@ -43,7 +43,7 @@ objects:
 
 def checked(world: World, request: CertifyRequest, *constraints: PathConstraint) -> list[Check]:
     changed = replace(request, constraints=constraints)
-    return constraint_checks(world.drake, changed, Deadline.after(30.0, time.monotonic))
+    return constraint_checks(world.drake, changed, no_hurry(30.0))
 
 
 def swing(seed: int) -> tuple[World, CertifyRequest]:
@@ -91,7 +91,7 @@ CASES = [angle_case, inside_case, outside_case]
 
 
 @pytest.mark.parametrize("case", CASES)
-@settings(max_examples=4)
+@settings(max_examples=num_cases(4))
 @given(seed=st.integers(0, 10_000))
 def test_the_verdict_turns_where_the_worst_instant_is(case: Callable, seed: int) -> None:
     world, request = swing(seed)
@@ -107,7 +107,7 @@ def test_the_verdict_turns_where_the_worst_instant_is(case: Callable, seed: int)
     assert broken.value > broken.bound
 
 
-@settings(max_examples=2)
+@settings(max_examples=num_cases(2))
 @given(seed=st.integers(0, 10_000))
 def test_a_band_turns_where_the_worst_distances_are(seed: int) -> None:
     world = world_from(BALL)
@@ -175,7 +175,7 @@ def test_a_violation_between_samples_is_refused() -> None:
     certificate, _ = certify(
         world.drake,
         replace(changed, constraints=constraints[:1]),
-        Deadline.after(30.0, time.monotonic),
+        no_hurry(30.0),
     )
     assert not certificate.proven
     assert "constraint 0: orientation" in {check.name for check in certificate.failed}

@@ -1,6 +1,5 @@
 """Where pieces meet, nothing jumps that must not."""
 
-import time
 from dataclasses import replace
 
 import numpy as np
@@ -9,10 +8,10 @@ from pydrake.geometry import Sphere
 
 from planning.certify.certifier import CertifyRequest, certify
 from planning.domain.curve import TimedTrajectory
-from planning.domain.deadline import Deadline
 from planning.domain.joints import JointLimits
 from planning.world.margins import PairMargins
 from tests.certify.chains import FLOATING, Builder, P, Robot
+from tests.clocks import no_hurry
 
 pytestmark = pytest.mark.usefixtures("implementation")
 
@@ -25,7 +24,7 @@ def slider(limit: float = 10.0) -> tuple[Robot, JointLimits]:
 
 
 def failures(robot: Robot, request: CertifyRequest) -> set[str]:
-    certificate, _ = certify(robot.model, request, Deadline.after(9.0, time.monotonic))
+    certificate, _ = certify(robot.model, request, no_hurry(9.0))
     assert certificate.proven is (not certificate.failed)
     return {check.name for check in certificate.failed}
 

@@ -1,6 +1,5 @@
 """Where a proof of clearance stops: the first instant, whatever is worst."""
 
-import time
 from itertools import count
 from typing import Any
 
@@ -20,12 +19,14 @@ from planning.domain.deadline import Deadline
 from planning.world.margins import PairMargins
 from tests.certify.chains import Builder, P, Robot, random_robot, random_trajectory
 from tests.certify.conftest import quintic
+from tests.clocks import no_hurry
+from tests.profiles import num_cases
 
 pytestmark = pytest.mark.usefixtures("implementation")
 
 
 def patient() -> Deadline:
-    return Deadline.after(30.0, time.monotonic)
+    return no_hurry(30.0)
 
 
 def located(
@@ -67,7 +68,7 @@ def test_it_is_the_first_contact_not_the_deepest(margin: float) -> None:
 
 
 @given(seed=st.integers(0, 100_000))
-@settings(max_examples=3)
+@settings(max_examples=num_cases(3))
 def test_until_then_it_is_proven_and_then_it_is_not(seed: int) -> None:
     rng = np.random.default_rng(seed)
     robot = random_robot(rng, num_links=1, num_obstacles=2)
@@ -103,7 +104,7 @@ def test_short_of_time_it_tells_what_was_proven_until_then() -> None:
 
 
 @given(at=st.floats(1e-3, 1.0), seed=st.integers(0, 1000))
-@settings(max_examples=10)
+@settings(max_examples=num_cases(6))
 def test_a_motion_until_an_instant_is_its_beginning(at: float, seed: int) -> None:
     rng = np.random.default_rng(seed)
     robot = random_robot(rng, num_links=2, num_obstacles=0)

@@ -1,6 +1,5 @@
 """Requests that cannot be meant fail their form, and raise nothing."""
 
-import time
 from dataclasses import replace
 from typing import Any
 
@@ -10,10 +9,10 @@ from pydrake.geometry import Sphere
 from pydrake.math import RigidTransform
 
 from planning.certify.certifier import CertifyRequest, certify
-from planning.domain.deadline import Deadline
 from planning.world.margins import PairMargins
 from tests.certify.chains import FLOATING, Builder, P, Robot
 from tests.certify.conftest import quintic
+from tests.clocks import no_hurry
 
 pytestmark = pytest.mark.usefixtures("implementation")
 
@@ -95,7 +94,7 @@ def test_faults_of_form_are_a_failed_check(name: str) -> None:
         faulty = replace(request, limits=limits)
     else:
         faulty = FAULTS[name](request)
-    certificate, report = certify(robot.model, faulty, Deadline.after(9.0, time.monotonic))
+    certificate, report = certify(robot.model, faulty, no_hurry(9.0))
     assert not certificate.proven
     (check,) = certificate.checks
     assert (check.name, check.passed) == ("form", False)
@@ -105,5 +104,5 @@ def test_faults_of_form_are_a_failed_check(name: str) -> None:
 
 def test_a_sound_request_has_no_fault() -> None:
     robot, request = question()
-    certificate, _ = certify(robot.model, request, Deadline.after(9.0, time.monotonic))
+    certificate, _ = certify(robot.model, request, no_hurry(9.0))
     assert certificate.proven

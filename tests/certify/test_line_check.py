@@ -1,6 +1,5 @@
 """The line check: its value bounds what is off at every instant, and is not much more."""
 
-import time
 from dataclasses import replace
 
 import numpy as np
@@ -13,13 +12,14 @@ from planning.certify.line_check import line_checks
 from planning.domain import rotation
 from planning.domain.certificate import Check
 from planning.domain.curve import TimedTrajectory
-from planning.domain.deadline import Deadline
 from planning.domain.line import LineSection, ToolLine
 from planning.domain.manifold import Manifold
 from planning.domain.pose import Pose
 from planning.world.world import World
 from tests.certify.conftest import quintic, request_for
+from tests.clocks import no_hurry
 from tests.conftest import bundled_world
+from tests.profiles import num_cases
 
 DENSE = 300
 
@@ -32,7 +32,7 @@ def checks_of(
 ) -> dict[str, Check]:
     section = LineSection(line, 0.0, request.trajectory.duration, *allowed)
     asked = replace(request, lines=(section,))
-    deadline = Deadline.after(30, time.monotonic)
+    deadline = no_hurry(30)
     return {check.name: check for check in line_checks(world.drake, asked, deadline)}
 
 
@@ -68,7 +68,7 @@ def measured(
     ],
 )
 @given(seed=st.integers(0, 200))
-@settings(max_examples=2)
+@settings(max_examples=num_cases(2))
 def test_values_bound_what_is_off_at_every_instant_and_little_more(
     scene: str, name: str, frame: str, size: float, seed: int
 ) -> None:
@@ -128,7 +128,7 @@ def test_without_lines_nothing_is_asked_and_with_one_the_certificate_says_so() -
     q1[5] += 0.1
     motion = quintic(group, q0, q1, 2.0)
     request = request_for(world, "body", motion)
-    deadline = Deadline.after(30, time.monotonic)
+    deadline = no_hurry(30)
     plain, _ = certify(world.drake, request, deadline)
     assert not [check for check in plain.checks if check.name.startswith("line")]
     line = between_ends(world, "body", "body::body", motion)

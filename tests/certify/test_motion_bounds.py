@@ -15,6 +15,7 @@ from planning.certify.collision_shapes import collision_shapes
 from planning.certify.motion_bounds import MotionBounds
 from planning.certify.segments import Segment, Segments
 from tests.certify.chains import Builder, P, R, Robot, random_robot, random_trajectory
+from tests.profiles import num_cases
 
 
 def poses(robot: Robot, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -38,7 +39,7 @@ def descend(rng: np.random.Generator, segments: Segments) -> Segment:
 
 
 @given(seed=st.integers(0, 100_000))
-@settings(max_examples=60)
+@settings(max_examples=num_cases(6))
 def test_points_stay_within_their_bounds(seed: int) -> None:
     rng = np.random.default_rng(seed)
     robot = random_robot(rng, num_links=4, num_obstacles=0)

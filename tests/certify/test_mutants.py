@@ -4,7 +4,6 @@ Each way to break a motion leaves everything else sound, so that one check alone
 much it is broken is random, from a little above that check's tolerance up.
 """
 
-import time
 from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
@@ -18,7 +17,6 @@ from pydrake.math import RigidTransform
 from planning.certify.certifier import CertifyRequest, certify
 from planning.domain.certificate import Certificate
 from planning.domain.constraint import KeepIn, PlacedBox, TightLimits
-from planning.domain.deadline import Deadline
 from planning.domain.joints import JointLimits
 from planning.domain.pose import Pose
 from planning.world.drake_model import DrakeModel
@@ -34,6 +32,7 @@ from tests.certify.sound_motions import (
     plus_piece,
     sound_motions,
 )
+from tests.clocks import no_hurry
 
 COUNT = 50
 type Rng = np.random.Generator
@@ -53,7 +52,7 @@ def motions() -> tuple[Sound, ...]:
 
 
 def judge(question: Question) -> Certificate:
-    return certify(*question, Deadline.after(30.0, time.monotonic))[0]
+    return certify(*question, no_hurry(30.0))[0]
 
 
 def beyond(rng: Rng, tolerance: float, decades: float = 3.0) -> float:

@@ -1,6 +1,5 @@
 """The native proof: its bounds hold on any robot, and its verdicts are those of the Python one."""
 
-import time
 from dataclasses import replace
 from typing import Any
 
@@ -37,7 +36,9 @@ from tests.certify.chains import (
     random_trajectory,
 )
 from tests.certify.conftest import quintic, request_for
+from tests.clocks import no_hurry
 from tests.conftest import bundled_world
+from tests.profiles import num_cases
 
 pytestmark = pytest.mark.skipif(native() is None, reason="the native code is not built")
 
@@ -49,7 +50,7 @@ def scene_of(robot: Robot) -> KernelScene:
 
 
 def patient() -> Deadline:
-    return Deadline.after(60.0, time.monotonic)
+    return no_hurry(60.0)
 
 
 def natively(robot: Robot, request: CertifyRequest) -> Clearance:
@@ -112,7 +113,7 @@ def check_bounds(robot: Robot, trajectory: TimedTrajectory, halvings: list[int])
 
 
 @given(seed=st.integers(0, 100_000), halvings=st.lists(st.integers(0, 1), max_size=9))
-@settings(max_examples=60)
+@settings(max_examples=num_cases(6))
 def test_no_pair_is_nearer_than_its_bounds(seed: int, halvings: list[int]) -> None:
     rng = np.random.default_rng(seed)
     robot = random_robot(rng, num_links=4, num_obstacles=2)
@@ -120,7 +121,7 @@ def test_no_pair_is_nearer_than_its_bounds(seed: int, halvings: list[int]) -> No
 
 
 @given(seed=st.integers(0, 100_000), kind=st.sampled_from([P, R, PLANAR, FLOATING]))
-@settings(max_examples=40)
+@settings(max_examples=num_cases(6))
 def test_nor_over_many_pieces_that_are_torn_apart(seed: int, kind: JointType) -> None:
     rng = np.random.default_rng(seed)
     builder = Builder()
@@ -164,7 +165,7 @@ def test_a_lever_that_swings_over_a_face_is_bounded_to_second_order(turned: floa
 
 
 @given(seed=st.integers(0, 100_000))
-@settings(max_examples=40)
+@settings(max_examples=num_cases(6))
 def test_the_bounds_close_in_on_the_distance(seed: int) -> None:
     rng = np.random.default_rng(seed)
     robot = random_robot(rng, num_links=4, num_obstacles=2)
@@ -180,7 +181,7 @@ def test_the_bounds_close_in_on_the_distance(seed: int) -> None:
 
 
 @given(seed=st.integers(0, 100_000), margin=st.sampled_from([0.0, 0.01]))
-@settings(max_examples=20)
+@settings(max_examples=num_cases(6))
 @pytest.mark.slow
 def test_both_proofs_agree_on_random_robots(seed: int, margin: float) -> None:
     rng = np.random.default_rng(seed)
@@ -197,7 +198,7 @@ def test_both_proofs_agree_on_random_robots(seed: int, margin: float) -> None:
 
 
 @given(seed=st.integers(0, 1000))
-@settings(max_examples=10)
+@settings(max_examples=num_cases(6))
 def test_both_proofs_agree_on_an_arm(seed: int) -> None:
     world = bundled_world("ur5e_pickup")
     group = world.group("arm")

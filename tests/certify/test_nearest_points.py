@@ -1,7 +1,5 @@
 """Nearest points: on both shapes, and as far apart as the certificate says."""
 
-import time
-
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -13,19 +11,20 @@ from planning.certify.collision_shapes import collision_shapes
 from planning.certify.separation import nearest_point
 from planning.domain.certificate import Certificate
 from planning.domain.curve import TimedTrajectory
-from planning.domain.deadline import Deadline
 from planning.world.margins import PairMargins
 from tests.certify.chains import Robot, random_robot, random_trajectory
 from tests.certify.conftest import quintic
 from tests.certify.test_clearance import slider
 from tests.certify.test_separation import parallel_boxes
+from tests.clocks import no_hurry
+from tests.profiles import num_cases
 
 pytestmark = pytest.mark.usefixtures("implementation")
 
 
 def judge(robot: Robot, trajectory: TimedTrajectory) -> Certificate:
     request = robot.request(trajectory, PairMargins(0.0))
-    return certify(robot.model, request, Deadline.after(30.0, time.monotonic))[0]
+    return certify(robot.model, request, no_hurry(30.0))[0]
 
 
 def excess(robot: Robot, trajectory: TimedTrajectory, certificate: Certificate, i: int) -> float:
@@ -49,7 +48,7 @@ def excess(robot: Robot, trajectory: TimedTrajectory, certificate: Certificate, 
 
 
 @given(seed=st.integers(0, 100_000))
-@settings(max_examples=6)
+@settings(max_examples=num_cases(6))
 def test_they_are_on_both_bodies_and_that_far_apart(seed: int) -> None:
     rng = np.random.default_rng(seed)
     robot = random_robot(rng, num_links=3, num_obstacles=4)

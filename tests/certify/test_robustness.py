@@ -1,6 +1,5 @@
 """What a proof survives: nothing that is nearer than that is ever hit."""
 
-import time
 from dataclasses import replace
 
 import numpy as np
@@ -12,7 +11,6 @@ from pydrake.math import RigidTransform
 
 from planning.certify.certifier import certify
 from planning.domain.curve import TimedTrajectory
-from planning.domain.deadline import Deadline
 from planning.domain.options import CertifyOptions
 from planning.domain.robustness import MOST_DISPLACEMENT, MOST_ERROR, Robustness
 from planning.world.margins import PairMargins
@@ -20,7 +18,9 @@ from planning.world.world import World
 from tests.certify.chains import Builder, P, R, Robot, fine_loop
 from tests.certify.conftest import quintic, smallest_distance
 from tests.certify.sound_motions import sound_motions
+from tests.clocks import no_hurry
 from tests.conftest import bundled_world
+from tests.profiles import num_cases
 
 ASKED = CertifyOptions(robustness=True)
 DOWN = np.array([0.0, 0.0, 1.0])
@@ -30,7 +30,7 @@ def robustness_of(
     robot: Robot, trajectory: TimedTrajectory, margins: PairMargins
 ) -> Robustness | None:
     request = replace(robot.request(trajectory, margins), options=ASKED)
-    certificate, report = certify(robot.model, request, Deadline.after(30.0, time.monotonic))
+    certificate, report = certify(robot.model, request, no_hurry(30.0))
     assert certificate.proven is (report.robustness is not None)
     return report.robustness
 
@@ -106,7 +106,7 @@ def among(places: np.ndarray) -> Robot:
 
 
 @given(seed=st.integers(0, 10_000))
-@settings(max_examples=8)
+@settings(max_examples=num_cases(6))
 def test_no_displacement_below_the_bound_makes_anything_touch(seed: int) -> None:
     rng = np.random.default_rng(seed)
     places = rng.normal(0.0, 0.5, (3, 3)) + np.array([0.0, 0.0, 0.4])
@@ -146,9 +146,7 @@ def test_bundled_scenes_survive_what_is_told_and_not_much_more() -> None:
     hit = 0
     for sound in sound_motions(6, 8):
         request = replace(sound.request, options=ASKED)
-        certificate, report = certify(
-            sound.world.drake, request, Deadline.after(30.0, time.monotonic)
-        )
+        certificate, report = certify(sound.world.drake, request, no_hurry(30.0))
         found = report.robustness
         assert certificate.proven
         assert found is not None
@@ -164,7 +162,7 @@ def test_bundled_scenes_survive_what_is_told_and_not_much_more() -> None:
 def test_nothing_is_told_of_what_is_not_proven_or_not_asked() -> None:
     world = bundled_world("ur5e_pickup")
     (sound,) = sound_motions(1, 8)
-    deadline = Deadline.after(30.0, time.monotonic)
+    deadline = no_hurry(30.0)
     assert certify(world.drake, sound.request, deadline)[1].robustness is None
     broken = replace(sound.request, start=sound.request.start + 0.1, options=ASKED)
     assert certify(world.drake, broken, deadline)[1].robustness is None

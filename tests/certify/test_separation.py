@@ -1,6 +1,5 @@
 """Both bounds hold at every step and meet; Drake's mistakes do not get through."""
 
-import time
 from typing import Any
 
 import numpy as np
@@ -13,10 +12,11 @@ from pydrake.math import RigidTransform
 from planning.certify.certifier import certify
 from planning.certify.collision_shapes import collision_shapes
 from planning.certify.separation import Separation, separation
-from planning.domain.deadline import Deadline
 from planning.world.margins import PairMargins
 from tests.certify.chains import FLOATING, PLANAR, Builder, Robot, random_pose, random_shape
 from tests.certify.conftest import quintic
+from tests.clocks import no_hurry
+from tests.profiles import num_cases
 
 pytestmark = pytest.mark.usefixtures("implementation")
 
@@ -87,7 +87,7 @@ def of_two(seed: int) -> tuple[Separation, float, float]:
 
 
 @given(seed=st.integers(0, 100_000))
-@settings(max_examples=60)
+@settings(max_examples=num_cases(6))
 def test_the_bounds_meet_about_drakes_distance(seed: int) -> None:
     found, drake, tolerance = of_two(seed)
     assert found.lower <= found.upper + 1e-9
@@ -115,10 +115,10 @@ def test_a_distance_that_drake_overstates_is_not_believed() -> None:
     robot, pose, true = parallel_boxes()
     still = quintic(robot.group, pose, pose + 1e-9, 1.0)
     request = robot.request(still, PairMargins(true + 1e-3))
-    certificate, _ = certify(robot.model, request, Deadline.after(9.0, time.monotonic))
+    certificate, _ = certify(robot.model, request, no_hurry(9.0))
     assert not certificate.proven
     request = robot.request(still, PairMargins(true - 1e-3))
-    certificate, _ = certify(robot.model, request, Deadline.after(9.0, time.monotonic))
+    certificate, _ = certify(robot.model, request, no_hurry(9.0))
     assert certificate.proven
     resolution = certificate.checks[-1].resolution
     assert certificate.min_clearance - resolution <= true + 1e-6

@@ -1,6 +1,5 @@
 """Stops under limits on torques and on accelerations of frames: kept at every instant."""
 
-import time
 from collections.abc import Callable
 from dataclasses import replace
 from typing import Literal
@@ -29,7 +28,9 @@ from planning.retime.retimer import retime
 from planning.world.dynamics import GroupDynamics
 from planning.world.world import World
 from tests.certify.conftest import quintic, request_for
+from tests.clocks import no_hurry
 from tests.conftest import bundled_world
+from tests.profiles import num_cases
 
 TOOL = ToolLimit("panda::panda_hand", None, 3.0)
 LOAD = Payload.from_parts("panda::panda_hand", 4.0, (0.0, 0.05, 0.1))
@@ -45,7 +46,7 @@ ARM = """<robot name="p"><link name="base"/><link name="bob"><inertial>
 
 
 def soon() -> Deadline:
-    return Deadline.after(30.0, time.monotonic)
+    return no_hurry(30.0)
 
 
 def loaded(world: World, request: CertifyRequest, count: int = 300) -> MotionCells:
@@ -134,7 +135,7 @@ def test_hardest_stops_keep_them_at_every_instant(
     effort: bool, use: Callable[[World, CertifyRequest, Ride], float]
 ) -> None:
     @given(seed=st.integers(0, 1000), start=st.floats(0.05, 0.9))
-    @settings(max_examples=2)
+    @settings(max_examples=num_cases(2))
     def kept(seed: int, start: float) -> None:
         world, request = detour(seed, "toppra", effort=effort)
         cells = loaded(world, request)

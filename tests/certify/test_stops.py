@@ -1,6 +1,5 @@
 """Stops along the path: within limits at every instant, and as soon over as is reported."""
 
-import time
 from dataclasses import replace
 
 import numpy as np
@@ -14,7 +13,6 @@ from planning.certify.motion_cells import motion_cells
 from planning.certify.stops import hardest_stops, ramps, smooth_durations, smooth_stops
 from planning.domain.certificate import Certificate
 from planning.domain.curve import JointSpline
-from planning.domain.deadline import Deadline
 from planning.domain.options import CertifyOptions, RetimeOptions
 from planning.domain.path import JointPath
 from planning.domain.report import CertifyReport
@@ -26,7 +24,9 @@ from planning.world.margins import PairMargins
 from planning.world.world import World
 from tests.certify.chains import Builder, P
 from tests.certify.conftest import quintic, request_for
+from tests.clocks import no_hurry
 from tests.conftest import bundled_world, limits_of
+from tests.profiles import num_cases
 
 # Lowest and highest acceleration of every joint, where they differ.
 type BySign = tuple[float, float] | None
@@ -72,7 +72,7 @@ def detour(seed: int, method: str, bounds: BySign = None) -> tuple[World, Certif
 
 
 def judged(world: World, request: CertifyRequest) -> tuple[Certificate, CertifyReport]:
-    return certify(world.drake, request, Deadline.after(30.0, time.monotonic))
+    return certify(world.drake, request, no_hurry(30.0))
 
 
 def use(request: CertifyRequest, rates: np.ndarray, order: int) -> float:
@@ -126,9 +126,7 @@ def test_what_is_reported_of_one_joint_is_what_is_known() -> None:
     request = replace(slide(4.0), options=STOPS)
     builder = Builder()
     builder.link(P, Sphere(0.05))
-    certificate, report = certify(
-        builder.build().model, request, Deadline.after(9.0, time.monotonic)
-    )
+    certificate, report = certify(builder.build().model, request, no_hurry(9.0))
     assert certificate.proven
     assert report.stop is not None
     assert report.stop.distance == pytest.approx(0.2, rel=0.08)
@@ -154,7 +152,7 @@ EITHER_WAY = st.sampled_from([None, (-1.0, 2.5), (-2.5, 1.0)])
 
 
 @given(seed=st.integers(0, 1000), start=st.floats(0, 0.95), bounds=EITHER_WAY)
-@settings(max_examples=6)
+@settings(max_examples=num_cases(6))
 def test_hardest_stops_keep_the_limits_at_every_instant(
     seed: int, start: float, bounds: BySign
 ) -> None:
@@ -169,7 +167,7 @@ def test_hardest_stops_keep_the_limits_at_every_instant(
 
 
 @given(seed=st.integers(0, 1000), start=st.floats(0.05, 0.9))
-@settings(max_examples=5)
+@settings(max_examples=num_cases(5))
 def test_an_execution_that_brakes_step_by_step_is_hardly_quicker(seed: int, start: float) -> None:
     _, request = detour(seed, "toppra")
     motion, period = request.trajectory, 5e-4
@@ -188,7 +186,7 @@ def test_an_execution_that_brakes_step_by_step_is_hardly_quicker(seed: int, star
 
 
 @given(seed=st.integers(0, 1000), bounds=EITHER_WAY)
-@settings(max_examples=6)
+@settings(max_examples=num_cases(6))
 def test_smooth_stops_keep_the_limits_at_every_instant(seed: int, bounds: BySign) -> None:
     _, request = detour(seed, "ruckig", bounds)
     motion = request.trajectory

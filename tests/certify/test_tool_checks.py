@@ -1,6 +1,5 @@
 """Speeds and accelerations of frames: what the checks say bounds what is so at every instant."""
 
-import time
 from dataclasses import replace
 from itertools import pairwise
 
@@ -18,7 +17,6 @@ from planning.certify.tool_checks import tool_checks
 from planning.domain.certificate import Check
 from planning.domain.constraint import PlacedBox
 from planning.domain.curve import TimedTrajectory
-from planning.domain.deadline import Deadline
 from planning.domain.joints import JointType
 from planning.domain.motion_limits import SpeedZone, ToolLimit
 from planning.domain.pose import Pose
@@ -26,7 +24,9 @@ from planning.world.margins import PairMargins
 from planning.world.world import World
 from tests.certify.chains import Builder, random_trajectory
 from tests.certify.conftest import judged, quintic, request_for
+from tests.clocks import no_hurry
 from tests.conftest import bundled_world
+from tests.profiles import num_cases
 
 MOVERS = [
     ("ur5e_pickup", "arm", "arm::tcp"),
@@ -37,7 +37,7 @@ MOVERS = [
 
 
 def checks_of(world: World, request: CertifyRequest) -> dict[str, Check]:
-    deadline = Deadline.after(30, time.monotonic)
+    deadline = no_hurry(30)
     return {check.name: check for check in tool_checks(world.drake, request, deadline)}
 
 
@@ -57,7 +57,7 @@ def positions(world: World, request: CertifyRequest, frame: str, times: np.ndarr
 
 @pytest.mark.parametrize(("scene", "name", "frame"), MOVERS)
 @given(seed=st.integers(0, 200))
-@settings(max_examples=2)
+@settings(max_examples=num_cases(2))
 def test_values_bound_the_peaks_and_are_hardly_more(
     scene: str, name: str, frame: str, seed: int
 ) -> None:
@@ -77,7 +77,7 @@ def test_values_bound_the_peaks_and_are_hardly_more(
 
 @pytest.mark.parametrize(("scene", "name", "frame"), MOVERS)
 @given(seed=st.integers(0, 1000))
-@settings(max_examples=4)
+@settings(max_examples=num_cases(4))
 def test_bounds_on_derivatives_hold_at_every_instant(
     scene: str, name: str, frame: str, seed: int
 ) -> None:
@@ -94,7 +94,7 @@ def test_bounds_on_derivatives_hold_at_every_instant(
 
 
 @given(rate=st.floats(0.1, 5.0), arm=st.floats(0.05, 1.0))
-@settings(max_examples=5)
+@settings(max_examples=num_cases(5))
 def test_of_one_arm_that_turns_evenly_the_bounds_are_exact(rate: float, arm: float) -> None:
     """|p^(m)| = rate^m arm."""
     builder = Builder()
@@ -127,7 +127,7 @@ def test_monstrous_motions_are_refused_and_raise_nothing(size: float) -> None:
 def test_states_are_the_derivatives_of_positions() -> None:
     world, request = moving("panda_shelf", "panda", 3)
     states = FrameStates(world.drake, request, "panda::panda_hand_tcp")
-    deadline = Deadline.after(30, time.monotonic)
+    deadline = no_hurry(30)
     h, t = 1e-4, 0.1
     seen = states.at(np.zeros(3, dtype=int), np.array([t - h, t, t + h]), deadline)
     np.testing.assert_allclose(

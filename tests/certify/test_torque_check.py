@@ -22,7 +22,9 @@ from planning.world.world import World
 from tests.certify.chains import Robot, random_robot, random_trajectory
 from tests.certify.conftest import quintic, request_for
 from tests.certify.test_torque_series import drake_efforts
+from tests.clocks import no_hurry
 from tests.conftest import bundled_world
+from tests.profiles import num_cases
 
 PENDULUM = """<robot name="p"><link name="base"/><link name="bob"><inertial>
 <origin xyz="0 0 -0.5"/><mass value="2"/>
@@ -33,7 +35,7 @@ PENDULUM = """<robot name="p"><link name="base"/><link name="bob"><inertial>
 
 
 def judged(world_drake: object, request: CertifyRequest) -> Check:
-    deadline = Deadline.after(60.0, time.monotonic)
+    deadline = no_hurry(60.0)
     return torque_check.torque_check(world_drake, replace(request, effort=True), deadline)
 
 
@@ -52,7 +54,7 @@ def sampled_peak(robot: Robot, trajectory: TimedTrajectory, count: int = 800) ->
     return max(float(np.linalg.norm(efforts[:, block], axis=1).max()) for block in blocks)
 
 
-@settings(max_examples=8)
+@settings(max_examples=num_cases(6))
 @given(seed=st.integers(0, 10_000))
 def test_the_bound_is_above_every_sample_and_near_the_largest(seed: int) -> None:
     rng = np.random.default_rng(seed)
@@ -68,7 +70,7 @@ def test_the_bound_is_above_every_sample_and_near_the_largest(seed: int) -> None
     assert np.linalg.norm(found[0, block]) == pytest.approx(peak, rel=0.01)
 
 
-@settings(max_examples=5)
+@settings(max_examples=num_cases(5))
 @given(seed=st.integers(0, 10_000))
 def test_a_motion_just_within_is_proven_and_one_that_is_too_quick_is_not(seed: int) -> None:
     rng = np.random.default_rng(seed)

@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from planning.errors import Contact, IllegalTransition, ProblemInvalid, TrackingLost
 from planning.execute.driver import Setpoint
 from planning.execute.execution import Execution
+from tests.profiles import num_cases
 
 PERIOD = 0.01
 ACCELERATION = 3.0
@@ -53,7 +54,7 @@ def test_it_follows_the_trajectory_and_succeeds(execution: Execution, new_driver
     assert not np.any(driver.sent[-1].v)
 
 
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=num_cases(6))
 @given(st.integers(0, 210), st.floats(0.05, 1.0))
 def test_a_cancel_comes_to_rest_on_the_path_within_the_limits(
     execution: Execution, new_driver: Any, when: int, speed: float
@@ -69,7 +70,7 @@ def test_a_cancel_comes_to_rest_on_the_path_within_the_limits(
         assert done.clock <= when * PERIOD + 1.0
 
 
-@settings(max_examples=8, deadline=None)
+@settings(max_examples=num_cases(6))
 @given(st.integers(0, 160), st.integers(1, 80), st.floats(0.3, 1.0))
 def test_pause_and_resume_lose_nothing(
     execution: Execution, new_driver: Any, when: int, pause: int, speed: float

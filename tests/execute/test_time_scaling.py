@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 from planning.domain.curve import TimedTrajectory
 from planning.domain.joints import Joint, JointLimits, JointType
 from planning.execute.time_scaling import choose_ramp, ramp_bounds
+from tests.profiles import num_cases
 
 JOINTS = (Joint("body::base", JointType.PLANAR), Joint("arm::a", JointType.REVOLUTE))
 BLOCKS = ((0, 1), (2,), (3,))
@@ -30,7 +31,7 @@ def utilisation(trajectory: TimedTrajectory, time: float, rate: float, ramp: flo
     return max(float(np.linalg.norm(vdot[list(block)])) for block in BLOCKS)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=num_cases(6))
 @given(st.integers(0, 10_000), st.floats(0, 1), st.floats(0, 1), st.floats(0, 1))
 def test_the_bounds_are_where_a_limit_is_met(
     seed: int, time: float, rate: float, fraction: float

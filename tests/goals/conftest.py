@@ -1,6 +1,5 @@
 """Worlds whose inverse kinematics is the kernel's, and the same with Drake's."""
 
-import time
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
@@ -9,7 +8,6 @@ import numpy as np
 import pytest
 
 import planning
-from planning.domain.deadline import Deadline
 from planning.domain.goal import PoseGoal, PoseTarget
 from planning.domain.goal_configurations import GoalConfigurations
 from planning.domain.options import IkOptions
@@ -17,6 +15,7 @@ from planning.domain.pose import Pose
 from planning.goals.sampler import GoalQuery, find_goals
 from planning.kernel.native import native
 from planning.world.world import World
+from tests.clocks import no_hurry
 
 EXACT = np.zeros(3)
 ENGINES = pytest.mark.parametrize("engine", ["kernel", "drake"])
@@ -51,7 +50,7 @@ def ask(
     """
     group = world.group(name)
     query = GoalQuery(group, goal, world.positions(group), world.margins(), options or IkOptions())
-    deadline = Deadline.after(seconds, time.process_time)
+    deadline = no_hurry(seconds)
     return find_goals(world, query, np.random.default_rng(seed), deadline)
 
 

@@ -16,6 +16,7 @@ from planning.goals.ball_target import BallTarget
 from planning.goals.reach_ball import ReachBall
 from planning.world.world import World
 from tests.goals.conftest import ENGINES, ask, at, world_by
+from tests.profiles import num_cases
 
 DOWN = Pose.from_parts([0.45, 0.25, 0.4], rpy=[np.pi, 0, 0])
 
@@ -31,7 +32,7 @@ def within(goal: PoseGoal, tolerance: float, weights: object, frame: str = "") -
 
 
 @given(seed=st.integers(0, 2**32 - 1), free=st.lists(st.booleans(), min_size=4, max_size=4))
-@settings(max_examples=20)
+@settings(max_examples=num_cases(6))
 def test_samples_are_inside_and_what_is_closest_is_too(seed: int, free: list[bool]) -> None:
     rng = np.random.default_rng(seed)
     middle, far = (Pose.from_parts(rng.normal(size=3), rng.normal(size=4)) for _ in range(2))

@@ -17,14 +17,16 @@ from planning.domain.pose import Pose
 from planning.errors import DeadlineExceeded, ProblemInvalid, UnknownName
 from planning.line import Fineness, trace_line
 from planning.world.world import World
+from tests.clocks import no_hurry
 from tests.conftest import bundled_world
 from tests.goals.conftest import ENGINES, world_by
+from tests.profiles import num_cases
 
 
 def follow(
     world: World, group: str, to: PoseTarget | Displacement, fineness: Fineness | None = None
 ) -> LineTrace:
-    deadline = Deadline.after(30, time.monotonic)
+    deadline = no_hurry(30)
     return trace_line(world, group, to, deadline=deadline, fineness=fineness)
 
 
@@ -39,7 +41,7 @@ def poses_at(world: World, group: str, frame: str, rows: np.ndarray) -> list[Pos
 
 @ENGINES
 @given(seed=st.integers(0, 500))
-@settings(max_examples=3)
+@settings(max_examples=num_cases(3))
 def test_the_tool_is_on_the_line_at_waypoints_and_as_near_as_said_between(
     engine: str, seed: int
 ) -> None:
@@ -71,7 +73,7 @@ def test_the_tool_is_on_the_line_at_waypoints_and_as_near_as_said_between(
 
 
 @given(seed=st.integers(0, 100))
-@settings(max_examples=2)
+@settings(max_examples=num_cases(2))
 def test_both_engines_follow_the_same_line(seed: int) -> None:
     rng = np.random.default_rng(seed)
     to = by(*rng.normal(0, 0.3, 3))
@@ -112,7 +114,7 @@ def test_a_collision_stops_just_before_it_and_names_the_pair() -> None:
 
 def test_a_margin_stops_earlier() -> None:
     world = bundled_world("ur5e_pickup")
-    deadline = Deadline.after(30, time.monotonic)
+    deadline = no_hurry(30)
     near = trace_line(world, "arm", by(0, 0, -0.5), deadline=deadline)
     far = trace_line(world, "arm", by(0, 0, -0.5), deadline=deadline, margin=0.02)
     assert far.length < near.length - 0.01
@@ -127,7 +129,7 @@ def test_beyond_a_singular_stretch_no_configuration_reaches() -> None:
     beyond = found.line.pose(found.fraction + 1e-3)
     goal = planning.PoseGoal((PoseTarget(beyond),), "", np.zeros(3), np.zeros(3))
     with pytest.raises(planning.errors.GoalUnreachable):
-        planning.solve_ik(world, "arm", goal, deadline=Deadline.after(30, time.monotonic))
+        planning.solve_ik(world, "arm", goal, deadline=no_hurry(30))
 
 
 def test_joints_that_cannot_lift_say_so() -> None:
@@ -144,7 +146,7 @@ def test_a_spare_joint_gives_way_at_its_limit() -> None:
     limits = world.limits(group)
     start = np.array(world.positions(group))
     start[0] = limits.upper[0] - 0.02
-    deadline = Deadline.after(30, time.monotonic)
+    deadline = no_hurry(30)
     to = by(0, -0.05, 0, frame="panda::panda_hand_tcp")
     there = trace_line(world, "panda", to, deadline=deadline, start=start)
     back = trace_line(
@@ -169,7 +171,7 @@ def test_a_step_bounds_the_way_between_waypoints() -> None:
 def test_a_start_that_collides_goes_nowhere() -> None:
     world = bundled_world("ur5e_pickup")
     flat = np.zeros(6)
-    deadline = Deadline.after(30, time.monotonic)
+    deadline = no_hurry(30)
     found = trace_line(world, "arm", by(0, 0, 0.1), deadline=deadline, start=flat)
     assert found.fraction == 0
     assert found.stop is not None

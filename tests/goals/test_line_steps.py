@@ -16,6 +16,7 @@ from planning.goals.line_steps import LineSteps
 from planning.world.tool_kinematics import ToolKinematics
 from planning.world.world import World
 from tests.goals.conftest import ENGINES, with_engine
+from tests.profiles import num_cases
 
 # The second joint and, through it, the third one follow the first.
 FOLDING = """<robot name="fold"><link name="base"/><link name="a"/><link name="b"/>
@@ -52,7 +53,7 @@ def folding(engine: str, first: float, second: float) -> World:
     move=st.floats(0.05, 0.2),
     ratios=st.sampled_from([(-1.0, 0.0), (-1.0, 0.5), (-3.0, -2.0), (1.0, 0.0)]),
 )
-@settings(max_examples=8)
+@settings(max_examples=num_cases(6))
 def test_the_bound_holds_where_joints_follow_others(
     engine: str, begin: float, move: float, ratios: tuple[float, float]
 ) -> None:

@@ -36,8 +36,10 @@ from planning.errors import (
 )
 from planning.world.rules.path_rules import PathRules
 from planning.world.world import World
+from tests.clocks import no_hurry
 from tests.conftest import bundled_world
 from tests.goals.conftest import ENGINES, world_by
+from tests.profiles import num_cases
 
 PICKUP, BAND = "ur5e_pickup", "maze_2d_band"
 SCENES = pytest.mark.parametrize("name", [PICKUP, "panda_shelf", "window_3d", "maze_2d"])
@@ -50,7 +52,7 @@ PLACES = (
 
 
 def until() -> planning.Deadline:
-    return planning.Deadline.after(60.0, time.monotonic)
+    return no_hurry(60.0)
 
 
 def refused(
@@ -118,7 +120,7 @@ def nearer(group: JointGroup, q: np.ndarray, distance: float, weights: Any = 1.0
 
 
 @SCENES
-@settings(max_examples=3)
+@settings(max_examples=num_cases(3))
 @given(st.integers(0, 10_000))
 def test_the_nearest_is_feasible_and_2000_tries_find_no_nearer_one(name: str, seed: int) -> None:
     world = bundled_world(name)

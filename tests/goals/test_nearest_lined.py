@@ -1,6 +1,5 @@
 """What is nearest to a pose that no approach leads to is approached, and what would do does."""
 
-import time
 from dataclasses import replace
 from functools import cache
 from typing import Any
@@ -9,7 +8,6 @@ import numpy as np
 import pytest
 
 import planning
-from planning.domain.deadline import Deadline
 from planning.domain.goal import PoseGoal
 from planning.domain.options import IkOptions, PoseMetric
 from planning.domain.pose import Pose
@@ -22,6 +20,7 @@ from planning.goals.start import within_limits
 from planning.goals.tool_target import ToolTarget
 from planning.kernel.native import native
 from planning.world.world import World
+from tests.clocks import no_hurry
 from tests.goals.conftest import EXACT, ask, at, world_by
 from tests.goals.test_nearest import cost_of, nearer_tries
 
@@ -53,7 +52,7 @@ def have_lines(world: World, goal: PoseGoal, rows: np.ndarray, poses: list[Pose]
     group = world.group("arm")
     query = GoalQuery(group, goal, world.positions(group), world.margins(), IkOptions())
     targets = [ToolTarget("arm::tcp", pose, EXACT, EXACT) for pose in poses]
-    judge = LegJudge(world, query, goal, targets, Deadline.after(60, time.process_time))
+    judge = LegJudge(world, query, goal, targets, no_hurry(60))
     return judge.admit(rows, np.arange(len(rows)))
 
 
@@ -167,9 +166,7 @@ def test_plans_say_the_same() -> None:
     world = world_by(NAME, "kernel")
     goal = asking(approach, retreat)
     with pytest.raises(ApproachBlocked) as refusal:
-        planning.plan(
-            PlanningProblem("arm", goal), world, deadline=Deadline.after(4.0, time.process_time)
-        )
+        planning.plan(PlanningProblem("arm", goal), world, deadline=no_hurry(4.0))
     said, known = refusal.value.evidence, blocked(approach, retreat).evidence
     assert said.keys() == known.keys()
     assert said["relaxation"].keys() == known["relaxation"].keys()

@@ -1,6 +1,5 @@
 """What is nearest to a pose that breaks a path constraint keeps it, and what would do does."""
 
-import time
 from dataclasses import replace
 from functools import cache
 from typing import Any
@@ -20,7 +19,6 @@ from planning.domain.constraint import (
     PlacedBox,
     PositionBand,
 )
-from planning.domain.deadline import Deadline
 from planning.domain.goal import PoseGoal, PoseTarget, RegionGoal, RelativeGoal
 from planning.domain.goal_configurations import GoalConfigurations
 from planning.domain.options import IkOptions, PoseMetric
@@ -33,6 +31,7 @@ from planning.goals.tool_target import ToolTarget
 from planning.kernel.native import native
 from planning.world.rules.path_rules import PathRules
 from planning.world.world import World
+from tests.clocks import no_hurry
 from tests.goals.conftest import EXACT, at, world_by
 from tests.goals.test_nearest import cost_of, nearer_tries
 
@@ -66,7 +65,7 @@ EVERY = pytest.mark.parametrize("case", CASES)
 def solved(
     goal: Any, rules: tuple[PathConstraint, ...], trials: int = 600, seconds: float = 60.0
 ) -> GoalConfigurations:
-    world, until = world_by(NAME, "kernel"), Deadline.after(seconds, time.process_time)
+    world, until = world_by(NAME, "kernel"), no_hurry(seconds)
     options = IkOptions(30, trials)
     return planning.solve_ik(world, "arm", goal, deadline=until, constraints=rules, options=options)
 
@@ -220,7 +219,7 @@ def test_plans_say_the_same() -> None:
     world = world_by(NAME, "kernel")
     problem = PlanningProblem("arm", at(pose), ik=IkOptions(30, 100), constraints=rules)
     with pytest.raises(GoalViolatesConstraint) as refusal:
-        planning.plan(problem, world, deadline=Deadline.after(60, time.process_time))
+        planning.plan(problem, world, deadline=no_hurry(60))
     said, known = refusal.value.evidence, refused_in("both").evidence
     assert said["nearest"] == known["nearest"]
     assert said["relaxation"] == known["relaxation"]

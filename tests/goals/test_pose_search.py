@@ -20,6 +20,7 @@ from planning.goals.pose_solvers import KernelPoseSolver
 from planning.goals.sampler import GoalQuery, find_goals
 from planning.goals.start import admit_start
 from planning.world.world import World
+from tests.clocks import no_hurry
 from tests.goals.conftest import ENGINES, EXACT, ask, at, with_engine, world_by
 
 DOWN = Pose.from_parts([0.45, 0.25, 0.45], rpy=[np.pi, 0, 0.3])
@@ -103,7 +104,7 @@ def test_time_and_patience_of_others_end_it(engine: str) -> None:
     with pytest.raises(DeadlineExceeded):
         find_goals(world, query, rng, Deadline.after(0.0, time.monotonic))
     with pytest.raises(Canceled):
-        find_goals(world, query, rng, Deadline.after(9.0, time.monotonic, lambda: True))
+        find_goals(world, query, rng, no_hurry(9.0, lambda: True))
 
 
 @pytest.mark.parametrize("wanted", [1, 3, 8])
@@ -186,7 +187,7 @@ def test_what_is_free_needs_no_distances(engine: str, monkeypatch: Any) -> None:
     monkeypatch.setattr(World, "violations", refuse)
     start, _ = admit_start(world, group, q, world.margins())
     query = GoalQuery(group, JointGoal(q[None]), start, world.margins(), IkOptions())
-    deadline = Deadline.after(9.0, time.monotonic)
+    deadline = no_hurry(9.0)
     found = find_goals(world, query, np.random.default_rng(0), deadline)
     np.testing.assert_array_equal(found.positions, q[None])
 

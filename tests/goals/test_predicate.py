@@ -1,7 +1,6 @@
 """Goals that a function decides."""
 
 import pickle
-import time
 
 import numpy as np
 import pytest
@@ -11,6 +10,7 @@ from planning.domain.goal import ConfigurationGoal, GoalPredicate
 from planning.domain.options import IkOptions, RefineOptions
 from planning.domain.problem import PlanningProblem
 from planning.errors import GoalInCollision, GoalUnreachable, ProblemInvalid
+from tests.clocks import no_hurry
 from tests.goals.conftest import ask, world_by
 
 
@@ -36,7 +36,7 @@ def test_it_can_be_planned_to() -> None:
     problem = PlanningProblem(
         "arm", GoalPredicate(is_left), ik=IkOptions(2, 60), refine=RefineOptions("none")
     )
-    found = planning.plan(problem, world, deadline=planning.Deadline.after(20.0, time.monotonic))
+    found = planning.plan(problem, world, deadline=no_hurry(20.0))
     assert found.certificate.proven
     assert is_left(found.goal_configuration)
 

@@ -1,6 +1,5 @@
 """How good configurations are."""
 
-import time
 from itertools import pairwise
 
 import numpy as np
@@ -13,6 +12,7 @@ from planning.goals.branch import branch_of
 from planning.goals.joint_metric import JointMetric
 from planning.goals.quality import QualityProbe
 from planning.world.tool_kinematics import ToolKinematics
+from tests.clocks import no_hurry
 from tests.goals.conftest import at, world_by
 
 GOAL: PoseGoal = at(Pose.from_parts([0.45, 0.25, 0.45], rpy=[np.pi, 0, 0.3]))
@@ -30,7 +30,7 @@ def probe_of(world: object, group: object) -> QualityProbe:
 
 def test_the_eight_branches_of_a_ur_are_its_eight_solutions() -> None:
     world = world_by("ur5e_pickup", "kernel")
-    deadline = planning.Deadline.after(20.0, time.monotonic)
+    deadline = no_hurry(20.0)
     found = planning.solve_ik(world, "arm", GOAL, deadline=deadline)
     qualities = planning.assess_configurations(world, "arm", found.positions)
     turns = np.round(np.remainder(found.positions + 1e-4, 2 * np.pi), 3)

@@ -8,6 +8,7 @@ from planning.domain.joints import JointType
 from planning.domain.manifold import Manifold
 from planning.goals.ranking import Distinct
 from tests.conftest import group_of
+from tests.profiles import num_cases
 
 KINDS = (
     JointType.REVOLUTE,
@@ -23,7 +24,7 @@ KINDS = (
     kinds=st.lists(st.sampled_from(KINDS), min_size=1, max_size=4),
     num_places=st.integers(1, 12),
 )
-@settings(max_examples=60)
+@settings(max_examples=num_cases(6))
 def test_rows_are_new_unless_they_repeat_one_before(
     seed: int, kinds: list[JointType], num_places: int
 ) -> None:

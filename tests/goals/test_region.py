@@ -17,6 +17,7 @@ from planning.goals.drawn_aims import DrawnAims
 from planning.goals.reach_ball import ReachBall, reach_ball
 from planning.goals.region_target import RegionTarget
 from tests.goals.conftest import ENGINES, EXACT, ask, world_by
+from tests.profiles import num_cases
 
 DOWN = Pose.from_parts([0.45, 0.25, 0.4], rpy=[np.pi, 0, 0])
 FREE = np.pi
@@ -46,7 +47,7 @@ def tilt_and_twist(a: np.ndarray, axis: int) -> tuple[np.ndarray, float]:
     free=st.lists(st.booleans(), min_size=3, max_size=3),
     bound=st.floats(0.0, 3.0),
 )
-@settings(max_examples=15)
+@settings(max_examples=num_cases(6))
 def test_samples_are_in_the_region_and_little_else_is(
     seed: int, free: list[bool], bound: float
 ) -> None:

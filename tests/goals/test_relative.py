@@ -10,13 +10,14 @@ from planning.domain.options import IkOptions
 from planning.domain.pose import Pose
 from planning.errors import GoalInCollision, GoalUnreachable, UnknownName
 from tests.goals.conftest import ask, world_by
+from tests.profiles import num_cases
 
 
 @given(
     seed=st.integers(0, 2**32 - 1),
     reference=st.sampled_from(["", "world", "pick", "arm::forearm_link", "arm::tcp"]),
 )
-@settings(max_examples=12)
+@settings(max_examples=num_cases(6))
 def test_the_tool_is_displaced_by_the_axes_of_the_reference(seed: int, reference: str) -> None:
     world = world_by("ur5e_pickup", "kernel")
     group = world.group("arm")

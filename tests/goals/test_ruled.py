@@ -1,6 +1,5 @@
 """Inverse kinematics under path constraints."""
 
-import time
 from typing import Any
 
 import numpy as np
@@ -16,7 +15,6 @@ from planning.domain.constraint import (
     PlacedBox,
     TightLimits,
 )
-from planning.domain.deadline import Deadline
 from planning.domain.funnel import Funnel, rejections
 from planning.domain.goal import GoalPredicate, PoseGoal, PoseTarget, RegionGoal
 from planning.domain.goal_configurations import GoalConfigurations
@@ -24,6 +22,7 @@ from planning.domain.options import IkOptions
 from planning.domain.pose import Pose
 from planning.errors import GoalInCollision, GoalViolatesConstraint
 from planning.world.world import World
+from tests.clocks import no_hurry
 from tests.goals.conftest import ENGINES, EXACT, at, world_by
 
 GOAL = PoseGoal((PoseTarget(Pose.identity(), "upper"),), "", EXACT, EXACT)
@@ -32,7 +31,7 @@ UP = np.array([0.0, 0.0, 1.0])
 
 def solve(world: World, *constraints: PathConstraint, **arguments: Any) -> GoalConfigurations:
     goal = arguments.pop("goal", GOAL)
-    deadline = Deadline.after(60, time.monotonic)
+    deadline = no_hurry(60)
     name = world.groups[0].name
     return planning.solve_ik(
         world, name, goal, deadline=deadline, constraints=constraints, **arguments

@@ -15,11 +15,12 @@ from planning.errors import GoalInCollision, GoalUnreachable
 from planning.goals.ranking import equivalents
 from tests.conftest import group_of, limits_of
 from tests.goals.conftest import ENGINES, ask, at, world_by
+from tests.profiles import num_cases
 
 
 @ENGINES
 @given(seed=st.integers(0, 500))
-@settings(max_examples=4)
+@settings(max_examples=num_cases(4))
 def test_every_solution_reaches_and_is_free_in_limits_and_distinct(engine: str, seed: int) -> None:
     world = world_by("ur5e_pickup", engine)
     group = world.group("arm")

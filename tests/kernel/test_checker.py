@@ -14,6 +14,7 @@ from planning.domain.joints import JointGroup
 from planning.kernel.native import native
 from tests.certify.chains import FLOATING, PLANAR, Builder, P, R, Robot, random_robot
 from tests.kernel.conftest import COLLIDING, FREE, UNSURE, Judged
+from tests.profiles import num_cases
 
 
 def lane_kernels() -> list[str]:
@@ -26,7 +27,7 @@ def _robot_that_does_not_float() -> Robot:
     return next(r for r in robots if r.group.num_positions == r.group.num_velocities)
 
 
-@settings(max_examples=25)
+@settings(max_examples=num_cases(6))
 @given(
     seed=st.integers(0, 2**32 - 1),
     margin=st.sampled_from([0.0, 0.001, 0.02, 0.1]),

@@ -14,6 +14,7 @@ from planning.kernel.covering import Covering, cached_covering, cover
 from planning.kernel.shape import ConvexShape, ShapeKind
 from planning.kernel.solid import Solid
 from planning.world.convex_shapes import convex_shape
+from tests.profiles import num_cases
 
 SIZES = st.floats(0.004, 0.4)
 
@@ -67,7 +68,7 @@ def uncovered(points: np.ndarray, spheres: np.ndarray) -> int:
     return int((away > spheres[None, :, 3] * (1 + 1e-12)).all(axis=1).sum())  # but for rounding
 
 
-@settings(max_examples=40)
+@settings(max_examples=num_cases(6))
 @given(
     kind=st.sampled_from(["box", "sphere", "cylinder", "capsule", "ellipsoid", "hull"]),
     a=SIZES,

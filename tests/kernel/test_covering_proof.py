@@ -11,6 +11,7 @@ from planning.errors import ModelInvalid
 from planning.kernel.covering import Covering, cover
 from planning.kernel.shape import ConvexShape, ShapeKind
 from tests.kernel.bodies import body, depth, distance, hull, inside, on_surface
+from tests.profiles import num_cases
 
 # Random points and spheres are computed in doubles of size about one.
 ROUNDING = 1e-12
@@ -46,7 +47,7 @@ def samples(shape: ConvexShape, seed: int = 0) -> np.ndarray:
     return np.concatenate([inside(shape, rng, 3000), on_surface(shape, rng, 6000)])
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=num_cases(6))
 @given(shape=shapes)
 @example(shape=body(ShapeKind.BOX, 0.5, 0.5, 0.5))
 @example(shape=body(ShapeKind.BOX, 0.01, 0.4, 0.6))
@@ -62,7 +63,7 @@ def test_outer_spheres_and_the_bound_contain_the_shape(shape: ConvexShape) -> No
     assert left_out(covering.bound[None], points) <= ROUNDING
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=num_cases(6))
 @given(shape=shapes)
 def test_outer_spheres_reach_no_farther_than_said(shape: ConvexShape) -> None:
     covering = cover(shape)
@@ -73,7 +74,7 @@ def test_outer_spheres_reach_no_farther_than_said(shape: ConvexShape) -> None:
     assert distance(shape, points.reshape(-1, 3)).max() <= covering.protrusion + 1e-7
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=num_cases(6))
 @given(shape=shapes)
 def test_inner_spheres_lie_inside(shape: ConvexShape) -> None:
     covering = cover(shape)
@@ -87,7 +88,7 @@ def test_inner_spheres_lie_inside(shape: ConvexShape) -> None:
     assert distance(shape, points.reshape(-1, 3)).max() <= 1e-7
 
 
-@settings(max_examples=10, deadline=None)
+@settings(max_examples=num_cases(6))
 @given(shape=shapes)
 def test_the_checker_finds_a_sphere_that_is_missing(shape: ConvexShape) -> None:
     """These samples would show that a sphere is not there, at least most times."""
@@ -98,7 +99,7 @@ def test_the_checker_finds_a_sphere_that_is_missing(shape: ConvexShape) -> None:
     assert sum(found) >= 0.8 * len(less)
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=num_cases(6))
 @given(a=sizes, b=sizes, c=sizes)
 def test_a_partition_proves_that_boxes_are_covered(a: float, b: float, c: float) -> None:
     """Cells whose corners share a sphere are in it; the others are halved until none is left."""
@@ -151,7 +152,7 @@ def test_few_spheres_reach_much_less_far_than_one_and_fill_much(shape: ConvexSha
 
 
 @given(shape=shapes)
-@settings(max_examples=10, deadline=None)
+@settings(max_examples=num_cases(6))
 def test_the_same_shape_has_the_same_covering(shape: ConvexShape) -> None:
     again = ConvexShape(shape.kind, shape.size, shape.vertices, shape.planes)
     first, second = cover(shape), cover(again)
@@ -160,7 +161,7 @@ def test_the_same_shape_has_the_same_covering(shape: ConvexShape) -> None:
     assert (np.diff(first.outer[:, 3]) <= 0).all()
 
 
-@settings(max_examples=10, deadline=None)
+@settings(max_examples=num_cases(6))
 @given(shape=hulls, x=st.floats(-50, 50))
 def test_hulls_far_from_their_origin_are_covered(shape: ConvexShape, x: float) -> None:
     shift = np.array([x, -x, 2 * x])

@@ -15,6 +15,7 @@ from planning.world.kernel_tree import kernel_chain
 from planning.world.world import World
 from tests.conftest import bundled_world
 from tests.kernel.test_kinematics import drake_pose, made_up
+from tests.profiles import num_cases
 
 pytestmark = pytest.mark.skipif(native() is None, reason="the native kernel is not built")
 
@@ -41,7 +42,7 @@ def exact(pose: np.ndarray) -> ToolTarget:
 
 
 @given(seed=st.integers(0, 2**32 - 1))
-@settings(max_examples=40)
+@settings(max_examples=num_cases(6))
 def test_on_random_robots_what_converged_reaches_within_limits(seed: int) -> None:
     robot, frame, qs = made_up(seed)
     model = robot.model

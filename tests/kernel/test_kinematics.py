@@ -13,6 +13,7 @@ from planning.kernel.native import native
 from planning.world.drake_model import Coupling, DrakeModel
 from planning.world.kernel_tree import kernel_chain
 from tests.certify.chains import FLOATING, P, R, Robot, random_robot
+from tests.profiles import num_cases
 
 pytestmark = pytest.mark.skipif(native() is None, reason="the native kernel is not built")
 
@@ -71,7 +72,7 @@ def drake_pose(model: DrakeModel, context: Any, frame: str, full: np.ndarray) ->
 
 
 @given(seed=st.integers(0, 2**32 - 1))
-@settings(max_examples=60)
+@settings(max_examples=num_cases(6))
 def test_poses_are_drakes(seed: int) -> None:
     robot, frame, qs = made_up(seed)
     chain: Any = kernel_chain(robot.model, robot.group, robot.state, frame)
@@ -84,7 +85,7 @@ def test_poses_are_drakes(seed: int) -> None:
 
 
 @given(seed=st.integers(0, 2**32 - 1))
-@settings(max_examples=60)
+@settings(max_examples=num_cases(6))
 def test_jacobians_are_the_slopes_of_drakes_poses(seed: int) -> None:
     """A column is the spatial velocity when one of Drake's v is 1: angular first, in W."""
     robot, frame, qs = made_up(seed)

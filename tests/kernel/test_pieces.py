@@ -10,6 +10,7 @@ from planning.kernel.pieces import Piece
 from planning.kernel.power_cells import power_cells
 from planning.kernel.solid import Solid
 from tests.kernel.bodies import hull
+from tests.profiles import num_cases
 
 
 @pytest.fixture(autouse=True)
@@ -39,7 +40,7 @@ def random_cut(piece: Piece, rng: np.random.Generator) -> tuple[np.ndarray, floa
     return n, float(n @ inside)
 
 
-@settings(max_examples=40)
+@settings(max_examples=num_cases(6))
 @given(seed=st.integers(0, 2**32 - 1), cuts=st.integers(1, 12))
 def test_both_parts_of_a_piece_have_its_volume(seed: int, cuts: int) -> None:
     rng = np.random.default_rng(seed)
@@ -63,7 +64,7 @@ def test_a_plane_that_misses_takes_all_or_nothing() -> None:
     assert not len(empty.below(n, 0.5, 7).corners)
 
 
-@settings(max_examples=20)
+@settings(max_examples=num_cases(6))
 @given(seed=st.integers(0, 2**32 - 1), count=st.integers(1, 12))
 def test_power_cells_share_out_all_of_a_piece(seed: int, count: int) -> None:
     rng = np.random.default_rng(seed)
@@ -81,7 +82,7 @@ def test_power_cells_share_out_all_of_a_piece(seed: int, count: int) -> None:
     assert (away <= farthest[owners] + 1e-12).all()
 
 
-@settings(max_examples=20)
+@settings(max_examples=num_cases(6))
 @given(seed=st.integers(0, 2**32 - 1), count=st.integers(4, 80))
 def test_the_polytope_around_a_hull_contains_it_and_is_close(seed: int, count: int) -> None:
     shape = hull(seed, count, 0.3, 0.2, 0.1)

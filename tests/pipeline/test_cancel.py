@@ -1,17 +1,15 @@
 """What a cancel leaves behind: nothing, or the best so far, proven."""
 
-import time
-
 import numpy as np
 import pytest
 
 import planning
-from planning.domain.deadline import Deadline
 from planning.domain.goal import JointGoal
 from planning.domain.options import RefineOptions, SearchOptions
 from planning.domain.plan import Progress
 from planning.domain.problem import PlanningProblem
 from planning.errors import Canceled
+from tests.clocks import no_hurry
 from tests.conftest import bundled_world
 from tests.pipeline.test_plan import GROUPS, to_frame
 
@@ -36,7 +34,7 @@ def test_a_cancel_leaves_a_proven_plan_to_who_wants_the_best_so_far(scene: str) 
     options = {"attempts": 50, "allowed_planning_time": 30.0}
     for on_cancel in ("best", "discard"):
         seen.clear()
-        deadline = Deadline.after(30.0, time.monotonic, lambda: bool(seen))
+        deadline = no_hurry(30.0, lambda: bool(seen))
         search = SearchOptions(**options, on_cancel=on_cancel)
         problem = PlanningProblem(GROUPS[scene], goal, search=search)
         if on_cancel == "discard":
@@ -61,7 +59,7 @@ def test_a_best_so_far_that_cannot_be_proven_is_searched_for_once_more(
     def note(progress: Progress) -> None:
         seen.extend([] if progress.best_length is None else [progress.best_length])
 
-    deadline = Deadline.after(30.0, time.monotonic, lambda: len(seen) >= after)
+    deadline = no_hurry(30.0, lambda: len(seen) >= after)
     search = SearchOptions(attempts=100, on_cancel="best", allowed_planning_time=20.0)
     goal = JointGoal(np.array([[0.3, -0.3, 0.0]]))
     problem = PlanningProblem("body", goal, search=search, refine=RefineOptions("none"), seed=seed)
@@ -78,7 +76,7 @@ def test_the_only_path_that_a_planner_was_improving_is_proven(goal: tuple[float,
     def note(progress: Progress) -> None:
         seen.extend([] if progress.best_length is None else [progress.best_length])
 
-    deadline = Deadline.after(20.0, time.monotonic, lambda: bool(seen))
+    deadline = no_hurry(20.0, lambda: bool(seen))
     search = SearchOptions("RRTstar", on_cancel="best", allowed_planning_time=20.0)
     problem = PlanningProblem("body", JointGoal(np.array([goal])), search=search)
     found = planning.plan(problem, world, deadline=deadline, on_progress=note)

@@ -1,6 +1,5 @@
 """Cars through every stage: planned, timed, proven, and looked at by somebody else."""
 
-import time
 from dataclasses import replace
 from pathlib import Path
 
@@ -8,11 +7,11 @@ import numpy as np
 import pytest
 
 import planning
-from planning.domain.deadline import Deadline
 from planning.domain.plan import MotionPlan
 from planning.errors import NotCertified, ProblemInvalid
 from planning.world.collision import DrakeCollisionOracle
 from planning.world.world import World
+from tests.clocks import no_hurry
 from tests.drivers import assert_driven, body_velocities
 
 JOINT = "car::base_joint"
@@ -67,7 +66,7 @@ def planned(world: World, end: np.ndarray | str, **fields: object) -> MotionPlan
     )
     group = world.groups[0].name
     problem = replace(planning.PlanningProblem(group, goal, seed=1), **fields)
-    return planning.plan(problem, world, deadline=Deadline.after(30.0, time.monotonic))
+    return planning.plan(problem, world, deadline=no_hurry(30.0))
 
 
 def assert_free(world: World, motion: MotionPlan) -> None:
@@ -111,7 +110,7 @@ def test_a_car_of_a_request_alone(world_of: object) -> None:
     motion = planned(world, np.array([-0.3, 0.2, 1.0]), search=search)
     assert_driven(motion.trajectory, 0.1, reverse=False)
     certificate, _ = planning.certify_trajectory(
-        world, "body", motion.trajectory, deadline=Deadline.after(10.0, time.monotonic)
+        world, "body", motion.trajectory, deadline=no_hurry(10.0)
     )
     assert certificate.proven
     assert not [check for check in certificate.checks if "steering" in check.name]
@@ -124,7 +123,7 @@ def test_the_way_back_is_driven_by_the_car_that_was_asked_for(reverse: bool) -> 
     car = {"body::base_joint": planning.Steering(0.1, reverse)}
     end = planning.JointGoal(np.array([[-0.3, 0.2, 1.0]]))
     problem = planning.PlanningProblem("body", end, search=planning.SearchOptions(spaces=car))
-    soon = Deadline.after(30.0, time.monotonic)
+    soon = no_hurry(30.0)
     there = planning.plan(problem, world, deadline=soon)
     motion = there.path, there.trajectory, there.parts
     if not reverse:
@@ -142,14 +141,14 @@ def test_a_pose_is_reached_as_well(street: World) -> None:
     exactly = np.zeros(3)
     goal = planning.PoseGoal((planning.PoseTarget(pose),), "car::body", exactly, exactly)
     problem = planning.PlanningProblem("car", goal)
-    motion = planning.plan(problem, street, deadline=Deadline.after(30.0, time.monotonic))
+    motion = planning.plan(problem, street, deadline=no_hurry(30.0))
     assert motion.goal_configuration[:2] == pytest.approx([0.5, 0.1], abs=1e-5)
     assert_driven(motion.trajectory, 0.3, reverse=True)
 
 
 def test_waypoints_of_others_are_followed_on_arcs_or_refused(street: World) -> None:
     start = np.array([-0.9, 0.0, 0.0])
-    deadline = Deadline.after(30.0, time.monotonic)
+    deadline = no_hurry(30.0)
     # A quarter of a turn has its end as far ahead as aside.
     turned = np.array([-0.9 + 0.4 * np.sin(0.5), 0.4 * (1 - np.cos(0.5)), 0.5])
     done = planning.retime_path(street, "car", [start, turned], deadline=deadline)
@@ -217,5 +216,5 @@ def test_a_car_with_an_arm(tmp_path: Path) -> None:
     assert np.ptp(still.path.waypoints[:, 3]) == 0.0
     assert np.ptp(shoulder_of(still)) == 0.0
     arm = planning.PlanningProblem("truck::arm", planning.JointGoal(np.array([[1.0]])))
-    alone = planning.plan(arm, world, deadline=Deadline.after(30.0, time.monotonic))
+    alone = planning.plan(arm, world, deadline=no_hurry(30.0))
     assert not [check for check in alone.certificate.checks if "steering" in check.name]

@@ -1,13 +1,11 @@
 """What a plan is asked to find out about its motion changes no byte of the motion."""
 
-import time
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
 import planning
-from planning.domain.deadline import Deadline
 from planning.domain.goal import JointGoal
 from planning.domain.options import CertifyOptions
 from planning.domain.plan import MotionPlan
@@ -15,10 +13,11 @@ from planning.domain.problem import PlanningProblem
 from planning.domain.value import digest
 from planning.errors import NotCertified
 from planning.world.world import World
+from tests.clocks import no_hurry
 
 
 def planned(world: World, problem: PlanningProblem) -> MotionPlan:
-    return planning.plan(problem, world, deadline=Deadline.after(60.0, time.monotonic))
+    return planning.plan(problem, world, deadline=no_hurry(60.0))
 
 
 def test_findings_come_with_the_same_motion(pickup: World) -> None:
@@ -54,7 +53,7 @@ def test_stops_are_bounded_under_all_that_limits_the_motion(
 ) -> None:
     home = pickup.positions(pickup.group("arm"))
     path = np.stack([home, home + np.array([-0.6, 0.1, -0.2, 0.1, 0.0, 0.3])])
-    soon = Deadline.after(30.0, time.monotonic)
+    soon = no_hurry(30.0)
     motion = planning.retime_path(pickup, "arm", path, deadline=soon, options=limits).trajectory
     hasty = CertifyOptions(max_stopping_time=0.01)
     certificate, report = planning.certify_trajectory(

@@ -35,6 +35,7 @@ from planning.errors import (
     UnknownName,
 )
 from planning.world.world import World
+from tests.clocks import no_hurry
 from tests.conftest import bundled_world
 
 EMPTY = "robots: [{name: panda, model: panda, positions: home}]"
@@ -75,7 +76,7 @@ def hand_at(x: float, y: float, z: float) -> PoseGoal:
 
 @cache
 def beside_the_pillar() -> np.ndarray:
-    until = planning.Deadline.after(10.0, time.monotonic)
+    until = no_hurry(10.0)
     return planning.solve_ik(
         pillar(), "panda", hand_at(0.45, -0.35, 0.4), deadline=until
     ).positions[0]
@@ -86,7 +87,7 @@ def solve(
 ) -> MotionPlan:
     settings = {"search": SearchOptions(allowed_planning_time=20.0), **options}
     problem = PlanningProblem(group, goal, constraints=constraints, **settings)
-    found = planning.plan(problem, world, deadline=planning.Deadline.after(20.0, time.monotonic))
+    found = planning.plan(problem, world, deadline=no_hurry(20.0))
     assert found.certificate.proven
     return found
 

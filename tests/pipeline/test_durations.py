@@ -1,16 +1,15 @@
 """A duration that is asked for: met, or refused with the least that any candidate allows."""
 
-import time
 from typing import Literal
 
 import numpy as np
 import pytest
 
 import planning
-from planning.domain.deadline import Deadline
 from planning.domain.options import RetimeOptions
 from planning.errors import RetimingFailed
 from planning.world.world import World
+from tests.clocks import no_hurry
 
 
 @pytest.mark.parametrize("method", ["toppra", "ruckig"])
@@ -23,7 +22,7 @@ def test_the_least_is_that_of_the_quickest(
 
     def duration(asked: float | None) -> float:
         options = RetimeOptions(method=method, duration=asked)
-        deadline = Deadline.after(30, time.monotonic)
+        deadline = no_hurry(30)
         found = planning.retime_path(pickup, "arm", path, deadline=deadline, options=options)
         return found.trajectory.duration
 

@@ -3,7 +3,6 @@
 import json
 import pickle
 import re
-import time
 from dataclasses import replace
 from functools import cache
 
@@ -13,7 +12,6 @@ import pytest
 import planning
 from planning import pipeline
 from planning.domain.constraint import TightLimits
-from planning.domain.deadline import Deadline
 from planning.domain.goal import ConfigurationGoal
 from planning.domain.options import SearchOptions
 from planning.domain.problem import PlanningProblem
@@ -22,6 +20,7 @@ from planning.errors import ProblemInvalid, UnknownName
 from planning.growing import domain_of
 from planning.regions.walk import walked
 from planning.world.collision import DrakeCollisionOracle
+from tests.clocks import no_hurry
 from tests.conftest import bundled_world
 
 # An L in a square with a wall across most of it.
@@ -42,7 +41,7 @@ def square(*, kernel: bool = True) -> planning.World:
 
 
 def grown(options: RegionOptions = OPTIONS, **arguments) -> Regions:
-    deadline = Deadline.after(60.0, time.monotonic)
+    deadline = no_hurry(60.0)
     return planning.grow_regions(square(), "body", deadline=deadline, options=options, **arguments)
 
 
@@ -54,7 +53,7 @@ def regions() -> Regions:
 def plan(regions: Regions | None, **changes) -> planning.MotionPlan:
     search = SearchOptions(planner="GCS", allowed_planning_time=30.0)
     problem = PlanningProblem("body", ConfigurationGoal("beyond"), search=search, regions=regions)
-    deadline = Deadline.after(30.0, time.monotonic)
+    deadline = no_hurry(30.0)
     return pipeline.plan(replace(problem, **changes), square(), deadline=deadline)
 
 
@@ -171,7 +170,7 @@ def test_a_plan_of_what_can_have_no_regions_does_not_ask_for_them():
     goal = ConfigurationGoal(next(iter(window.configurations(window.group("body")))))
     problem = PlanningProblem("body", goal, search=SearchOptions(planner="GCS"))
     with pytest.raises(ProblemInvalid, match="floating"):
-        pipeline.plan(problem, window, deadline=Deadline.after(30.0, time.monotonic))
+        pipeline.plan(problem, window, deadline=no_hurry(30.0))
 
 
 def test_planners_are_listed_with_gcs():

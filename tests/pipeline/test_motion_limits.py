@@ -1,6 +1,5 @@
 """Plans and own motions under limits of frames, zones and signed accelerations."""
 
-import time
 from dataclasses import replace
 
 import numpy as np
@@ -26,7 +25,9 @@ from planning.retime.path_limits import path_limits
 from planning.retime.retimer import retime
 from planning.world.world import World
 from tests.certify.conftest import request_for
+from tests.clocks import no_hurry
 from tests.conftest import bundled_world
+from tests.profiles import num_cases
 from tests.retime.test_tool_rate import tool_rates
 from tests.retime.test_zone_speed import are_inside
 
@@ -39,7 +40,7 @@ READY = ConfigurationGoal("ready")
 
 
 def deadline() -> Deadline:
-    return Deadline.after(30, time.monotonic)
+    return no_hurry(30)
 
 
 def ask(world: World, options: RetimeOptions, goal: Goal = READY) -> MotionPlan:
@@ -220,7 +221,7 @@ def test_a_planar_body_has_bounds_on_its_turn_alone() -> None:
     ],
 )
 @given(seed=st.integers(0, 1000), method=st.sampled_from(["toppra", "ruckig"]))
-@settings(max_examples=3)
+@settings(max_examples=num_cases(3))
 def test_what_is_delivered_is_proven_and_a_hair_quicker_is_refused(
     scene: str, name: str, frame: str, seed: int, method: str
 ) -> None:

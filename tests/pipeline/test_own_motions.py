@@ -1,6 +1,5 @@
 """Paths and trajectories of one's own: constraints on them, and how far corners are rounded."""
 
-import time
 from typing import Any
 
 import numpy as np
@@ -13,13 +12,15 @@ from planning.domain.deadline import Deadline
 from planning.domain.options import CertifyOptions, RetimeOptions
 from planning.errors import NotCertified, ProblemInvalid, UnknownName
 from planning.world.world import World
+from tests.clocks import no_hurry
 from tests.conftest import bundled_world
+from tests.profiles import num_cases
 
 LOCKED = (planning.LockedJoints(("arm::elbow_joint",)),)
 
 
 def soon() -> Deadline:
-    return Deadline.after(30.0, time.monotonic)
+    return no_hurry(30.0)
 
 
 def retimed(world: World, path: np.ndarray, **asked: Any) -> planning.RetimedPath:
@@ -72,7 +73,7 @@ def test_a_path_of_ones_own_can_be_asked_for_its_longest_stop(pickup: World) -> 
     assert found.certify.stop is not None
 
 
-@settings(max_examples=8, deadline=None)
+@settings(max_examples=num_cases(6))
 @given(
     deviation=st.sampled_from([0.0, 0.004, 0.02, 0.05, 0.3]),
     method=st.sampled_from(["toppra", "ruckig"]),

@@ -1,13 +1,11 @@
 """Plans of parts: one motion, at rest where parts meet, on its lines, and proven as a whole."""
 
-import time
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
 import planning
-from planning.domain.deadline import Deadline
 from planning.domain.goal import Goal, LineGoal, PoseGoal, PoseTarget, RegionGoal
 from planning.domain.line import Displacement
 from planning.domain.options import RetimeOptions, SearchOptions
@@ -15,6 +13,7 @@ from planning.domain.plan import MotionPlan
 from planning.domain.pose import Pose
 from planning.errors import LineBlocked
 from planning.world.world import World
+from tests.clocks import no_hurry
 
 ZERO = np.zeros(3)
 PICK = PoseGoal((PoseTarget(Pose.identity(), "pick"),), "", ZERO, ZERO)
@@ -30,7 +29,7 @@ def ask(world: World, goal: Goal, method: str = "toppra", seed: int = 3) -> Moti
         retime=RetimeOptions(method="ruckig" if method == "ruckig" else "toppra"),
         seed=seed,
     )
-    return planning.plan(problem, world, deadline=Deadline.after(60, time.monotonic))
+    return planning.plan(problem, world, deadline=no_hurry(60))
 
 
 def tool(world: World, found: MotionPlan, times: list[float]) -> list[Pose]:
@@ -163,7 +162,7 @@ def test_a_duration_is_that_of_all_parts_together(pickup: World) -> None:
         retime=RetimeOptions(duration=wanted),
         seed=3,
     )
-    found = planning.plan(problem, pickup, deadline=Deadline.after(60, time.monotonic))
+    found = planning.plan(problem, pickup, deadline=no_hurry(60))
     assert found.trajectory.duration == pytest.approx(wanted)
     assert found.parts[-1].end == pytest.approx(wanted)
     assert found.certificate.proven
@@ -180,12 +179,12 @@ def test_all_parts_are_explained(pickup: World, slower: float | None) -> None:
         retime=RetimeOptions(explain=True),
         seed=3,
     )
-    found = planning.plan(problem, pickup, deadline=Deadline.after(60, time.monotonic))
+    found = planning.plan(problem, pickup, deadline=no_hurry(60))
     duration = found.trajectory.duration
     if slower is not None:
         duration *= slower
         problem = replace(problem, retime=RetimeOptions(explain=True, duration=duration))
-        found = planning.plan(problem, pickup, deadline=Deadline.after(60, time.monotonic))
+        found = planning.plan(problem, pickup, deadline=no_hurry(60))
     explained = found.stages.retime.explanation
     assert explained is not None
     begins = [entry.begin for entry in explained.intervals]
@@ -212,7 +211,7 @@ def test_lines_are_explained(pickup: World, method: str) -> None:
     goal = LineGoal((PoseTarget(down, "world"),), "", 1e-3, 0.01)
     options = RetimeOptions("ruckig" if method == "ruckig" else "toppra", explain=True)
     problem = planning.PlanningProblem("arm", goal, retime=options)
-    found = planning.plan(problem, pickup, deadline=Deadline.after(60, time.monotonic))
+    found = planning.plan(problem, pickup, deadline=no_hurry(60))
     explained = found.stages.retime.explanation
     assert explained is not None
     assert all(entry.limit and entry.share > 0 for entry in explained.intervals)

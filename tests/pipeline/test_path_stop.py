@@ -1,6 +1,5 @@
 """Stops along the path of a running motion: on it, from its state, as quick as may be, proven."""
 
-import time
 from typing import Any, Literal
 
 import numpy as np
@@ -13,6 +12,7 @@ from planning.domain.motion_state import MotionState
 from planning.domain.options import RetimeOptions
 from planning.errors import NotCertified
 from planning.world.world import World
+from tests.clocks import no_hurry
 from tests.conftest import bundled_world
 
 CORNER = np.array([[0.0] * 6, [-0.9, 0.2, -0.3, 0.1, 0.2, 0.4], [-1.2, 0.2, -0.1, 0.3, 0.2, 0.4]])
@@ -27,7 +27,7 @@ METHODS: tuple[Literal["toppra", "ruckig"], ...] = ("toppra", "ruckig")
 
 
 def soon() -> Deadline:
-    return Deadline.after(30.0, time.monotonic)
+    return no_hurry(30.0)
 
 
 def run(world: World, options: RetimeOptions) -> TimedTrajectory:

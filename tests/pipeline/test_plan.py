@@ -32,6 +32,7 @@ from planning.errors import (
 )
 from planning.world.world import World
 from tests.certify.conftest import smallest_distance
+from tests.clocks import no_hurry
 from tests.conftest import bundled_world
 
 EXACT = np.zeros(3)
@@ -46,7 +47,7 @@ def solve(scene: str, goal: Goal, **options: object) -> MotionPlan:
     world = bundled_world(scene)
     search = SearchOptions(allowed_planning_time=30.0)
     problem = PlanningProblem(**{"group": GROUPS[scene], "goal": goal, "search": search, **options})
-    return planning.plan(problem, world, deadline=Deadline.after(30.0, time.monotonic))
+    return planning.plan(problem, world, deadline=no_hurry(30.0))
 
 
 CASES = [
@@ -151,7 +152,7 @@ def test_stages_are_reported_and_timed() -> None:
     found = planning.plan(
         PlanningProblem("panda", to_frame("lower"), search=SearchOptions(allowed_planning_time=30)),
         world,
-        deadline=Deadline.after(30, time.monotonic),
+        deadline=no_hurry(30),
         on_progress=seen.append,
     )
     assert [p.stage for p in seen][:3] == ["goals", "search", "refine"]
@@ -319,7 +320,7 @@ def test_a_deadline_that_is_over_and_a_cancel_are_told_apart() -> None:
     problem = PlanningProblem("body", to_frame("exit"))
     with pytest.raises(DeadlineExceeded):
         planning.plan(problem, world, deadline=Deadline.after(0.0, time.monotonic))
-    canceled = Deadline.after(10.0, time.monotonic, lambda: True)
+    canceled = no_hurry(10.0, lambda: True)
     with pytest.raises(Canceled):
         planning.plan(problem, world, deadline=canceled)
 
@@ -338,7 +339,7 @@ def test_a_margin_is_kept() -> None:
         margin=0.01,
         search=SearchOptions(allowed_planning_time=30.0),
     )
-    found = planning.plan(problem, world, deadline=Deadline.after(30.0, time.monotonic))
+    found = planning.plan(problem, world, deadline=no_hurry(30.0))
     assert smallest_distance(world, found.trajectory, "body", 0.002) >= 0.01 - 2e-6
 
 

@@ -1,14 +1,11 @@
 """Refinement that knows limits besides those of joints: proven, and quicker for it."""
 
-import time
-
 import numpy as np
 import pytest
 
 import planning
 from planning import candidates
 from planning.domain.constraint import PlacedBox
-from planning.domain.deadline import Deadline
 from planning.domain.goal import JointGoal
 from planning.domain.motion_limits import MotionLimits, SpeedZone, ToolLimit
 from planning.domain.options import RefineOptions, RetimeOptions, SearchOptions
@@ -17,6 +14,7 @@ from planning.domain.plan import MotionPlan
 from planning.domain.pose import Pose
 from planning.domain.problem import PlanningProblem
 from planning.errors import RetimingFailed
+from tests.clocks import no_hurry
 from tests.conftest import bundled_world
 from tests.refine.arms import ARMS
 
@@ -80,7 +78,7 @@ def solve(name: str, goal: list[float], timing: RetimeOptions, refine: str) -> M
         retime=timing,
         seed=2,
     )
-    within = Deadline.after(30.0, time.monotonic)
+    within = no_hurry(30.0)
     return planning.plan(problem, bundled_world(scene), deadline=within)
 
 

@@ -1,6 +1,5 @@
 """A plan backwards: the same places the other way round, and a proof of its own."""
 
-import time
 from dataclasses import replace
 
 import numpy as np
@@ -17,6 +16,7 @@ from planning.domain.pose import Pose
 from planning.domain.problem import PlanningProblem
 from planning.errors import NotCertified
 from planning.world.world import World
+from tests.clocks import no_hurry
 from tests.conftest import bundled_world
 
 ZERO = np.zeros(3)
@@ -24,7 +24,7 @@ PICK = PoseGoal((PoseTarget(Pose.identity(), "pick"),), "", ZERO, ZERO, np.array
 
 
 def soon() -> Deadline:
-    return Deadline.after(60.0, time.monotonic)
+    return no_hurry(60.0)
 
 
 def problem_of(goal: Goal, method: str = "toppra", group: str = "arm") -> PlanningProblem:

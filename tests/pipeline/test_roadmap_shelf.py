@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 
 from planning.domain.roadmap import Roadmap
 from planning.roadmap_shelf import RoadmapShelf
+from tests.profiles import num_cases
 
 
 def make(key="a", count=5, seed=0):
@@ -18,7 +19,7 @@ def make(key="a", count=5, seed=0):
     return Roadmap(key, rng.normal(size=(count, 3)), edges.reshape(-1, 2), 17)
 
 
-@settings(max_examples=15)
+@settings(max_examples=num_cases(6))
 @given(count=st.integers(0, 9), seed=st.integers(0, 99))
 def test_a_file_gives_back_every_bit(tmp_path_factory, count, seed):
     folder = tmp_path_factory.mktemp("shelf")

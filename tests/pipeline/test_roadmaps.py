@@ -19,6 +19,7 @@ from planning.domain.problem import PlanningProblem
 from planning.domain.scene_operation import MoveObject, SetPositions
 from planning.errors import DeadlineExceeded, ProblemInvalid
 from planning.roadmap_shelf import RoadmapShelf
+from tests.clocks import no_hurry
 from tests.conftest import bundled_world
 
 SMALL = RoadmapOptions(states=600, neighbours=8)
@@ -35,7 +36,7 @@ def problem_of(seed=0, group="body", goal="exit", **options):
 
 
 def solve(world, problem, roadmaps=None):
-    deadline = Deadline.after(30.0, time.monotonic)
+    deadline = no_hurry(30.0)
     return planning.plan(problem, world, deadline=deadline, roadmaps=roadmaps)
 
 
@@ -46,7 +47,7 @@ def maze():
 
 @pytest.fixture(scope="module")
 def roadmap(maze):
-    deadline = Deadline.after(30.0, time.monotonic)
+    deadline = no_hurry(30.0)
     return planning.build_roadmap(problem_of(), maze, deadline=deadline)
 
 
@@ -87,7 +88,7 @@ def test_every_edge_is_free_by_drake_alone(scene, group):
     world = bundled_world(scene)
     options = RoadmapOptions(states=60, neighbours=6)
     problem = replace(problem_of(roadmap=options), group=group)
-    built = planning.build_roadmap(problem, world, deadline=Deadline.after(30.0, time.monotonic))
+    built = planning.build_roadmap(problem, world, deadline=no_hurry(30.0))
     assert len(built.edges) > 30
     joints = world.group(group)
     manifold = Manifold(joints.joints)
@@ -109,7 +110,7 @@ def test_a_second_query_takes_a_small_share_of_the_checks_of_the_first(maze, roa
 
 
 def test_the_seed_of_a_plan_its_start_and_its_goal_share_a_roadmap(maze, roadmap):
-    deadline = Deadline.after(30.0, time.monotonic)
+    deadline = no_hurry(30.0)
     free = roadmap.states[:2]
     others = [
         problem_of(9),
@@ -121,7 +122,7 @@ def test_the_seed_of_a_plan_its_start_and_its_goal_share_a_roadmap(maze, roadmap
 
 
 def test_what_a_robot_has_around_it_changes_the_roadmap_and_where_it_stands_does_not(maze, roadmap):
-    deadline = Deadline.after(30.0, time.monotonic)
+    deadline = no_hurry(30.0)
 
     def built(*operations, **options):
         world = planning.load_world(planning.edit_scene(maze.scene, operations))
@@ -135,7 +136,7 @@ def test_what_a_robot_has_around_it_changes_the_roadmap_and_where_it_stands_does
     assert away.digest != roadmap.digest
     elsewhere = built(SetPositions("body", tuple(float(x) for x in roadmap.states[0])))
     assert elsewhere == roadmap
-    deadline = Deadline.after(30.0, time.monotonic)
+    deadline = no_hurry(30.0)
     wider = planning.build_roadmap(replace(problem_of(), margin=0.01), maze, deadline=deadline)
     assert wider.key != roadmap.key
 

@@ -1,6 +1,5 @@
 """Roadmaps under path constraints: they keep them, and rules that differ never share one."""
 
-import time
 from dataclasses import replace
 from functools import cache
 
@@ -30,8 +29,10 @@ from planning.errors import NoPathFound, ProblemInvalid
 from planning.roadmap_ground import Ground
 from planning.roadmap_shelf import RoadmapShelf
 from planning.world.rules.path_rules import PathRules
+from tests.clocks import no_hurry
 from tests.conftest import bundled_world
 from tests.pipeline.test_constraints import DOWN, TOOL, beside_the_pillar, hand_at, pillar
+from tests.profiles import num_cases
 
 FRAME, JOINT = "body::body", "body::base_joint"
 EVERYWHERE = np.array([0.9, 0.9, 4.0])
@@ -69,12 +70,12 @@ def problem_of(*constraints, seed=0, **options):
 
 
 def solve(world, problem, roadmaps=None):
-    deadline = planning.Deadline.after(60.0, time.monotonic)
+    deadline = no_hurry(60.0)
     return planning.plan(problem, world, deadline=deadline, roadmaps=roadmaps)
 
 
 def built(world, problem):
-    deadline = planning.Deadline.after(60.0, time.monotonic)
+    deadline = no_hurry(60.0)
     return planning.build_roadmap(problem, world, deadline=deadline)
 
 
@@ -162,7 +163,7 @@ def test_rules_that_differ_never_share_a_roadmap():
     assert len(set(keys)) == len(keys)
 
 
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=num_cases(6))
 @given(st.sampled_from(panda_variants()), st.integers(0, 6), st.floats(0.01, 0.3))
 def test_of_the_start_only_what_rules_take_from_it_counts(rules, joint, shift):
     start = beside_the_pillar()

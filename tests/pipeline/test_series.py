@@ -1,15 +1,13 @@
 """A motion's numbers over time: held against its certificate, and against what was asked for."""
 
-import time
-
 import numpy as np
 import pytest
 
 import planning
-from planning.domain.deadline import Deadline
 from planning.domain.motion_limits import ToolLimit
 from planning.domain.options import RetimeOptions
 from planning.world.world import World
+from tests.clocks import no_hurry
 
 BOUNDS = {"arm::elbow_joint": (-0.2, 0.3)}
 TOOL = "arm::tcp"
@@ -18,7 +16,7 @@ TOOL = "arm::tcp"
 def made_with(world: World, options: RetimeOptions, margin: float | None = None):
     home = world.positions(world.group("arm"))
     path = home + np.array([np.zeros(6), [0.4, 0.1, -0.2, 0, 0.1, 0], [0.8, -0.1, 0.1, 0.3, 0, 0]])
-    deadline = Deadline.after(20.0, time.monotonic)
+    deadline = no_hurry(20.0)
     made = planning.retime_path(
         world, "arm", path, deadline=deadline, options=options, margin=margin
     )

@@ -1,6 +1,5 @@
 """Leaving a running motion: for a stand, or for another motion, without a jump of any rate."""
 
-import time
 from itertools import pairwise
 from typing import Any
 
@@ -14,13 +13,14 @@ from planning.domain.motion_state import MotionState
 from planning.domain.options import RetimeOptions
 from planning.errors import NotCertified, ProblemInvalid, RetimingFailed, UnknownName
 from planning.world.world import World
+from tests.clocks import no_hurry
 from tests.conftest import bundled_world
 
 OVER = np.array([-0.9, 0.2, -0.3, 0.1, 0.2, 0.4])
 
 
 def soon() -> Deadline:
-    return Deadline.after(30.0, time.monotonic)
+    return no_hurry(30.0)
 
 
 def to(world: World, shift: np.ndarray, **limits: Any) -> TimedTrajectory:

@@ -1,6 +1,5 @@
 """Plans under torque limits: proven, explained, heavier with what is held."""
 
-import time
 from typing import Any
 
 import numpy as np
@@ -17,6 +16,7 @@ from planning.domain.problem import PlanningProblem
 from planning.errors import ProblemInvalid, RetimingFailed
 from planning.world.dynamics import GroupDynamics
 from planning.world.world import World
+from tests.clocks import no_hurry
 from tests.conftest import bundled_world
 
 WORLD = bundled_world("panda_shelf")
@@ -33,7 +33,7 @@ def solve(retime: RetimeOptions, **more: object) -> MotionPlan:
 
 
 def within(seconds: float) -> Deadline:
-    return Deadline.after(seconds, time.monotonic)
+    return no_hurry(seconds)
 
 
 def torque_of(certificate: Certificate) -> Check:

@@ -1,6 +1,5 @@
 """Small scenes to refine in, with paths that were laid by hand."""
 
-import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -9,7 +8,6 @@ import numpy as np
 import pytest
 
 from planning.domain.curve import JointSpline
-from planning.domain.deadline import Deadline
 from planning.domain.options import RefineOptions
 from planning.domain.path import JointPath
 from planning.domain.report import RefineReport
@@ -18,6 +16,7 @@ from planning.refine.request import RefineRequest
 from planning.world.loading import load_world
 from planning.world.scene_file import parse_scene
 from planning.world.world import World
+from tests.clocks import no_hurry
 
 PUCK = """<robot name="puck">
   <link name="base"/>
@@ -57,7 +56,7 @@ class Case:
     request: RefineRequest
 
     def refined(self, seconds: float = 60.0) -> tuple[JointSpline | None, RefineReport]:
-        return refine(self.world, self.request, Deadline.after(seconds, time.monotonic))
+        return refine(self.world, self.request, no_hurry(seconds))
 
     def are_free(self, qs: np.ndarray) -> np.ndarray:
         group, margins = self.request.path.group, self.request.margins

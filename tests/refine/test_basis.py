@@ -6,12 +6,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from planning.refine.basis import centres, num_spans, spline_of, weights_at
+from tests.profiles import num_cases
 
 COUNTS = st.integers(5, 20)
 SEEDS = st.integers(0, 2**32 - 1)
 
 
-@settings(max_examples=20)
+@settings(max_examples=num_cases(6))
 @given(count=COUNTS, seed=SEEDS, order=st.integers(0, 3))
 def test_weighted_sums_are_drakes_derivatives(count, seed, order):
     rng = np.random.default_rng(seed)
@@ -22,7 +23,7 @@ def test_weighted_sums_are_drakes_derivatives(count, seed, order):
     np.testing.assert_allclose(found, wanted, atol=1e-8 * max(1.0, np.abs(wanted).max()))
 
 
-@settings(max_examples=10)
+@settings(max_examples=num_cases(6))
 @given(count=COUNTS, seed=SEEDS)
 def test_the_third_derivative_at_a_knot_is_that_of_the_span_asked_for(count, seed):
     points = np.random.default_rng(seed).uniform(-3, 3, (count, 2))

@@ -1,7 +1,5 @@
 """Coordinates along paths of bodies that float: where they are, how distances change, how far."""
 
-import time
-
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -9,7 +7,6 @@ from hypothesis import strategies as st
 
 import planning
 from planning.domain import rotation
-from planning.domain.deadline import Deadline
 from planning.domain.goal import ConfigurationGoal, JointGoal
 from planning.domain.options import RefineOptions, RetimeOptions, SearchOptions
 from planning.domain.path import JointPath
@@ -25,7 +22,9 @@ from planning.retime.retimer import retime
 from planning.world.loading import load_world
 from planning.world.world import World
 from tests.certify.conftest import smallest_distance
+from tests.clocks import no_hurry
 from tests.conftest import bundled_world
+from tests.profiles import num_cases
 
 AXIS = np.array([0.48, 0.6, 0.64])
 
@@ -46,7 +45,7 @@ def plan(world: World, method: str, seed: int) -> MotionPlan:
         refine=RefineOptions(method),
         seed=seed,
     )
-    return planning.plan(problem, world, deadline=Deadline.after(30.0, time.monotonic))
+    return planning.plan(problem, world, deadline=no_hurry(30.0))
 
 
 def test_the_ends_of_a_curve_are_those_of_the_path() -> None:
@@ -120,14 +119,14 @@ def test_what_the_search_kept_from_turning_does_not_turn() -> None:
         JointGoal(start[None] + np.array([[-0.25, 0.3, 0.0]])),
         search=SearchOptions(allowed_planning_time=30.0, spaces={joint: "position"}),
     )
-    found = planning.plan(problem, world, deadline=Deadline.after(30.0, time.monotonic))
+    found = planning.plan(problem, world, deadline=no_hurry(30.0))
     assert found.stages.refine.improved
     q = found.trajectory.positions(np.linspace(0.0, found.trajectory.duration, 500))
     assert np.abs(q[:, 2] - start[2]).max() < 1e-12
 
 
 @given(turns=st.lists(st.floats(0.1, 2.5), min_size=2, max_size=5), seed=st.integers(0, 99))
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=num_cases(6))
 def test_coordinates_follow_whoever_turns_far(turns: list[float], seed: int) -> None:
     rng = np.random.default_rng(seed)
     axes = AXIS + rng.normal(0, 0.2, (len(turns), 3))
@@ -157,7 +156,7 @@ def test_who_turned_far_takes_the_short_way_if_it_is_free(far: float, kernel: bo
     path = path_turning(np.linspace(0.0, far, 12).tolist())
     limits = world.limits(path.group)
     request = RefineRequest(path, limits, world.margins(), RefineOptions("trajopt"))
-    curve, report = refine(world, request, Deadline.after(30.0, time.monotonic))
+    curve, report = refine(world, request, no_hurry(30.0))
     assert curve is not None, report.reason
     ends = np.stack([curve.start, curve.end])
     assert path.spline.manifold.distance(ends, path.waypoints[[0, -1]]).max() < 1e-9
@@ -174,7 +173,7 @@ def test_whoever_must_turn_far_does_so_quicker(monkeypatch: pytest.MonkeyPatch) 
     path = path_turning([0.0, 1.5, 1.0, 2.5, 4.0, 3.5, 5.5])
     limits = world.limits(path.group)
     request = RefineRequest(path, limits, world.margins(), RefineOptions("trajopt"))
-    curve, report = refine(world, request, Deadline.after(30.0, time.monotonic))
+    curve, report = refine(world, request, no_hurry(30.0))
     assert curve is not None, report.reason
     refined, _ = retime(curve, limits, RetimeOptions())
     rounded, _ = retime(blend_corners(path, 0.03, 1), limits, RetimeOptions())

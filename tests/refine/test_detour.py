@@ -1,6 +1,5 @@
 """Around speed zones where that is quicker, through them where it is not."""
 
-import time
 from collections.abc import Callable
 from dataclasses import replace
 
@@ -23,7 +22,9 @@ from planning.refine.request import RefineRequest
 from planning.retime.path_limits import path_limits
 from planning.retime.retimer import retime
 from planning.world.world import World
+from tests.clocks import no_hurry
 from tests.conftest import bundled_world
+from tests.profiles import num_cases
 
 STRAIGHT = np.array([[-0.6, 0.0], [0.6, 0.0]])
 
@@ -41,7 +42,7 @@ def request_of(world: World, *zones: SpeedZone) -> RefineRequest:
 
 
 def within() -> Deadline:
-    return Deadline.after(60.0, time.monotonic)
+    return no_hurry(60.0)
 
 
 def timed(world: World, request: RefineRequest, curve: JointSpline) -> float:
@@ -92,9 +93,7 @@ def test_where_there_is_no_way_around_the_way_in_the_zone_is_the_shortest(
     size=st.tuples(st.floats(0.1, 0.5), st.floats(0.1, 0.5)),
     turn=st.floats(-1.5, 1.5),
 )
-@settings(
-    max_examples=6, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
-)
+@settings(max_examples=num_cases(6), suppress_health_check=[HealthCheck.function_scoped_fixture])
 def test_guesses_are_lifted_out_of_zones(
     make_puck: Callable[..., World],
     place: tuple[float, float],

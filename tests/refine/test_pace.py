@@ -16,6 +16,7 @@ from planning.refine.power_basis import joint_spline
 from planning.retime.path_limits import path_limits
 from planning.retime.retimer import retime
 from tests.conftest import bundled_world
+from tests.profiles import num_cases
 
 SEEDS = st.integers(0, 2**32 - 1)
 
@@ -43,7 +44,7 @@ def duration(points: np.ndarray, bounds: Bounds) -> float:
     return duration_of(grid, fastest_pace(grid, Rates.of(grid, points, bounds)))
 
 
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=num_cases(6))
 @given(seed=SEEDS, count=st.integers(8, 17))
 def test_it_is_what_the_retimer_finds(seed, count):
     rng = np.random.default_rng(seed)
@@ -54,7 +55,7 @@ def test_it_is_what_the_retimer_finds(seed, count):
     assert 0.98 * timed.duration <= found <= 1.16 * timed.duration
 
 
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=num_cases(6))
 @given(seed=SEEDS, jerk=st.booleans())
 def test_the_bounds_are_kept_and_met(seed, jerk):
     rng = np.random.default_rng(seed)
@@ -80,7 +81,7 @@ def test_no_curve_beats_the_lower_bound_and_a_line_of_one_joint_meets_it(seed):
     assert duration(points, Bounds.of(limits, jerk=False)) == pytest.approx(least, rel=0.02)
 
 
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=num_cases(6))
 @given(seed=SEEDS)
 def test_no_curve_beats_the_lower_bound(seed):
     rng = np.random.default_rng(seed)
@@ -120,7 +121,7 @@ def signed_of(rng: np.random.Generator, size: int) -> np.ndarray:
     return np.stack([-rng.uniform(1, 30, size), rng.uniform(1, 30, size)])
 
 
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=num_cases(6))
 @given(seed=SEEDS, jerk=st.booleans())
 def test_bounds_of_either_sign_are_kept_and_met(seed, jerk):
     rng = np.random.default_rng(seed)
@@ -140,7 +141,7 @@ def test_bounds_of_either_sign_are_kept_and_met(seed, jerk):
     assert np.maximum(pace[1:-1] / rates.caps(), nearby).min() > 0.98
 
 
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=num_cases(6))
 @given(seed=SEEDS)
 def test_speeding_up_and_slowing_down_differ_by_hand(seed):
     rng = np.random.default_rng(seed)
@@ -156,7 +157,7 @@ def test_speeding_up_and_slowing_down_differ_by_hand(seed):
     assert duration(centres(14)[:, None] * way, bounds) == pytest.approx(expected, rel=0.02)
 
 
-@settings(max_examples=10, deadline=None)
+@settings(max_examples=num_cases(6))
 @given(seed=SEEDS)
 def test_under_signed_bounds_too_it_is_what_the_retimer_finds(seed):
     rng = np.random.default_rng(seed)

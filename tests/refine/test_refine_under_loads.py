@@ -1,6 +1,5 @@
 """Curves that are refined under loads are quicker under them; the model says by how much."""
 
-import time
 from collections.abc import Callable
 from dataclasses import replace
 
@@ -19,6 +18,7 @@ from planning.retime.blend import blend_corners
 from planning.retime.path_limits import path_limits
 from planning.retime.retimer import retime
 from planning.world.world import World
+from tests.clocks import no_hurry
 from tests.refine.arms import ARMS, KINDS, arm_of, limits_of, request_of
 
 # Two bars of 1 m in a vertical plane, with a weight at the end; stretched out ahead the shoulder
@@ -36,7 +36,7 @@ FAR_OUT = {"ur5e": 32, "panda": 15}
 
 
 def deadline() -> Deadline:
-    return Deadline.after(60.0, time.monotonic)
+    return no_hurry(60.0)
 
 
 def path_of(name: str, kind: str) -> JointPath:

@@ -3,7 +3,6 @@
 import pickle
 import subprocess
 import sys
-import time
 from dataclasses import replace
 from itertools import count
 from pathlib import Path
@@ -27,19 +26,20 @@ from planning.retime.retimer import retime
 from planning.world.loading import load_world
 from planning.world.rules.path_rules import PathRules
 from planning.world.world import World
+from tests.clocks import no_hurry
 from tests.refine.conftest import Case, case_of
 
 FINE = np.linspace(0, 1, 400)
 
 AGAIN = """
-import pickle, sys, time
-from planning.domain.deadline import Deadline
+import pickle, sys
 from planning.domain.value import digest
 from planning.refine.refiner import refine
 from planning.refine.request import RefineRequest
 from planning.world.loading import load_world
+from tests.clocks import no_hurry
 scene, request = pickle.load(open(sys.argv[1], "rb"))
-curve, report = refine(load_world(scene), request, Deadline.after(60.0, time.monotonic))
+curve, report = refine(load_world(scene), request, no_hurry(60.0))
 print(digest((curve, report)))
 """
 
@@ -126,12 +126,12 @@ def test_instants_that_the_audit_finds_are_added(make_puck, monkeypatch):
     # Neither of the two first instants is near the wall.
     monkeypatch.setattr(task, "_FEWEST", 2)
     monkeypatch.setattr(task, "_MOST", 2)
-    curve, report = refine(world, request, Deadline.after(60, time.monotonic))
+    curve, report = refine(world, request, no_hurry(60))
     assert curve is not None, report.reason
     oracle = world.collision_oracle(path.group, world.margins())
     assert oracle.are_free(curve.positions(np.linspace(0, 1, 5001))).all()
     monkeypatch.setattr(Descent, "keep_distance_at", lambda *_: None)
-    _, blind = refine(world, request, Deadline.after(60, time.monotonic))
+    _, blind = refine(world, request, no_hurry(60))
     assert report.duration_after < blind.duration_after - 0.05
 
 
@@ -199,7 +199,7 @@ def test_a_straight_path_is_left_alone(make_puck):
     world = make_puck([])
     path = JointPath(world.group("puck"), np.array([[-0.5, -0.5], [0.5, 0.5]]))
     request = RefineRequest(path, world.limits(path.group), world.margins(), RefineOptions())
-    curve, report = refine(world, request, Deadline.after(60, time.monotonic))
+    curve, report = refine(world, request, no_hurry(60))
     assert curve is None
     assert report.reason == "nothing is quicker than the straight path"
     assert report.rounds == 0
@@ -231,7 +231,7 @@ def test_a_robot_that_stands_near_a_wall_does_not_hinder_another(make_puck):
     waypoints = [[-0.6, 0.0], [-0.2, 0.4], [0.2, 0.4], [0.6, 0.0]]
     path = JointPath(world.group("puck"), np.array(waypoints))
     request = RefineRequest(path, world.limits(path.group), world.margins(), RefineOptions())
-    curve, report = refine(world, request, Deadline.after(60, time.monotonic))
+    curve, report = refine(world, request, no_hurry(60))
     assert curve is not None, report.reason
     oracle = world.collision_oracle(path.group, world.margins())
     assert oracle.are_free(curve.positions(FINE)).all()
@@ -255,7 +255,7 @@ def test_mimic_joints_follow(pickup):
     group = pickup.group("arm::gripper")
     path = JointPath(group, np.array([[0.025], [0.02], [0.004]]))
     request = RefineRequest(path, pickup.limits(group), pickup.margins(), RefineOptions())
-    curve, report = refine(pickup, request, Deadline.after(60, time.monotonic))
+    curve, report = refine(pickup, request, no_hurry(60))
     assert curve is not None, report.reason
     assert report.duration_after == pytest.approx(report.lower_bound, rel=2e-2)
 

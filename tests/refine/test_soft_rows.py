@@ -6,6 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from planning.refine.soft_rows import Rows, SoftProgram
+from tests.profiles import num_cases
 
 NATIVELY = pytest.mark.parametrize("natively", [True, False])
 
@@ -27,7 +28,7 @@ def random_program(seed: int, num_variables: int, num_rows: int) -> SoftProgram:
     )
 
 
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=num_cases(6))
 @given(
     seed=st.integers(0, 2**32 - 1), num_variables=st.integers(1, 30), num_rows=st.integers(1, 80)
 )

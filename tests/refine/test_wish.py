@@ -1,6 +1,5 @@
 """A clearance that is wished for is weighed against the duration, and against nothing else."""
 
-import time
 from dataclasses import replace
 from itertools import pairwise
 
@@ -17,6 +16,7 @@ from planning.errors import ProblemInvalid
 from planning.refine.wish import wish_of
 from planning.world.loading import load_world
 from planning.world.world import World
+from tests.clocks import no_hurry
 from tests.conftest import bundled_world
 from tests.refine.conftest import Case, puck_world
 
@@ -109,7 +109,7 @@ def test_a_plan_pays_for_its_clearance_and_says_so():
                 retime=planning.RetimeOptions(method="ruckig"),
             ),
             world,
-            deadline=planning.Deadline.after(30.0, time.monotonic),
+            deadline=no_hurry(30.0),
         )
         for clearance in (None, ClearanceWish(0.1, 30.0))
     )
@@ -135,5 +135,5 @@ def test_a_wish_that_makes_no_sense_is_refused(options, field):
     goal = planning.ConfigurationGoal("ready")
     problem = planning.PlanningProblem("panda", goal, refine=options)
     with pytest.raises(ProblemInvalid) as refusal:
-        planning.plan(problem, world, deadline=planning.Deadline.after(5.0, time.monotonic))
+        planning.plan(problem, world, deadline=no_hurry(5.0))
     assert refusal.value.evidence["field"] == field

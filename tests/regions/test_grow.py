@@ -1,14 +1,13 @@
 """Growth of analytic worlds: coverage is what it says, and why growth ends."""
 
-import time
 from itertools import pairwise
 
 import numpy as np
 
-from planning.domain.deadline import Deadline
 from planning.domain.regions import RegionOptions
 from planning.regions.cliques import cliques
 from planning.regions.grow import GrowRequest, grow
+from tests.clocks import no_hurry
 from tests.regions.conftest import Plane, off_disc, off_wall
 
 
@@ -16,9 +15,7 @@ def grown(plane, *, paths=(), seconds=60.0, **options):
     told = []
     chosen = RegionOptions(num_free=1000, **options)
     request = GrowRequest(plane, plane.lower, plane.upper, paths, chosen, 3)
-    growth = grow(
-        request, Deadline.after(seconds, time.monotonic), lambda g: told.append(g.coverage)
-    )
+    growth = grow(request, no_hurry(seconds), lambda g: told.append(g.coverage))
     return growth, told
 
 

@@ -10,16 +10,17 @@ from planning.errors import Canceled, DeadlineExceeded
 from planning.regions.inflate import Inflater
 from planning.regions.overlap import portals_of, trimmed
 from planning.regions.walk import walked
+from tests.clocks import no_hurry
 from tests.regions.conftest import Plane, in_triangle, off_wall
 
 SEED = np.array([-0.7, -0.3])
 
 
 def forever():
-    return Deadline.after(60.0, time.monotonic)
+    return no_hurry(60.0)
 
 
-def inflater(plane, seed=0, deadline=None, num_free=3000):
+def inflater(plane, seed=0, num_free=3000, deadline=None):
     generator = np.random.default_rng(seed)
     limit = deadline or forever()
     return Inflater(plane, plane.lower, plane.upper, num_free, 3, generator, limit)
@@ -83,7 +84,7 @@ def test_time_and_cancels_are_obeyed():
     with pytest.raises(DeadlineExceeded):
         inflater(plane, deadline=Deadline.after(0.0, time.monotonic)).inflate(SEED)
     with pytest.raises(Canceled):
-        inflater(plane, deadline=Deadline.after(9.0, time.monotonic, lambda: True)).inflate(SEED)
+        inflater(plane, deadline=no_hurry(9.0, lambda: True)).inflate(SEED)
 
 
 def test_walks_are_uniform():

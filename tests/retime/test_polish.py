@@ -16,6 +16,7 @@ from planning.retime.polish import polished
 from planning.retime.profile import SpeedProfile
 from planning.retime.retimer import retime
 from tests.conftest import group_of, limits_of, random_waypoints
+from tests.profiles import num_cases
 from tests.retime.splines import SEVEN, smooth_spline
 
 SPACE = group_of(JointType.FLOATING)
@@ -31,7 +32,7 @@ def slow_profile(stretch: JointSpline, duration: float = 30.0) -> SpeedProfile:
     return SpeedProfile(s, v, a, j, np.full(4, h)).split_at(stretch.breaks[1:-1])
 
 
-@settings(max_examples=6)
+@settings(max_examples=num_cases(6))
 @given(seed=st.integers(0, 10_000), jerk=st.sampled_from([20.0, 100.0, 1000.0]))
 def test_limits_are_kept_at_every_sample_and_rest_at_both_ends(seed: int, jerk: float) -> None:
     stretch, _ = smooth_spline(seed)
@@ -47,7 +48,7 @@ def test_limits_are_kept_at_every_sample_and_rest_at_both_ends(seed: int, jerk: 
     np.testing.assert_allclose(motion.end, stretch.end, atol=1e-9)
 
 
-@settings(max_examples=4)
+@settings(max_examples=num_cases(4))
 @given(seed=st.integers(0, 10_000))
 def test_generous_jerk_leaves_little_to_the_optimum(seed: int) -> None:
     stretch, _ = smooth_spline(seed)
@@ -57,7 +58,7 @@ def test_generous_jerk_leaves_little_to_the_optimum(seed: int) -> None:
     assert 0.995 * optimum < bounded < 1.12 * optimum
 
 
-@settings(max_examples=4)
+@settings(max_examples=num_cases(4))
 @given(seed=st.integers(0, 10_000))
 def test_where_it_begins_matters_little(seed: int) -> None:
     stretch, _ = smooth_spline(seed)

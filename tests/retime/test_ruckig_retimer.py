@@ -11,6 +11,7 @@ from planning.domain.path import JointPath
 from planning.retime.blend import blend_corners
 from planning.retime.retimer import retime
 from tests.conftest import group_of, limits_of, random_waypoints
+from tests.profiles import num_cases
 from tests.retime.splines import SEVEN, smooth_spline
 
 SPACE = group_of(JointType.FLOATING)
@@ -18,7 +19,7 @@ RUCKIG = RetimeOptions(method="ruckig")
 
 
 @pytest.mark.parametrize("group", [SEVEN, SPACE])
-@settings(max_examples=8)
+@settings(max_examples=num_cases(6))
 @given(seed=st.integers(0, 10_000), deviation=st.sampled_from([0.0, 0.02, 0.2]))
 def test_acceleration_is_continuous_and_its_slope_within_the_jerk(
     group: JointGroup, seed: int, deviation: float
@@ -35,7 +36,7 @@ def test_acceleration_is_continuous_and_its_slope_within_the_jerk(
     assert np.abs(vdot[[0, -1]]).max() < 1e-6
 
 
-@settings(max_examples=8)
+@settings(max_examples=num_cases(6))
 @given(seed=st.integers(0, 10_000))
 def test_generous_jerk_costs_little_more_than_none(seed: int) -> None:
     limits = limits_of(SEVEN, jerk=1e5)
@@ -84,7 +85,7 @@ def test_sizes_far_from_one_do_no_harm(scale: float) -> None:
 
 
 @pytest.mark.parametrize("group", [SEVEN, SPACE])
-@settings(max_examples=8)
+@settings(max_examples=num_cases(6))
 @given(seed=st.integers(0, 10_000))
 def test_the_plan_keeps_the_limits_before_the_audit(group: JointGroup, seed: int) -> None:
     path = JointPath(group, random_waypoints(group, seed, 4))
@@ -101,7 +102,7 @@ def test_a_line_is_one_state_to_state_motion() -> None:
         assert 3 <= on_first_line.sum() <= 7
 
 
-@settings(max_examples=8)
+@settings(max_examples=num_cases(6))
 @given(seed=st.integers(0, 10_000), jerk=st.sampled_from([20.0, 100.0, 1000.0]))
 def test_the_plan_keeps_the_limits_along_curves_too(seed: int, jerk: float) -> None:
     spline, _ = smooth_spline(seed)

@@ -13,6 +13,7 @@ from planning.retime.explain import explain_duration
 from planning.retime.retimer import RETIMERS, retime
 from planning.retime.signed_acceleration import SignedAcceleration
 from tests.conftest import group_of, limits_of, random_waypoints
+from tests.profiles import num_cases
 
 SMOOTHNESS = {"toppra": 1, "ruckig": 2}
 
@@ -43,7 +44,7 @@ def test_one_joint_takes_the_time_of_its_two_ramps(
 
 @pytest.mark.parametrize("method", sorted(RETIMERS))
 @given(seed=st.integers(0, 10_000), deviation=st.sampled_from([0.0, 0.05]))
-@settings(max_examples=10)
+@settings(max_examples=num_cases(6))
 def test_bounds_hold_and_some_limit_is_met(method: str, seed: int, deviation: float) -> None:
     group = group_of(JointType.REVOLUTE, JointType.PRISMATIC, JointType.PLANAR)
     bounds = {"g::j0": (-5.0, 3.0), "g::j2.angular": (-1.0, 8.0)}

@@ -13,6 +13,7 @@ from planning.retime.retimer import retime
 from planning.retime.smooth import smoothed
 from planning.retime.stretches import smooth_stretches
 from tests.conftest import group_of, limits_of, random_waypoints
+from tests.profiles import num_cases
 
 FOUR = group_of(*[JointType.REVOLUTE] * 4)
 RUCKIG = RetimeOptions(method="ruckig")
@@ -37,7 +38,7 @@ def from_polyline(points: np.ndarray, path: JointPath) -> np.ndarray:
     return np.linalg.norm(offsets - along[..., None] * steps, axis=2).min(axis=1)
 
 
-@settings(max_examples=15)
+@settings(max_examples=num_cases(6))
 @given(
     seed=st.integers(0, 10_000),
     count=st.sampled_from([4, 7, 30, 150]),
@@ -57,7 +58,7 @@ def test_curves_are_smooth_and_as_near_as_they_say(seed: int, count: int, jitter
         np.testing.assert_allclose(curve.end, path.waypoints[-1], atol=1e-12)
 
 
-@settings(max_examples=6)
+@settings(max_examples=num_cases(6))
 @given(seed=st.integers(0, 10_000))
 def test_the_bound_is_not_far_from_the_distance(seed: int) -> None:
     path = sampled(seed, 12)
@@ -66,7 +67,7 @@ def test_the_bound_is_not_far_from_the_distance(seed: int) -> None:
         assert away < 3 * true + 1e-4
 
 
-@settings(max_examples=2)
+@settings(max_examples=num_cases(2))
 @given(seed=st.integers(0, 10_000))
 def test_finer_samples_of_a_curve_make_no_slower_motion(seed: int) -> None:
     limits = limits_of(FOUR)

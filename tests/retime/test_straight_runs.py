@@ -13,6 +13,7 @@ from planning.retime.blend import blend_corners
 from planning.retime.retimer import RETIMERS, retime
 from planning.retime.straight_runs import STRAIGHT, without_straight_runs
 from tests.conftest import group_of, limits_of, random_waypoints
+from tests.profiles import num_cases
 
 GROUPS = {
     "joints": group_of(*[JointType.REVOLUTE] * 4),
@@ -36,7 +37,7 @@ def cut(path: JointPath, seed: int, most: int = 20) -> JointPath:
 @pytest.mark.parametrize("method", sorted(RETIMERS))
 @pytest.mark.parametrize("deviation", [0.0, 0.05])
 @pytest.mark.parametrize("name", GROUPS)
-@settings(max_examples=3)
+@settings(max_examples=num_cases(3))
 @given(seed=st.integers(0, 10_000))
 def test_cutting_lines_changes_no_motion(
     name: str, deviation: float, method: str, seed: int

@@ -15,6 +15,7 @@ from planning.retime.path_limits import path_limits
 from planning.retime.retimer import RETIMERS, retime
 from planning.world.world import World
 from tests.conftest import bundled_world
+from tests.profiles import num_cases
 
 SMOOTHNESS = {"toppra": 1, "ruckig": 2}
 TOOLS = {
@@ -46,7 +47,7 @@ def tool_rates(
 @pytest.mark.parametrize("method", sorted(RETIMERS))
 @pytest.mark.parametrize("scene", TOOLS)
 @given(seed=st.integers(0, 1000), speed=st.sampled_from([0.05, 0.3, 5.0]))
-@settings(max_examples=3)
+@settings(max_examples=num_cases(3))
 def test_limits_hold_between_all_samples_and_one_is_met(
     scene: str, method: str, seed: int, speed: float
 ) -> None:
@@ -66,7 +67,7 @@ def test_limits_hold_between_all_samples_and_one_is_met(
 
 
 @given(st.floats(0.3, 3.0), st.floats(0.05, 0.5))
-@settings(max_examples=8)
+@settings(max_examples=num_cases(6))
 def test_a_tool_on_a_circle_takes_the_time_of_its_arc(angle: float, speed: float) -> None:
     """One joint that turns a tool at a radius: v / r caps it, rest to rest in d / w + w / a."""
     world = bundled_world("ur5e_pickup")

@@ -20,6 +20,7 @@ from planning.retime.path_limits import path_limits
 from planning.retime.retimer import RETIMERS, retime
 from planning.world.world import World
 from tests.conftest import bundled_world
+from tests.profiles import num_cases
 
 # A point mass of 2 kg on a rod of 0.5 m, and a cart of 3 kg on a vertical slide.
 PENDULUM = """<robot name="p"><link name="base"/><link name="bob"><inertial>
@@ -156,7 +157,7 @@ def test_damping_takes_its_share_of_the_force(urdf_world: Callable[..., World]) 
 
 @pytest.mark.parametrize("method", sorted(RETIMERS))
 @pytest.mark.parametrize("name", ARMS)
-@settings(max_examples=4)
+@settings(max_examples=num_cases(4))
 @given(seed=st.integers(0, 1000))
 def test_torques_hold_ten_times_finer_by_other_means(name: str, method: str, seed: int) -> None:
     scene, arm, mass = ARMS[name]

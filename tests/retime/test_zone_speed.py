@@ -15,6 +15,7 @@ from planning.retime.blend import blend_corners
 from planning.retime.path_limits import path_limits
 from planning.retime.retimer import RETIMERS, retime
 from tests.conftest import bundled_world
+from tests.profiles import num_cases
 from tests.retime.test_tool_rate import SMOOTHNESS, TOOLS, random_path, tool_rates
 
 
@@ -36,7 +37,7 @@ def are_inside(zone: SpeedZone, points: np.ndarray) -> np.ndarray:
     share=st.floats(0.1, 0.5),
     speed=st.floats(0.05, 0.3),
 )
-@settings(max_examples=8)
+@settings(max_examples=num_cases(6))
 def test_a_straight_way_through_a_zone_takes_the_known_time(
     length: float, share: float, speed: float
 ) -> None:
@@ -71,7 +72,7 @@ def test_a_straight_way_through_a_zone_takes_the_known_time(
 @pytest.mark.parametrize("method", sorted(RETIMERS))
 @pytest.mark.parametrize("scene", TOOLS)
 @given(seed=st.integers(0, 1000), side=st.sampled_from([0.01, 0.1, 0.3]))
-@settings(max_examples=3)
+@settings(max_examples=num_cases(3))
 def test_zones_are_kept_between_samples(scene: str, method: str, seed: int, side: float) -> None:
     world = bundled_world(scene)
     name, frame = TOOLS[scene]

@@ -1,18 +1,17 @@
 """Groups and cheap analytic oracles to search among."""
 
-import time
 from collections.abc import Callable
 
 import numpy as np
 import pytest
 
 from planning.domain import motion_samples
-from planning.domain.deadline import Deadline
 from planning.domain.joints import Joint, JointGroup, JointLimits, JointType
 from planning.domain.manifold import Manifold
 from planning.domain.options import SearchOptions
 from planning.domain.rotation import rotate
 from planning.search.solver import SearchTask
+from tests.clocks import no_hurry
 
 
 class Oracle:
@@ -110,7 +109,7 @@ def closed():
 
 @pytest.fixture
 def soon():
-    return Deadline.after(10.0, time.perf_counter)
+    return no_hurry(10.0)
 
 
 @pytest.fixture

@@ -1,6 +1,5 @@
 """Planners that improve their path: what they have is told, and a cancel may leave it."""
 
-import time
 from dataclasses import replace
 
 import numpy as np
@@ -13,6 +12,7 @@ from planning.errors import Canceled
 from planning.search import sound
 from planning.search.attempt import attempt
 from planning.search.solver import search
+from tests.clocks import no_hurry
 from tests.search.conftest import Oracle, beyond_wall
 
 TELLING = pytest.mark.parametrize(
@@ -45,7 +45,7 @@ def is_free(oracle, group, waypoints, resolution=0.05 / 4):
 def test_a_cancel_leaves_what_a_planner_is_improving(plane, wall, crossing, name):
     for on_cancel in ("best", "discard"):
         told = []
-        deadline = Deadline.after(9.0, time.perf_counter, lambda told=told: bool(told))
+        deadline = no_hurry(9.0, lambda told=told: bool(told))
         task = replace(crossing(planner=name, on_cancel=on_cancel), on_best=told.append)
         if on_cancel == "discard":
             with pytest.raises(Canceled):
@@ -101,7 +101,7 @@ def test_whenever_the_cancel_comes_what_was_found_by_then_is_delivered(plane, cr
     """In the search, in shortcutting and in the last look: it makes no difference."""
     whole = Counting()
     task = crossing(1, planner=name, on_cancel="best")
-    search(*plane, whole, task, Deadline.after(9.0, time.perf_counter))
+    search(*plane, whole, task, no_hurry(9.0))
     outcomes = []
     for share in (0.1, 0.6, 0.95):
         oracle = Counting()
@@ -110,7 +110,7 @@ def test_whenever_the_cancel_comes_what_was_found_by_then_is_delivered(plane, cr
         def is_canceled(oracle=oracle, last=last):
             return oracle.count >= last
 
-        deadline = Deadline.after(9.0, time.perf_counter, is_canceled)
+        deadline = no_hurry(9.0, is_canceled)
         try:
             found = search(*plane, oracle, task, deadline)
         except Canceled:
@@ -136,7 +136,7 @@ def test_what_collides_on_a_closer_look_is_mended_for_who_canceled(plane, crossi
     told, canceled = [], []
     for seed in range(4):
         told.clear()
-        deadline = Deadline.after(9.0, time.perf_counter, lambda: bool(told))
+        deadline = no_hurry(9.0, lambda: bool(told))
         task = crossing(seed, resolution=0.06, planner="RRTstar", on_cancel="best")
         oracle = Oracle(are_free)
         found = search(*plane, oracle, replace(task, on_best=listen), deadline)

@@ -16,6 +16,7 @@ from planning.search.solver import search
 from planning.search.spaces import SearchSpace
 from planning.search.task import SearchTask
 from planning.stopwatch import Stopwatch
+from tests.profiles import num_cases
 from tests.search.conftest import Oracle, beyond_wall, group_of, limits_of
 
 
@@ -69,7 +70,7 @@ def test_a_straight_line_needs_no_setup(plane, make_oracle, soon, crossing):
     assert search(*plane, empty, crossing(setup_time=1e-9), soon).report.direct
 
 
-@settings(max_examples=5, deadline=None)
+@settings(max_examples=num_cases(5))
 @given(
     budget=st.sampled_from([0, 1, 300, 600, 10**6]),
     seed=st.integers(0, 3),

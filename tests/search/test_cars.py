@@ -1,6 +1,5 @@
 """Paths of cars among walls: drivable, free and inside by an independent look."""
 
-import time
 from itertools import pairwise
 
 import numpy as np
@@ -9,7 +8,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from planning.domain.car_request import _DIRECTED
-from planning.domain.deadline import Deadline
 from planning.domain.joints import JointType
 from planning.domain.manifold import Manifold
 from planning.domain.options import SearchOptions
@@ -23,6 +21,8 @@ from planning.search.oracle import WatchedOracle
 from planning.search.planners import planner_names
 from planning.search.polyline import path_length
 from planning.search.solver import SearchTask, search
+from tests.clocks import no_hurry
+from tests.profiles import num_cases
 from tests.search.conftest import Oracle, group_of, limits_of
 
 PLANE = (JointType.PLANAR,)
@@ -61,7 +61,7 @@ def found(
         padding=0.0,
         seed=seed,
     )
-    deadline = Deadline.after(20.0, time.perf_counter)
+    deadline = no_hurry(20.0)
     return search(group, limits_of(group), Oracle(oracle), task, deadline)
 
 
@@ -227,12 +227,12 @@ def test_a_way_ends_where_it_should_and_its_arm_keeps_pace(seed, reverse):
 
 
 @given(seed=st.integers(0, 10_000))
-@settings(max_examples=4)
+@settings(max_examples=num_cases(4))
 def test_shortcuts_only_shorten_and_stay_free(seed):
     group = car(reverse=bool(seed % 2))
     limits = limits_of(group)
     oracle = Oracle(lambda qs: np.hypot(qs[:, 0], qs[:, 1]) > 0.35)
-    soon = Deadline.after(10.0, time.perf_counter)
+    soon = no_hurry(10.0)
     watched = WatchedOracle(oracle, group, limits, soon)
     drives = Drives(group)
     edges = DrivenEdges(
@@ -256,7 +256,7 @@ def test_shortcuts_only_shorten_and_stay_free(seed):
 def test_a_blocked_drive_is_none():
     group = car()
     limits = limits_of(group)
-    soon = Deadline.after(10.0, time.perf_counter)
+    soon = no_hurry(10.0)
     oracle = WatchedOracle(Oracle(lambda qs: np.abs(qs[:, 0]) > 0.1), group, limits, soon)
     drives = Drives(group)
     edges = DrivenEdges(

@@ -1,17 +1,15 @@
 """Every state of every delivered path is free by Drake alone, whatever was asked for."""
 
-import time
-
 import numpy as np
 import pytest
 
 import planning
-from planning.domain.deadline import Deadline
 from planning.domain.options import SearchOptions
 from planning.errors import DeadlineExceeded
 from planning.search.planners import planner_names
 from planning.search.solver import SearchTask, search
 from planning.world.collision import DrakeCollisionOracle
+from tests.clocks import no_hurry
 from tests.search.test_solver import fine_samples
 
 SCENE = """
@@ -62,7 +60,7 @@ def free_path(scene, **options):
         seed=3,
         clearances=clearances_of(scene),
     )
-    deadline = Deadline.after(20.0, time.perf_counter)
+    deadline = no_hurry(20.0)
     found = search(group, world.limits(group), oracle, task, deadline)
     for qs in fine_samples(group, found.path.waypoints, 0.05 / 4):
         assert all(drake.is_free(q) for q in qs)

@@ -1,16 +1,14 @@
 """Edges are sampled on the geodesic, finely enough, collisions first."""
 
-import time
-
 import numpy as np
 import pytest
 
-from planning.domain.deadline import Deadline
 from planning.domain.joints import JointType
 from planning.domain.manifold import Manifold
 from planning.errors import Canceled
 from planning.search.edges import EdgeChecker
 from planning.search.oracle import WatchedOracle
+from tests.clocks import no_hurry
 
 
 def checker(group, limits, oracle, resolution, deadline):
@@ -72,7 +70,7 @@ def test_a_cancel_ends_a_long_edge(plane, make_oracle):
         asked.append(len(qs))
         return np.ones(len(qs), dtype=bool)
 
-    deadline = Deadline.after(60.0, time.perf_counter, lambda: len(asked) > 3)
+    deadline = no_hurry(60.0, lambda: len(asked) > 3)
     edges, _ = checker(*plane, make_oracle(are_free), 1e-5, deadline)
     with pytest.raises(Canceled):
         edges.is_free(np.array([-1.0, 0.0]), np.array([1.0, 0.0]))

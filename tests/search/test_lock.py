@@ -5,13 +5,13 @@ import time
 import numpy as np
 import pytest
 
-from planning.domain.deadline import Deadline
 from planning.domain.joints import JointType
 from planning.domain.options import SearchOptions
 from planning.errors import NoPathFound
 from planning.search.lock import Lock, search_locked
 from planning.search.task import SearchTask
 from planning.stopwatch import Stopwatch
+from tests.clocks import no_hurry
 from tests.conftest import group_of, limits_of
 
 KINDS = (JointType.REVOLUTE, JointType.FLOATING, JointType.CONTINUOUS, JointType.REVOLUTE)
@@ -47,7 +47,7 @@ def task_to(*goals: list[float]) -> SearchTask:
 
 def found(task: SearchTask, locked: str) -> object:
     group = group_of(*[JointType.REVOLUTE] * 3)
-    deadline = Deadline.after(20.0, time.monotonic)
+    deadline = no_hurry(20.0)
     watch = Stopwatch(time.monotonic)
     limits = limits_of(group)
     return search_locked(group, frozenset({locked}), limits, Hole(), task, deadline, watch)

@@ -13,6 +13,7 @@ from planning.domain.manifold import Manifold
 from planning.search.objective import Objective
 from planning.search.solver import search
 from planning.search.spaces import SearchSpace
+from tests.profiles import num_cases
 
 KINDS = (JointType.REVOLUTE, JointType.CONTINUOUS, JointType.PLANAR, JointType.FLOATING)
 NORMS = ["length", "weighted_length", "duration"]
@@ -25,7 +26,7 @@ def objective_of(name, group, limits, clearances=None):
 
 @pytest.mark.parametrize("name", NORMS)
 @given(seed=st.integers(0, 10_000), factor=st.floats(0.0, 10.0))
-@settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=15)
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=num_cases(6))
 def test_norms_are_norms(make_group, make_limits, name, seed, factor):
     group = make_group(*KINDS)
     norm = objective_of(name, group, make_limits(group)).norm

@@ -10,6 +10,7 @@ from planning.domain.deadline import Deadline
 from planning.errors import Canceled, DeadlineExceeded, NoPathFound, ProblemInvalid, UnknownName
 from planning.search import race
 from planning.search.solver import search
+from tests.clocks import no_hurry
 
 THREE = ("RRTConnect", "PRM", "KPIECE1")
 
@@ -83,7 +84,7 @@ def test_the_budget_of_the_planner_is_kept_per_attempt(plane, closed, crossing):
     began = time.perf_counter()
     task = crossing(solve_time=0.05, attempts=3)
     with pytest.raises(NoPathFound) as caught:
-        search(*plane, closed, task, Deadline.after(30.0, time.perf_counter))
+        search(*plane, closed, task, no_hurry(30.0))
     assert 0.15 <= time.perf_counter() - began < 2.0
     assert caught.value.evidence["attempts"] == 3
 
@@ -143,7 +144,7 @@ def test_every_better_path_is_told(plane, wall, soon, crossing):
 def canceled_after_best(on_cancel, crossing):
     told = []
     task = crossing(2, attempts=50, on_cancel=on_cancel)
-    deadline = Deadline.after(30.0, time.perf_counter, lambda: bool(told))
+    deadline = no_hurry(30.0, lambda: bool(told))
     return replace(task, on_best=told.append), deadline
 
 
@@ -159,6 +160,6 @@ def test_a_cancel_leaves_the_best_to_who_asks_for_it(plane, wall, crossing):
 
 def test_a_cancel_before_there_is_anything_cancels(plane, closed, crossing):
     began = time.perf_counter()
-    deadline = Deadline.after(30.0, time.perf_counter, lambda: time.perf_counter() > began + 0.05)
+    deadline = no_hurry(30.0, lambda: time.perf_counter() > began + 0.05)
     with pytest.raises(Canceled):
         search(*plane, closed, crossing(on_cancel="best"), deadline)

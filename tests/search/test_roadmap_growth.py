@@ -13,6 +13,7 @@ from planning.domain.options import RoadmapOptions, SearchOptions
 from planning.errors import Canceled, DeadlineExceeded, NoPathFound
 from planning.search.roadmap_growth import RoadmapRecipe, grow_roadmap
 from planning.search.solver import search
+from tests.clocks import no_hurry
 from tests.search.conftest import beyond_wall, l_in_slit
 
 SMALL = RoadmapOptions(states=100, neighbours=6)
@@ -47,7 +48,7 @@ def test_every_state_and_edge_is_free_on_every_space(kinds, make_group, make_lim
         return manifold.distance(qs, middle) > 0.8
 
     middle = manifold.normalized(np.full(group.num_positions, 0.3))
-    deadline = Deadline.after(20.0, time.perf_counter)
+    deadline = no_hurry(20.0)
     few = RoadmapOptions(states=40, neighbours=4)
     roadmap = grown(group, limits, make_oracle(is_far, group), deadline, roadmap=few)
     assert len(roadmap.states) == 40
@@ -183,4 +184,4 @@ def test_growing_heeds_deadline_and_cancel(plane, wall):
     with pytest.raises(DeadlineExceeded):
         grown(*plane, wall, Deadline.after(0.0, time.perf_counter))
     with pytest.raises(Canceled):
-        grown(*plane, wall, Deadline.after(9.0, time.perf_counter, lambda: True))
+        grown(*plane, wall, no_hurry(9.0, lambda: True))

@@ -1,6 +1,5 @@
 """Roadmaps whose ways are no straight lines: of cars, and along sets too thin to be sampled."""
 
-import time
 from dataclasses import dataclass, replace
 from itertools import pairwise
 
@@ -18,6 +17,8 @@ from planning.search.projection import projected
 from planning.search.roadmap_growth import RoadmapRecipe, grow_roadmap
 from planning.search.solver import search
 from planning.search.task import SearchTask
+from tests.clocks import no_hurry
+from tests.profiles import num_cases
 from tests.search.conftest import Oracle, group_of, limits_of
 from tests.search.test_cars import assert_drivable, beyond_disc
 
@@ -52,7 +53,7 @@ def ring_roadmap(soon, states=40, seed=0):
     return group, grow_roadmap(recipe, Oracle(on_open_ring), "key", soon, Ring())
 
 
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=num_cases(6))
 @given(st.floats(-1, 1), st.floats(-1, 1))
 def test_what_is_projected_is_on_the_set_and_no_farther_than_it_must_be(x, y):
     q = np.array([x, y])
@@ -116,7 +117,7 @@ def test_a_car_finds_its_way_in_a_roadmap_of_drives(arm):
     goal = np.array([0.8, 0.0, 0.0, *([-0.4] * len(arm))])
     oracle, limits = Oracle(beyond_disc, group), limits_of(group)
     options = SearchOptions(roadmap=FEW)
-    deadline = Deadline.after(30.0, time.perf_counter)
+    deadline = no_hurry(30.0)
     recipe = RoadmapRecipe.from_search(group, limits, start, options)
     roadmap = grow_roadmap(recipe, oracle, "key", deadline)
     assert grow_roadmap(recipe, oracle, "key", deadline) == roadmap
@@ -134,7 +135,7 @@ def test_the_way_back_of_every_drive_of_a_roadmap_is_free_as_well():
     group = steered(group_of(JointType.PLANAR), {"r::j0": Steering(0.3, reverse=True)})
     oracle, limits = Oracle(beyond_disc, group), limits_of(group)
     recipe = RoadmapRecipe.from_search(group, limits, np.zeros(3), SearchOptions(roadmap=FEW))
-    deadline = Deadline.after(30.0, time.perf_counter)
+    deadline = no_hurry(30.0)
     roadmap = grow_roadmap(recipe, oracle, "key", deadline)
     assert len(roadmap.edges) > 20
     drives = recipe.space.drives

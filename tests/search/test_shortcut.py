@@ -20,6 +20,7 @@ from planning.search.reach import pulled_taut, skipped
 from planning.search.relax import relaxed
 from planning.search.retreat import retreated
 from planning.search.shortcut import shortcut
+from tests.profiles import num_cases
 
 DETOUR = np.array([
     [-0.8, -0.8],
@@ -38,7 +39,7 @@ KINDS = {
     "mixed": (JointType.FLOATING, JointType.PLANAR, JointType.CONTINUOUS, JointType.REVOLUTE),
 }
 WITH_FIXTURES = settings(
-    max_examples=12, suppress_health_check=[HealthCheck.function_scoped_fixture]
+    max_examples=num_cases(6), suppress_health_check=[HealthCheck.function_scoped_fixture]
 )
 
 
@@ -122,7 +123,7 @@ def test_never_longer_and_always_sound_on_any_manifold(sieve, kinds, seed):
 
 @pytest.mark.parametrize("kinds", KINDS)
 @given(seed=st.integers(0, 10_000))
-@settings(WITH_FIXTURES, max_examples=4)
+@settings(WITH_FIXTURES, max_examples=num_cases(4))
 def test_every_stage_keeps_a_sound_path_sound_and_short(sieve, kinds, seed):
     coarse, fine = sieve(KINDS[kinds], seed)
     path = free_walk(fine, np.random.default_rng(seed), 8)

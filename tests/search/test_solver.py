@@ -24,6 +24,7 @@ from planning.errors import (
 )
 from planning.search.planners import planner_names
 from planning.search.solver import SearchTask, search
+from tests.clocks import no_hurry
 
 
 def fine_samples(group, waypoints, step):
@@ -86,7 +87,7 @@ def test_a_cancel_ends_every_planner(plane, closed, crossing, name):
             *plane,
             closed,
             crossing(planner=name),
-            Deadline.after(30.0, time.perf_counter, is_canceled),
+            no_hurry(30.0, is_canceled),
         )
     assert time.perf_counter() - began < 1.0
 
@@ -286,15 +287,15 @@ def test_an_unknown_planner_is_refused_even_if_the_way_is_free(plane, make_oracl
 
 
 PROGRAM = """
-import hashlib, time
+import hashlib
 import numpy as np
 from planning.domain import motion_samples
-from planning.domain.deadline import Deadline
 from planning.domain.joints import Joint, JointGroup, JointLimits, JointType
 from planning.domain.manifold import Manifold
 from planning.domain.options import SearchOptions
 from planning.search.planners import planner_names
 from planning.search.solver import SearchTask, search
+from tests.clocks import no_hurry
 
 group = JointGroup("r", (Joint("r::p", JointType.PLANAR), Joint("r::z", JointType.PRISMATIC)), ())
 MANIFOLD = Manifold(group.joints)
@@ -318,7 +319,7 @@ for name in planner_names():
         np.array([-0.8, -0.8, 0.0, 0.2]), np.array([[0.8, -0.8, 2.0, 0.0]]),
         SearchOptions(planner=name, attempts=1), 0.05, 0.0, 7,
     )
-    found = search(group, limits, Wall(), task, Deadline.after(30.0, time.perf_counter))
+    found = search(group, limits, Wall(), task, no_hurry(30.0))
     print(name, hashlib.sha256(found.path.waypoints.tobytes()).hexdigest(), found.report)
 """
 
@@ -353,7 +354,7 @@ def test_searches_leave_nothing_of_ompl_behind(plane, wall, crossing, name, opti
     for validator in ("EdgeMotionValidator", "WholeEdgeValidator"):
         monkeypatch.setattr(motions, validator, counted(getattr(motions, validator)))
     parameters = {"num_samples": 200} if name in {"FMT", "BFMT"} else {}
-    soon = Deadline.after(10.0, time.perf_counter)
+    soon = no_hurry(10.0)
     search(*plane, wall, crossing(planner=name, parameters=parameters, **options), soon)
     assert alive
     assert sum(reference() is not None for reference in alive) == 0

@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 from planning.domain.joints import JointType
 from planning.domain.manifold import Manifold
 from planning.search.spaces import SearchSpace
+from tests.profiles import num_cases
 
 KINDS = [
     (JointType.REVOLUTE, JointType.PRISMATIC, JointType.REVOLUTE),
@@ -57,7 +58,7 @@ def test_metrics_agree_within_the_root_of_the_number_of_parts(make_group, make_l
 
 
 @given(st.floats(-30, 30), st.floats(-30, 30))
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=num_cases(6))
 def test_whole_turns_are_the_same_state(a, b):
     from planning.domain.joints import Joint, JointGroup, JointLimits
 
@@ -97,7 +98,7 @@ def weighed(make_group, make_limits, kinds, held=()):
 @pytest.mark.parametrize("kinds", KINDS)
 @pytest.mark.parametrize("is_weighed", [False, True])
 @given(seed=st.integers(0, 10_000), share=st.floats(0.0, 1.0))
-@settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=8)
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=num_cases(6))
 def test_ompl_interpolates_on_our_geodesics_within_bounds(
     make_group, make_limits, kinds, is_weighed, seed, share
 ):

@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 
 from service.app import create_app
 from service.settings import Settings
+from tests.profiles import num_cases
 
 with warnings.catch_warnings():
     warnings.simplefilter("ignore")
@@ -25,7 +26,7 @@ CHECKS = [
     checks.response_schema_conformance,
 ]
 RULES = settings(
-    max_examples=15,
+    max_examples=num_cases(6),
     deadline=None,
     derandomize=True,
     database=None,

@@ -6,6 +6,7 @@ from hypothesis import strategies as st
 
 from planning.domain.pose import Pose
 from planning.world.camera import SolidBox, num_visible, place_camera
+from tests.profiles import num_cases
 
 CLOUD = np.random.default_rng(3).uniform(-0.5, 0.5, (40, 3))
 
@@ -38,7 +39,7 @@ def test_what_is_behind_the_camera_or_its_point_hides_nothing() -> None:
     assert num_visible(camera, point, [wall(0.5)]) == 0
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=num_cases(6))
 @given(st.integers(0, 10_000))
 def test_a_point_is_hidden_where_its_sight_line_has_a_point_in_the_box(seed: int) -> None:
     rng = np.random.default_rng(seed)

@@ -21,6 +21,7 @@ from planning import (
 from planning.domain.scene import Attachment, SceneObject
 from planning.domain.shapes import Sphere
 from planning.errors import SceneEditImpossible, UnknownName
+from tests.profiles import num_cases
 
 PICKUP = planning.read_scene(planning.bundled_folder("scenes") / "ur5e_pickup.scene.yaml")
 HELD = edit_scene(PICKUP, [AttachObject("can", "arm::tcp")])
@@ -43,7 +44,7 @@ def in_world(scene: planning.Scene, name: str) -> Pose:
 
 
 @given(pose=poses, q=st.tuples(*[angle] * 6), frame=st.sampled_from(["arm::tcp", "arm::tool0"]))
-@settings(max_examples=6)
+@settings(max_examples=num_cases(6))
 def test_attaching_and_detaching_leave_a_thing_where_it_is(pose, q, frame) -> None:
     edited = edit_scene(
         PICKUP, [MoveObject("can", pose), SetPositions("arm", q), AttachObject("can", frame)]
@@ -55,7 +56,7 @@ def test_attaching_and_detaching_leave_a_thing_where_it_is(pose, q, frame) -> No
 
 
 @given(q=st.tuples(*[angle] * 6))
-@settings(max_examples=6)
+@settings(max_examples=num_cases(6))
 def test_what_is_attached_follows_its_frame_and_frames_follow_it(q) -> None:
     grasp = Pose.from_parts((0.01, 0.0, 0.02), rpy=(0.1, 0.2, 0.3))
     moved = edit_scene(

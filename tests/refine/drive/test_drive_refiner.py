@@ -1,6 +1,5 @@
 """Refined drives: quicker, drivable, free, and from the same start to the same goal."""
 
-import time
 from collections.abc import Callable
 from dataclasses import replace
 
@@ -23,6 +22,7 @@ from planning.refine.wish import wish_of
 from planning.retime.retimer import retime
 from planning.world.rules.path_rules import PathRules
 from planning.world.world import World
+from tests.clocks import no_hurry
 from tests.drivers import assert_driven
 
 CASES = {
@@ -39,7 +39,7 @@ class Drive:
     def __init__(self, problem: CarProblem) -> None:
         self.world: World = problem.world
         asked = problem.problem(0, refine=RefineOptions("none"))
-        soon = Deadline.after(30.0, time.monotonic)
+        soon = no_hurry(30.0)
         self.path: JointPath = planning.plan(asked, self.world, deadline=soon).path
         self.limits = self.world.limits(self.path.group)
 
@@ -48,7 +48,7 @@ class Drive:
         return replace(request, **fields)
 
     def refined(self, seconds: float = 60.0, **fields: object):
-        deadline = Deadline.after(seconds, time.monotonic)
+        deadline = no_hurry(seconds)
         return refine(self.world, self.request(**fields), deadline)
 
     def duration(self, curve: JointSpline, method: str = "toppra") -> float:

@@ -11,6 +11,7 @@ from planning.domain.steering import Steering, manifold_of, steered
 from planning.refine.drive.course import Course
 from planning.refine.drive.ending import ended
 from planning.refine.drive.letters import Letters, Spots, end_of, knots_of, places_on
+from tests.profiles import num_cases
 from tests.search.conftest import group_of
 
 RADIUS = 0.3
@@ -28,7 +29,7 @@ def car_with(num_arms: int, *, reverse: bool = True):
     return steered(group, {"r::j0": Steering(RADIUS, reverse)})
 
 
-@settings(max_examples=20)
+@settings(max_examples=num_cases(6))
 @given(st.integers(0, 10**6), st.integers(1, 6))
 def test_letters_lead_where_the_manifold_says(seed: int, count: int) -> None:
     rng = np.random.default_rng(seed)
@@ -44,7 +45,7 @@ def test_letters_lead_where_the_manifold_says(seed: int, count: int) -> None:
     assert end_of(start, letters).poses[0] == pytest.approx(expected[-1], abs=1e-12)
 
 
-@settings(max_examples=20)
+@settings(max_examples=num_cases(6))
 @given(st.integers(0, 10**6), st.integers(1, 5))
 def test_slopes_are_derivatives(seed: int, count: int) -> None:
     rng = np.random.default_rng(seed)
@@ -61,7 +62,7 @@ def test_slopes_are_derivatives(seed: int, count: int) -> None:
         assert (ends[0] - ends[1]) / (2 * h) == pytest.approx(end.slopes[:, :, k], abs=1e-7)
 
 
-@settings(max_examples=20)
+@settings(max_examples=num_cases(6))
 @given(st.integers(0, 10**6), st.integers(1, 6))
 def test_a_path_is_letters_and_letters_are_a_path(seed: int, count: int) -> None:
     """Also where long turns are cut and edges go on alike."""
@@ -93,7 +94,7 @@ def _course_through(letters: Letters, start: np.ndarray) -> Course:
     return Course.of(JointPath(group, np.array(rows)))
 
 
-@settings(max_examples=20)
+@settings(max_examples=num_cases(6))
 @given(st.integers(0, 10**6))
 def test_spots_at_shares_of_the_length_are_where_the_path_is(seed: int) -> None:
     rng = np.random.default_rng(seed)
@@ -110,7 +111,7 @@ def _rows(letters: Letters) -> np.ndarray:
     return np.stack([spots.real, spots.imag, yaws], axis=1)
 
 
-@settings(max_examples=20)
+@settings(max_examples=num_cases(6))
 @given(st.integers(0, 10**6))
 def test_ends_are_met_without_turning_around_or_too_tightly(seed: int) -> None:
     rng = np.random.default_rng(seed)

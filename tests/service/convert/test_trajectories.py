@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 from planning.domain.curve import TimedTrajectory
 from planning.domain.joints import Joint, JointType
 from service.convert.trajectories import polynomial_wire, sampled_wire, trajectory_value
+from tests.profiles import num_cases
 
 
 def random_trajectory(seed, kind):
@@ -23,14 +24,14 @@ def random_trajectory(seed, kind):
 
 
 @given(st.integers(0, 2**32 - 1), st.sampled_from(JointType))
-@settings(max_examples=20)
+@settings(max_examples=num_cases(6))
 def test_polynomials_survive_json_bit_for_bit(seed, kind):
     trajectory = random_trajectory(seed, kind)
     assert trajectory_value(json.loads(json.dumps(polynomial_wire(trajectory)))) == trajectory
 
 
 @given(st.integers(0, 2**32 - 1), st.floats(0.01, 3.0))
-@settings(max_examples=20)
+@settings(max_examples=num_cases(6))
 def test_samples_have_both_ends_and_no_longer_gap_than_asked(seed, period):
     trajectory = random_trajectory(seed, JointType.FLOATING)
     wire = sampled_wire(trajectory, period)

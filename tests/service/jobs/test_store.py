@@ -15,6 +15,7 @@ from service.jobs.json_text import Encoded
 from service.jobs.records import JobSpec
 from service.jobs.states import JobState
 from service.jobs.store import JobStore
+from tests.profiles import num_cases
 
 CANCELED = Canceled("on request")
 NO_PATH = NoPathFound("none", {"attempts": 3})
@@ -239,5 +240,5 @@ class Jobs(RuleBasedStateMachine):
             assert (job.finished_at is not None) == job.state.is_final
 
 
-Jobs.TestCase.settings = settings(max_examples=15, stateful_step_count=20, deadline=None)
+Jobs.TestCase.settings = settings(max_examples=num_cases(6), stateful_step_count=20)
 TestJobs = Jobs.TestCase

@@ -1,6 +1,5 @@
 """Charts of a motion: that limits are drawn where they were asked for."""
 
-import time
 from dataclasses import replace
 
 import numpy as np
@@ -9,10 +8,10 @@ from matplotlib.figure import Figure
 from matplotlib.text import Text
 
 import planning
-from planning.domain.deadline import Deadline
 from planning.domain.options import RetimeOptions
 from planning.world.world import World
 from service.plots.charts import CHARTS
+from tests.clocks import no_hurry
 
 BOUNDS = {"arm::shoulder_pan_joint": (-0.9, 0.6)}
 
@@ -25,7 +24,7 @@ def series(pickup: World) -> planning.MotionSeries:
         pickup,
         "arm",
         home + np.array([np.zeros(6), [0.6, 0.1, 0, 0, 0, 0.1]]),
-        deadline=Deadline.after(20.0, time.monotonic),
+        deadline=no_hurry(20.0),
         options=options,
         margin=0.02,
     )

@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from planning.errors import SceneInvalid, WayproofError
 from service.errors import UnreadableBody
 from service.tasks.decode import MAX_DEPTH, decode_scene
+from tests.profiles import num_cases
 
 ROBOT = {"name": "arm", "model": "ur5e"}
 YAML = """\
@@ -31,7 +32,7 @@ def test_document_gives_the_same_scene_bit_for_bit():
 
 
 @given(st.lists(st.floats(-1e3, 1e3, allow_nan=False), min_size=3, max_size=3))
-@settings(max_examples=25)
+@settings(max_examples=num_cases(6))
 def test_rotations_survive_being_written_and_read(rpy):
     document = {"robots": [{**ROBOT, "base": {"rpy": rpy, "position": rpy}}]}
     scene, canonical = decode_scene(json.dumps(document), "json")

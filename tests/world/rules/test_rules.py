@@ -20,6 +20,7 @@ from planning.world.rules.body_pairs import banded_pairs, moved_bodies
 from planning.world.rules.path_rules import PathRules
 from planning.world.world import World
 from tests.conftest import bundled_world
+from tests.profiles import num_cases
 
 TCP = "arm::tcp"
 BAND = DistanceBand(None, None, 0.01, 0.05)
@@ -77,7 +78,7 @@ objects: [{name: ball, shape: {sphere: 0.1}, pose: {position: [0.0, 0.2, 0.03]}}
     assert 10 < answers[0].sum() < 290
 
 
-@settings(max_examples=10)
+@settings(max_examples=num_cases(6))
 @given(seed=st.integers(0, 10_000))
 def test_an_edge_is_kept_if_its_samples_are(seed: int) -> None:
     world = bundled_world("maze_2d_band")
