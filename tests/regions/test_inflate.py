@@ -20,7 +20,7 @@ def forever():
     return no_hurry(60.0)
 
 
-def inflater(plane, seed=0, num_free=3000, deadline=None):
+def inflater(plane, seed=0, deadline=None, num_free=3000):
     generator = np.random.default_rng(seed)
     limit = deadline or forever()
     return Inflater(plane, plane.lower, plane.upper, num_free, 3, generator, limit)
