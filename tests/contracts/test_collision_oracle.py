@@ -20,12 +20,22 @@ from planning.world.kernel_scene import kernel_scene_of
 from planning.world.margins import PairMargins
 from planning.world.world import World
 from tests.conftest import bundled_world
+from tests.profiles import num_cases, rng_of
 
-SCENES = ("ur5e_pickup", "panda_shelf", "maze_2d", "window_3d")
+pytestmark = [pytest.mark.drake_only, pytest.mark.campaign]
+
+SCENES = (
+    "ur5e_pickup",
+    "panda_shelf",
+    "irb120_cell",
+    "maze_2d",
+    "window_3d",
+    "parallel_parking",
+)
 # Random configurations per bundled scene, and per problem of the public set where it is at hand.
-PER_SCENE = 20_000
-PER_PROBLEM = 6_000
-PROBLEMS = 10
+PER_SCENE = num_cases(2_000, 40_000)
+PER_PROBLEM = num_cases(1_000, 6_000)
+PROBLEMS = num_cases(2, 10)
 SPREAD = 2.5  # of coordinates without limits
 # Configurations that the kernel may leave to Drake; where a margin is asked of two boxes, Drake
 # overstates distances (docs/decisions/0006), and its verdicts in between are its own.
@@ -51,7 +61,7 @@ def configurations(world: World, group: JointGroup, count: int, seed: int) -> np
     limits = world.limits(group)
     lower = np.where(np.isfinite(limits.lower), limits.lower, -SPREAD)
     upper = np.where(np.isfinite(limits.upper), limits.upper, SPREAD)
-    qs = np.random.default_rng(seed).uniform(lower, upper, (count, len(lower)))
+    qs = rng_of(seed).uniform(lower, upper, (count, len(lower)))
     return Manifold(group.joints).normalized(qs)
 
 
@@ -66,7 +76,7 @@ def test_one_by_one_in_batches_and_along_motions_the_same(make: Make, scene: str
     manifold = Manifold(group.joints)
     batch = oracle.are_free(qs)
     np.testing.assert_array_equal(batch, [oracle.is_free(q) for q in qs])
-    steps = np.random.default_rng(4).normal(0.0, 0.2, (len(qs), manifold.num_velocities))
+    steps = rng_of(4).normal(0.0, 0.2, (len(qs), manifold.num_velocities))
     along = oracle.are_motions_free(qs, steps, 0.05)
     for q, step, verdict in zip(qs, steps, along, strict=True):
         samples = np.concatenate(list(sample_batches(manifold, (q, step), 0.05)))
@@ -80,7 +90,7 @@ def test_an_edge_is_its_motion_and_its_beginning(scene: str) -> None:
     oracle = kernel_oracle(world, group, world.margins())
     assert isinstance(oracle, KernelCollisionOracle)
     begins = configurations(world, group, 200, 5)
-    ends = begins + np.random.default_rng(6).normal(0.0, 0.3, begins.shape)
+    ends = begins + rng_of(6).normal(0.0, 0.3, begins.shape)
     for begin, end in zip(begins, ends, strict=True):
         free, steps = oracle.is_edge_free(begin.tolist(), end.tolist(), 0.05)
         assert free == (oracle.is_free(begin) and oracle.is_motion_free(begin, end - begin, 0.05))
@@ -108,7 +118,6 @@ def test_a_larger_margin_frees_nothing(make: Make) -> None:
         before = after
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("scene", SCENES)
 @pytest.mark.parametrize("margin", [0.0, 0.01])
 def test_the_kernel_gives_drakes_answers(scene: str, margin: float) -> None:
@@ -116,7 +125,6 @@ def test_the_kernel_gives_drakes_answers(scene: str, margin: float) -> None:
     _compare(world, world.groups[0], margin, PER_SCENE, scene)
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("robot", ["panda", "ur5"])
 def test_the_kernel_gives_drakes_answers_on_public_problems(robot: str) -> None:
     problems = list(_public_worlds(robot))

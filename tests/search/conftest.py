@@ -10,8 +10,18 @@ from planning.domain.joints import Joint, JointGroup, JointLimits, JointType
 from planning.domain.manifold import Manifold
 from planning.domain.options import SearchOptions
 from planning.domain.rotation import rotate
+from planning.search.planners import planner_names
 from planning.search.solver import SearchTask
 from tests.clocks import no_hurry
+from tests.profiles import PROFILE
+
+
+def each_kind_of_planner(
+    test: Callable[..., None], *, among: tuple[str, ...] = ("RRTConnect", "PRM", "BITstar")
+) -> Callable[..., None]:
+    """Try a test with a tree, a roadmap and what improves its path; in the campaign with all."""
+    names = planner_names() if PROFILE.is_campaign else list(among)
+    return pytest.mark.campaign(pytest.mark.parametrize("name", names)(test))
 
 
 class Oracle:
