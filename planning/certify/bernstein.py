@@ -71,7 +71,9 @@ def derivative(
     return coefficients
 
 
-def peak(bernstein: Float64[np.ndarray, "n k"], tolerance: float) -> tuple[float, int, float]:
+def peak(
+    bernstein: Float64[np.ndarray, "n k"], tolerance: float, *, natively: bool = True
+) -> tuple[float, int, float]:
     """Return an upper bound on the largest value of n polynomials, each on its own interval.
 
     Branch and bound: intervals whose largest coefficient may exceed the largest value seen at any
@@ -80,12 +82,13 @@ def peak(bernstein: Float64[np.ndarray, "n k"], tolerance: float) -> tuple[float
     Args:
         bernstein: Coefficients, a row per interval.
         tolerance: How far above the true maximum the bound may lie.
+        natively: Whether the native code may answer, if there is any.
 
     Returns:
         The bound, the row where it is, and the fraction of that row's interval. The bound holds
         always; it is within the tolerance unless the coefficients leave too many intervals open.
     """
-    module = native()
+    module = native() if natively else None
     if module is not None:
         return module.peak(np.ascontiguousarray(bernstein), tolerance)
     return _peak(bernstein, tolerance)

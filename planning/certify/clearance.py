@@ -1,5 +1,6 @@
 """Clearance on the whole interval: the kernel's bounds first, then Drake's distances."""
 
+from collections.abc import Callable
 from dataclasses import replace
 
 from planning.certify.drake_clearance import DrakeProof
@@ -10,32 +11,14 @@ from planning.domain.deadline import Deadline
 from planning.world.drake_model import DrakeModel
 from planning.world.kernel_scene import kernel_scene_of
 
+type Proof = Callable[[DrakeModel, CertifyRequest, Deadline], Clearance]
+
 # Segments that Drake is asked about where the kernel could not decide: a second or so.
 _SECOND_LOOK = 2_000
 
 
-def check_clearance(model: DrakeModel, request: CertifyRequest, deadline: Deadline) -> Clearance:
-    """Prove, or fail to prove, that every pair of bodies keeps its margin throughout.
-
-    What the kernel neither proves nor refutes (its bounds do not decide on segments as short as
-    any) Drake is asked about before the motion is refused.
-
-    Raises:
-        DeadlineExceeded: Time ran out; nothing is proven.
-        Canceled: Somebody asked for the end.
-        ModelInvalid: A shape or joint of a kind that cannot be certified.
-    """
-    found = quick_clearance(model, request, deadline)
-    if found.is_decided:
-        return found
-    second = DrakeProof(model, request, deadline, _SECOND_LOOK).run()
-    looks = found.intervals + second.intervals, found.queries + second.queries
-    chosen = second if second.check.passed else found
-    return replace(chosen, intervals=looks[0], queries=looks[1])
-
-
 def quick_clearance(model: DrakeModel, request: CertifyRequest, deadline: Deadline) -> Clearance:
-    """Do the same by the kernel alone, if it has the scene; else by Drake alone.
+    """Prove clearance by the kernel alone, if it has the scene; else by Drake alone.
 
     Raises:
         DeadlineExceeded: Time ran out; nothing is proven.
@@ -46,3 +29,28 @@ def quick_clearance(model: DrakeModel, request: CertifyRequest, deadline: Deadli
     if scene is not None:
         return native_clearance(scene, model, request, deadline)
     return DrakeProof(model, request, deadline).run()
+
+
+def check_clearance(
+    model: DrakeModel,
+    request: CertifyRequest,
+    deadline: Deadline,
+    first: Proof = quick_clearance,
+) -> Clearance:
+    """Prove, or fail to prove, that every pair of bodies keeps its margin throughout.
+
+    What the first proof neither proves nor refutes (the kernel's bounds do not decide on segments
+    as short as any) Drake is asked about before the motion is refused.
+
+    Raises:
+        DeadlineExceeded: Time ran out; nothing is proven.
+        Canceled: The end was asked for.
+        ModelInvalid: A shape or joint of a kind that cannot be certified.
+    """
+    found = first(model, request, deadline)
+    if found.is_decided:
+        return found
+    second = DrakeProof(model, request, deadline, _SECOND_LOOK).run()
+    looks = found.intervals + second.intervals, found.queries + second.queries
+    chosen = second if second.check.passed else found
+    return replace(chosen, intervals=looks[0], queries=looks[1])

@@ -21,11 +21,8 @@ from planning.world.drake_model import DrakeModel
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
-# The joints move by this much in sum on a first segment [rad or m].
-_FAR = 0.3
 # The bound may exceed what was seen by this share; below it nothing is looked at more closely.
 _GAP = 1e-3
-_MOST_SEGMENTS = 20_000
 _AT_ONCE = 256
 
 
@@ -60,10 +57,24 @@ class _Uses:
     blocks: Any
 
 
-def torque_check(model: DrakeModel, request: CertifyRequest, deadline: Deadline) -> Check:
+def torque_check(
+    model: DrakeModel,
+    request: CertifyRequest,
+    deadline: Deadline,
+    *,
+    far: float = 0.3,
+    most: int = 20_000,
+) -> Check:
     """Return the peak over limit of any joint's torque or force, as a guaranteed bound.
 
     What is not limited is not looked at. Not in it: friction and contact.
+
+    Args:
+        model: The scene.
+        request: The trajectory and its limits.
+        deadline: When to stop.
+        far: The joints move by this much in sum on a first segment [rad or m].
+        most: Segments beyond two for each first one; a motion that needs more is refused.
 
     Raises:
         ModelInvalid: A joint is of a kind that cannot be certified, or nobody says what a body
@@ -71,25 +82,28 @@ def torque_check(model: DrakeModel, request: CertifyRequest, deadline: Deadline)
         DeadlineExceeded: Time ran out.
         Canceled: Somebody asked for the end.
     """
-    return _Search(model, request, deadline).run()
+    search = _Search(model, request, deadline, most)
+    return search.run(far)
 
 
 class _Search:
     """Branch and bound."""
 
-    def __init__(self, model: DrakeModel, request: CertifyRequest, deadline: Deadline) -> None:
-        self._request, self._deadline = request, deadline
+    def __init__(
+        self, model: DrakeModel, request: CertifyRequest, deadline: Deadline, most: int
+    ) -> None:
+        self._request, self._deadline, self._most = request, deadline, most
         self._links = links_of(model, request)
         self._gravity = np.array(model.plant.gravity_field().gravity_vector())
         efforts = request.limits.effort
         self._limited = [i for i in range(len(efforts)) if np.isfinite(efforts[i])]
         self._seen, self._block, self._time = 0.0, "", 0.0
 
-    def run(self) -> Check:
+    def run(self, far: float) -> Check:
         if not self._limited:
             return self._verdict(0.0)
-        counts = self._counts()
-        count, budget = 0, _MOST_SEGMENTS + 2 * len(counts)
+        counts = self._counts(far)
+        count, budget = 0, self._most + 2 * len(counts)
         if not counts.sum() <= budget:
             return self._verdict(float("inf"))
         segments, settled = self._first(counts.astype(np.int64)), 0.0
@@ -106,11 +120,11 @@ class _Search:
                 return self._verdict(float(uses.upper.max()))
             segments = segments.only(is_open).halved
 
-    def _counts(self) -> Array:
+    def _counts(self, far: float) -> Array:
         """Return into how many segments to cut each piece, so that no joint moves far on any."""
         widths = np.diff(self._request.trajectory.breaks)
         rates = np.abs(self._request.forms[1]).max(axis=2).sum(axis=0)
-        return np.maximum(1.0, np.ceil(rates * widths / _FAR))
+        return np.maximum(1.0, np.ceil(rates * widths / far))
 
     def _first(self, counts: Any) -> _Segments:
         """Return segments of the whole motion."""

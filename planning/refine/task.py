@@ -54,6 +54,7 @@ class RefineTask:
         box: The same with coordinates for positions.
         least: The duration that no motion beats [s].
         predicates: What every sample must be accepted by, though no gradient leads there.
+        instants: At least and at most so many are looked at in a first model.
     """
 
     request: RefineRequest
@@ -68,6 +69,7 @@ class RefineTask:
     wish: Wish | None
     auditor: Auditor
     predicates: tuple[PredicateRule, ...] = ()
+    instants: tuple[int, int] = (_FEWEST, _MOST)
 
     @classmethod
     def of(cls, world: World, request: RefineRequest, share: Deadline) -> "RefineTask":
@@ -133,14 +135,14 @@ class RefineTask:
         And how many steps it took, and why the last curve was refused.
         """
         length = float(np.linalg.norm(np.diff(self.waypoints, axis=0), axis=1).sum())
-        count = int(np.clip(length / _APART, _FEWEST, _MOST))
+        count = int(np.clip(length / _APART, *self.instants))
         model = CurveModel(self.nearness, self.box, self.bounds, len(guess), count, self.wish)
         descent = Descent(model, guess)
         best: Look | None = None
         reason, rejected = "no time was left", 0
         for seen in descent.run(_MAX_STEPS):
             if best is None or seen.worth < best.worth:
-                reason, violated = self._refused(seen)
+                reason, violated = self.refused(seen)
                 rejected += reason == _REJECTED
                 if not reason:
                     best = seen
@@ -154,7 +156,7 @@ class RefineTask:
                 break
         return best, descent.num_steps, reason
 
-    def _refused(self, seen: Look) -> tuple[str, Array]:
+    def refused(self, seen: Look) -> tuple[str, Array]:
         """Return what is wrong with a curve, or "", and the instants where it is too near."""
         curve = self.curve_of(seen)
         violated = self.auditor.violated(curve)

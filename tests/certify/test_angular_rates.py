@@ -9,7 +9,7 @@ from planning.certify import bernstein
 from planning.certify.angular_rates import angular_peak
 from planning.domain import rotation
 
-pytestmark = pytest.mark.usefixtures("implementation")
+pytestmark = pytest.mark.drake_only
 
 
 def sampled_rates(coefficients: np.ndarray, width: float) -> list[np.ndarray]:

@@ -6,8 +6,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from planning.certify import bernstein
+from planning.kernel.native import native
 
-pytestmark = pytest.mark.usefixtures("implementation")
+pytestmark = pytest.mark.drake_only
+
+NATIVELY = pytest.mark.parametrize("natively", [True, False])
 
 
 def polynomials(seed: int, count: int, degree: int, width: int) -> np.ndarray:
@@ -28,15 +31,42 @@ def test_values_lie_between_the_coefficients(seed: int, degree: int) -> None:
         assert values[-1] == pytest.approx(bounds[i, -1])
 
 
-@given(st.integers(0, 9999), st.integers(1, 8))
-def test_peaks_are_reached(seed: int, degree: int) -> None:
+@NATIVELY
+@given(seed=st.integers(0, 9999), degree=st.integers(1, 8))
+def test_peaks_are_reached(natively: bool, seed: int, degree: int) -> None:
     power = polynomials(seed, 4, degree, 1)
-    top, row, fraction = bernstein.peak(bernstein.from_power(power, np.ones(4))[:, :, 0], 1e-9)
+    forms = bernstein.from_power(power, np.ones(4))[:, :, 0]
+    top, row, fraction = bernstein.peak(forms, 1e-9, natively=natively)
     x = np.linspace(0, 1, 2001)[:, None] ** np.arange(degree + 1)
     sampled = (power[:, :, 0] @ x.T).max()
     assert sampled - 1e-9 <= top <= sampled + 1e-3
     there = (fraction ** np.arange(degree + 1)) @ power[row, :, 0]
     assert there == pytest.approx(top, abs=1e-3)
+
+
+@pytest.mark.skipif(native() is None, reason="the native code is not built")
+@given(seed=st.integers(0, 9999), degree=st.integers(0, 10), decades=st.integers(-9, 9))
+def test_with_and_without_the_native_code_peaks_are_the_same(
+    seed: int, degree: int, decades: int
+) -> None:
+    """Of rows of all sizes, some of which reach the same height within the tolerance."""
+    rng = np.random.default_rng(seed)
+    forms = polynomials(seed, 8, degree, 1)[:, :, 0] * 10.0**decades
+    forms[4:] = forms[:4, ::-1] + rng.normal(0.0, 1e-9, (4, degree + 1)) * 10.0**decades
+    tolerance = 1e-7 * 10.0**decades
+    (ours, row, at), (theirs, other, there) = (
+        bernstein.peak(forms, tolerance, natively=natively) for natively in (True, False)
+    )
+    assert abs(ours - theirs) <= tolerance
+    for which, fraction in ((row, at), (other, there)):
+        assert value_at(forms[which], fraction) >= max(ours, theirs) - 2 * tolerance
+
+
+def value_at(form: np.ndarray, fraction: float) -> float:
+    """Return the value of a polynomial by de Casteljau's scheme."""
+    while len(form) > 1:
+        form = (1 - fraction) * form[:-1] + fraction * form[1:]
+    return float(form[0])
 
 
 @given(st.integers(0, 9999), st.integers(0, 5))

@@ -185,7 +185,7 @@ def test_a_motion_through_the_box_is_refused_with_pair_and_depth() -> None:
 
 
 @given(seed=st.integers(0, 1000))
-@settings(max_examples=num_cases(6))
+@settings(max_examples=num_cases(3))
 def test_nothing_proven_is_found_in_collision_by_a_fine_loop(seed: int) -> None:
     world = bundled_world("ur5e_pickup")
     group = world.group("arm")
@@ -204,7 +204,7 @@ def test_nothing_proven_is_found_in_collision_by_a_fine_loop(seed: int) -> None:
 
 
 @given(seed=st.integers(0, 1000))
-@settings(max_examples=num_cases(6))
+@settings(max_examples=num_cases(4))
 def test_a_turning_body_is_judged_as_a_fine_loop_judges_it(seed: int) -> None:
     world = bundled_world("window_3d")
     group = world.group("body")

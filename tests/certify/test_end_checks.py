@@ -13,7 +13,7 @@ from planning.world.margins import PairMargins
 from tests.certify.chains import FLOATING, Builder, P, Robot
 from tests.clocks import no_hurry
 
-pytestmark = pytest.mark.usefixtures("implementation")
+pytestmark = [pytest.mark.usefixtures("implementation"), pytest.mark.drake_only]
 
 
 def slider(limit: float = 10.0) -> tuple[Robot, JointLimits]:

@@ -1,6 +1,5 @@
 """Where a proof of clearance stops: the first instant, whatever is worst."""
 
-from itertools import count
 from typing import Any
 
 import numpy as np
@@ -19,7 +18,7 @@ from planning.domain.deadline import Deadline
 from planning.world.margins import PairMargins
 from tests.certify.chains import Builder, P, Robot, random_robot, random_trajectory
 from tests.certify.conftest import quintic
-from tests.clocks import no_hurry
+from tests.clocks import after_looks, no_hurry
 from tests.profiles import num_cases
 
 pytestmark = pytest.mark.usefixtures("implementation")
@@ -97,9 +96,7 @@ def test_short_of_time_it_tells_what_was_proven_until_then() -> None:
     robot = gauntlet()
     motion = quintic(robot.group, np.zeros(1), np.ones(1), 4.0)
     exact = located(robot, motion)
-    ticks = count()
-    late = Deadline(1.0, 4.0, lambda: float(next(ticks)))
-    early = located(robot, motion, deadline=late)
+    early = located(robot, motion, deadline=after_looks(4))
     assert 0 <= early.proven_until < exact.proven_until - 1e-3
 
 

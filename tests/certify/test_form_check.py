@@ -14,7 +14,7 @@ from tests.certify.chains import FLOATING, Builder, P, Robot
 from tests.certify.conftest import quintic
 from tests.clocks import no_hurry
 
-pytestmark = pytest.mark.usefixtures("implementation")
+pytestmark = [pytest.mark.usefixtures("implementation"), pytest.mark.drake_only]
 
 NAN, INF = float("nan"), float("inf")
 

@@ -1,4 +1,4 @@
-"""Hundreds of motions, sound by just enough or broken by just too much: the certifier tells which.
+"""Motions that are sound by just enough or broken by just too much: the certifier tells which.
 
 Each way to break a motion leaves everything else sound, so that one check alone can refuse it; how
 much it is broken is random, from a little above that check's tolerance up.
@@ -33,8 +33,10 @@ from tests.certify.sound_motions import (
     sound_motions,
 )
 from tests.clocks import no_hurry
+from tests.profiles import PROFILE, num_cases, rng_of
 
-COUNT = 50
+# Of each way to break a motion, and to leave it sound: as many from each scene.
+COUNT = num_cases(18)
 type Rng = np.random.Generator
 type Question = tuple[DrakeModel, CertifyRequest]
 
@@ -48,7 +50,7 @@ LAST = np.array([0.0, 0.0, 0.0, 0.0, -1.0, 1.0])
 
 @cache
 def motions() -> tuple[Sound, ...]:
-    return tuple(sound_motions(COUNT, 20_261_121))
+    return tuple(sound_motions(COUNT, 20_261_121 + PROFILE.seed))
 
 
 def judge(question: Question) -> Certificate:
@@ -241,12 +243,12 @@ MUTANTS = {
 }
 
 
-@pytest.mark.slow
-@pytest.mark.timeout(60)
+@pytest.mark.campaign
+@pytest.mark.timeout(3600 if PROFILE.is_campaign else 300)
 @pytest.mark.parametrize("name", MUTANTS)
-def test_fifty_mutants_are_refused_by_the_one_check_that_is_meant(name: str) -> None:
+def test_mutants_are_refused_by_the_one_check_that_is_meant(name: str) -> None:
     mutate, check, tolerance, decades = MUTANTS[name]
-    rng = np.random.default_rng(list(MUTANTS).index(name))
+    rng = rng_of(list(MUTANTS).index(name))
     for sound in motions():
         certificate = judge(mutate(sound, rng, beyond(rng, tolerance, decades)))
         assert not certificate.proven
@@ -291,11 +293,11 @@ SOUND: dict[str, Callable[[Sound, Rng], Question]] = {
 }
 
 
-@pytest.mark.slow
-@pytest.mark.timeout(60)
+@pytest.mark.campaign
+@pytest.mark.timeout(3600 if PROFILE.is_campaign else 300)
 @pytest.mark.parametrize("name", SOUND)
-def test_fifty_sound_motions_are_proven(name: str) -> None:
-    rng = np.random.default_rng(list(SOUND).index(name))
+def test_sound_motions_are_proven(name: str) -> None:
+    rng = rng_of(list(SOUND).index(name))
     for sound in motions():
         certificate = judge(SOUND[name](sound, rng))
         assert certificate.proven, certificate.failed

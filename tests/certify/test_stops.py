@@ -152,7 +152,7 @@ EITHER_WAY = st.sampled_from([None, (-1.0, 2.5), (-2.5, 1.0)])
 
 
 @given(seed=st.integers(0, 1000), start=st.floats(0, 0.95), bounds=EITHER_WAY)
-@settings(max_examples=num_cases(6))
+@settings(max_examples=num_cases(4))
 def test_hardest_stops_keep_the_limits_at_every_instant(
     seed: int, start: float, bounds: BySign
 ) -> None:
@@ -167,7 +167,7 @@ def test_hardest_stops_keep_the_limits_at_every_instant(
 
 
 @given(seed=st.integers(0, 1000), start=st.floats(0.05, 0.9))
-@settings(max_examples=num_cases(5))
+@settings(max_examples=num_cases(3))
 def test_an_execution_that_brakes_step_by_step_is_hardly_quicker(seed: int, start: float) -> None:
     _, request = detour(seed, "toppra")
     motion, period = request.trajectory, 5e-4
@@ -186,7 +186,7 @@ def test_an_execution_that_brakes_step_by_step_is_hardly_quicker(seed: int, star
 
 
 @given(seed=st.integers(0, 1000), bounds=EITHER_WAY)
-@settings(max_examples=num_cases(6))
+@settings(max_examples=num_cases(3))
 def test_smooth_stops_keep_the_limits_at_every_instant(seed: int, bounds: BySign) -> None:
     _, request = detour(seed, "ruckig", bounds)
     motion = request.trajectory

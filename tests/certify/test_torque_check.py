@@ -1,22 +1,21 @@
 """The torque check: a bound that holds, is near, and refuses what is too quick."""
 
-import time
 from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from planning.certify import torque_check
 from planning.certify.certifier import CertifyRequest
+from planning.certify.torque_check import torque_check
 from planning.domain.certificate import Check
 from planning.domain.curve import TimedTrajectory
-from planning.domain.deadline import Deadline
 from planning.domain.interpolation import trajectory_through
 from planning.domain.payload import Payload
 from planning.errors import DeadlineExceeded, ModelInvalid
+from planning.world.drake_model import DrakeModel
 from planning.world.margins import PairMargins
 from planning.world.world import World
 from tests.certify.chains import Robot, random_robot, random_trajectory
@@ -34,9 +33,8 @@ PENDULUM = """<robot name="p"><link name="base"/><link name="bob"><inertial>
 </robot>"""
 
 
-def judged(world_drake: object, request: CertifyRequest) -> Check:
-    deadline = no_hurry(60.0)
-    return torque_check.torque_check(world_drake, replace(request, effort=True), deadline)
+def judged(model: DrakeModel, request: CertifyRequest, **budget: float) -> Check:
+    return torque_check(model, replace(request, effort=True), no_hurry(), **budget)
 
 
 def with_efforts(robot: Robot, trajectory: TimedTrajectory, limit: float) -> CertifyRequest:
@@ -80,9 +78,10 @@ def test_a_motion_just_within_is_proven_and_one_that_is_too_quick_is_not(seed: i
     check = judged(robot.model, with_efforts(robot, trajectory, 1.002 * limit))
     assert check.passed
     assert check.value == pytest.approx(1 / 1.002, rel=2e-3)
+    assert not judged(robot.model, with_efforts(robot, trajectory, limit / 1.0001)).passed
     quick = trajectory.slowed(1 / 1.05)
-    if sampled_peak(robot, quick) > 1.01 * limit:
-        assert not judged(robot.model, with_efforts(robot, quick, 1.002 * limit)).passed
+    assume(sampled_peak(robot, quick) > 1.01 * limit)
+    assert not judged(robot.model, with_efforts(robot, quick, 1.002 * limit)).passed
 
 
 @pytest.mark.parametrize("damping", [0.0, 3.0])
@@ -128,14 +127,12 @@ def test_a_payload_weighs_as_much_as_the_same_thing_held(
     assert values[0] > 1.2 * values[2]
 
 
-def test_a_budget_that_is_used_up_refuses(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_budget_that_is_used_up_refuses() -> None:
     world = bundled_world("ur5e_pickup")
     q = world.positions(world.group("arm"))
     request = request_for(world, "arm", quintic(world.group("arm"), q, q + 0.5, 1.0))
     assert judged(world.drake, request).passed
-    monkeypatch.setattr(torque_check, "_MOST_SEGMENTS", 2)
-    monkeypatch.setattr(torque_check, "_FAR", 9.0)
-    refused = judged(world.drake, request)
+    refused = judged(world.drake, request, most=2, far=9.0)
     assert not refused.passed
     assert refused.value > 1
 
@@ -145,9 +142,7 @@ def test_time_that_is_over_and_bodies_of_no_weight_are_refused() -> None:
     q = world.positions(world.group("arm"))
     request = request_for(world, "arm", quintic(world.group("arm"), q, q + 0.5, 1.0))
     with pytest.raises(DeadlineExceeded):
-        torque_check.torque_check(
-            world.drake, replace(request, effort=True), Deadline.after(-1.0, time.monotonic)
-        )
+        torque_check(world.drake, replace(request, effort=True), no_hurry(-1.0))
     rng = np.random.default_rng(0)
     robot = random_robot(rng, 2, 0)
     weightless = random_trajectory(rng, robot.group, 1, spread=0.1)
@@ -168,7 +163,7 @@ def test_motions_beyond_all_numbers_are_refused(size: float) -> None:
     assert not check.value <= 1
 
 
-def test_many_short_pieces_leave_a_budget_for_halving(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_many_short_pieces_leave_a_budget_for_halving() -> None:
     world = bundled_world("ur5e_pickup")
     group = world.group("arm")
     q = world.positions(group)
@@ -182,7 +177,6 @@ def test_many_short_pieces_leave_a_budget_for_halving(monkeypatch: pytest.Monkey
         smooth.accelerations(times),
     )
     whole = judged(world.drake, request_for(world, "arm", smooth))
-    monkeypatch.setattr(torque_check, "_MOST_SEGMENTS", 20)
-    check = judged(world.drake, request_for(world, "arm", motion))
+    check = judged(world.drake, request_for(world, "arm", motion), most=20)
     assert check.passed
     assert check.value == pytest.approx(whole.value, rel=2e-3)

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 
 import numpy as np
@@ -58,6 +59,11 @@ class Case:
     def refined(self, seconds: float = 60.0) -> tuple[JointSpline | None, RefineReport]:
         return refine(self.world, self.request, no_hurry(seconds))
 
+    @cached_property
+    def outcome(self) -> tuple[JointSpline | None, RefineReport]:
+        """The same with ample time, found once."""
+        return self.refined()
+
     def are_free(self, qs: np.ndarray) -> np.ndarray:
         group, margins = self.request.path.group, self.request.margins
         return self.world.collision_oracle(group, margins).are_free(qs)
@@ -94,17 +100,19 @@ def puck_world(
     return load_world(parse_scene({"robots": robots, "objects": objects}))
 
 
-@pytest.fixture
-def thin_wall(tmp_path: Path) -> Case:
+@pytest.fixture(scope="session")
+def thin_wall(tmp_path_factory: pytest.TempPathFactory) -> Case:
     """Around the end of a wall that is 1 mm thick: far less than an instant's distance."""
-    world = puck_world(tmp_path, [([0.001, 1.3, 0.2], [0.0, -0.35, 0.0])])
+    world = puck_world(
+        tmp_path_factory.mktemp("thin_wall"), [([0.001, 1.3, 0.2], [0.0, -0.35, 0.0])]
+    )
     return case_of(world, "puck", [[-0.6, 0.1], [-0.1, 0.5], [0.1, 0.5], [0.6, 0.1]])
 
 
-@pytest.fixture
-def arm(tmp_path: Path) -> Case:
+@pytest.fixture(scope="session")
+def arm(tmp_path_factory: pytest.TempPathFactory) -> Case:
     """A three-link arm that folds to pass a post, its first joint crossing the half turn."""
-    file = tmp_path / "arm.urdf"
+    file = tmp_path_factory.mktemp("arm") / "arm.urdf"
     links = [
         LINK.format(
             i=i,
@@ -125,13 +133,13 @@ def arm(tmp_path: Path) -> Case:
     return case_of(world, "arm", waypoints)
 
 
-@pytest.fixture
+@pytest.fixture(scope="session")
 def pillar() -> Case:
     """A UR5e that lifts its hand over a pillar; its gripper is no part of the group."""
     return _over_pillar()
 
 
-@pytest.fixture
+@pytest.fixture(scope="session")
 def pillar_with_jerk() -> Case:
     return _over_pillar(jerk=True)
 
@@ -149,7 +157,7 @@ def _over_pillar(**changes: object) -> Case:
     return case_of(world, "arm", waypoints, **changes)
 
 
-@pytest.fixture(params=["thin_wall", "arm", "pillar", "pillar_with_jerk"])
+@pytest.fixture(scope="session", params=["thin_wall", "arm", "pillar", "pillar_with_jerk"])
 def case(request: pytest.FixtureRequest) -> Case:
     return request.getfixturevalue(request.param)
 

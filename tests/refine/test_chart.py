@@ -17,6 +17,7 @@ from planning.refine.chart import FlatChart, TangentChart, chart_of
 from planning.refine.nearness import nearness_of
 from planning.refine.refiner import refine
 from planning.refine.request import RefineRequest
+from planning.refine.task import RefineTask
 from planning.retime.blend import blend_corners
 from planning.retime.retimer import retime
 from planning.world.loading import load_world
@@ -97,7 +98,6 @@ def test_gradients_are_those_of_the_coordinates(kernel: bool, angles: list[float
         assert (np.abs(slopes - now.gradient[:, k]) < 1e-3).mean() > 0.9
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("seed", [0, 2])
 def test_a_body_that_floats_flies_quicker_refined(seed: int) -> None:
     world = bundled_world("window_3d")
@@ -127,7 +127,7 @@ def test_what_the_search_kept_from_turning_does_not_turn() -> None:
 
 @given(turns=st.lists(st.floats(0.1, 2.5), min_size=2, max_size=5), seed=st.integers(0, 99))
 @settings(max_examples=num_cases(6))
-def test_coordinates_follow_whoever_turns_far(turns: list[float], seed: int) -> None:
+def test_coordinates_follow_far_turns(turns: list[float], seed: int) -> None:
     rng = np.random.default_rng(seed)
     axes = AXIS + rng.normal(0, 0.2, (len(turns), 3))
     group = bundled_world("window_3d").group("body")
@@ -166,15 +166,16 @@ def test_who_turned_far_takes_the_short_way_if_it_is_free(far: float, kernel: bo
     assert refined.duration < 0.5 * plain.duration
 
 
-def test_whoever_must_turn_far_does_so_quicker(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Where the short way is barred, the curve winds as the path does."""
-    monkeypatch.setattr(RefineRequest, "straight", property(lambda self: self))
+def test_what_must_turn_far_does_so_quicker() -> None:
+    """A descent near the path winds as it does."""
     world = bundled_world("window_3d")
     path = path_turning([0.0, 1.5, 1.0, 2.5, 4.0, 3.5, 5.5])
     limits = world.limits(path.group)
     request = RefineRequest(path, limits, world.margins(), RefineOptions("trajopt"))
-    curve, report = refine(world, request, no_hurry(30.0))
-    assert curve is not None, report.reason
-    refined, _ = retime(curve, limits, RetimeOptions())
+    task = RefineTask.of(world, request, no_hurry())
+    best, _, reason = task.descend(task.fitted(0.15))
+    assert best is not None, reason
+    assert task.chart.winds
+    refined, _ = retime(task.curve_of(best), limits, RetimeOptions())
     rounded, _ = retime(blend_corners(path, 0.03, 1), limits, RetimeOptions())
     assert refined.duration < rounded.duration

@@ -54,7 +54,13 @@ def test_slopes_are_those_of_the_vectors(name, kind, seed):
     change = load.vectors(*(state + h * way)) - load.vectors(*(state - h * way))
     expected = np.einsum("kmbdj,kmj->mbd", load.slopes(*state), way)
     scale = 1 + np.abs(expected).max()
-    np.testing.assert_allclose(change / (2 * h), expected, atol=2e-4 * scale)
+    off = np.sort(np.abs(change / (2 * h) - expected).max(axis=(1, 2)) / scale)
+    if kind != "zone":
+        assert off[-1] < 2e-5
+    else:
+        # Quotients miss half a step times the second derivative, which is large about the faces
+        # of a zone; and one of the points may lie where another face becomes the nearest.
+        assert off[-2] < 5e-3
 
 
 @EACH

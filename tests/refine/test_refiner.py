@@ -3,8 +3,7 @@
 import pickle
 import subprocess
 import sys
-from dataclasses import replace
-from itertools import count
+from dataclasses import fields, replace
 from pathlib import Path
 
 import numpy as np
@@ -16,17 +15,19 @@ from planning.domain.manifold import Manifold
 from planning.domain.options import RefineOptions, RetimeOptions
 from planning.domain.path import JointPath
 from planning.domain.value import digest
-from planning.refine import quickest, task
+from planning.refine.curve_model import CurveModel
 from planning.refine.descent import Descent
+from planning.refine.quickest import quickest
 from planning.refine.refiner import refine
 from planning.refine.request import RefineRequest
 from planning.refine.soft_rows import solver_name
+from planning.refine.task import RefineTask
 from planning.retime.blend import blend_corners
 from planning.retime.retimer import retime
 from planning.world.loading import load_world
 from planning.world.rules.path_rules import PathRules
 from planning.world.world import World
-from tests.clocks import no_hurry
+from tests.clocks import after_looks, no_hurry
 from tests.refine.conftest import Case, case_of
 
 FINE = np.linspace(0, 1, 400)
@@ -44,9 +45,8 @@ print(digest((curve, report)))
 """
 
 
-@pytest.mark.slow
 def test_the_curve_is_free_and_within_limits(case):
-    curve, report = case.refined()
+    curve, report = case.outcome
     assert curve is not None, report.reason
     assert report.improved
     assert report.reason == ""
@@ -58,7 +58,7 @@ def test_the_curve_is_free_and_within_limits(case):
 
 
 def test_the_estimated_duration_is_what_the_retimer_needs(case):
-    curve, report = case.refined()
+    curve, report = case.outcome
     timed, _ = retime(curve, case.request.limits, RetimeOptions("toppra"))
     assert report.lower_bound <= report.duration_after
     if case.request.jerk:
@@ -68,7 +68,7 @@ def test_the_estimated_duration_is_what_the_retimer_needs(case):
 
 
 def test_the_motion_is_quicker_than_along_the_path(case):
-    curve, _ = case.refined()
+    curve, _ = case.outcome
     options = RetimeOptions("ruckig" if case.request.jerk else "toppra")
     rounded = blend_corners(case.request.path, 0.03, 2)
     limits = case.request.limits
@@ -77,9 +77,8 @@ def test_the_motion_is_quicker_than_along_the_path(case):
     assert after.duration < before.duration
 
 
-@pytest.mark.slow
 def test_the_curve_joins_start_and_goal_and_is_quicker(case):
-    curve, report = case.refined()
+    curve, report = case.outcome
     assert curve is not None, report.reason
     waypoints = case.request.path.waypoints
     manifold = Manifold(case.request.path.group.joints)
@@ -91,9 +90,8 @@ def test_the_curve_joins_start_and_goal_and_is_quicker(case):
     np.testing.assert_allclose(curve.breaks[[0, -1]], [0, 1], atol=0)
 
 
-@pytest.mark.slow
 def test_the_curve_is_smooth_and_rests_nowhere(case):
-    curve, _ = case.refined()
+    curve, _ = case.outcome
     joints = curve.breaks[1:-1]
     before = joints - 1e-12
     np.testing.assert_allclose(curve.positions(before), curve.positions(joints), atol=1e-9)
@@ -105,34 +103,37 @@ def test_the_curve_is_smooth_and_rests_nowhere(case):
 
 
 def test_an_angle_takes_the_short_way_across_the_half_turn(arm):
-    curve, report = arm.refined()
+    curve, report = arm.outcome
     assert curve is not None, report.reason
     assert curve.end[0] == pytest.approx(np.pi + 0.6)
     assert np.abs(curve.positions(FINE)[:, 0] - np.pi).max() < 1.5
 
 
 def test_a_wall_between_two_instants_is_found_and_avoided(thin_wall):
-    curve, report = thin_wall.refined()
+    curve, report = thin_wall.outcome
     assert curve is not None, report.reason
     assert report.rounds > 1
     assert thin_wall.are_free(curve.positions(np.linspace(0, 1, 5001))).all()
 
 
-def test_instants_that_the_audit_finds_are_added(make_puck, monkeypatch):
+def task_of(case: Case) -> RefineTask:
+    return RefineTask.of(case.world, case.request, no_hurry())
+
+
+def test_instants_that_the_audit_finds_are_added(make_puck):
     world = make_puck([([0.001, 1.3, 0.2], [0.0, -0.35, 0.0])])
     waypoints = [[-0.2, 0.1], [-0.1, 0.5], [0.1, 0.5], [0.2, 0.1]]
-    path = JointPath(world.group("puck"), np.array(waypoints))
-    request = RefineRequest(path, world.limits(path.group), world.margins(), RefineOptions())
+    case = case_of(world, "puck", waypoints)
     # Neither of the two first instants is near the wall.
-    monkeypatch.setattr(task, "_FEWEST", 2)
-    monkeypatch.setattr(task, "_MOST", 2)
-    curve, report = refine(world, request, no_hurry(60))
-    assert curve is not None, report.reason
-    oracle = world.collision_oracle(path.group, world.margins())
-    assert oracle.are_free(curve.positions(np.linspace(0, 1, 5001))).all()
-    monkeypatch.setattr(Descent, "keep_distance_at", lambda *_: None)
-    _, blind = refine(world, request, no_hurry(60))
-    assert report.duration_after < blind.duration_after - 0.05
+    task = replace(task_of(case), instants=(2, 2))
+    guess = task.fitted(0.15)
+    best, _, reason = task.descend(guess)
+    assert best is not None, reason
+    assert case.are_free(task.curve_of(best).positions(np.linspace(0, 1, 5001))).all()
+    # The same steps without more instants.
+    model = CurveModel(task.nearness, task.box, task.bounds, len(guess), 2)
+    blind = [seen for seen in Descent(model, guess).run(25) if not task.refused(seen)[0]]
+    assert best.duration < min(seen.duration for seen in blind) - 0.05
 
 
 @pytest.mark.parametrize("kernel", [True, False])
@@ -144,9 +145,8 @@ def test_with_and_without_the_kernel_curves_are_as_quick(thin_wall, kernel):
     assert report.duration_after == pytest.approx(report.lower_bound, rel=0.02)
 
 
-@pytest.mark.slow
 def test_the_same_request_gives_the_same_bytes_in_another_process(pillar, tmp_path: Path):
-    first = digest(pillar.refined())
+    first = digest(pillar.outcome)
     assert digest(pillar.refined()) == first
     file = tmp_path / "case.pickle"
     file.write_bytes(pickle.dumps((pillar.world.scene, pillar.request)))
@@ -187,12 +187,15 @@ def test_after_the_deadline_the_path_goes_on(thin_wall):
 
 
 def test_a_deadline_between_rounds_ends_the_work(thin_wall):
-    ticks = count()
-    request = thin_wall.request
-    deadline = Deadline.after(4.0, lambda: float(next(ticks)) / 2)
-    curve, report = refine(thin_wall.world, request, deadline)
-    assert report.rounds <= 2
-    assert (curve is not None) == report.improved
+    """What is left for this stage is 0.35 of the time, and every round looks at the clock."""
+    rounds = []
+    for looks in (9, 12, 20):
+        curve, report = refine(thin_wall.world, thin_wall.request, after_looks(looks))
+        assert curve is not None, report.reason
+        assert thin_wall.are_free(curve.positions(FINE)).all()
+        assert report.rounds <= 0.35 * looks
+        rounds.append(report.rounds)
+    assert rounds[0] < rounds[1] < rounds[2]
 
 
 def test_a_straight_path_is_left_alone(make_puck):
@@ -213,14 +216,11 @@ def test_a_straight_path_is_left_alone(make_puck):
         (np.array([[-0.6, 0.1], *[[0.0, 3.0]] * 12, [0.6, 0.1]]), "limits"),
     ],
 )
-def test_curves_that_are_no_good_are_refused(thin_wall, monkeypatch, points, reason: str):
-    def run(self, _):
-        yield replace(self.seen, points=points)
-
-    monkeypatch.setattr(Descent, "run", run)
-    curve, report = thin_wall.refined()
-    assert curve is None
-    assert reason in report.reason
+def test_curves_that_are_no_good_are_refused(thin_wall, points, reason: str):
+    task = task_of(thin_wall)
+    model = CurveModel(task.nearness, task.box, task.bounds, len(points), 60)
+    assert reason in task.refused(model.look(points))[0]
+    assert task.refused(model.look(task.fitted(0.04)))[0] == ""
 
 
 def test_a_robot_that_stands_near_a_wall_does_not_hinder_another(make_puck):
@@ -237,18 +237,22 @@ def test_a_robot_that_stands_near_a_wall_does_not_hinder_another(make_puck):
     assert oracle.are_free(curve.positions(FINE)).all()
 
 
-def test_a_nearer_guess_is_tried_where_the_first_leads_nowhere(thin_wall, monkeypatch):
-    asked: list[float] = []
-    fit = task.fit_control_points
+class Misled(RefineTask):
+    """Guesses straight through whatever is in the way, if it need not be near the path."""
 
-    def through_the_wall(waypoints, speeds, closeness):
-        asked.append(closeness)
-        return fit(waypoints if closeness < 0.1 else waypoints[[0, -1]], speeds, closeness)
+    def fitted(self, closeness: float) -> np.ndarray:
+        return self.near(self.waypoints if closeness < 0.1 else self.waypoints[[0, -1]], closeness)
 
-    monkeypatch.setattr(task, "fit_control_points", through_the_wall)
-    curve, report = thin_wall.refined()
-    assert curve is not None, report.reason
-    assert asked == list(quickest._CLOSE)
+
+def test_a_nearer_guess_is_tried_where_the_first_leads_nowhere(thin_wall):
+    task = task_of(thin_wall)
+    misled = Misled(**{field.name: getattr(task, field.name) for field in fields(task)})
+    nowhere, _, reason = misled.descend(misled.fitted(0.15))
+    assert nowhere is None
+    assert "too near" in reason
+    found = quickest(thin_wall.world, misled)
+    assert found.best is not None, found.reason
+    assert thin_wall.are_free(task.curve_of(found.best).positions(FINE)).all()
 
 
 def test_mimic_joints_follow(pickup):
@@ -311,21 +315,20 @@ def test_a_predicate_keeps_what_it_accepts(make_puck):
     curve, report = ruled_case(
         make_puck([BLOCK]), PathPredicate(lambda q: bool(q[0] < 0.78), 0.01)
     ).refined()
-    assert curve is None or (curve.positions(np.linspace(0, 1, 2001))[:, 0] < 0.78).all()
-    assert report.improved or "predicate" in report.reason
+    assert curve is not None, report.reason
+    assert (curve.positions(np.linspace(0, 1, 2001))[:, 0] < 0.78).all()
 
 
-def test_a_predicate_that_rejects_is_soon_left_alone(make_puck, monkeypatch):
-    judged = []
-    looked = task.is_accepted
-    monkeypatch.setattr(task, "is_accepted", lambda *a: judged.append(looked(*a)) or judged[-1])
-    calls = count()
-    rule = PathPredicate(lambda _: next(calls) < 0, 0.01)
-    curve, report = ruled_case(make_puck([BLOCK]), rule).refined()
+def test_a_predicate_that_rejects_is_soon_left_alone(make_puck):
+    asked: list[np.ndarray] = []
+    rule = PathPredicate(lambda q: bool(asked.append(q)), 0.01)
+    case = ruled_case(make_puck([BLOCK]), rule)
+    asked.clear()
+    curve, report = case.refined()
     assert curve is None
     assert not report.improved
     assert "predicate" in report.reason
-    assert judged == [False] * len(judged)
-    assert 1 <= len(judged) <= 4
-    # Of each curve a few samples were enough.
-    assert next(calls) < 2000
+    # Every look at a curve begins at its start; of each curve one look was enough.
+    num_curves = sum(np.array_equal(q, ABOUT[0]) for q in asked)
+    assert 1 <= num_curves <= 4
+    assert len(asked) < 130 * num_curves

@@ -36,7 +36,7 @@ def test_acceleration_is_continuous_and_its_slope_within_the_jerk(
     assert np.abs(vdot[[0, -1]]).max() < 1e-6
 
 
-@settings(max_examples=num_cases(6))
+@settings(max_examples=num_cases(4))
 @given(seed=st.integers(0, 10_000))
 def test_generous_jerk_costs_little_more_than_none(seed: int) -> None:
     limits = limits_of(SEVEN, jerk=1e5)
@@ -102,7 +102,7 @@ def test_a_line_is_one_state_to_state_motion() -> None:
         assert 3 <= on_first_line.sum() <= 7
 
 
-@settings(max_examples=num_cases(6))
+@settings(max_examples=num_cases(3))
 @given(seed=st.integers(0, 10_000), jerk=st.sampled_from([20.0, 100.0, 1000.0]))
 def test_the_plan_keeps_the_limits_along_curves_too(seed: int, jerk: float) -> None:
     spline, _ = smooth_spline(seed)

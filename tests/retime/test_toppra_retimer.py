@@ -7,15 +7,22 @@ from hypothesis import strategies as st
 from toppra.algorithm import TOPPRA
 from toppra.constraint import JointAccelerationConstraint, JointVelocityConstraint
 
+from planning.domain.curve import JointSpline
 from planning.domain.joints import JointLimits, JointType
 from planning.domain.options import RetimeOptions
 from planning.domain.path import JointPath
 from planning.refine.basis import spline_of
 from planning.refine.power_basis import joint_spline
 from planning.retime.blend import blend_corners
+from planning.retime.cells import cut_at, even_edges
 from planning.retime.retimer import retime
 from tests.conftest import group_of, limits_of, random_waypoints
 from tests.retime.splines import SEVEN, smooth_spline
+
+
+def in_parts(spline: JointSpline, count: int) -> JointSpline:
+    """Return the same curve in more pieces, each of which is cut into cells for itself."""
+    return cut_at(spline, even_edges(spline.breaks, np.full(spline.num_pieces, count)))
 
 
 @pytest.mark.parametrize("seed", range(4))
@@ -89,10 +96,8 @@ def test_many_more_cells_would_save_little(kind: JointType, seed: int) -> None:
     group = group_of(kind, kind)
     spline = blend_corners(JointPath(group, random_waypoints(group, seed, 4)), 0.1)
     few, _ = retime(spline, limits_of(group), RetimeOptions())
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("planning.retime.toppra_retimer._PER_TURN", 60)
-        many, _ = retime(spline, limits_of(group), RetimeOptions())
-    assert few.num_pieces < many.num_pieces
+    many, _ = retime(in_parts(spline, 10), limits_of(group), RetimeOptions())
+    assert few.num_pieces * 2 < many.num_pieces
     assert few.duration < many.duration * 1.01
 
 
@@ -101,10 +106,8 @@ def test_a_curve_without_lines_is_as_quick_as_on_many_more_cells(seed: int) -> N
     steps = np.random.default_rng(seed).normal(0.2, 0.05, (10, 7))
     spline = joint_spline(SEVEN.joints, spline_of(np.cumsum(steps, axis=0)))
     few, _ = retime(spline, limits_of(SEVEN), RetimeOptions())
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("planning.retime.toppra_retimer._FINER", 16)
-        many, _ = retime(spline, limits_of(SEVEN), RetimeOptions())
-    assert few.num_pieces < many.num_pieces
+    many, _ = retime(in_parts(spline, 8), limits_of(SEVEN), RetimeOptions())
+    assert few.num_pieces * 2 < many.num_pieces
     assert few.duration < many.duration * 1.019
 
 

@@ -4,7 +4,7 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from pydrake.multibody.tree import JacobianWrtVariable
 
@@ -157,7 +157,7 @@ def test_damping_takes_its_share_of_the_force(urdf_world: Callable[..., World]) 
 
 @pytest.mark.parametrize("method", sorted(RETIMERS))
 @pytest.mark.parametrize("name", ARMS)
-@settings(max_examples=num_cases(4))
+@settings(max_examples=num_cases(2, 120))
 @given(seed=st.integers(0, 1000))
 def test_torques_hold_ten_times_finer_by_other_means(name: str, method: str, seed: int) -> None:
     scene, arm, mass = ARMS[name]
@@ -166,17 +166,26 @@ def test_torques_hold_ten_times_finer_by_other_means(name: str, method: str, see
     payload = Payload.from_parts(group.tool_frames[0], mass, (0.02, 0.0, 0.05))
     options = RetimeOptions(method=method, effort=True, payload=payload)
     path = arm_path(world, group, seed)
-    try:
-        motion, report = timed(world, arm, path, options)
-    except RetimingFailed as fault:
-        assert fault.evidence["torque"] > fault.evidence["bound"]  # noqa: PT017
+    free, _ = timed(world, arm, path, RetimeOptions(method=method))
+    limits = world.limits(group).effort
+    # Crept along, the arm takes what holds it.
+    crept = free.slowed(1e4)
+    held = independent_efforts(
+        world, group, crept, crept.sample_times(crept.duration / 500), payload
+    )
+    need = float(np.abs(held / limits).max())
+    assume(abs(need - 1) > 0.05)
+    if need > 1:
+        with pytest.raises(RetimingFailed) as refusal:
+            timed(world, arm, path, options)
+        assert refusal.value.evidence["torque"] > refusal.value.evidence["bound"]
         return
+    motion, report = timed(world, arm, path, options)
     times = np.linspace(0, motion.duration, 500)
     efforts = independent_efforts(world, group, motion, times, payload)
-    used = np.abs(efforts / world.limits(group).effort).max()
+    used = np.abs(efforts / limits).max()
     assert used <= 1
     assert used <= report.utilisation["torque"] + 2e-3
-    free, _ = timed(world, arm, path, RetimeOptions(method=method))
     assert motion.duration >= free.duration * (1 - 1e-3)
 
 

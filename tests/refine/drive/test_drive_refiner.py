@@ -10,11 +10,13 @@ import planning
 from benchmarks.car_problems.yards import CarProblem, parking, yard
 from planning.domain.constraint import PathPredicate, TightLimits
 from planning.domain.curve import JointSpline
-from planning.domain.deadline import Deadline
 from planning.domain.options import ClearanceWish, RefineOptions, RetimeOptions
 from planning.domain.path import JointPath
 from planning.domain.steering import manifold_of, steering_of
-from planning.refine.drive import drive_task
+from planning.refine.drive.drive_descent import DriveDescent
+from planning.refine.drive.drive_model import DriveModel
+from planning.refine.drive.drive_task import DriveTask
+from planning.refine.drive.letter_times import LetterTimes
 from planning.refine.nearness import Near
 from planning.refine.refiner import refine
 from planning.refine.request import RefineRequest
@@ -22,7 +24,7 @@ from planning.refine.wish import wish_of
 from planning.retime.retimer import retime
 from planning.world.rules.path_rules import PathRules
 from planning.world.world import World
-from tests.clocks import no_hurry
+from tests.clocks import after_looks, no_hurry
 from tests.drivers import assert_driven
 
 CASES = {
@@ -118,12 +120,15 @@ def test_the_deadline_is_kept_and_the_best_so_far_is_given(
     """A clock that is asked often enough to be over after some steps."""
     drive = drive_of("parked")
     taken: list[int] = []
-    for patience in (3, 40, 80):
-        ticks = iter(range(10**9))
-        deadline = Deadline(1.0, patience / 0.35, lambda ticks=ticks: float(next(ticks)))
+    for patience, is_quicker in ((3, False), (40, False), (100, True)):
+        deadline = after_looks(round(patience / 0.35))
         curve, report = refine(drive.world, drive.request(), deadline)
-        assert curve is None or drive.are_free(curve).all()
-        assert curve is None or drive.duration(curve) < drive.duration(drive.path.spline)
+        assert (curve is not None) is report.improved is is_quicker
+        if curve is not None:
+            assert drive.are_free(curve).all()
+            assert drive.duration(curve) < drive.duration(drive.path.spline)
+        # Every step looks at the clock.
+        assert report.rounds <= patience
         taken.append(report.rounds)
     assert taken == sorted(taken)
     assert taken[0] <= 3 < taken[2]
@@ -132,20 +137,23 @@ def test_the_deadline_is_kept_and_the_best_so_far_is_given(
     assert report.reason == "no time was left"
 
 
-def test_what_would_collide_is_refused(
-    drive_of: Callable[[str], Drive], monkeypatch: pytest.MonkeyPatch
-) -> None:
+class Blind:
+    """Sees no obstacle."""
+
+    def within(self, qs: np.ndarray, reach: float) -> Near:
+        return Near(np.zeros(0, dtype=np.intp), np.zeros(0), np.zeros((0, 3)))
+
+
+def test_what_would_collide_is_refused(drive_of: Callable[[str], Drive]) -> None:
     """A model that sees no obstacle finds drives through them; none of them goes on."""
     drive = drive_of("parked")
-
-    class Blind:
-        def within(self, qs: np.ndarray, reach: float) -> Near:
-            return Near(np.zeros(0, dtype=np.intp), np.zeros(0), np.zeros((0, 3)))
-
-    monkeypatch.setattr(drive_task, "nearness_of", lambda *_: Blind())
-    curve, report = drive.refined()
-    assert curve is None or drive.are_free(curve).all()
-    assert "too near" in report.reason
+    deadline, jerk = no_hurry(), drive.request().jerk
+    task = DriveTask.of(drive.world, drive.request(), deadline)
+    times = LetterTimes.of(task.limits, task.course.at, jerk=jerk)
+    model = DriveModel(task.course, Blind(), task.limits, times, None)
+    found = replace(task, model=model, descent=DriveDescent(model, deadline)).run()
+    assert found.path is None
+    assert "too near" in found.reason
 
 
 def test_position_limits_are_kept(drive_of: Callable[[str], Drive]) -> None:
