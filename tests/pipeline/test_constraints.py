@@ -1,12 +1,9 @@
 """plan() under path constraints: kept between samples, by a Drake loop of its own."""
 
-import time
-from collections.abc import Iterator
 from functools import cache
 
 import numpy as np
 import pytest
-from jaxtyping import config
 
 import planning
 from planning.domain.certificate import Check
@@ -28,15 +25,16 @@ from planning.domain.plan import MotionPlan
 from planning.domain.pose import Pose
 from planning.domain.problem import PlanningProblem
 from planning.errors import (
+    DeadlineExceeded,
     GoalViolatesConstraint,
-    NoPathFound,
     ProblemInvalid,
     StartViolatesConstraint,
     UnknownName,
 )
 from planning.world.world import World
-from tests.clocks import no_hurry
+from tests.clocks import after_looks, no_hurry
 from tests.conftest import bundled_world
+from tests.profiles import num_cases
 
 EMPTY = "robots: [{name: panda, model: panda, positions: home}]"
 PILLAR = """
@@ -48,14 +46,6 @@ TOOL = "panda::panda_hand_tcp"
 DOWN = np.array([0.0, 0.0, -1.0])
 CORNERS = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
 LOOSE = np.array([0.0, 0.0, 4.0])
-
-
-@pytest.fixture
-def unchecked() -> Iterator[None]:
-    """Search at full speed: checking the shapes of every call takes ten times as long."""
-    config.jaxtyping_disable = True
-    yield
-    config.jaxtyping_disable = False
 
 
 @cache
@@ -102,29 +92,29 @@ def dense(found: MotionPlan) -> np.ndarray:
     return found.trajectory.positions(np.linspace(0.0, found.trajectory.duration, count))
 
 
-def flat_distance(world: World, q: np.ndarray) -> float:
-    """Return the distance of the L from the walls: corners from sides, as no two cross.
+def flat_distances(world: World, qs: np.ndarray) -> np.ndarray:
+    """Return the distances of the L from the walls, shape (n,): corners from sides; none crosses.
 
     Drake's own distances of boxes are sometimes too large (ADR 6).
     """
-    cosine, sine = np.cos(q[2]), np.sin(q[2])
-    turn = np.array([[cosine, -sine], [sine, cosine]])
-    smallest = np.inf
+    cosine, sine = np.cos(qs[:, 2]), np.sin(qs[:, 2])
+    turns = np.array([[cosine, -sine], [sine, cosine]]).transpose(2, 0, 1)
+    places = qs[:, None, :2]
+    smallest = np.full(len(qs), np.inf)
     for center, size in (((0.025, -0.025), (0.2, 0.05)), ((-0.05, 0.02), (0.05, 0.14))):
         corners = np.array(center) + CORNERS * np.array(size) / 2
-        placed = q[:2] + corners @ turn.T
+        placed = places + corners @ turns.transpose(0, 2, 1)
         for wall in world.scene.objects:
             half = wall.shape.size[:2] / 2
             middle = wall.pose.position[:2]
             out = np.maximum(np.abs(placed - middle) - half, 0.0)
-            back = (middle + CORNERS * half - q[:2]) @ turn - np.array(center)
+            back = (middle + CORNERS * half - places) @ turns - np.array(center)
             into = np.maximum(np.abs(back) - np.array(size) / 2, 0.0)
-            smallest = min(smallest, *np.hypot(*out.T), *np.hypot(*into.T))
-    return float(smallest)
+            for gaps in (out, into):
+                smallest = np.minimum(smallest, np.linalg.norm(gaps, axis=2).min(axis=1))
+    return smallest
 
 
-@pytest.mark.slow
-@pytest.mark.usefixtures("unchecked")
 def test_a_band_is_kept_between_samples() -> None:
     world = bundled_world("maze_2d_band")
     found = solve(
@@ -133,17 +123,18 @@ def test_a_band_is_kept_between_samples() -> None:
     (check,) = checks_of(found)
     assert check.name == "constraint 0: distance_band"
     assert check.passed
-    assert check.bound in {0.01, 0.05}
-    nearest = [flat_distance(world, q) for q in dense(found)]
-    assert min(nearest) >= 0.01 - 2e-6
-    assert max(nearest) <= 0.05 + 2e-6
+    nearest = flat_distances(world, dense(found))
+    assert nearest.min() >= 0.01 - 2e-6
+    assert nearest.max() <= 0.05 + 2e-6
     assert found.stages.refine.improved
-    assert abs(min(nearest) - check.value) < 2e-3 or abs(max(nearest) - check.value) < 2e-3
+    # What is told is the end of the band that the motion comes closest to.
+    ends = {0.01: float(nearest.min()), 0.05: float(nearest.max())}
+    assert check.bound == min(ends, key=lambda bound: abs(ends[bound] - bound))
+    assert check.value == pytest.approx(ends[check.bound], abs=2e-3)
 
 
-@pytest.mark.slow
-@pytest.mark.usefixtures("unchecked")
-@pytest.mark.parametrize("tolerance", [0.4, 0.06])
+@pytest.mark.campaign
+@pytest.mark.parametrize("tolerance", [0.4, 0.06][: num_cases(1, 2)])
 def test_a_cup_is_kept_upright_around_a_pillar(tolerance: float) -> None:
     world = pillar()
     cone = OrientationCone(TOOL, np.array([0.0, 0.0, 2.0]), DOWN, tolerance)
@@ -183,8 +174,6 @@ def test_without_the_cone_the_cup_is_not_upright() -> None:
     assert not checks_of(found)
 
 
-@pytest.mark.slow
-@pytest.mark.usefixtures("unchecked")
 def test_a_plane_and_a_box_are_kept_together() -> None:
     world = pillar()
     start = beside_the_pillar()
@@ -310,12 +299,13 @@ def test_what_cannot_be_kept_is_not_found() -> None:
     problem = PlanningProblem(
         "body", goal, search=search, constraints=(KeepOut("body::body", box),)
     )
-    with pytest.raises(planning.errors.PlanningFailure) as caught:
-        planning.plan(problem, world, deadline=planning.Deadline.after(0.5, time.monotonic))
-    assert caught.value.code in {NoPathFound.code, "deadline_exceeded"}
+    with pytest.raises(DeadlineExceeded) as caught:
+        planning.plan(problem, world, deadline=after_looks(500))
+    assert caught.value.evidence["during"] == "search"
+    assert caught.value.evidence["num_goals"] == 1
+    assert caught.value.evidence["num_states_checked"] > 100
 
 
-@pytest.mark.usefixtures("unchecked")
 def test_under_jerk_limits_as_well() -> None:
     world = bundled_world("maze_2d_band")
     start = np.array([0.36, -0.42, 0.0])

@@ -1,6 +1,7 @@
 """The shelf: last used stays, files survive processes, and what is not whole is as good as none."""
 
 import json
+import os
 import pickle
 
 import numpy as np
@@ -11,6 +12,8 @@ from hypothesis import strategies as st
 from planning.domain.roadmap import Roadmap
 from planning.roadmap_shelf import RoadmapShelf
 from tests.profiles import num_cases
+
+KEYS = "abcdefghij"
 
 
 def make(key="a", count=5, seed=0):
@@ -82,14 +85,18 @@ def test_the_last_used_stay_in_memory():
     assert tight.get("a") is None
 
 
-def test_a_folder_does_not_grow_for_ever(tmp_path):
-    shelf = RoadmapShelf(folder=tmp_path, most_bytes_on_disk=3_000)
-    for key in "abcdefghij":
+@pytest.mark.parametrize(("most_bytes", "num_left"), [(3_000, 1), (9_000, 3)])
+def test_of_a_folder_that_is_full_the_oldest_files_go(tmp_path, most_bytes, num_left):
+    """A file has 2,828 bytes."""
+    shelf = RoadmapShelf(folder=tmp_path, most_bytes_on_disk=most_bytes)
+    for at, key in enumerate(KEYS):
         shelf.put(make(key, count=20))
-    assert sum(file.stat().st_size for file in tmp_path.glob("*")) <= 3_000 or (
-        len(list(tmp_path.glob("*"))) == 1
-    )
-    assert RoadmapShelf(folder=tmp_path).get("j") is not None
+        os.utime(tmp_path / f"{key}.json", (at, at))
+    sizes = [file.stat().st_size for file in tmp_path.iterdir()]
+    assert sum(sizes) <= most_bytes
+    assert len(sizes) == num_left
+    kept = [key for key in KEYS if RoadmapShelf(folder=tmp_path).get(key) is not None]
+    assert kept == list(KEYS[10 - num_left :])
 
 
 def test_a_folder_that_cannot_be_written_is_no_failure(tmp_path):

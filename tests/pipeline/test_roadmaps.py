@@ -3,14 +3,12 @@
 import os
 import subprocess
 import sys
-import time
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
 import planning
-from planning.domain.deadline import Deadline
 from planning.domain.goal import ConfigurationGoal, JointGoal, LineGoal, PoseTarget
 from planning.domain.manifold import Manifold
 from planning.domain.options import RefineOptions, RoadmapOptions, SearchOptions
@@ -19,7 +17,7 @@ from planning.domain.problem import PlanningProblem
 from planning.domain.scene_operation import MoveObject, SetPositions
 from planning.errors import DeadlineExceeded, ProblemInvalid
 from planning.roadmap_shelf import RoadmapShelf
-from tests.clocks import no_hurry
+from tests.clocks import after_looks, no_hurry
 from tests.conftest import bundled_world
 
 SMALL = RoadmapOptions(states=600, neighbours=8)
@@ -62,7 +60,6 @@ for folder in sys.argv[1:]:
 """
 
 
-@pytest.mark.slow
 def test_cold_warm_and_disk_give_the_same_bytes_in_any_process(maze, tmp_path):
     problem, shelf = problem_of(4), RoadmapShelf(folder=tmp_path)
     cold, warm = solve(maze, problem, shelf), solve(maze, problem, shelf)
@@ -164,5 +161,5 @@ def test_nonsense_and_lines_are_refused(maze):
 def test_a_roadmap_that_takes_too_long_says_so(maze):
     problem = problem_of(roadmap=RoadmapOptions(states=20_000, neighbours=50))
     with pytest.raises(DeadlineExceeded, match="20000 states") as caught:
-        planning.plan(problem, maze, deadline=Deadline.after(0.05, time.monotonic))
+        planning.plan(problem, maze, deadline=after_looks(20))
     assert caught.value.evidence["during"] == "roadmap"
