@@ -1,6 +1,7 @@
 """Texts of scenes: YAML or JSON, refused early if they are bombs."""
 
 import json
+from collections import Counter
 from collections.abc import Mapping
 from typing import Any
 
@@ -68,8 +69,8 @@ def _distinct(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     """Build an object whose keys are all different: JSON would keep the last of two."""
     built = dict(pairs)
     if len(built) < len(pairs):
-        keys = [key for key, _ in pairs]
-        twice = next(key for key in keys if keys.count(key) > 1)
+        counts = Counter(key for key, _ in pairs)
+        twice = next(key for key, count in counts.items() if count > 1)
         message = f"key {twice[:80]!r} is given twice"
         raise SceneInvalid(message, {"path": twice[:80]})
     return built

@@ -1,28 +1,18 @@
 """The HTTP examples of the guide are what the service takes; nothing is planned here."""
 
 import json
-from importlib import import_module
-from pkgutil import iter_modules
 from typing import Any
 
 import pytest
-from fastapi import APIRouter
-from fastapi.routing import APIRoute
 from pydantic import TypeAdapter
 
-import service.routes
 from service.schemas.goal import GoalWire
 from service.schemas.kinematics import IkRequest
 from service.schemas.plan import PlanRequest
 from service.schemas.search import SearchWire
 from tests.conventions.guide import PAGES, ROOT, Call, calls, members, values
+from tests.service.api_routes import api_routes
 
-ROUTES = [
-    route
-    for module in iter_modules(service.routes.__path__, "service.routes.")
-    for route in getattr(import_module(module.name), "router", APIRouter()).routes
-    if isinstance(route, APIRoute)
-]
 LEAST = {"scene": "scn_0", "group": "arm", "goal": {"type": "configuration", "name": "ready"}}
 
 
@@ -49,7 +39,7 @@ def test_there_are_examples_of_every_kind() -> None:
 def test_calls_are_routed_and_their_bodies_accepted(call: Call) -> None:
     found = [
         route
-        for route in ROUTES
+        for route in api_routes()
         if route.path_regex.match(call.path) and call.method in route.methods
     ]
     assert found, call

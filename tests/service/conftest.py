@@ -6,6 +6,7 @@ import pytest
 
 from service.app import create_app
 from service.settings import Settings
+from tests.service.servers import server
 
 with warnings.catch_warnings():
     # Starlette wants a client that is not among our dependencies yet.
@@ -37,6 +38,13 @@ def app(settings):
 @pytest.fixture(scope="session")
 def client(app):
     with TestClient(app) as running:
+        yield running
+
+
+@pytest.fixture(scope="session")
+def real_server(tmp_path_factory):
+    """A server in a process of its own, on a free port, with a folder of its own."""
+    with server(tmp_path_factory.mktemp("real"), WAYPROOF_SEARCH_PROCESSES="3") as running:
         yield running
 
 

@@ -7,65 +7,81 @@ import pytest
 from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
 
-from service.app import create_app
-from service.settings import Settings
-from tests.profiles import num_cases
-
-with warnings.catch_warnings():
-    warnings.simplefilter("ignore")
-    import schemathesis
-    from schemathesis import GenerationMode
-    from schemathesis.specs.openapi import checks
+from tests.profiles import PROFILE, num_cases
+from tests.service.api_routes import api_routes, takes_data
 
 # Replays are megabytes.
 NOT_CALLED = {"getReplay"}
-CHECKS = [
-    schemathesis.checks.not_a_server_error,
-    checks.status_code_conformance,
-    checks.content_type_conformance,
-    checks.response_schema_conformance,
-]
 RULES = settings(
-    max_examples=num_cases(6),
+    max_examples=num_cases(3, 60),
     deadline=None,
-    derandomize=True,
+    derandomize=not PROFILE.is_campaign,
     database=None,
     phases=[Phase.explicit, Phase.generate],
     suppress_health_check=list(HealthCheck),
 )
 
 
-@functools.cache
-def operations():
-    document = create_app(Settings(engine="inline")).openapi()
-    schema = schemathesis.openapi.from_dict(document)
-    found = [result.ok() for result in schema.get_all_operations()]
-    return {
-        operation.definition.raw["operationId"]: operation
-        for operation in found
-        if operation.definition.raw["operationId"] not in NOT_CALLED
-    }
-
-
 def cases():
     """Every operation with good data, and with bad data if it takes any."""
-    for name, operation in operations().items():
-        raw = operation.definition.raw
-        yield name, GenerationMode.POSITIVE
-        if raw.get("parameters") or raw.get("requestBody"):
-            yield name, GenerationMode.NEGATIVE
+    for route in api_routes():
+        if route.operation_id not in NOT_CALLED:
+            yield route.operation_id, "positive"
+            if takes_data(route):
+                yield route.operation_id, "negative"
+
+
+@functools.cache
+def library():
+    """Schemathesis, imported when the first test needs it: that takes a second."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        import schemathesis
+    return schemathesis
+
+
+@pytest.fixture(scope="module")
+def operations(document):
+    schema = library().openapi.from_dict(document)
+    found = [result.ok() for result in schema.get_all_operations()]
+    return {operation.definition.raw["operationId"]: operation for operation in found}
+
+
+@pytest.fixture(scope="module")
+def checks():
+    not_a_server_error = library().checks.not_a_server_error
+    from schemathesis.specs.openapi import checks as declared
+
+    return [
+        not_a_server_error,
+        declared.status_code_conformance,
+        declared.content_type_conformance,
+        declared.response_schema_conformance,
+    ]
+
+
+def test_every_operation_of_the_document_is_called(operations):
+    assert {name for name, _ in cases()} | NOT_CALLED == set(operations)
+    with_data = {
+        name
+        for name, operation in operations.items()
+        if {"parameters", "requestBody"} & set(operation.definition.raw)
+    }
+    assert {name for name, mode in cases() if mode == "negative"} == with_data - NOT_CALLED
 
 
 # Schemathesis draws from `random` in its strategies; Hypothesis seeds it, but complains.
 @pytest.mark.filterwarnings("ignore:Do not use the `random` module inside strategies")
-@pytest.mark.slow
+@pytest.mark.campaign
 @pytest.mark.parametrize(("name", "mode"), list(cases()))
-def test_answers_are_as_declared(client, scene, solved, few_regions, name, mode):
-    operation = operations()[name]
+def test_answers_are_as_declared(  # noqa: PLR0913, PLR0917  (what it knows of are fixtures)
+    client, scene, solved, few_regions, operations, checks, name, mode
+):
     known = {"scene": scene, "plan": solved["id"], "name": "ur5e", "regions": few_regions["id"]}
+    mode = library().GenerationMode(mode)
 
     @RULES
-    @given(case=operation.as_strategy(generation_mode=mode), is_known=st.booleans())
+    @given(case=operations[name].as_strategy(generation_mode=mode), is_known=st.booleans())
     def check(case, is_known):
         if is_known:
             for parameter in set(case.path_parameters) & set(known):
@@ -75,6 +91,6 @@ def test_answers_are_as_declared(client, scene, solved, few_regions, name, mode)
         if isinstance(sent.get("data"), bytes | str):
             sent["content"] = sent.pop("data")
         answer = client.request(**sent)
-        case.validate_response(answer, checks=CHECKS)
+        case.validate_response(answer, checks=checks)
 
     check()

@@ -1,8 +1,7 @@
-"""Scenes as text: the same scene from either language, and hostile texts refused quickly."""
+"""Scenes as text: the same scene from either language, and hostile texts refused."""
 
 import json
 import random
-import time
 
 import pytest
 from hypothesis import given, settings
@@ -60,32 +59,43 @@ def test_json_that_is_no_scene_is_invalid(text):
         decode_scene(text, "json")
 
 
-def hostile():
-    noise = random.Random(1)
-    letters = "".join(noise.choice('abc{}[]:,"1 \n-') for _ in range(1_900_000))
-    return {
-        "noise": ("json", letters),
-        "noise in YAML": ("yaml", letters),
-        "deep list": ("json", "[" * 5_000_000),
-        "deep object": ("json", '{"a":' * 1_000_000),
-        "balanced and deep": ("json", '{"a":' * (MAX_DEPTH + 1) + "1" + "}" * (MAX_DEPTH + 1)),
-        "many keys": ("json", json.dumps({f"key{i}": 1 for i in range(400_000)})),
-        "many objects": ("json", json.dumps({"robots": [ROBOT], "objects": [1] * 3_000_000})),
-        "many positions": ("json", json.dumps({"robots": [{**ROBOT, "positions": [""] * 800000}]})),
-        "long name": ("json", json.dumps({"robots": [ROBOT], "name": "x" * 10_000_000})),
-        "long number": ("json", '{"margin": ' + "9" * 5_000_000 + "}"),
-        "aliases": ("yaml", "a: &a [x, x]\nb: &b [*a, *a]\nc: &c [*b, *b]\nrobots: *c\n"),
-        "many lines": ("yaml", "".join(f"k{i}: 1\n" for i in range(150_000))),
-        "long flow": ("yaml", "robots: [" + "1," * 450_000 + "1]"),
-    }  # fmt: skip
+def noise():
+    picked = random.Random(1)
+    return "".join(picked.choice('abc{}[]:,"1 \n-') for _ in range(1_900_000))
 
 
-@pytest.mark.parametrize("name", hostile())
-def test_hostile_texts_are_refused_quickly(name):
-    media, text = hostile()[name]
-    begun = time.perf_counter()
+def keys(count):
+    return {f"key{i}": 1 for i in range(count)}
+
+
+HOSTILE = {
+    "noise": ("json", noise),
+    "noise in YAML": ("yaml", noise),
+    "deep list": ("json", lambda: "[" * 5_000_000),
+    "deep object": ("json", lambda: '{"a":' * 1_000_000),
+    "balanced and deep": (
+        "json", lambda: '{"a":' * (MAX_DEPTH + 1) + "1" + "}" * (MAX_DEPTH + 1),
+    ),
+    "many keys": ("json", lambda: json.dumps(keys(400_000))),
+    "the last key twice": ("json", lambda: json.dumps(keys(300_000))[:-1] + ', "key299999": 1}'),
+    "many objects": ("json", lambda: json.dumps({"robots": [ROBOT], "objects": [1] * 3_000_000})),
+    "many positions": (
+        "json", lambda: json.dumps({"robots": [{**ROBOT, "positions": [""] * 800_000}]}),
+    ),
+    "long name": ("json", lambda: json.dumps({"robots": [ROBOT], "name": "x" * 10_000_000})),
+    "long number": ("json", lambda: '{"margin": ' + "9" * 5_000_000 + "}"),
+    "aliases": ("yaml", lambda: "a: &a [x, x]\nb: &b [*a, *a]\nc: &c [*b, *b]\nrobots: *c\n"),
+    "many lines": ("yaml", lambda: "".join(f"k{i}: 1\n" for i in range(150_000))),
+    "long flow": ("yaml", lambda: "robots: [" + "1," * 450_000 + "1]"),
+}  # fmt: skip
+
+
+# Work in proportion to the text takes a second; its square takes hours, and the suite's time limit
+# ends it.
+@pytest.mark.parametrize("name", HOSTILE)
+def test_hostile_texts_are_refused_with_work_in_proportion(name):
+    media, text = HOSTILE[name]
     with pytest.raises(WayproofError) as refusal:
-        decode_scene(text, media)
-    assert time.perf_counter() - begun < 3.0
+        decode_scene(text(), media)
     assert len(refusal.value.detail) < 1000
     assert len(json.dumps(refusal.value.evidence)) < 10_000
