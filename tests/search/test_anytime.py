@@ -9,8 +9,6 @@ from planning.domain.deadline import Deadline
 from planning.domain.manifold import Manifold
 from planning.domain.motion_samples import are_motions_free
 from planning.errors import Canceled
-from planning.search import sound
-from planning.search.attempt import attempt
 from planning.search.solver import search
 from tests.clocks import no_hurry
 from tests.search.conftest import Oracle, beyond_wall
@@ -72,21 +70,26 @@ def test_who_listens_changes_no_byte(plane, wall, soon, crossing, name):
     assert lengths == sorted(set(lengths), reverse=True)
 
 
+class Told(Oracle):
+    """The wall; it remembers how closely it was looked at."""
+
+    def __init__(self):
+        super().__init__(beyond_wall)
+        self.resolutions = set()
+
+    def is_motion_free(self, origin, displacement, resolution):
+        self.resolutions.add(resolution)
+        return super().is_motion_free(origin, displacement, resolution)
+
+
 @pytest.mark.parametrize("name", ["RRTstar", "InformedRRTstar", "BITstar"])
-def test_what_hugs_a_wall_is_driven_around_it_not_thrown_away(
-    plane, wall, soon, crossing, name, monkeypatch
-):
-    lookers = []
-
-    def looking(query, edges, *rest):
-        lookers.append(edges)
-        return attempt(query, edges, *rest)
-
-    monkeypatch.setattr(sound, "attempt", looking)
+def test_what_hugs_a_wall_is_driven_around_it_not_thrown_away(plane, soon, crossing, name):
+    """Anew a planner would look half as far apart, at 0.15; what is mended is at once at 0.075."""
     for seed in range(2):
+        wall = Told()
         found = search(*plane, wall, crossing(seed, planner=name, resolution=0.3), soon)
         assert is_free(wall, plane[0], found.path.waypoints, 0.3 / 4)
-    assert len(lookers) == 2
+        assert wall.resolutions == {0.3, 0.3 / 4}
 
 
 def test_what_is_no_length_is_not_told(plane, wall, soon, crossing):
@@ -143,7 +146,7 @@ def test_what_collides_on_a_closer_look_is_mended_for_who_canceled(plane, crossi
         assert found.report.was_canceled == bool(told)
         assert is_free(oracle, plane[0], found.path.waypoints, 0.06 / 4)
         canceled.append(bool(told))
-    assert any(canceled)
+    assert sum(canceled) >= 2
 
 
 def test_improving_leaves_time_for_what_comes_after_it(plane, crossing):

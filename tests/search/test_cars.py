@@ -1,19 +1,21 @@
 """Paths of cars among walls: drivable, free and inside by an independent look."""
 
+from contextlib import contextmanager
 from itertools import pairwise
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.spatial import cKDTree
 
-from planning.domain.car_request import _DIRECTED
+from planning.domain.car_request import require_directed
 from planning.domain.joints import JointType
 from planning.domain.manifold import Manifold
+from planning.domain.motion_samples import steps_of
 from planning.domain.options import SearchOptions
 from planning.domain.steering import Steering, manifold_of, steered
-from planning.errors import NoPathFound, ProblemInvalid, UnknownName
-from planning.search import attempt
+from planning.errors import DeadlineExceeded, ProblemInvalid, UnknownName
 from planning.search.drive_shortcut import shortened_drive
 from planning.search.driven_edges import DrivenEdges
 from planning.search.drives import Drives
@@ -21,13 +23,24 @@ from planning.search.oracle import WatchedOracle
 from planning.search.planners import planner_names
 from planning.search.polyline import path_length
 from planning.search.solver import SearchTask, search
-from tests.clocks import no_hurry
-from tests.profiles import num_cases
+from planning.stopwatch import Stopwatch
+from tests.clocks import FakeClock, after_looks, no_hurry
+from tests.profiles import num_cases, seeds
 from tests.search.conftest import Oracle, group_of, limits_of
 
 PLANE = (JointType.PLANAR,)
 WITH_ARM = (JointType.PLANAR, JointType.REVOLUTE, JointType.CONTINUOUS)
 RADIUS = 0.15
+
+
+def directed():
+    """Return the planners that a car without reverse may ask for, as the refusal names them."""
+    with pytest.raises(ProblemInvalid) as refusal:
+        require_directed(["PRM"], {"r::j0": Steering(RADIUS, reverse=False)})
+    return refusal.value.evidence["known"]
+
+
+DIRECTED = directed()
 
 
 def car(kinds=PLANE, *, reverse=True, radius=RADIUS):
@@ -49,11 +62,9 @@ def beyond_wall(qs):
     return ~((np.abs(qs[:, 0]) < 0.06) & (qs[:, 1] < 0.1))
 
 
-def found(
-    group, seed=0, oracle=beyond_disc, start=(-0.6, -0.1, 0.0), end=(0.6, 0.1, 0.0), **options
-):
+def task_of(group, seed=0, start=(-0.6, -0.1, 0.0), end=(0.6, 0.1, 0.0), **options):
     extra = group.num_positions - 3
-    task = SearchTask(
+    return SearchTask(
         start=arms(extra, *start),
         goals=arms(extra, *end)[None] * np.array([1, 1, 1, *[-1] * extra]),
         options=SearchOptions(**options),
@@ -61,8 +72,11 @@ def found(
         padding=0.0,
         seed=seed,
     )
-    deadline = no_hurry(20.0)
-    return search(group, limits_of(group), Oracle(oracle), task, deadline)
+
+
+def found(group, seed=0, oracle=beyond_disc, deadline=None, **more):
+    task = task_of(group, seed, **more)
+    return search(group, limits_of(group), Oracle(oracle), task, deadline or no_hurry())
 
 
 def assert_drivable(group, waypoints, oracle, lower=-1.0, upper=1.0):
@@ -73,7 +87,8 @@ def assert_drivable(group, waypoints, oracle, lower=-1.0, upper=1.0):
     ahead, aside, turn = deltas[:, :3].T
     assert (np.abs(aside) <= 1e-6 * np.abs(ahead)).all()
     assert (np.abs(turn) * steering.turning_radius <= (1 + 1e-6) * np.abs(ahead)).all()
-    assert steering.reverse or (ahead >= -1e-12).all()
+    if not steering.reverse:
+        assert (ahead >= -1e-12).all()
     for q0, q1 in pairwise(waypoints):
         count = 2 + int(manifold.distance(q1, q0) / (0.05 / 4 / 10))
         qs = manifold.interpolate(q0, q1, np.linspace(0, 1, count))
@@ -86,7 +101,8 @@ def assert_drivable(group, waypoints, oracle, lower=-1.0, upper=1.0):
 
 @pytest.mark.parametrize("reverse", [True, False])
 @pytest.mark.parametrize("kinds", [PLANE, WITH_ARM])
-@pytest.mark.parametrize("seed", range(1))
+@pytest.mark.parametrize("seed", seeds(1, 20))
+@pytest.mark.campaign
 def test_rrtconnect_drives_around_a_wall(kinds, reverse, seed):
     group = car(kinds, reverse=reverse)
     poses = {"start": (-0.6, -0.6, 0.0), "end": (0.6, -0.6, 0.0)}
@@ -110,33 +126,51 @@ def test_other_planners_drive_a_car_that_reverses(name):
 _SMALL = {"BITstar": {"samples_per_batch": 20}}
 
 
-@pytest.mark.parametrize("name", _DIRECTED)
-def test_planners_for_one_way_check_in_the_direction_of_motion(monkeypatch, name):
-    """Every edge of what the planner finds was asked for as it is driven."""
-    asked, solutions = set(), []
-    is_free, report = DrivenEdges.is_free, attempt._report
+class Solving(Stopwatch):
+    """Knows whether a planner is at work: what is asked later is asked of its path."""
 
-    def key(q):
-        wrapped = np.array([q[0], q[1], np.remainder(q[2] + np.pi, 2 * np.pi)])
-        return tuple(np.round(wrapped, 9))
+    def __init__(self):
+        super().__init__(FakeClock())
+        self.is_on = False
 
-    def noting(edges, q0, q1):
-        asked.add((key(q0), key(q1)))
-        return is_free(edges, q0, q1)
-
-    def keeping(query, fine, path, status, planner):
-        solutions.append(path)
-        return report(query, fine, path, status, planner)
-
-    monkeypatch.setattr(DrivenEdges, "is_free", noting)
-    monkeypatch.setattr(attempt, "_report", keeping)
-    group = car(reverse=False)
-    result = found(group, 1, planner=name, parameters=_SMALL.get(name, {}))
-    assert_drivable(group, result.path.waypoints, beyond_disc)
-    assert {(key(a), key(b)) for a, b in pairwise(solutions[-1])} <= asked
+    @contextmanager
+    def note(self, name):
+        self.is_on = name == "solve"
+        with super().note(name):
+            yield
+        self.is_on = False
 
 
-@pytest.mark.parametrize("name", sorted(set(planner_names()) - set(_DIRECTED)))
+@pytest.mark.parametrize("name", DIRECTED)
+def test_planners_for_one_way_check_in_the_direction_of_motion(name):
+    """Every sample of what the planner finds was asked for as it is driven."""
+    group, watch, asked = car(reverse=False), Solving(), []
+
+    def are_free(qs):
+        if watch.is_on:
+            asked.append(qs)
+        return beyond_disc(qs)
+
+    def placed(qs):
+        return np.column_stack([qs[:, :2], np.cos(qs[:, 2]), np.sin(qs[:, 2])])
+
+    task = task_of(
+        group, 1, planner=name, parameters=_SMALL.get(name, {}), shortcut_time=0.0, attempts=1
+    )
+    limits = limits_of(group)
+    path = search(group, limits, Oracle(are_free), task, no_hurry(), watch).path.waypoints
+    assert_drivable(group, path, beyond_disc)
+    manifold = manifold_of(group)
+    deltas = manifold.minus(path[1:], path[:-1])
+    samples = [
+        manifold.plus(q, np.arange(1, n + 1)[:, None] / n * delta)
+        for q, delta, n in zip(path, deltas, steps_of(deltas, 0.05), strict=False)
+    ]
+    gaps, _ = cKDTree(placed(np.concatenate(asked))).query(placed(np.concatenate(samples)))
+    assert gaps.max() < 1e-6
+
+
+@pytest.mark.parametrize("name", sorted(set(planner_names()) - set(DIRECTED)))
 def test_other_planners_are_refused_for_one_way(name):
     with pytest.raises(ProblemInvalid, match="RRTConnect") as refusal:
         found(car(reverse=False), planner=("RRT", name))
@@ -176,8 +210,8 @@ def test_bounds_hold_on_the_whole_way(reverse):
 def test_who_cannot_turn_within_the_bounds_has_no_way():
     """Nose against the bound, and no reverse."""
     poses = {"start": (0.99, 0.9, 0.0), "end": (0.3, 0.9, 0.0)}
-    with pytest.raises(NoPathFound):
-        found(car(reverse=False), solve_time=0.2, **poses)
+    with pytest.raises(DeadlineExceeded):
+        found(car(reverse=False), deadline=after_looks(2_000), **poses)
     result = found(car(), **poses)
     assert_drivable(car(), result.path.waypoints, beyond_disc)
 

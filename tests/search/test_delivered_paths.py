@@ -1,15 +1,16 @@
 """Every state of every delivered path is free by Drake alone, whatever was asked for."""
 
+from functools import partial
+
 import numpy as np
 import pytest
 
 import planning
 from planning.domain.options import SearchOptions
-from planning.errors import DeadlineExceeded
-from planning.search.planners import planner_names
 from planning.search.solver import SearchTask, search
 from planning.world.collision import DrakeCollisionOracle
 from tests.clocks import no_hurry
+from tests.search.conftest import each_kind_of_planner
 from tests.search.test_solver import fine_samples
 
 SCENE = """
@@ -69,18 +70,15 @@ def free_path(scene, **options):
     return found
 
 
-@pytest.mark.parametrize("name", planner_names())
+@each_kind_of_planner
 def test_by_every_planner(scene, name):
     assert not free_path(scene, planner=name).report.direct
 
 
-@pytest.mark.parametrize("planner", ["RRTConnect", "KPIECE1", "PRM"])
-@pytest.mark.parametrize("name", OPTIONS)
-def test_with_every_option(scene, planner, name):
-    try:
-        free_path(scene, planner=planner, **OPTIONS[name])
-    except DeadlineExceeded:
-        pytest.fail(f"{planner} found nothing with {name}")
+@partial(each_kind_of_planner, among=("RRTConnect",))
+@pytest.mark.parametrize("wish", OPTIONS)
+def test_with_every_option(scene, name, wish):
+    free_path(scene, planner=name, **OPTIONS[wish])
 
 
 def test_by_several_planners(scene):

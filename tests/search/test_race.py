@@ -1,17 +1,19 @@
 """Several planners take turns, by counts; budgets are kept; a cancel may leave the best."""
 
-import time
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from planning.domain.deadline import Deadline
+from planning.domain.motion_samples import num_steps
 from planning.errors import Canceled, DeadlineExceeded, NoPathFound, ProblemInvalid, UnknownName
-from planning.search import race
 from planning.search.solver import search
-from tests.clocks import no_hurry
+from tests.clocks import FakeClock, no_hurry
+from tests.search.conftest import Oracle
 
+# What an attempt of several planners may check in the first round.
+FIRST_ROUND = 20_000
 THREE = ("RRTConnect", "PRM", "KPIECE1")
 
 
@@ -38,26 +40,47 @@ def test_a_portfolio_of_one_is_that_planner(plane, wall, soon, crossing):
     assert a.path.waypoints.tobytes() == b.path.waypoints.tobytes()
 
 
-def test_a_planner_that_is_stuck_leaves_the_others_their_turn(
-    plane, make_oracle, soon, crossing, monkeypatch
-):
-    """RRT does not come through a gap of 0.05 at the far end soon; from both sides it is quick."""
-    monkeypatch.setattr(race, "_FIRST_STATES", 2_000)
+class Measured(Oracle):
+    """Counts states as a search does: all of a motion, looked at or not."""
+
+    def __init__(self, are_free):
+        super().__init__(are_free)
+        self.num_states = 0
+
+    def is_motion_free(self, origin, displacement, resolution):
+        self.num_states += num_steps(displacement, resolution)
+        return super().is_motion_free(origin, displacement, resolution)
+
+    def clock(self):
+        return float(self.num_states)
+
+
+def test_a_planner_that_is_stuck_leaves_the_others_their_turn(plane, make_oracle, soon, crossing):
+    """RRT does not come through a gap of 0.05 at the far end soon; PRM has its turn."""
     oracle = make_oracle(lambda qs: ~((np.abs(qs[:, 0]) < 0.1) & (qs[:, 1] < 0.95)))
-    found = search(*plane, oracle, crossing(planner=("RRT", "PRM"), seed=1), soon)
-    stuck = [entry for entry in found.report.attempts_log if entry.outcome != "solved"]
-    assert stuck
-    assert max(entry.num_states_checked for entry in stuck[:1]) < 3_000
+    task = crossing(planner=("RRT", "PRM"), seed=1, resolution=0.001)
+    found = search(*plane, oracle, task, soon)
+    log = found.report.attempts_log
+    first = log[0]
+    assert (first.planner, first.outcome) == ("RRT", "Approximate solution")
+    # A motion that was begun is finished: no more than 3 m of it.
+    assert FIRST_ROUND <= first.num_states_checked < FIRST_ROUND + 3_000
+    assert [entry.planner for entry in log[:2]] == ["RRT", "PRM"]
     assert found.report.solved >= 1
 
 
-def test_those_that_fail_begin_anew_with_more(plane, closed, crossing, monkeypatch):
-    """Nobody solves it, so the rounds go on until the time is up."""
-    monkeypatch.setattr(race, "_FIRST_STATES", 300)
-    deadline = Deadline.after(0.7, time.perf_counter)
+def test_those_that_fail_begin_anew_with_four_times_as_many(plane, crossing):
+    """By a clock that counts states: twice 20,000, then 80,000, then more than there is time for.
+
+    No planner solves it, so that the rounds go on until the time is up.
+    """
+    oracle = Measured(lambda qs: np.abs(qs[:, 0]) > 0.1)
+    deadline = Deadline.after(8.0 * FIRST_ROUND, oracle.clock)
+    task = crossing(planner=("RRT", "RRTConnect"), resolution=0.001)
     with pytest.raises(DeadlineExceeded) as caught:
-        search(*plane, closed, crossing(planner=("RRT", "RRTConnect")), deadline)
-    assert caught.value.evidence["attempts"] > 2
+        search(*plane, oracle, task, deadline)
+    assert caught.value.evidence["attempts"] == 4
+    assert caught.value.evidence["num_given_up"] == 1
     assert caught.value.evidence["planner"] == "RRT, RRTConnect"
 
 
@@ -81,11 +104,11 @@ def test_parameters_go_to_those_that_have_them(plane, wall, soon, crossing):
 
 
 def test_the_budget_of_the_planner_is_kept_per_attempt(plane, closed, crossing):
-    began = time.perf_counter()
-    task = crossing(solve_time=0.05, attempts=3)
+    clock = FakeClock(step=1.0)
+    task = crossing(solve_time=500.0, attempts=3)
     with pytest.raises(NoPathFound) as caught:
-        search(*plane, closed, task, no_hurry(30.0))
-    assert 0.15 <= time.perf_counter() - began < 2.0
+        search(*plane, closed, task, Deadline.after(1e9, clock))
+    assert 1_500.0 <= clock.now < 1_700.0
     assert caught.value.evidence["attempts"] == 3
 
 
@@ -159,7 +182,6 @@ def test_a_cancel_leaves_the_best_to_who_asks_for_it(plane, wall, crossing):
 
 
 def test_a_cancel_before_there_is_anything_cancels(plane, closed, crossing):
-    began = time.perf_counter()
-    deadline = no_hurry(30.0, lambda: time.perf_counter() > began + 0.05)
+    deadline = no_hurry(30.0, lambda: len(closed.asked) > 50)
     with pytest.raises(Canceled):
         search(*plane, closed, crossing(on_cancel="best"), deadline)

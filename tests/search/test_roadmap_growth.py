@@ -1,19 +1,17 @@
 """Roadmaps: grown from a recipe alone, every edge free, on every kind of space."""
 
-import time
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from planning.domain.deadline import Deadline
 from planning.domain.joints import JointType
 from planning.domain.manifold import Manifold
 from planning.domain.options import RoadmapOptions, SearchOptions
 from planning.errors import Canceled, DeadlineExceeded, NoPathFound
 from planning.search.roadmap_growth import RoadmapRecipe, grow_roadmap
 from planning.search.solver import search
-from tests.clocks import no_hurry
+from tests.clocks import after_looks, no_hurry
 from tests.search.conftest import beyond_wall, l_in_slit
 
 SMALL = RoadmapOptions(states=100, neighbours=6)
@@ -158,7 +156,7 @@ def test_goals_that_cannot_be_joined_are_left_to_the_planner(plane, make_oracle,
     found = search(*plane, make_oracle(beyond_wall), replace(task, roadmap=roadmap), soon)
     plain = search(*plane, make_oracle(beyond_wall), task, soon)
     assert not found.report.roadmap.used
-    assert found.report.roadmap.reason in {"goal_not_joined", "no_way"}
+    assert found.report.roadmap.reason == "goal_not_joined"
     assert found.path.waypoints.tobytes() == plain.path.waypoints.tobytes()
 
 
@@ -182,6 +180,6 @@ def test_failures_tell_of_the_roadmap(plane, closed, soon, crossing, make_oracle
 
 def test_growing_heeds_deadline_and_cancel(plane, wall):
     with pytest.raises(DeadlineExceeded):
-        grown(*plane, wall, Deadline.after(0.0, time.perf_counter))
+        grown(*plane, wall, after_looks(5))
     with pytest.raises(Canceled):
         grown(*plane, wall, no_hurry(9.0, lambda: True))

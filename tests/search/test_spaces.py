@@ -130,9 +130,9 @@ def test_samples_are_configurations_within_bounds(make_group, make_limits, kinds
         q = space.read(state)
         assert space.contains(q)
         assert float(space.manifold.distance(space.manifold.normalized(q), q)) < 1e-9
-        assert space.ompl.equalStates(space.write(q), state) or np.allclose(
-            space.read(space.write(q)), q
-        )
+        # Whole turns and the sign of a quaternion aside it is that very state again.
+        assert space.ompl.distance(space.write(q), state) < 1e-7
+        assert float(space.manifold.distance(space.read(space.write(q)), q)) < 1e-9
 
 
 def test_weights_stretch_the_metric(make_group, make_limits):
