@@ -4,7 +4,6 @@ import json
 import os
 import subprocess
 import sys
-import time
 from dataclasses import replace
 
 import numpy as np
@@ -24,7 +23,6 @@ from planning.errors import (
     GoalInCollision,
     GoalOutOfLimits,
     GoalUnreachable,
-    NoPathFound,
     ProblemInvalid,
     StartInCollision,
     StartOutOfLimits,
@@ -32,8 +30,9 @@ from planning.errors import (
 )
 from planning.world.world import World
 from tests.certify.conftest import smallest_distance
-from tests.clocks import no_hurry
+from tests.clocks import after_looks, no_hurry
 from tests.conftest import bundled_world
+from tests.profiles import PROFILE, num_cases
 
 EXACT = np.zeros(3)
 GROUPS = {"ur5e_pickup": "arm", "panda_shelf": "panda", "maze_2d": "body", "window_3d": "body"}
@@ -43,26 +42,28 @@ def to_frame(frame: str, tool: str = "") -> PoseGoal:
     return PoseGoal((PoseTarget(Pose.identity(), frame),), tool, EXACT, EXACT)
 
 
-def solve(scene: str, goal: Goal, **options: object) -> MotionPlan:
-    world = bundled_world(scene)
-    search = SearchOptions(allowed_planning_time=30.0)
-    problem = PlanningProblem(**{"group": GROUPS[scene], "goal": goal, "search": search, **options})
-    return planning.plan(problem, world, deadline=no_hurry(30.0))
+def solve(
+    scene: str, goal: Goal, deadline: Deadline | None = None, **options: object
+) -> MotionPlan:
+    problem = PlanningProblem(**{"group": GROUPS[scene], "goal": goal, **options})
+    return planning.plan(problem, bundled_world(scene), deadline=deadline or no_hurry())
 
 
 CASES = [
     ("ur5e_pickup", to_frame("pick"), {}),
-    ("ur5e_pickup", to_frame("place"), {"retime": RetimeOptions(method="ruckig")}),
     ("ur5e_pickup", ConfigurationGoal("ready"), {"refine": RefineOptions("none")}),
     ("panda_shelf", to_frame("upper"), {}),
-    ("panda_shelf", to_frame("lower"), {"seed": 3}),
     ("maze_2d", to_frame("exit"), {}),
     ("maze_2d", ConfigurationGoal("exit"), {"retime": RetimeOptions(method="ruckig")}),
     ("window_3d", to_frame("beyond"), {}),
+    # In a campaign only:
+    ("ur5e_pickup", to_frame("place"), {"retime": RetimeOptions(method="ruckig")}),
+    ("panda_shelf", to_frame("lower"), {"seed": 3}),
 ]
 
 
-@pytest.mark.parametrize("case", range(len(CASES)))
+@pytest.mark.campaign
+@pytest.mark.parametrize("case", range(num_cases(6, len(CASES))))
 def test_what_is_delivered_is_free_within_limits_and_arrives(case: int) -> None:
     scene, goal, options = CASES[case]
     world = bundled_world(scene)
@@ -109,52 +110,45 @@ def _keeps_limits(world: World, found: MotionPlan) -> None:
             assert norms.max() <= most * (1 + 1e-6) + 1e-9
 
 
+ASKED = [("ur5e_pickup", "pick"), ("maze_2d", "exit"), ("window_3d", "beyond")]
+if PROFILE.is_campaign:
+    ASKED.append(("panda_shelf", "lower"))
 SCRIPT = """
-import json, sys, time
-import planning
-from tests.pipeline.test_plan import solve, to_frame
-print(json.dumps([
-    solve("ur5e_pickup", to_frame("pick"), seed=11).digest,
-    solve("panda_shelf", to_frame("lower"), seed=11).digest,
-    solve("maze_2d", to_frame("exit"), seed=11).digest,
-    solve("window_3d", to_frame("beyond"), seed=11).digest,
-]))
+import sys
+from tests.pipeline.test_plan import ASKED, solve, to_frame
+for scene, frame in ASKED:
+    print(solve(scene, to_frame(frame), seed=int(sys.argv[1])).digest)
 """
 
 
-@pytest.mark.slow
-def test_one_seed_gives_the_same_bytes_in_two_fresh_processes() -> None:
-    answers = [
-        json.loads(
-            subprocess.run(
-                [sys.executable, "-c", SCRIPT],
-                check=True,
-                capture_output=True,
-                text=True,
-                env={**os.environ, "PYTHONHASHSEED": hash_seed},
-                timeout=50,
-            ).stdout.splitlines()[-1]
+@pytest.mark.campaign
+def test_one_seed_gives_the_same_bytes_in_any_process() -> None:
+    """Here, after whatever other tests left behind, and in fresh ones with hashes of their own."""
+    seed = 11 + PROFILE.seed
+    here = [solve(scene, to_frame(frame), seed=seed).digest for scene, frame in ASKED]
+    assert len(set(here)) == len(ASKED)
+    for hash_seed in range(1, 1 + num_cases(1, 2)):
+        done = subprocess.run(
+            [sys.executable, "-c", SCRIPT, str(seed)],
+            check=True,
+            capture_output=True,
+            text=True,
+            env={**os.environ, "PYTHONHASHSEED": str(hash_seed)},
         )
-        for hash_seed in ("1", "2")
-    ]
-    assert answers[0] == answers[1]
-    assert len(set(answers[0])) == 4
+        assert done.stdout.split() == here
 
 
 def test_another_seed_gives_another_path() -> None:
-    goal = to_frame("exit")
-    assert solve("maze_2d", goal, seed=1).digest != solve("maze_2d", goal, seed=2).digest
+    goal, fast = to_frame("exit"), {"refine": RefineOptions("none")}
+    first, second = (solve("maze_2d", goal, seed=seed, **fast) for seed in (1, 2))
+    assert first.digest != second.digest
 
 
 def test_stages_are_reported_and_timed() -> None:
     seen: list[Progress] = []
     world = bundled_world("panda_shelf")
-    found = planning.plan(
-        PlanningProblem("panda", to_frame("lower"), search=SearchOptions(allowed_planning_time=30)),
-        world,
-        deadline=no_hurry(30),
-        on_progress=seen.append,
-    )
+    problem = PlanningProblem("panda", to_frame("lower"))
+    found = planning.plan(problem, world, deadline=no_hurry(), on_progress=seen.append)
     assert [p.stage for p in seen][:3] == ["goals", "search", "refine"]
     assert [p.fraction for p in seen] == sorted(p.fraction for p in seen)
     stages = {"goals", "search", "shortcut", "refine", "retime", "certify"}
@@ -252,7 +246,7 @@ REFUSED = {
     "pose out of reach": (
         lambda: {"goal": PoseGoal((PoseTarget(Pose.from_parts([2, 0, 1])),), "", EXACT, EXACT)},
         GoalUnreachable,
-        "nearest free pose is",
+        "nearest free pose ",
     ),
     "unknown group": (
         lambda: {"group": "amr", "goal": ConfigurationGoal("home")},
@@ -268,7 +262,7 @@ REFUSED = {
     "unknown planner": (
         lambda: {
             "goal": to_frame("pick"),
-            "search": SearchOptions(planner="RRTConect", allowed_planning_time=10),
+            "search": SearchOptions(planner="RRTConect"),
         },
         UnknownName,
         "RRTConnect",
@@ -280,7 +274,7 @@ REFUSED = {
 def test_bad_problems_are_refused_with_a_message_that_helps(name: str) -> None:
     changes, error, words = REFUSED[name]
     with pytest.raises(error) as refusal:
-        solve("ur5e_pickup", **{"goal": None, **changes()})
+        solve("ur5e_pickup", deadline=after_looks(60), **{"goal": None, **changes()})
     assert words in refusal.value.detail
     json.dumps(refusal.value.evidence)
 
@@ -299,7 +293,7 @@ def test_an_unreachable_pose_comes_with_the_nearest_one_and_the_funnel() -> None
     assert 0.5 < near["translation_error"] < 1.5
 
 
-def test_a_goal_behind_walls_has_no_path() -> None:
+def test_a_goal_behind_walls_is_searched_for_to_the_end() -> None:
     text = """
 robots: [{name: body, model: planar_l, positions: [-0.3, 0, 0]}]
 objects:
@@ -307,20 +301,20 @@ objects:
 configurations: {beyond: {group: body, positions: [0.3, 0, 0]}}
 """
     world = planning.load_world(planning.parse_scene(text))
-    problem = PlanningProblem(
-        "body", ConfigurationGoal("beyond"), search=SearchOptions(allowed_planning_time=1.0)
-    )
-    with pytest.raises((NoPathFound, DeadlineExceeded)) as refusal:
-        planning.plan(problem, world, deadline=Deadline.after(1.0, time.monotonic))
-    assert refusal.value.code in {"no_path_found", "deadline_exceeded"}
+    problem = PlanningProblem("body", ConfigurationGoal("beyond"))
+    with pytest.raises(DeadlineExceeded, match="during search") as refusal:
+        planning.plan(problem, world, deadline=after_looks(1000))
+    evidence = refusal.value.evidence
+    assert (evidence["planner"], evidence["num_goals"]) == ("RRTConnect", 1)
+    assert evidence["num_states_checked"] > 1000
 
 
 def test_a_deadline_that_is_over_and_a_cancel_are_told_apart() -> None:
     world = bundled_world("maze_2d")
     problem = PlanningProblem("body", to_frame("exit"))
     with pytest.raises(DeadlineExceeded):
-        planning.plan(problem, world, deadline=Deadline.after(0.0, time.monotonic))
-    canceled = no_hurry(10.0, lambda: True)
+        planning.plan(problem, world, deadline=no_hurry(0.0))
+    canceled = no_hurry(is_canceled=lambda: True)
     with pytest.raises(Canceled):
         planning.plan(problem, world, deadline=canceled)
 
@@ -333,18 +327,12 @@ def test_being_there_already_is_a_plan() -> None:
 
 def test_a_margin_is_kept() -> None:
     world = bundled_world("maze_2d")
-    problem = PlanningProblem(
-        "body",
-        to_frame("exit"),
-        margin=0.01,
-        search=SearchOptions(allowed_planning_time=30.0),
-    )
-    found = planning.plan(problem, world, deadline=no_hurry(30.0))
+    found = solve("maze_2d", to_frame("exit"), margin=0.01)
     assert smallest_distance(world, found.trajectory, "body", 0.002) >= 0.01 - 2e-6
 
 
 def test_the_digest_is_of_the_numbers() -> None:
-    found = solve("ur5e_pickup", to_frame("pick"))
+    found = solve("ur5e_pickup", ConfigurationGoal("ready"), refine=RefineOptions("none"))
     slower = replace(found, trajectory=found.trajectory.slowed(1.0 + 1e-15))
     assert slower.digest != found.digest
     assert replace(found, timings={}).digest == found.digest
