@@ -7,7 +7,7 @@ that takes milliseconds to be sure slows each job, not their number.
 import asyncio
 import queue
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any
@@ -17,7 +17,8 @@ from sqlalchemy.exc import OperationalError
 from service.jobs.store import JobStore
 
 _MAX_BATCH = 64
-_PATIENCE = (0.1, 0.3, 1.0, 3.0)
+# How long to wait before a busy database is asked again, and again [s].
+_PAUSES = (0.1, 0.3, 1.0, 3.0)
 
 
 @dataclass(frozen=True)
@@ -30,9 +31,15 @@ class _Order:
 class Writer:
     """Carries out writes in the order in which they were asked for."""
 
-    def __init__(self, store: JobStore) -> None:
-        """Write to `store`, from the running loop."""
+    def __init__(self, store: JobStore, *, pauses: Sequence[float] = _PAUSES) -> None:
+        """Write to `store`, from the running loop.
+
+        Args:
+            store: Where to write.
+            pauses: Before a write that found the database busy is tried again, one a try [s].
+        """
         self._store = store
+        self._pauses = pauses
         self._loop = asyncio.get_running_loop()
         self._orders: queue.SimpleQueue[_Order | None] = queue.SimpleQueue()
         self._thread = threading.Thread(target=self._serve, name="job-writer", daemon=True)
@@ -80,7 +87,7 @@ class Writer:
         self._answer([(order.done, result, None) for order, result in answers])
 
     def _carry_out_alone(self, order: _Order) -> None:
-        for pause in (*_PATIENCE, None):
+        for pause in (*self._pauses, None):
             try:
                 with self._store.transaction(is_durable=order.is_durable):
                     result = order.work()

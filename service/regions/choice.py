@@ -98,10 +98,15 @@ def _told(job: JobBrief) -> dict[str, Any]:
     } | named
 
 
-def regions_file(folder: Path, job: Job) -> str:
+def regions_file(folder: Path, job: Job, most_bytes: int = _MOST_BYTES) -> str:
     """Return the file from which slots read the regions, written if it is not there yet.
 
     Files that no plan has asked for since many others were are removed: what plans wait for stays.
+
+    Args:
+        folder: Of all such files.
+        job: That grew the regions.
+        most_bytes: Of all files together.
     """
     grown: dict[str, Any] = (job.result or {})["result"]
     path = folder / f"{grown['digest']}.json"
@@ -110,5 +115,5 @@ def regions_file(folder: Path, job: Job) -> str:
     except FileNotFoundError:
         write_whole(path, json.dumps(grown))
         with suppress(OSError):
-            clear_out(folder, _MOST_BYTES)
+            clear_out(folder, most_bytes)
     return str(path)

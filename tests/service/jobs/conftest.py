@@ -14,6 +14,8 @@ from service.jobs.slot import ProcessSlot, Slot
 from service.jobs.store import JobStore
 
 TASKS = "tests.service.jobs.fake_tasks"
+# What ends within it ends [s]; it is for what hangs, whatever the machine does besides.
+GUARD = 120.0
 
 
 def spec(task: str, /, **options: object) -> JobSpec:

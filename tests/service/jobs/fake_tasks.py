@@ -124,8 +124,10 @@ def stubborn(payload: dict[str, Any], channel: Channel) -> dict[str, Any]:
 
 
 def wait_for_file(payload: dict[str, Any], channel: Channel) -> dict[str, Any]:
-    """Return once a file is there."""
+    """Return once a file is there; make another one first if it is named."""
     channel.emit("stage", {"stage": "wait", "pid": os.getpid()})
+    if "begun" in payload:
+        Path(payload["begun"]).touch()
     while not Path(payload["file"]).exists():
         os.sched_yield()
     return {"pid": os.getpid()}

@@ -7,10 +7,11 @@ import pytest
 
 from planning.errors import DeadlineExceeded
 from service.jobs.errors import InternalError, QueueFull, WorkerCrashed
-from tests.service.jobs.conftest import TASKS, running, spec
+from tests.service.jobs.conftest import GUARD, TASKS, running, spec
+from tests.service.servers import until
 
 
-def call(dispatcher, task, payload=None, allowed=20.0):
+def call(dispatcher, task, payload=None, allowed=GUARD):
     return dispatcher.call(f"{TASKS}:{task}", payload or {}, lane="plan", allowed=allowed)
 
 
@@ -47,7 +48,7 @@ def test_a_call_waits_its_turn_but_no_longer_than_it_may(tmp_path):
             file.touch()
             answers = await asyncio.gather(*waiting)
             assert [answer["echo"] for answer in answers] == [{}] * 3
-            assert (await dispatcher.wait(busy.id, 20)).state == "succeeded"
+            assert (await dispatcher.wait(busy.id, GUARD)).state == "succeeded"
 
     asyncio.run(story())
 
@@ -55,9 +56,11 @@ def test_a_call_waits_its_turn_but_no_longer_than_it_may(tmp_path):
 def test_a_call_that_nobody_waits_for_ends(tmp_path):
     async def story():
         async with running(tmp_path) as (dispatcher, _):
-            forgotten = asyncio.create_task(call(dispatcher, "hang"))
-            await asyncio.sleep(0.3)
+            begun = tmp_path / "begun"
+            waits = {"file": str(tmp_path / "never"), "begun": str(begun)}
+            forgotten = asyncio.create_task(call(dispatcher, "wait_for_file", waits))
+            await asyncio.to_thread(until, begun.exists)
             forgotten.cancel()
-            assert (await call(dispatcher, "echo", allowed=5.0))["echo"] == {}
+            assert (await call(dispatcher, "echo"))["echo"] == {}
 
     asyncio.run(story())

@@ -22,7 +22,7 @@ from service.jobs.ownership import Ownership
 from service.jobs.records import metadata
 from service.jobs.slot import ProcessSlot
 from service.jobs.store import JobStore
-from tests.service.jobs.conftest import TASKS, spec
+from tests.service.jobs.conftest import GUARD, TASKS, spec
 from tests.service.jobs.test_briefs import check_upgrade
 
 
@@ -77,15 +77,15 @@ async def run_jobs(engine):
         assert dispatcher.submit(spec("vast", key="k", request_digest="1")).id == good.id
         with pytest.raises(IdempotencyConflict):
             dispatcher.submit(spec("vast", key="k", request_digest="2"))
-        numbers = (await dispatcher.wait(good.id, 20)).result["numbers"]
+        numbers = (await dispatcher.wait(good.id, GUARD)).result["numbers"]
         assert numbers == [0.1 * i for i in range(1000)]
-        assert (await dispatcher.wait(dead.id, 20)).failure["code"] == "worker_crashed"
+        assert (await dispatcher.wait(dead.id, GUARD)).failure["code"] == "worker_crashed"
         busy = dispatcher.submit(spec("spin"))
         async for event in dispatcher.subscribe(busy.id):
             if "pid" in event.data:
                 break
         dispatcher.cancel(busy.id)
-        assert (await dispatcher.wait(busy.id, 20)).state == "canceled"
+        assert (await dispatcher.wait(busy.id, GUARD)).state == "canceled"
         assert [event.number for event in store.events(dead.id)] == [1, 2, 3, 4, 5]
         assert [job.id for job in store.page("plan", limit=2)] == [busy.id, dead.id]
         assert store.counts()["plan", "failed"] == 1
@@ -125,7 +125,6 @@ def check_dialect():
     assert "data TEXT NOT NULL" in declared["job_events"]
 
 
-@pytest.mark.slow
 def test_jobs_on_postgresql():
     """The whole engine, if this machine has a server and a driver; else what can be said."""
     check_dialect()

@@ -3,7 +3,6 @@
 import asyncio
 import os
 import signal
-import time
 from contextlib import asynccontextmanager
 from pathlib import Path
 
@@ -13,7 +12,8 @@ from planning.errors import Canceled, GoalUnreachable
 from service.jobs.json_text import Encoded
 from service.jobs.outcome import Crashed, Ended, Raised, Returned, TimedOut
 from service.jobs.slot import ProcessSlot, Run
-from tests.service.jobs.conftest import TASKS
+from tests.service.jobs.conftest import GUARD, TASKS
+from tests.service.servers import until
 
 
 class Sink:
@@ -36,7 +36,7 @@ async def open_slot(warm_up=f"{TASKS}:warm"):
     slot = ProcessSlot([TASKS])
     await slot.open(warm_up)
     try:
-        async with asyncio.timeout(30):
+        async with asyncio.timeout(GUARD):
             await slot.ready()
             yield slot
     finally:
@@ -67,7 +67,6 @@ CRASHES = {
     "interrupt": Crashed(70, "KeyboardInterrupt: "),
     "exhaust": Crashed(70, "MemoryError"),
     "close_everything": Crashed(-signal.SIGKILL),
-    "babble": None,
 }
 
 
@@ -76,8 +75,16 @@ def test_a_crash_is_told_and_the_next_task_runs(task):
     async def story():
         async with open_slot() as slot:
             outcome = await slot.run(run_of(task))
-            assert isinstance(outcome, Crashed)
-            assert CRASHES[task] in {None, outcome}
+            assert outcome == CRASHES[task]
+            assert isinstance(await slot.run(run_of("echo")), Returned)
+
+    asyncio.run(story())
+
+
+def test_a_process_that_speaks_nonsense_has_crashed_and_the_next_task_runs():
+    async def story():
+        async with open_slot() as slot:
+            assert isinstance(await slot.run(run_of("babble")), Crashed)
             assert isinstance(await slot.run(run_of("echo")), Returned)
 
     asyncio.run(story())
@@ -100,9 +107,8 @@ def test_a_process_killed_while_idle_is_replaced_at_once():
         async with open_slot() as slot:
             pid = await pid_of(slot)
             os.kill(pid, signal.SIGKILL)
-            until = time.monotonic() + 10
             while (now := await _pid_or_crash(slot)) in {pid, None}:
-                assert time.monotonic() < until
+                pass
             assert is_alive(now)
 
     asyncio.run(story())
@@ -113,21 +119,22 @@ async def _pid_or_crash(slot):
     return int(outcome.result.text[7:-1]) if isinstance(outcome, Returned) else None
 
 
-@pytest.mark.parametrize(("task", "most"), [("spin", 0.2), ("hang", 1.0)])
-def test_cancel_asks_first_and_then_ends(task, most):
+@pytest.mark.parametrize(
+    ("task", "grace", "is_kept"), [("spin", GUARD, True), ("hang", 0.1, False)]
+)
+def test_cancel_asks_first_and_then_ends(task, grace, is_kept):
     async def story():
         async with open_slot() as slot:
+            pid = await pid_of(slot)
             sink = Sink()
             running = asyncio.create_task(slot.run(run_of(task, sink)))
             await sink.seen.wait()
-            began = time.monotonic()
-            slot.cancel(0.25)
-            slot.cancel(0.25)
+            slot.cancel(grace)
+            slot.cancel(grace)
             outcome = await running
-            assert time.monotonic() - began < most
             assert isinstance(outcome, Ended)
-            assert isinstance(outcome.error, Canceled) is (task == "spin")
-            assert isinstance(await slot.run(run_of("echo")), Returned)
+            assert isinstance(outcome.error, Canceled) is is_kept
+            assert (await pid_of(slot) == pid) is is_kept
 
     asyncio.run(story())
 
@@ -148,15 +155,15 @@ def test_a_cancel_at_any_moment_is_noticed():
     asyncio.run(story())
 
 
-def test_a_cancel_while_the_process_is_replaced_is_noticed():
+def test_a_cancel_while_the_process_is_replaced_is_noticed(tmp_path):
     async def story():
         async with open_slot() as slot:
             await slot.run(run_of("segfault"))
-            running = asyncio.create_task(slot.run(run_of("hang")))
+            running = asyncio.create_task(slot.run(run_of("touch", file=str(tmp_path / "ran"))))
             await asyncio.sleep(0)
-            slot.cancel(30.0)
-            async with asyncio.timeout(10):
-                assert await running == Ended()
+            slot.cancel(GUARD)
+            assert await running == Ended()
+            assert not (tmp_path / "ran").exists()
 
     asyncio.run(story())
 
@@ -179,31 +186,23 @@ def test_a_stale_cancel_ends_nothing():
 def test_the_deadline_ends_what_does_not_end(task):
     async def story():
         async with open_slot() as slot:
-            began = time.monotonic()
+            began = asyncio.get_running_loop().time()
             assert await slot.run(run_of(task, allowed=0.2)) == TimedOut(0.2)
-            assert 0.2 <= time.monotonic() - began < 1.2
-            assert isinstance(await slot.run(run_of("echo", allowed=20.0)), Returned)
+            assert asyncio.get_running_loop().time() - began >= 0.2
+            assert isinstance(await slot.run(run_of("echo", allowed=GUARD)), Returned)
 
     asyncio.run(story())
 
 
 @pytest.mark.parametrize(
-    ("first", "terms", "ended"),
-    [
-        (30.0, [(0.2, 30.0)], TimedOut(0.2)),
-        (0.3, [(30.0, 0.6)], None),
-        (30.0, [(0.3, 0.1), (30.0, 0.4)], None),
-        (30.0, [(30.0, 0.1), (0.1, 30.0)], TimedOut(0.1)),
-    ],
+    ("terms", "allowed"), [([(0.2, GUARD)], 0.2), ([(GUARD, 0.0), (0.1, GUARD)], 0.1)]
 )
-def test_a_task_may_say_by_when_it_has_to_end(first, terms, ended):
+def test_a_task_may_say_by_when_it_has_to_end(terms, allowed):
     async def story():
         async with open_slot() as slot:
-            began = time.monotonic()
-            outcome = await slot.run(run_of("reckon", allowed=first, terms=terms))
-            assert time.monotonic() - began < 3
-            assert outcome == ended if ended else isinstance(outcome, Returned)
-            assert isinstance(await slot.run(run_of("echo", allowed=20.0)), Returned)
+            late = run_of("reckon", allowed=GUARD, terms=terms)
+            assert await slot.run(late) == TimedOut(allowed)
+            assert isinstance(await slot.run(run_of("echo", allowed=GUARD)), Returned)
 
     asyncio.run(story())
 
@@ -237,8 +236,9 @@ def test_closing_ends_the_process_and_giving_up_the_wait_ends_the_task():
     async def story():
         async with open_slot() as slot:
             pid = await pid_of(slot)
-            running = asyncio.create_task(slot.run(run_of("hang")))
-            await asyncio.sleep(0.05)
+            sink = Sink()
+            running = asyncio.create_task(slot.run(run_of("hang", sink)))
+            await sink.seen.wait()
             running.cancel()
             await asyncio.gather(running, return_exceptions=True)
             assert isinstance(await slot.run(run_of("echo")), Returned)
@@ -255,9 +255,8 @@ def test_a_warm_up_that_fails_or_kills_its_process_is_survived(caplog):
             assert isinstance(await slot.run(run_of("echo")), Returned)
         slot = ProcessSlot([TASKS])
         await slot.open(f"{TASKS}:segfault")
-        await asyncio.sleep(0.4)
+        await asyncio.to_thread(until, lambda: "died before it was ready" in caplog.text)
         await slot.close()
 
     asyncio.run(story())
     assert "KeyError" in caplog.text
-    assert "died before it was ready" in caplog.text

@@ -8,7 +8,6 @@ from functools import partial
 import pytest
 from sqlalchemy.exc import OperationalError
 
-from service.jobs import writer as writer_module
 from service.jobs.writer import Writer
 
 
@@ -18,12 +17,14 @@ class Store:
     def __init__(self, num_faults=0):
         self.durable = []
         self.num_faults = num_faults
+        self.has_begun = threading.Event()
         self.gate = threading.Event()
         self.gate.set()
 
     @contextmanager
     def transaction(self, *, is_durable):
-        self.gate.wait(5)
+        self.has_begun.set()
+        self.gate.wait(60)
         if self.num_faults > 0:
             self.num_faults -= 1
             raise OperationalError("BEGIN", {}, Exception("database is locked"))
@@ -32,8 +33,8 @@ class Store:
 
 
 @asynccontextmanager
-async def writing(store):
-    made = Writer(store)
+async def writing(store, **options):
+    made = Writer(store, **options)
     try:
         yield made
     finally:
@@ -47,7 +48,7 @@ def test_what_waits_goes_together_and_in_order():
             store.gate.clear()
             written = []
             first = asyncio.create_task(writer.do(partial(written.append, 0), is_durable=False))
-            await asyncio.sleep(0.02)
+            await asyncio.to_thread(store.has_begun.wait, 60)
             rest = [writer.do(partial(written.append, i), is_durable=i == 7) for i in range(1, 20)]
             tasks = [asyncio.create_task(work) for work in rest]
             await asyncio.sleep(0)
@@ -77,11 +78,9 @@ def test_a_fault_is_told_to_whom_it_concerns():
 
 
 @pytest.mark.parametrize(("num_faults", "is_done"), [(3, True), (6, False)])
-def test_a_busy_database_is_asked_again(monkeypatch, num_faults, is_done):
-    monkeypatch.setattr(writer_module, "_PATIENCE", (0.001,) * 4)
-
+def test_a_busy_database_is_asked_again(num_faults, is_done):
     async def story():
-        async with writing(Store(num_faults)) as writer:
+        async with writing(Store(num_faults), pauses=(0.001,) * 4) as writer:
             if is_done:
                 assert await writer.do(partial(int, "1")) == 1
             else:

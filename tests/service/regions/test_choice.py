@@ -7,20 +7,20 @@ from types import SimpleNamespace
 
 import pytest
 
-from service.regions import choice
+from service.regions.choice import regions_file
 
 SIZE = 1_000
 
 
 @pytest.fixture
-def file_of(tmp_path, monkeypatch):
+def file_of(tmp_path):
     """The file of a job whose regions have a digest; there is room for three."""
-    monkeypatch.setattr(choice, "_MOST_BYTES", 3 * (SIZE + 50))
     clock = iter(range(1, 1_000))
 
     def build(digest):
         grown = {"digest": digest, "regions": "x" * SIZE}
-        path = Path(choice.regions_file(tmp_path, SimpleNamespace(result={"result": grown})))
+        job = SimpleNamespace(result={"result": grown})
+        path = Path(regions_file(tmp_path, job, most_bytes=3 * (SIZE + 50)))
         assert json.loads(path.read_text()) == grown
         # files may be younger than a clock tells apart
         os.utime(path, (0, next(clock)))

@@ -1,0 +1,106 @@
+"""When a run is told to end and made to: on a loop whose clock the test moves."""
+
+import asyncio
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from planning.errors import Canceled
+from service.jobs.outcome import Crashed, Ended, Raised, TimedOut
+from service.jobs.stop import DEADLINE_GRACE, Stop
+
+CRASH, REFUSAL = Crashed(-9), Raised(Canceled("noticed"))
+
+
+class Loop(asyncio.SelectorEventLoop):
+    """An event loop at a time of our choice."""
+
+    now = 0.0
+
+    def time(self):
+        return self.now
+
+
+async def passing(seconds):
+    """Let time pass, and what is due happen."""
+    asyncio.get_running_loop().now += seconds
+    for _ in range(3):
+        await asyncio.sleep(0)
+
+
+def on_a_loop(story):
+    with asyncio.Runner(loop_factory=Loop) as runner:
+        return runner.run(story())
+
+
+class Told:
+    """A run that notes what happens to it, in order."""
+
+    def __init__(self, allowed):
+        self.notes = []
+        self.stop = Stop(allowed)
+        self.stop.begin(lambda: self.notes.append("told"), lambda: self.notes.append("forced"))
+
+
+def test_a_run_that_is_late_is_told_and_then_made_to_end():
+    async def story():
+        run = Told(1.0)
+        for seconds, notes in ((0.9, []), (0.2, ["told"]), (DEADLINE_GRACE, ["told", "forced"])):
+            await passing(seconds)
+            assert run.notes == notes
+        assert run.stop.verdict(CRASH) == run.stop.verdict(REFUSAL) == TimedOut(1.0)
+
+    on_a_loop(story)
+
+
+@given(
+    st.floats(0.1, 5.0),
+    st.lists(st.tuples(st.floats(0.0, 2.0), st.floats(0.1, 5.0)), max_size=5),
+)
+def test_what_was_allowed_last_counts_unless_it_came_too_late(first, terms):
+    async def story():
+        run = Told(first)
+        allowed, left = first, first
+        for passed, seconds in terms:
+            await passing(passed)
+            left -= passed
+            run.stop.allow(seconds)
+            if left > 0:
+                allowed = left = seconds
+        assert run.notes[:1] == ([] if left > 0 else ["told"])
+        await passing(max(left, 0.0) + 1e-6)
+        assert run.notes[:1] == ["told"]
+        assert run.stop.verdict(CRASH) == TimedOut(allowed)
+
+    on_a_loop(story)
+
+
+@pytest.mark.parametrize(("outcome", "error"), [(CRASH, None), (REFUSAL, REFUSAL.error)])
+def test_a_cancel_is_told_once_and_no_deadline_counts_after_it(outcome, error):
+    async def story():
+        run = Told(1.0)
+        run.stop.cancel(0.5)
+        run.stop.cancel(0.1)
+        run.stop.allow(9.0)
+        assert run.notes == ["told"]
+        await passing(0.4)
+        assert run.notes == ["told"]
+        await passing(0.2)
+        assert run.notes == ["told", "forced"]
+        await passing(5.0)
+        assert run.stop.verdict(outcome) == Ended(error)
+
+    on_a_loop(story)
+
+
+def test_what_has_ended_is_told_nothing_and_ends_as_it_did():
+    async def story():
+        run = Told(1.0)
+        run.stop.disarm()
+        run.stop.allow(0.1)
+        await passing(5.0)
+        assert run.notes == []
+        assert run.stop.verdict(CRASH) is CRASH
+
+    on_a_loop(story)
