@@ -10,7 +10,7 @@ import json
 import statistics
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
@@ -49,8 +49,8 @@ class Run:
     total_ms: float
 
 
-def main(arguments: list[str] | None = None) -> None:
-    """Run and print."""
+def main(arguments: list[str] | None = None, clock: Callable[[], float] = time.monotonic) -> None:
+    """Run and print; plans have the seconds that are allowed by the clock."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--seeds", type=int, default=10, help="of the search, in the parking scene")
     parser.add_argument("--yards", type=int, default=20, help="random scenes")
@@ -59,7 +59,7 @@ def main(arguments: list[str] | None = None) -> None:
     parser.add_argument("--json", action="store_true")
     options = parser.parse_args(arguments)
     rows: dict[str, list[Run | None]] = {}
-    for kind, run in _runs(options):
+    for kind, run in _runs(options, clock):
         rows.setdefault(kind, []).append(run)
     if options.json:
         told = {k: [None if r is None else asdict(r) for r in runs] for k, runs in rows.items()}
@@ -68,25 +68,29 @@ def main(arguments: list[str] | None = None) -> None:
         Console().print(_table(rows, options))
 
 
-def _runs(options: argparse.Namespace) -> Iterator[tuple[str, Run | None]]:
+def _runs(
+    options: argparse.Namespace, clock: Callable[[], float]
+) -> Iterator[tuple[str, Run | None]]:
     scenes = [parking("parked", reverse=True)]
-    _run(scenes[0], 0, options)
+    _run(scenes[0], 0, options, clock)
     scenes += [parking("passed", reverse=reverse) for reverse in (True, False)]
     for scene in scenes:
         for seed in range(options.seeds):
-            yield scene.name, _run(scene, seed, options)
+            yield scene.name, _run(scene, seed, options, clock)
     for reverse in (True, False):
         for k in range(options.yards):
             kind = f"{options.yards} yards, {'both ways' if reverse else 'one way'}"
-            yield kind, _run(yard(k, reverse=reverse), 0, options)
+            yield kind, _run(yard(k, reverse=reverse), 0, options, clock)
 
 
-def _run(scene: CarProblem, seed: int, options: argparse.Namespace) -> Run | None:
+def _run(
+    scene: CarProblem, seed: int, options: argparse.Namespace, clock: Callable[[], float]
+) -> Run | None:
     retime = RetimeOptions(method=options.retime)
     plans: list[planning.MotionPlan] = []
     for method in ("none", "trajopt"):
         problem = scene.problem(seed, retime=retime, refine=RefineOptions(method))
-        deadline = planning.Deadline.after(options.allowed, time.monotonic)
+        deadline = planning.Deadline.after(options.allowed, clock)
         try:
             plans.append(planning.plan(problem, scene.world, deadline=deadline))
         except PlanningFailure:

@@ -70,13 +70,19 @@ def main() -> None:
         Console().print(_table(rows))
 
 
-def measured(obstacles: Sequence[int], seed: int) -> Iterator[Row]:
-    """Yield the rows of the bookshelf and of so many scattered obstacles each."""
+def measured(obstacles: Sequence[int], seed: int, rounds: int = ROUNDS) -> Iterator[Row]:
+    """Yield the rows of the bookshelf and of so many scattered obstacles each.
+
+    Args:
+        obstacles: Their numbers, one for each scene.
+        seed: Of scenes, configurations and edges.
+        rounds: How often both judges take turns; the first one warms up.
+    """
     rng = np.random.default_rng(seed)
     shelf = planning.bundled_folder("scenes") / "panda_shelf.scene.yaml"
-    yield from _scene_rows("bookshelf", planning.read_scene(shelf), rng)
+    yield from _scene_rows("bookshelf", planning.read_scene(shelf), rng, rounds)
     for count in obstacles:
-        yield from _scene_rows(f"{count} obstacles", scattered(count, rng), rng)
+        yield from _scene_rows(f"{count} obstacles", scattered(count, rng), rng, rounds)
 
 
 def scattered(count: int, rng: np.random.Generator) -> planning.Scene:
@@ -108,7 +114,9 @@ def scattered(count: int, rng: np.random.Generator) -> planning.Scene:
     return planning.parse_scene(document)
 
 
-def _scene_rows(name: str, scene: planning.Scene, rng: np.random.Generator) -> Iterator[Row]:
+def _scene_rows(
+    name: str, scene: planning.Scene, rng: np.random.Generator, rounds: int
+) -> Iterator[Row]:
     world = planning.load_world(scene)
     group = world.group("panda")
     limits, margins = world.limits(group), world.margins()
@@ -123,6 +131,7 @@ def _scene_rows(name: str, scene: planning.Scene, rng: np.random.Generator) -> I
             lambda batch=batch, size=size: _judge(kernel, batch, size),
             lambda batch=batch, size=size: _judge(drake, batch[:DRAKE_TAKES], size),
             counts=(len(batch), min(len(batch), DRAKE_TAKES)),
+            rounds=rounds,
         )
         yield Row(name, f"batches of {size}", kernel_us, drake_us, unsure, float(free.mean()))
     ends = rng.normal(size=(256, group.num_positions))
@@ -135,6 +144,7 @@ def _scene_rows(name: str, scene: planning.Scene, rng: np.random.Generator) -> I
             lambda some=some: _judge_edges(kernel, starts[some], ends[some]),
             lambda some=some: _judge_edges(drake, starts[some], ends[some]),
             counts=(len(some), len(some)),
+            rounds=rounds,
         )
         yield Row(name, f"{claim} edges of 1 rad", kernel_us, drake_us, unsure, float(free.mean()))
 
@@ -162,11 +172,11 @@ def _judge_edges(oracle: Any, starts: Any, ends: Any) -> None:
 
 
 def _in_turns(
-    kernel: Callable[[], None], drake: Callable[[], None], *, counts: tuple[int, int]
+    kernel: Callable[[], None], drake: Callable[[], None], *, counts: tuple[int, int], rounds: int
 ) -> tuple[float, float]:
     """Return the median time per item of both [us]; each runs several times between the other."""
     times: tuple[list[float], list[float]] = ([], [])
-    for round_ in range(ROUNDS):
+    for round_ in range(rounds):
         for run, kept, repeat, count in zip(
             (kernel, drake), times, (KERNEL_REPEATS, 1), counts, strict=True
         ):

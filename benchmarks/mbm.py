@@ -20,9 +20,13 @@ _THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "DRAKE
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
-    """Run and print."""
-    options = _parser().parse_args(arguments)
-    core = _pin()
+    """Keep to one core, run and print."""
+    options = parser().parse_args(arguments)
+    run(options, _pin())
+
+
+def run(options: argparse.Namespace, core: int) -> None:
+    """Run and print, in a process that is pinned to a core."""
     sys.path.insert(0, str(ROOT))
     # numpy and Drake look at cores and threads when they are imported: only now.
     from benchmarks.motion_bench_maker.command import bench  # noqa: PLC0415
@@ -34,31 +38,32 @@ def main(arguments: Sequence[str] | None = None) -> None:
         sys.exit(f"mbm.py: {fault}")
 
 
-def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(
+def parser() -> argparse.ArgumentParser:
+    """Return what reads the command line."""
+    reader = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.add_argument("--robot", choices=["panda", "ur5"], default="panda")
-    parser.add_argument("--problems", type=Path, metavar="FILE", help="another file of problems")
-    parser.add_argument(
+    reader.add_argument("--robot", choices=["panda", "ur5"], default="panda")
+    reader.add_argument("--problems", type=Path, metavar="FILE", help="another file of problems")
+    reader.add_argument(
         "--models", type=Path, metavar="DIR", help="another folder of <robot>/<robot>.urdf, .srdf"
     )
-    parser.add_argument(
+    reader.add_argument(
         "--limit",
         type=_positive,
         metavar="N",
         help="only the first N of a round-robin over the sets",
     )
-    parser.add_argument("--refine", choices=["none", "trajopt", "auto"], default="none")
-    parser.add_argument(
+    reader.add_argument("--refine", choices=["none", "trajopt", "auto"], default="none")
+    reader.add_argument(
         "--drake",
         type=int,
         default=14,
         metavar="N",
         help="plan the first N again with the kernel off, for the ratio (default 14; 0: do not)",
     )
-    parser.add_argument("--json", action="store_true", help="print one JSON object, nothing else")
-    return parser
+    reader.add_argument("--json", action="store_true", help="print one JSON object, nothing else")
+    return reader
 
 
 def _positive(word: str) -> int:

@@ -11,7 +11,7 @@ import json
 import statistics
 import sys
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -44,11 +44,21 @@ class Row:
         return {"runs": runs, "solved": self.solved, "proven": self.proven, "seconds": seconds}
 
 
-def main(arguments: Sequence[str] | None = None) -> int:
-    """Run, print and return the exit status."""
-    options = _parser().parse_args(arguments)
-    _warm_up()
-    rows = [_measure(seed, options.runs) for seed in SEEDS if seed.name in options.only]
+def main(
+    arguments: Sequence[str] | None = None,
+    clock: Callable[[], float] = time.monotonic,
+    seeds: Sequence[Seed] = SEEDS,
+) -> int:
+    """Run, print and return the exit status.
+
+    Args:
+        arguments: Of the command line.
+        clock: Monotonic seconds: by it runs are timed, and have the time that they are allowed.
+        seeds: What there is to run.
+    """
+    options = _parser([seed.name for seed in seeds]).parse_args(arguments)
+    _warm_up(clock)
+    rows = [_measure(seed, options.runs, clock) for seed in seeds if seed.name in options.only]
     if options.json:
         print(json.dumps({row.seed.name: row.wire for row in rows}))
     else:
@@ -59,9 +69,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     return int(any(row.proven < len(row.seconds) for row in rows))
 
 
-def _parser() -> argparse.ArgumentParser:
+def _parser(names: list[str]) -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(description=__doc__)
-    names = [seed.name for seed in SEEDS]
     parser.add_argument("--runs", type=_positive, default=20, help="random seeds of each scene")
     parser.add_argument("--only", nargs="+", choices=names, default=names, metavar="SCENE")
     parser.add_argument("--json", action="store_true", help="one JSON object instead of a table")
@@ -76,10 +85,10 @@ def _positive(word: str) -> int:
     return number
 
 
-def _warm_up() -> None:
+def _warm_up(clock: Callable[[], float]) -> None:
     """Plan something, so that every engine is imported."""
     problem = planning.PlanningProblem("arm", planning.ConfigurationGoal("ready"))
-    deadline = planning.Deadline.after(60.0, time.monotonic)
+    deadline = planning.Deadline.after(60.0, clock)
     planning.plan(problem, _load("ur5e_pickup"), deadline=deadline)
 
 
@@ -88,12 +97,12 @@ def _load(scene: str) -> planning.World:
     return planning.load_world(planning.read_scene(path))
 
 
-def _measure(seed: Seed, runs: int) -> Row:
+def _measure(seed: Seed, runs: int, clock: Callable[[], float]) -> Row:
     world = _load(seed.scene)
     row = Row(seed)
     for number in range(runs):
-        began = time.perf_counter()
-        deadline = planning.Deadline.after(seed.allowed, time.monotonic)
+        began = clock()
+        deadline = planning.Deadline.after(seed.allowed, clock)
         try:
             legs = seed.run(world, number, deadline)
         except PlanningFailure as failure:
@@ -101,7 +110,7 @@ def _measure(seed: Seed, runs: int) -> Row:
         else:
             row.solved += 1
             row.proven += all(leg.plan.certificate.proven for leg in legs)
-        row.seconds.append(time.perf_counter() - began)
+        row.seconds.append(clock() - began)
     return row
 
 

@@ -3,6 +3,8 @@
 import argparse
 import json
 import tempfile
+import time
+from collections.abc import Callable
 from pathlib import Path
 
 from benchmarks.motion_bench_maker.bounds import print_bounds
@@ -15,12 +17,15 @@ from benchmarks.motion_bench_maker.table import GOALS, print_tables
 from planning.kernel.native import kernel_name
 
 
-def bench(options: argparse.Namespace, core: int) -> None:
+def bench(
+    options: argparse.Namespace, core: int, clock: Callable[[], float] = time.monotonic
+) -> None:
     """Plan, judge and print.
 
     Args:
         options: Those of the command.
         core: That the process is pinned to.
+        clock: Monotonic seconds, of plans.
 
     Raises:
         DataMissing: The problems or the robot are not where they should be.
@@ -30,7 +35,7 @@ def bench(options: argparse.Namespace, core: int) -> None:
     files = robot_files(options.models or data_folder() / "models", ROBOTS[options.robot])
     with tempfile.TemporaryDirectory() as folder:
         library = robot_library(files, problems[0].joints, Path(folder))
-        arm = Bench(files, library, options.refine)
+        arm = Bench(files, library, options.refine, clock)
         arm.run_all(problems[:1], GOALS, kernel=True)  # warms up, not counted
         done = arm.run_all(problems, GOALS, kernel=True)
         drake, note = _drake_only(arm, done, options.drake)

@@ -41,13 +41,15 @@ class Sampled:
     ms: float
 
 
-def sampled(questions: list[Question], seed: int) -> list[Sampled]:
-    """Return a row for every kind, count and method."""
+def sampled(
+    questions: list[Question], seed: int, counts: tuple[int, ...] = COUNTS
+) -> list[Sampled]:
+    """Return a row for every kind, count of waypoints and method."""
     methods: tuple[Literal["toppra", "ruckig"], ...] = ("toppra", "ruckig")
     return [
         _timed(kind, count, method, [_path(kind, count, q, seed + i) for i, q in pairs])
         for kind in ("curve", "line")
-        for count in COUNTS
+        for count in counts
         for method in methods
         for pairs in [list(enumerate(questions))]
     ]

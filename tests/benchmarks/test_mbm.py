@@ -1,4 +1,4 @@
-"""benchmarks/mbm.py from end to end, in a process of its own that it may pin."""
+"""benchmarks/mbm.py from end to end, but for what pins its process."""
 
 import json
 import os
@@ -8,27 +8,21 @@ from pathlib import Path
 
 import pytest
 
+from benchmarks import mbm
+from benchmarks.motion_bench_maker.command import bench
+from tests.clocks import FakeClock
+from tests.profiles import PROFILE
+
 ROOT = Path(__file__).parents[2]
-SCRIPT = ROOT / "benchmarks" / "mbm.py"
 
 
-def run(*arguments: str, **environment: str) -> subprocess.CompletedProcess[str]:
-    return subprocess.run(
-        [sys.executable, str(SCRIPT), *arguments],
-        cwd=ROOT,
-        env={**os.environ, **environment},
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-
-
-@pytest.mark.slow
-def test_json_is_one_object_with_every_key(models: Path, problem_file: Path) -> None:
+def test_json_is_one_object_with_every_key(
+    models: Path, problem_file: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     files = ("--problems", str(problem_file), "--models", str(models))
-    done = run(*files, "--limit", "2", "--drake", "1", "--json")
-    assert done.returncode == 0, done.stderr
-    document = json.loads(done.stdout)
+    options = mbm.parser().parse_args([*files, "--limit", "2", "--drake", "1", "--json"])
+    bench(options, 0, FakeClock(step=1e-6))
+    document = json.loads(capsys.readouterr().out)
     for part in (document, document["pose"]):
         assert [part[key] for key in ("problems", "valid", "solved", "free")] == [2, 1, 1, 1]
         assert set(part["total_ms"]) == {"median", "mean", "p95"}
@@ -42,10 +36,29 @@ def test_json_is_one_object_with_every_key(models: Path, problem_file: Path) -> 
     assert document["duration_s"]["median"] >= 1.4 / 2.175
 
 
-def test_missing_data_is_said_without_a_traceback(tmp_path: Path) -> None:
-    done = run("--json", WAYPROOF_MBM=str(tmp_path / "nowhere"))
-    assert done.returncode == 1
-    assert done.stdout == ""
+def test_missing_data_is_said_without_a_traceback(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("WAYPROOF_MBM", str(tmp_path / "nowhere"))
+    with pytest.raises(SystemExit) as ended:
+        mbm.run(mbm.parser().parse_args(["--json"]), 0)
+    assert ended.value.code.startswith("mbm.py: there are no problems at")
+    assert "--problems" in ended.value.code
+    assert len(ended.value.code.splitlines()) == 1
+
+
+@pytest.mark.campaign
+@pytest.mark.skipif(not PROFILE.is_campaign, reason="imports all engines anew; for the campaign")
+def test_the_script_pins_its_process_and_fails_in_one_line(tmp_path: Path) -> None:
+    done = subprocess.run(
+        [sys.executable, str(ROOT / "benchmarks" / "mbm.py"), "--json"],
+        cwd=tmp_path,
+        env={**os.environ, "WAYPROOF_MBM": str(tmp_path / "nowhere")},
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=240,
+    )
+    assert (done.returncode, done.stdout) == (1, "")
     assert done.stderr.startswith("mbm.py: there are no problems at")
-    assert "--problems" in done.stderr
     assert len(done.stderr.splitlines()) == 1

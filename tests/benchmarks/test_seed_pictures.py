@@ -59,7 +59,6 @@ def test_near_things_hide_far_ones_in_any_order() -> None:
         assert (image[2, 2] == 255).all()
 
 
-@pytest.mark.slow
 def test_a_seed_is_drawn_in_a_small_file() -> None:
     seed = next(seed for seed in SEEDS if seed.name == "window_3d")
     deadline = no_hurry(60.0)

@@ -4,6 +4,7 @@ from itertools import pairwise
 
 import numpy as np
 
+from planning.domain.deadline import Deadline
 from planning.domain.regions import RegionOptions
 from planning.regions.cliques import cliques
 from planning.regions.grow import GrowRequest, grow
@@ -11,11 +12,11 @@ from tests.clocks import no_hurry
 from tests.regions.conftest import Plane, off_disc, off_wall
 
 
-def grown(plane, *, paths=(), seconds=60.0, **options):
-    told = []
+def grown(plane, *, paths=(), deadline=None, told=None, **options):
+    told = [] if told is None else told
     chosen = RegionOptions(num_free=1000, **options)
     request = GrowRequest(plane, plane.lower, plane.upper, paths, chosen, 3)
-    growth = grow(request, no_hurry(seconds), lambda g: told.append(g.coverage))
+    growth = grow(request, deadline or no_hurry(), lambda g: told.append(g.coverage))
     return growth, told
 
 
@@ -37,11 +38,22 @@ def test_growth_ends_when_enough_is_covered():
     assert told[-1] >= 0.85 > told[-2]
 
 
-def test_time_that_runs_out_leaves_what_there_is():
-    growth, _ = grown(Plane(off_wall), seconds=0.0)
+def test_no_time_at_all_leaves_nothing():
+    growth, _ = grown(Plane(off_wall), deadline=no_hurry(0.0))
     assert growth.stopped_by == "deadline"
     assert growth.regions == []
     assert growth.coverage == 0
+
+
+def test_time_that_runs_out_leaves_what_there_is():
+    """By a clock that moves once two regions have been told of."""
+    told = []
+    deadline = Deadline.after(1.0, lambda: float(len(told) >= 2))
+    growth, told = grown(Plane(off_wall), deadline=deadline, told=told, num_regions=10)
+    assert growth.stopped_by == "deadline"
+    assert len(growth.regions) == len(told) == 2
+    whole, _ = grown(Plane(off_wall), num_regions=10)
+    assert [*growth.regions] == [*whole.regions[:2]]
 
 
 def test_where_nothing_is_free_nothing_grows():
