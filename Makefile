@@ -59,7 +59,7 @@ campaign: setup
 
 # A machine without a compiler: both collision oracles agree (contracts), and plans on Drake alone.
 drake-only: setup
-	@$(PYTHON) -m pytest -n auto --dist worksteal --no-kernel -m drake_only
+	@$(PYTHON) -m pytest --no-kernel -m drake_only
 
 # The kernel's own tests with addresses and undefined behaviour checked; needs gcc or clang.
 sanitize: setup
