@@ -34,6 +34,7 @@ if TYPE_CHECKING:
         RelativeGoal,
     )
     from planning.domain.interpolation import trajectory_through
+    from planning.domain.kept_files import KeptFiles
     from planning.domain.line import Displacement
     from planning.domain.line_trace import LineTrace
     from planning.domain.motion_limits import SpeedZone, ToolLimit
@@ -117,6 +118,7 @@ _DOORS = {
     "JointGoal": "planning.domain.goal",
     "KeepIn": "planning.domain.constraint",
     "KeepOut": "planning.domain.constraint",
+    "KeptFiles": "planning.domain.kept_files",
     "LineGoal": "planning.domain.goal",
     "LineTrace": "planning.domain.line_trace",
     "LockedJoints": "planning.domain.constraint",
@@ -214,6 +216,7 @@ __all__ = [
     "JointGoal",
     "KeepIn",
     "KeepOut",
+    "KeptFiles",
     "LineGoal",
     "LineTrace",
     "LockedJoints",

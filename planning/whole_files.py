@@ -1,5 +1,6 @@
 """Files that other processes see either whole or not at all, and not for ever."""
 
+import os
 import tempfile
 from contextlib import suppress
 from pathlib import Path
@@ -16,6 +17,27 @@ def write_whole(target: Path, text: str) -> None:
         written = Path(part) / target.name
         written.write_text(text, "utf-8")
         written.replace(target)
+
+
+def write_durably(target: Path, content: bytes) -> None:
+    """Write a file in one step, so that it survives a power cut; its folder is created if needed.
+
+    Raises:
+        OSError: It cannot be written.
+    """
+    target.parent.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory(dir=target.parent, prefix=".part") as part:
+        written = Path(part) / target.name
+        with written.open("wb") as file:
+            file.write(content)
+            file.flush()
+            os.fsync(file.fileno())
+        written.replace(target)
+    folder = os.open(target.parent, os.O_RDONLY)
+    try:
+        os.fsync(folder)
+    finally:
+        os.close(folder)
 
 
 def clear_out(folder: Path, most_bytes: int) -> None:

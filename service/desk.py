@@ -52,9 +52,14 @@ class Desk:
 
     @property
     def common(self) -> dict[str, Any]:
-        """What every task is told: which robots may be loaded."""
-        roots = [str(root.resolve()) for root in self._settings.model_roots]
-        return {"library": {"model_roots": roots, "allow_paths": self._settings.may_load_paths}}
+        """What every task is told: which robots may be loaded, and where copies of files are."""
+        return {
+            "library": {
+                "model_roots": [str(root.resolve()) for root in self._settings.model_roots],
+                "allow_paths": self._settings.may_load_paths,
+                "copies": str(self._settings.data_dir.resolve() / "files"),
+            }
+        }
 
     async def scene_payload(self, record: SceneRecord) -> dict[str, Any]:
         """Return what a task is told of a scene."""

@@ -98,6 +98,22 @@ class RevisionConflict(Refusal):
         return cls(message, {"revision": revision, "latest": latest})
 
 
+class SceneNotKept(Refusal):
+    """What a scene was made from is not there any more; evidence: `digest`."""
+
+    code = "scene_not_kept"
+    status = 409
+
+    @classmethod
+    def of(cls, digest: str) -> "SceneNotKept":
+        """Build the error for the scene with a digest."""
+        message = (
+            f"what is kept of the scene with digest {digest} is not what was accepted, or was "
+        )
+        message += "written before scenes kept their files; post the scene again"
+        return cls(message, {"digest": digest})
+
+
 class BodyTooLarge(Refusal):
     """The body has more bytes than are read; evidence: `bound`."""
 

@@ -1,10 +1,12 @@
 """Scene: what there is, as values; `World` is the same thing loaded into Drake."""
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 
 import numpy as np
 from jaxtyping import Float64
 
+from planning.domain.kept_files import KeptFiles
 from planning.domain.pose import Pose
 from planning.domain.shapes import Shape
 from planning.domain.value import Value, digest
@@ -123,6 +125,9 @@ class Scene(Value):
         configurations: Named configurations beside those of the robots.
         margin: Distance that everything keeps from everything [m].
         margins: Exceptions, by pair.
+        files: What robots and meshes are made of, by the name of the robot or object. Where they
+            are not said, `load_world` reads the files as they are then, and says them in the
+            `scene` of the world; where they are said, nothing else is read.
     """
 
     name: str
@@ -133,8 +138,9 @@ class Scene(Value):
     configurations: tuple[NamedConfiguration, ...] = ()
     margin: float = 0.0
     margins: tuple[PairMargin, ...] = ()
+    files: Mapping[str, KeptFiles] = field(default_factory=dict)
 
     @property
     def digest(self) -> str:
-        """sha256 of the content."""
+        """sha256 of the content; of the bytes of files only where `files` says them."""
         return digest(self)

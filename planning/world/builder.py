@@ -17,9 +17,10 @@ from planning.world.collision_filters import allow_collisions, allow_touch
 from planning.world.couplings import couplings, joint_indices
 from planning.world.drake_model import DrakeModel
 from planning.world.holding import require_owners
+from planning.world.keep_files import KeptScene
 from planning.world.mass import spatial_inertia
 from planning.world.model_file import inspect_model
-from planning.world.model_library import ModelLibrary, RobotSource
+from planning.world.only_kept import require_kept
 from planning.world.scene_build import Build, LoadedRobot, refuse_second
 from planning.world.shapes import drake_shape
 
@@ -30,13 +31,12 @@ DEFAULT_COLOR = np.array([0.72, 0.62, 0.48, 1.0])
 
 
 def build_diagram(
-    scene: Scene, library: ModelLibrary, *, time_step: float = 0.001, kernel: bool = True
+    kept: KeptScene, *, time_step: float = 0.001, kernel: bool = True
 ) -> tuple[DrakeModel, tuple[LoadedRobot, ...]]:
     """Return the scene in Drake, and what is known of each robot.
 
     Args:
-        scene: What to build.
-        library: Where robots are found.
+        kept: What to build, with its files.
         time_step: Of the plant [s]; matters only to simulation.
         kernel: Whether the native kernel may answer where it is sure.
 
@@ -44,18 +44,19 @@ def build_diagram(
         SceneInvalid: A name is given twice, or a frame hangs on itself.
         AssetNotFound: A file is not there.
         ModelInvalid: A robot does not load.
-        UnknownName: A robot, parent frame or body does not exist.
+        UnknownName: A parent frame or body does not exist.
     """
+    scene = kept.scene
     builder: Any = RobotDiagramBuilder(time_step=time_step)
     build = Build(builder, builder.plant())
     build.frames["world"] = build.plant.world_frame()
     build.bodies["world"] = build.plant.world_body().index()
     for i, robot in enumerate(scene.robots):
         refuse_second(build, robot.name, f"robots.{i}.name")
-        _add_robot(build, robot, library.find(robot.model))
+        _add_robot(build, robot, kept)
     for i, thing in enumerate(scene.objects):
         refuse_second(build, thing.name, f"objects.{i}.name")
-        _add_object(build, thing, f"objects.{i}.shape")
+        _add_object(build, kept.thing(thing), f"objects.{i}.shape")
     _add_frames(build, scene.frames)
     owners = _attach(build, scene)
     build.plant.Finalize()
@@ -82,13 +83,16 @@ def build_diagram(
     return model, tuple(build.robots)
 
 
-def _add_robot(build: Build, robot: SceneRobot, source: RobotSource) -> None:
+def _add_robot(build: Build, robot: SceneRobot, kept: KeptScene) -> None:
+    source = kept.source(robot.name)
     file = inspect_model(source.file)
     parser = build.builder.parser()
     parser.SetAutoRenaming(value=True)
+    packages = parser.package_map()
+    for package in packages.GetPackageNames():  # Drake's own, and those of the robot before
+        packages.Remove(package)
     for package, folder in file.packages.items():
-        if not parser.package_map().Contains(package):
-            parser.package_map().Add(package, str(folder))
+        packages.Add(package, str(folder))
     try:
         instances = (
             parser.AddModels(str(source.file))
@@ -109,6 +113,7 @@ def _add_robot(build: Build, robot: SceneRobot, source: RobotSource) -> None:
             build.frames[full] = body.body_frame()
     loaded = LoadedRobot(robot, source, file, instances[0])
     build.robots.append(loaded)
+    require_kept(build, instances, source.file, kept.folder(robot.name))
     _weld_base(build, loaded)
     for name, parent, child in file.floating:
         frame_p, frame_c = (build.frames[f"{robot.name}::{link}"] for link in (parent, child))

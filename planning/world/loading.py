@@ -4,6 +4,7 @@ from planning.domain.scene import Scene
 from planning.errors import SceneInvalid, UnknownName
 from planning.world.builder import build_diagram
 from planning.world.contexts import shared_context
+from planning.world.keep_files import KeptScene, keep_files
 from planning.world.kernel_tree import kernel_chain
 from planning.world.model_library import ModelLibrary
 from planning.world.world import World
@@ -11,6 +12,10 @@ from planning.world.world import World
 
 def load_world(scene: Scene, library: ModelLibrary | None = None, *, kernel: bool = True) -> World:
     """Load a scene into Drake.
+
+    Everything is made from copies of the files that the scene names: those that its `files` say,
+    and what is on the disk now where they say nothing. The world's own `scene` says all of them,
+    so loading that again gives the same world, whatever has become of the disk.
 
     Args:
         scene: What to load.
@@ -25,8 +30,15 @@ def load_world(scene: Scene, library: ModelLibrary | None = None, *, kernel: boo
         UnknownName: There is no such robot.
     """
     chosen = library or ModelLibrary.bundled()
-    drake, robots = build_diagram(scene, chosen, kernel=kernel)
-    world = World(scene, chosen, drake, robots)
+    kept = keep_files(scene, chosen)
+    with kept.faults_as_found():
+        return _loaded(kept, chosen, kernel=kernel)
+
+
+def _loaded(kept: KeptScene, library: ModelLibrary, *, kernel: bool) -> World:
+    scene = kept.scene
+    drake, robots = build_diagram(kept, kernel=kernel)
+    world = World(scene, library, drake, robots)
     # Now, rather than in the first plan.
     shared_context(drake)
     for group in world.groups:

@@ -2,6 +2,7 @@
 
 import hashlib
 import os
+from io import BytesIO
 from pathlib import Path
 from xml.etree import ElementTree as ET
 
@@ -13,6 +14,8 @@ from planning.whole_files import write_whole
 
 _READ_BY_DRAKE = (".obj", ".vtk", ".gltf")
 _CONVERTED = (".stl", ".dae", ".ply", ".off", ".glb")
+# To be raised with every change of what a mesh becomes here: twins of another version are not read.
+_VERSION = 1
 
 
 def with_readable_meshes(
@@ -76,16 +79,21 @@ def _readable(file: Path, mesh: Path) -> Path:
         message = f"{file.name}: mesh {mesh.name} is of no kind that is read: {known}"
         raise ModelInvalid(message, {"file": str(file), "reason": message})
     content = mesh.read_bytes()
-    target = cache_folder() / f"{hashlib.sha256(content).hexdigest()}.obj"
+    target = twins_folder() / f"{hashlib.sha256(content).hexdigest()}{suffix}.obj"
     if not target.is_file():
         try:
-            loaded = trimesh.load(mesh, force="mesh")
+            loaded = trimesh.load(BytesIO(content), file_type=suffix[1:], force="mesh")
             text = export_obj(loaded, include_texture=False)
         except Exception as fault:  # trimesh's readers raise whatever their formats do
             message = f"{file.name}: mesh {mesh.name} cannot be read: {fault}"
             raise ModelInvalid(message, {"file": str(file), "reason": str(fault)}) from fault
         write_whole(target, text)
     return target
+
+
+def twins_folder() -> Path:
+    """Return the folder of meshes that were made from others by this version of the code."""
+    return cache_folder() / "meshes" / f"{_VERSION}-{trimesh.__version__}"
 
 
 def cache_folder() -> Path:

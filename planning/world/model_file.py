@@ -6,6 +6,7 @@ refused here for all of the former, and the latter are returned.
 """
 
 import math
+import os
 import re
 from dataclasses import dataclass
 from pathlib import Path
@@ -22,7 +23,7 @@ _POSITIVE = {
     "capsule": ("radius", "length"),
     "ellipsoid": ("a", "b", "c"),
 }
-_PACKAGE = re.compile(r"^(?:package|model)://([^/]+)/(.*)$")
+PACKAGE = re.compile(r"^(?:package|model)://([^/]+)/(.*)$")
 
 
 @dataclass(frozen=True)
@@ -96,6 +97,16 @@ def inspect_model(file: Path) -> ModelFile:
     )
 
 
+def plain_root(content: bytes) -> ET.Element | None:
+    """Return the root of an XML text that is safe to parse: not too long, and without entities."""
+    if len(content) > _MAX_BYTES or b"<!DOCTYPE" in content or b"<!ENTITY" in content:
+        return None
+    try:
+        return ET.fromstring(content)  # noqa: S314  (has no entities)
+    except (ET.ParseError, ValueError):
+        return None
+
+
 def _parse(file: Path) -> ET.Element:
     content = file.read_bytes()
     if len(content) > _MAX_BYTES:
@@ -144,23 +155,28 @@ def _find_meshes(file: Path, root: ET.Element) -> tuple[dict[str, Path], dict[st
         uri = (uri or (child.text if child is not None else None) or "").strip()
         if element.tag.rsplit("}", 1)[-1] != "mesh" or not uri:
             continue
-        match = _PACKAGE.match(uri)
+        match = PACKAGE.match(uri)
         if match:
-            packages.setdefault(match[1], _package_folder(file, match[1], uri))
+            packages.setdefault(match[1], package_folder(file, match[1], uri))
             meshes[uri] = packages[match[1]] / match[2]
         elif "://" in uri:
             message = f"{file.name} names {uri!r}; only files and package:// are read"
             raise AssetNotFound(message, {"uri": uri, "known": ["package://", "relative path"]})
         else:
             meshes[uri] = (mesh_folder if root.tag == "mujoco" else file.parent) / uri
+        meshes[uri] = Path(os.path.normpath(meshes[uri]))  # as Drake does
         if not meshes[uri].is_file():
             message = f"{file.name} names the mesh {uri!r}, which is not at {meshes[uri]}"
             raise AssetNotFound(message, {"uri": uri, "known": sorted(packages)})
     return packages, meshes
 
 
-def _package_folder(file: Path, name: str, uri: str) -> Path:
-    """Find a package among the folders above the file: by its package.xml or its folder's name."""
+def package_folder(file: Path, name: str, uri: str) -> Path:
+    """Find a package among the folders above the file: by its package.xml or its folder's name.
+
+    Raises:
+        AssetNotFound: None of them is it.
+    """
     for folder in file.parents:
         manifest = folder / "package.xml"
         if folder.name == name:

@@ -19,11 +19,13 @@ class RobotSource:
         name: How it was asked for.
         file: Its description.
         card: Its robot.yaml, if there is one beside the description.
+        card_file: Where that was read.
     """
 
     name: str
     file: Path
     card: RobotCard | None
+    card_file: Path | None
 
 
 @dataclass(frozen=True)
@@ -32,16 +34,21 @@ class ModelLibrary:
 
     Attributes:
         roots: Folders of `<robot>/robot.yaml`.
-        allow_paths: Whether a robot may be named by the path of any file.
+        allow_paths: Whether robots and meshes may be named by the path of any file.
+        copies: Folder of the copies that loaded scenes keep of their files; None for one among
+            the user's caches.
     """
 
     roots: tuple[Path, ...]
     allow_paths: bool = True
+    copies: Path | None = None
 
     @classmethod
-    def bundled(cls, *more: Path, allow_paths: bool = True) -> "ModelLibrary":
+    def bundled(
+        cls, *more: Path, allow_paths: bool = True, copies: Path | None = None
+    ) -> "ModelLibrary":
         """Return the library of the robots that come with Wayproof, and of more folders."""
-        return cls((*more, bundled_folder("models")), allow_paths)
+        return cls((*more, bundled_folder("models")), allow_paths, copies)
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -60,7 +67,7 @@ class ModelLibrary:
             card_file = root / model / _CARD
             if model in self.names and card_file.is_file():
                 card = read_robot_card(card_file)
-                return RobotSource(model, card_file.parent / card.file, card)
+                return RobotSource(model, card_file.parent / card.file, card, card_file)
         if "/" not in model and not model.lower().endswith(_SUFFIXES):
             raise UnknownName.among("robot", model, self.names)
         return self._find_path(model)
@@ -79,7 +86,9 @@ class ModelLibrary:
         path = path.resolve()
         card_file = path.parent / _CARD
         card = read_robot_card(card_file) if card_file.is_file() else None
-        return RobotSource(model, path, card if card and card.file == path.name else None)
+        if card is None or card.file != path.name:
+            return RobotSource(model, path, None, None)
+        return RobotSource(model, path, card, card_file)
 
 
 def bundled_folder(name: str) -> Path:

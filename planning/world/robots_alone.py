@@ -22,6 +22,7 @@ class RobotsAlone:
         """Find robots in `library`."""
         self._library = library
         self._world: World | None = None
+        self._loaded: Scene | None = None
 
     def bodies(self, scene: Scene) -> list[str]:
         """Return the full names of the robots' bodies, "world" first."""
@@ -54,9 +55,14 @@ class RobotsAlone:
 
     def _load(self, scene: Scene) -> World:
         # Groups that named configurations speak of are robots' groups: those entries stay.
-        alone = Scene(scene.name, scene.robots, configurations=scene.configurations)
-        if self._world is None or self._world.scene != alone:
-            self._world = load_world(alone, self._library, kernel=False)
+        alone = Scene(
+            scene.name, scene.robots, configurations=scene.configurations, files=scene.files
+        )
+        if self._world is None or self._loaded != alone:
+            # The same bytes for the whole edit, whatever happens to the disk meanwhile.
+            read = {} if self._world is None else self._world.scene.files
+            kept = replace(alone, files={**read, **scene.files})
+            self._world, self._loaded = load_world(kept, self._library, kernel=False), alone
         return self._world
 
 

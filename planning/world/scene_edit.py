@@ -112,6 +112,7 @@ def _remove(operation: RemoveObject, scene: Scene, _: RobotsAlone) -> Scene:
         frames=tuple(frame for frame in scene.frames if frame.name not in hanging),
         allowed_collisions=tuple(pair for pair in scene.allowed_collisions if name not in pair),
         margins=tuple(entry for entry in scene.margins if name not in entry.bodies),
+        files={of: files for of, files in scene.files.items() if of != name},
     )
 
 

@@ -32,7 +32,7 @@ class SceneRecord:
         serial: Order of creation.
         id: Of the scene.
         revision: From 1.
-        digest: sha256 of the content.
+        digest: sha256 of the content, the bytes of all files included.
         name: For people.
         created_at: When (UTC).
         document: What was posted, or what came of editing it, defaults filled in.

@@ -39,7 +39,7 @@ class SceneStore:
         """Record a new scene."""
         identifier = f"scn_{secrets.token_hex(8)}"
         row = _row(identifier, 1, {"name": name, "digest": digest}, document, summary)
-        self._write(digest, document)
+        self._write(digest, document, summary)
         with self._engine.begin() as connection:
             connection.execute(insert(scenes).values(row))
         return self.get(identifier)
@@ -59,7 +59,7 @@ class SceneStore:
             RevisionConflict: `base` has a successor already.
         """
         row = _row(base.id, base.revision + 1, {"name": name, "digest": digest}, document, summary)
-        self._write(digest, document)
+        self._write(digest, document, summary)
         newest = select(func.max(scenes.c.revision)).where(scenes.c.id == base.id)
         # One server works on a database, so a lock in this process keeps writers apart.
         with self._revising, self._engine.begin() as connection:
@@ -122,17 +122,20 @@ class SceneStore:
         """Return the file of a scene's document, written again if it was lost."""
         path = self._path(record.digest)
         if not path.is_file():
-            self._write(record.digest, record.document)
+            self._write(record.digest, record.document, record.summary)
         return path
 
     def _path(self, digest: str) -> Path:
         return (self._folder / f"{digest}.json").resolve()
 
-    def _write(self, digest: str, document: dict[str, Any]) -> None:
-        """Write the document whole or not at all."""
+    def _write(self, digest: str, document: dict[str, Any], summary: dict[str, Any]) -> None:
+        """Write the document and what its files are, whole or not at all."""
+        written = {"document": document}
+        if "files" in summary:  # not in those of servers that kept no files
+            written["files"] = summary["files"]
         handle, temporary = tempfile.mkstemp(dir=self._folder)
         with os.fdopen(handle, "w", encoding="utf-8") as file:
-            json.dump(document, file)
+            json.dump(written, file)
             file.flush()
             os.fsync(file.fileno())
         Path(temporary).replace(self._path(digest))

@@ -14,9 +14,20 @@ class SceneBrief(Answer):
 
     id: str = Field(description="Of the scene")
     revision: int = Field(description="Of its content, from 1")
-    digest: str = Field(description="sha256 of the content")
+    digest: str = Field(description="sha256 of the content, the bytes of all files included")
     name: str = Field(description="For people")
     created_at: datetime = Field(description="When this revision was made (UTC)")
+
+
+class FilesWire(Answer):
+    """The files of a robot or a mesh, as they were when it entered the scene."""
+
+    named: str = Field(description="What the document calls them: `model`, or the mesh's `uri`")
+    main: str = Field(description="The robot's description, or the mesh; one of the paths")
+    card: str = Field(description="The `robot.yaml` that goes with it; empty for none")
+    sha256: dict[str, str] = Field(
+        description="Of the bytes of every file, by path relative to the folder of all"
+    )
 
 
 class Scene(SceneBrief):
@@ -33,6 +44,11 @@ class Scene(SceneBrief):
     )
     warnings: list[str] = Field(description="What was found odd, for example concave meshes")
     document: SceneDocument = Field(description="As it was posted or edited, defaults filled in")
+    files: dict[str, FilesWire] = Field(
+        default={},
+        description="What its robots and meshes were made from, by name: they are kept, and no "
+        "change of a file on the disk changes this scene",
+    )
 
 
 class ScenePage(Answer):

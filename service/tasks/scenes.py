@@ -1,12 +1,10 @@
 """Loading a posted or edited scene: whether it stands, and what it holds."""
 
-import json
-from pathlib import Path
+from dataclasses import replace
 from typing import Any
 
 from planning import (
     ModelLibrary,
-    SceneDocument,
     World,
     edit_scene,
     load_world,
@@ -20,6 +18,7 @@ from service.convert.summaries import scene_wire
 from service.schemas.scene_edit import SceneEdit
 from service.tasks.channel import Channel
 from service.tasks.decode import decode_scene
+from service.tasks.scene_files import files_wire, read_posted
 from service.tasks.worlds import keep, library_of
 
 
@@ -45,20 +44,21 @@ def revise_scene(payload: dict[str, Any], _: Channel) -> dict[str, Any]:
     Raises:
         UnknownName: An operation names what the scene does not have.
         SceneEditImpossible: An operation cannot be done to it.
+        SceneNotKept: It was written before scenes kept their files.
         InputError: What came of it does not load.
     """
     request = SceneEdit.model_validate(payload["request"])
     library = library_of(payload["library"])
-    text = Path(payload["scene"]["document"]).read_text(encoding="utf-8")
-    posted = SceneDocument.model_validate(json.loads(text))
+    posted, files = read_posted(payload)
     operations = [operation_value(wire) for wire in request.operations]
-    edited = scene_document(edit_scene(posted.value(), operations, library), like=posted)
-    document = edited.model_dump(mode="json", exclude_none=True)
-    return _loaded(load_world(parse_scene(document), library), library, document)
+    edited = edit_scene(replace(posted.value(), files=files), operations, library)
+    document = scene_document(edited, like=posted).model_dump(mode="json", exclude_none=True)
+    scene = replace(parse_scene(document), files=edited.files)
+    return _loaded(load_world(scene, library), library, document)
 
 
 def _loaded(world: World, library: ModelLibrary, document: dict[str, Any]) -> dict[str, Any]:
-    summary = scene_wire(world.summary, aliases_of(world))
+    summary = scene_wire(world.summary, aliases_of(world)) | {"files": files_wire(world.scene)}
     keep(world, library)
     name, digest = world.scene.name, world.digest
     return {"name": name, "document": document, "digest": digest, "summary": summary}

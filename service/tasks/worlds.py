@@ -1,14 +1,15 @@
-"""Loaded worlds, kept warm in this process by scene digest."""
+"""Loaded worlds, kept warm in this process by scene digest, which covers the bytes of all files."""
 
-import json
 import threading
 from collections import OrderedDict
 from collections.abc import Generator, Mapping
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from planning import ModelLibrary, World, load_world, parse_scene
+from planning import ModelLibrary, World, load_world
+from service.tasks.scene_files import read_posted, require_same
 
 # A Drake world of an arm and some obstacles takes 5 to 40 MB.
 MAX_WORLDS = 8
@@ -22,7 +23,8 @@ _lock = threading.Lock()
 def library_of(payload: Mapping[str, Any]) -> ModelLibrary:
     """Return the robots that the server's settings allow."""
     roots = tuple(Path(root) for root in payload["model_roots"])
-    return ModelLibrary.bundled(*roots, allow_paths=payload["allow_paths"])
+    copies = Path(payload["copies"])
+    return ModelLibrary.bundled(*roots, allow_paths=payload["allow_paths"], copies=copies)
 
 
 @contextmanager
@@ -34,12 +36,14 @@ def borrow_world(payload: Mapping[str, Any]) -> Generator[World]:
 
     Raises:
         InputError: The scene does not load.
+        SceneNotKept: It is not what it was when it was accepted.
     """
     key = (payload["scene"]["digest"], library_of(payload["library"]))
     world = _take(key)
     if world is None:
-        text = Path(payload["scene"]["document"]).read_text(encoding="utf-8")
-        world = load_world(parse_scene(json.loads(text)), key[1])
+        posted, files = read_posted(payload)
+        world = load_world(replace(posted.value(), files=files), key[1])
+        require_same(world, payload)
     try:
         yield world
     finally:

@@ -1,0 +1,66 @@
+"""KeptFiles: which files a robot or an object was made from, by content."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import PurePosixPath
+from typing import Any
+
+from planning.domain.value import Value, digest
+from planning.errors import SceneInvalid
+
+_NUM_DIGITS = 64
+
+
+@dataclass(frozen=True, eq=False)
+class KeptFiles(Value):
+    """The files of one robot or one mesh, as they were when the scene was loaded first.
+
+    Paths are relative to the folder that all of the files are in, with "/" between their parts.
+
+    Attributes:
+        named: What the scene calls them: a robot's model, or a mesh's uri.
+        main: Path of the robot's description, or of the mesh.
+        card: Path of the robot.yaml that goes with it; "" for none.
+        sha256: Of the bytes of every file, by path; `main` and `card` are among them.
+    """
+
+    named: str
+    main: str
+    card: str
+    sha256: Mapping[str, str]
+
+    @property
+    def content(self) -> str:
+        """sha256 of all paths and bytes, whatever the scene calls them."""
+        return digest(self.sha256)
+
+    @property
+    def plain(self) -> dict[str, Any]:
+        """The same as JSON."""
+        return {
+            "named": self.named,
+            "main": self.main,
+            "card": self.card,
+            "sha256": dict(self.sha256),
+        }
+
+    @classmethod
+    def from_plain(cls, plain: Mapping[str, Any]) -> "KeptFiles":
+        """Return what `plain` describes.
+
+        Raises:
+            SceneInvalid: A path leaves the folder, or is none of the files; or a sha256 is none.
+        """
+        found = cls(plain["named"], plain["main"], plain["card"], dict(plain["sha256"]))
+        for path, sha256 in found.sha256.items():
+            parts = PurePosixPath(path).parts
+            is_inside = bool(parts) and parts[0] != "/" and ".." not in parts
+            is_digest = len(sha256) == _NUM_DIGITS and set(sha256) <= set("0123456789abcdef")
+            if not (is_inside and is_digest):
+                message = f"files of {found.named!r}: {path!r} with sha256 {sha256!r} is no file"
+                raise SceneInvalid(message, {"path": "files"})
+        for path in (found.main, found.card):
+            if path and path not in found.sha256:
+                message = f"files of {found.named!r}: {path!r} is not among {sorted(found.sha256)}"
+                raise SceneInvalid(message, {"path": "files"})
+        return found
