@@ -2,12 +2,16 @@
 
 import dataclasses
 import hashlib
+import math
 import struct
 from collections.abc import Mapping, Sequence
 from enum import Enum
 from typing import Any, cast, override
 
 import numpy as np
+
+# Numbers, truth values and text of fixed width. Long doubles have bytes that mean nothing.
+_ARRAYS = frozenset("?bBhHiIlLqQefdFDSU")
 
 
 def frozen(array: Any) -> np.ndarray[Any, np.dtype[np.float64]]:
@@ -73,8 +77,9 @@ class Value:
 def digest(content: Any) -> str:
     """Return the sha256 (hex) of values, arrays, containers and scalars, by content.
 
-    Numbers enter as their IEEE-754 bytes, so equal digests mean equal bits. Two values of
-    different classes never share a digest.
+    What differs has another digest: floats enter as their IEEE-754 bytes, integers exactly (one
+    that a float can hold is the same number as that float), and every part says what it is and how
+    long. Two values of different classes never share a digest.
 
     Raises:
         TypeError: Something in it is no value.
@@ -87,11 +92,12 @@ def digest(content: Any) -> str:
 def _feed(sha: Any, content: Any) -> None:
     match content:
         case np.ndarray():
+            _refuse_without_content(content)
             sha.update(f"array{content.dtype.str}{content.shape}".encode())
             sha.update(np.ascontiguousarray(content).tobytes())
         case Value():
             names = [field.name for field in dataclasses.fields(cast("Any", content))]
-            kind = f"value{type(content).__qualname__}"
+            kind = f"value {type(content).__qualname__}"
             _feed_all(sha, kind, [part for n in names for part in (n, getattr(content, n))])
         case Mapping():
             items = [part for key in sorted(content) for part in (key, content[key])]
@@ -102,8 +108,15 @@ def _feed(sha: Any, content: Any) -> None:
             sha.update(_scalar(content))
 
 
+def _refuse_without_content(array: Any) -> None:
+    """Raise on arrays whose bytes are not what they hold: addresses, padding, unnamed fields."""
+    if array.dtype.char not in _ARRAYS:
+        message = f"an array of {array.dtype} is not a value and has no digest"
+        raise TypeError(message)
+
+
 def _feed_all(sha: Any, kind: str, items: Sequence[Any]) -> None:
-    sha.update(f"{kind}{len(items)}".encode())
+    sha.update(f"{kind}({len(items)})".encode())
     for item in items:
         _feed(sha, item)
 
@@ -114,10 +127,23 @@ def _scalar(content: Any) -> bytes:
             return _scalar(content.value)
         case None | bool():
             return f"atom{content}".encode()
-        case int() | float() | np.floating() | np.integer():
+        case int() | np.integer():
+            return _integer(int(content))
+        case float() | np.floating() if not isinstance(content, np.longdouble):
             return b"number" + struct.pack("<d", float(content))
         case str():
-            return f"text{len(content)}:{content}".encode()
+            return f"text{len(content)}:{content}".encode("utf-8", "surrogatepass")
         case _:
             message = f"{type(content).__name__} is not a value and has no digest"
             raise TypeError(message)
+
+
+def _integer(number: int) -> bytes:
+    """Return the bytes of the float that equals a number; its digits if none does."""
+    try:
+        nearest = float(number)
+    except OverflowError:
+        nearest = math.inf
+    if nearest == number:
+        return b"number" + struct.pack("<d", nearest)
+    return f"integer{number:x};".encode()
