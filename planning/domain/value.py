@@ -129,7 +129,9 @@ def _scalar(content: Any) -> bytes:
             return f"atom{content}".encode()
         case int() | np.integer():
             return _integer(int(content))
-        case float() | np.floating() if not isinstance(content, np.longdouble):
+        case float():
+            return b"number" + struct.pack("<d", content)
+        case np.floating() if content.dtype.char in _ARRAYS:
             return b"number" + struct.pack("<d", float(content))
         case str():
             return f"text{len(content)}:{content}".encode("utf-8", "surrogatepass")

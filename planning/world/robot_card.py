@@ -1,5 +1,6 @@
 """RobotCard: the robot.yaml beside a robot's description."""
 
+from functools import lru_cache
 from pathlib import Path
 from typing import Annotated
 
@@ -76,6 +77,12 @@ class RobotCard(Strictest):
     sources: list[SourceCard] = []
 
 
+@lru_cache(maxsize=64)
+def _parsed(text: str) -> RobotCard:
+    """Return the card in a text; to parse it takes longer than to read all other files."""
+    return RobotCard.model_validate(yaml.safe_load(text))
+
+
 def read_robot_card(path: Path) -> RobotCard:
     """Return the card in a file.
 
@@ -83,7 +90,7 @@ def read_robot_card(path: Path) -> RobotCard:
         ModelInvalid: It is not a robot card.
     """
     try:
-        card = RobotCard.model_validate(yaml.safe_load(path.read_text(encoding="utf-8")))
+        card = _parsed(path.read_text(encoding="utf-8"))
     except (yaml.YAMLError, ValidationError, UnicodeDecodeError) as fault:
         message = f"{path.name} of {path.parent.name} is not a robot card: {fault}"
         raise ModelInvalid(message, {"file": str(path), "reason": str(fault)}) from fault
