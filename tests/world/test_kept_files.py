@@ -14,6 +14,7 @@ from planning import AddObject, ModelLibrary, edit_scene, load_world, parse_scen
 from planning.domain.kept_files import KeptFiles
 from planning.errors import AssetNotFound, ModelInvalid, SceneInvalid
 from planning.world.file_store import FileStore
+from planning.world.fingerprint import collision_fingerprint
 
 CARD = """
 name: {name}
@@ -228,6 +229,21 @@ def test_an_object_keeps_its_mesh_and_one_that_is_added_later_has_its_own(tmp_pa
     anew = [planning.RemoveObject("old"), AddObject(replace(added, name="old"))]
     replaced = load_world(edit_scene(first.scene, anew, library), library)
     assert replaced.scene.files["old"].sha256 == both.scene.files["new"].sha256
+
+
+def test_roadmaps_are_known_by_what_the_files_hold(tmp_path, library):
+    file = rich_robot(tmp_path / "here")
+    mesh = file.parent.parent / "meshes/box.obj"
+
+    def seen():
+        world = load_world(scene_of(file), library)
+        return collision_fingerprint(world, world.group("r0"))
+
+    before = seen()
+    mesh.write_text(mesh.read_text() + "\n# the same box")
+    assert seen() == before
+    mesh.write_text(obj(0.4))
+    assert seen() != before
 
 
 def test_files_of_another_model_are_not_taken(tmp_path, library):

@@ -53,12 +53,13 @@ def test_pages_have_every_scene_once_newest_first(store):
 
 
 def test_deleted_scenes_are_gone_but_their_file_stays(store):
-    added = store.add("a", "d1", DOCUMENT, {})
+    files = {"arm": {"named": "ur5e"}}
+    added = store.add("a", "d1", DOCUMENT, {"files": files})
     file = store.file(added)
     store.delete(added.id)
     with pytest.raises(UnknownResource):
         store.get(added.id)
-    assert json.loads(file.read_text()) == DOCUMENT
+    assert json.loads(file.read_text()) == {"document": DOCUMENT, "files": files}
 
 
 def test_a_lost_file_is_written_again_bit_for_bit(store):
@@ -74,8 +75,8 @@ def test_revisions_follow_one_another_and_stay_readable(store):
     assert (second.id, second.revision) == (first.id, 2)
     assert store.get(first.id) == second
     assert store.get(first.id, 1) == first
-    assert json.loads(store.file(first).read_text()) == DOCUMENT
-    assert json.loads(store.file(second).read_text())["margin"] == 1.0
+    assert json.loads(store.file(first).read_text())["document"] == DOCUMENT
+    assert json.loads(store.file(second).read_text())["document"]["margin"] == 1.0
     store.delete(first.id)
     for revision in (None, 1, 2):
         with pytest.raises(UnknownResource):
