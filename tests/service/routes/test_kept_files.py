@@ -51,15 +51,19 @@ class Cell:
         }
 
     def server(self):
-        """A client of a server that has nothing in memory."""
-        with worlds._lock:
-            worlds._idle.clear()
+        """A client of a server."""
         return TestClient(create_app(self.settings))
 
 
 @pytest.fixture
 def cell(tmp_path):
     return Cell(tmp_path)
+
+
+@pytest.fixture
+def forgetful(monkeypatch):
+    """No world stays in memory, as if every question were the first of a new process."""
+    monkeypatch.setattr(worlds, "MAX_WORLDS", 0)
 
 
 @pytest.fixture
@@ -117,6 +121,7 @@ def test_a_scene_posted_again_is_what_the_files_are_now(cell, running, change):
     assert post(running, cell)["digest"] == before["digest"]
 
 
+@pytest.mark.usefixtures("forgetful")
 def test_plans_are_repeated_and_replayed_when_the_files_are_gone(cell):
     with cell.server() as client:
         scene = post(client, cell)
@@ -165,6 +170,7 @@ def test_a_scene_tells_its_files(cell, running):
             assert (cell.settings.data_dir / "files/bytes" / sha256).is_file()
 
 
+@pytest.mark.usefixtures("forgetful")
 @pytest.mark.parametrize("fault", ["edited", "without files", "of other files"])
 def test_a_scene_that_is_not_what_was_accepted_is_refused(cell, fault):
     with cell.server() as client:
@@ -187,6 +193,7 @@ def test_a_scene_that_is_not_what_was_accepted_is_refused(cell, fault):
         assert answer.json()["evidence"]["digest"] == scene["digest"]
 
 
+@pytest.mark.usefixtures("forgetful")
 def test_lost_copies_are_said(cell):
     with cell.server() as client:
         scene = post(client, cell)
