@@ -45,12 +45,13 @@ class Certificate(Value):
 
     Attributes:
         proven: Every check passed and clearance was bounded on the whole interval.
-        min_clearance: Smallest signed distance found [m]. If clearance is proven the true one is at
-            most the clearance check's `resolution` below it; else it is the smallest at the
-            instants that were looked at, and there may be smaller ones. Infinite if there is no
-            pair to look at.
-        pair: The two bodies whose it is, or ("", "").
-        time: When [s].
+        min_clearance: If clearance is proven, a lower bound: no two bodies that are looked at are
+            ever nearer [m]. If it is not, there is no such bound and this is `observed_clearance`.
+            Infinite if there is no pair to look at.
+        observed_clearance: Smallest signed distance at any instant that was measured [m]: an upper
+            bound on the true smallest one, which lies between `min_clearance` and this.
+        pair: The two bodies of `observed_clearance`, or ("", "").
+        time: When it was observed [s].
         checks: All checks, passed or not.
         points: Their nearest points then, in world and in the order of `pair`: p_WA and p_WB [m];
             none without a pair. Of shapes that overlap they are the deepest.
@@ -62,6 +63,7 @@ class Certificate(Value):
 
     proven: bool
     min_clearance: float
+    observed_clearance: float
     pair: tuple[str, str]
     time: float
     checks: tuple[Check, ...]

@@ -39,6 +39,7 @@ def certificate_wire(certificate: Certificate) -> dict[str, Any]:
     return {
         "proven": certificate.proven,
         "min_clearance": finite(certificate.min_clearance),
+        "observed_clearance": finite(certificate.observed_clearance),
         "pair": list(certificate.pair),
         "time": certificate.time,
         "points": listed(certificate.points),

@@ -38,14 +38,20 @@ class CertificateWire(Answer):
 
     proven: bool = Field(description="Every check passed on the whole interval")
     min_clearance: float | None = Field(
-        description="Smallest signed distance found [m]; if clearance is proven the true one is at "
-        "most the `resolution` of the check `clearance` below it, else there may be smaller ones; "
-        "null if there is no pair to look at"
+        description="If clearance is proven, a lower bound on the distance of all pairs at all "
+        "instants [m]; if not, the same as `observed_clearance`; null if there is no pair"
     )
-    pair: tuple[str, str] = Field(description="The two bodies whose it is, or empty names")
+    observed_clearance: float | None = Field(
+        default=None,
+        description="Smallest signed distance at any instant that was measured [m]; the true "
+        "smallest one lies between `min_clearance`, if that is proven, and this",
+    )
+    pair: tuple[str, str] = Field(
+        description="The two bodies of `observed_clearance`, or empty names"
+    )
     time: float = Field(
-        description="When that is [s]; if clearance is not proven neither the first instant that "
-        "is too near nor for certain the worst"
+        description="When it was observed [s]; if clearance is not proven neither the first "
+        "instant that is too near nor for certain the worst"
     )
     points: list[list[float]] = Field(
         default=[],
