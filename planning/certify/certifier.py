@@ -68,7 +68,8 @@ def certify(
         stop, report = _findings(model, request, report, deadline)
         checks += stop
     points = nearest_points(model, request, clearance.nearest)
-    return _verdict(request, checks, clearance, points), report
+    verdict = _verdict(request, checks, clearance, points)
+    return replace(verdict, unchecked=model.unchecked), report
 
 
 def _malformed(form: Check) -> Certificate:

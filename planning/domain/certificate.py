@@ -6,6 +6,7 @@ import numpy as np
 from jaxtyping import Float64
 
 from planning.domain.body_pair import BodyPair
+from planning.domain.unchecked_pair import UncheckedPair
 from planning.domain.value import Value
 
 
@@ -58,7 +59,9 @@ class Certificate(Value):
         proven_until: All pairs are proven to keep their margins from the beginning until then [s]:
             the duration, if the check of clearance passed.
         first_unproven: The pair that stopped the proof there, within a tenth of a millisecond, with
-            its distance and nearest points; None if nothing did, or if nobody looked for it.
+            its distance and nearest points; None if nothing did, or if it was not looked for.
+        unchecked: Pairs of bodies whose clearance is not looked at, and why: nothing is said of
+            them.
     """
 
     proven: bool
@@ -70,6 +73,7 @@ class Certificate(Value):
     points: Float64[np.ndarray, "k 3"] = field(default_factory=lambda: np.zeros((0, 3)))
     proven_until: float = 0.0
     first_unproven: BodyPair | None = None
+    unchecked: tuple[UncheckedPair, ...] = ()
 
     @property
     def failed(self) -> tuple[Check, ...]:

@@ -45,6 +45,7 @@ def certificate_wire(certificate: Certificate) -> dict[str, Any]:
         "points": listed(certificate.points),
         "proven_until": certificate.proven_until,
         "first_unproven": None if stopped is None else pair_wire(stopped),
+        "unchecked": [dataclasses.asdict(pair) for pair in certificate.unchecked],
         "checks": [
             {
                 **dataclasses.asdict(check),

@@ -4,7 +4,7 @@ from typing import Literal
 
 from pydantic import ConfigDict, Field
 
-from service.schemas.check import PairWire
+from service.schemas.check import PairWire, UncheckedPairWire
 from service.schemas.report import StagesWire
 from service.schemas.trajectory import TrajectoryWire
 from service.schemas.wire import Answer
@@ -67,6 +67,11 @@ class CertificateWire(Answer):
         default=None,
         description="The pair that stopped the proof of clearance there, at most 0.1 ms later; "
         "null if none did",
+    )
+    unchecked: list[UncheckedPairWire] = Field(
+        default=[],
+        description="Pairs of bodies whose clearance is not looked at, and why: the certificate "
+        "says nothing of them",
     )
     checks: list[CheckWire] = Field(description="All checks, passed or not")
 
