@@ -3,7 +3,7 @@
 Shapes of neighbours often overlap around their joint, by design or because a hull bulges; to check
 such a pair would forbid the robot to be anywhere. A pair is left out only if its shapes touch at
 the joint's default position, or at half of the joint's range or more; every other pair is checked
-like any other (docs/decisions/0030).
+like any other (docs/decisions/0031).
 """
 
 from dataclasses import dataclass
