@@ -20,6 +20,7 @@ from jaxtyping import Float64
 
 from planning.certify import bernstein
 from planning.certify.taylor import skew
+from planning.certify.turn_bounds import turn_bounds
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
@@ -27,21 +28,8 @@ _ORDER = 6
 _MAX_HALVINGS = 8
 # Beyond this the series loses too many digits to say anything [rad].
 _LARGEST_ANGLE = 12.0
+_COARSE_HALVINGS = 5
 _TERMS = 60
-
-
-def angular_change(
-    tangent: Float64[np.ndarray, "*n"],
-    rate: Float64[np.ndarray, "*n"],
-    change: Float64[np.ndarray, "*n"],
-) -> Float64[np.ndarray, "*n"]:
-    """Bound the size of the angular acceleration by those of delta, delta' and delta''.
-
-    J_r is no longer than 1, and in its series its derivative gains at most sum_k k |delta|^(k-1) /
-    (k+1)! |delta'|^2, that is g(|delta|) |delta'|^2 with g(x) = (e^x (x - 1) + 1) / x^2.
-    """
-    x = np.maximum(tangent, 1e-3)
-    return change + (np.exp(x) * (x - 1) + 1) / x**2 * rate**2
 
 
 def angular_peak(
@@ -59,12 +47,38 @@ def angular_peak(
         tolerance: How far above the true peak the bound should lie at most [rad/s^order].
 
     Returns:
-        The bound, the piece where it is, and the fraction of that piece. Infinite if a piece turns
-        too far to be bounded.
+        The bound, the piece where it is, and the fraction of that piece. A piece that turns
+        farther than the series can be trusted is bounded more coarsely, by sizes alone.
     """
     tangents = _derivatives(coefficients, widths, _ORDER + order + 2)
-    if np.linalg.norm(tangents[0], axis=2).max() > _LARGEST_ANGLE:
-        return float("inf"), 0, 0.0
+    is_far = np.linalg.norm(tangents[0], axis=2).max(axis=1) > _LARGEST_ANGLE
+    found: list[tuple[float, int, float]] = []
+    if is_far.any():
+        pieces = np.flatnonzero(is_far)
+        tops = _coarse_peaks([part[pieces] for part in tangents], order)
+        row = int(np.argmax(tops))
+        found.append((float(tops[row]), int(pieces[row]), 0.5))
+    if not is_far.all():
+        pieces = np.flatnonzero(~is_far)
+        near = [part[pieces] for part in tangents]
+        top, row, fraction = _series_peak(near, widths[pieces], order, tolerance)
+        found.append((top, int(pieces[row]), fraction))
+    return max(found, key=lambda entry: entry[0])
+
+
+def _coarse_peaks(tangents: list[Array], order: int) -> Array:
+    """Bound every piece by the sizes of the tangent's derivatives on parts of it."""
+    parts = [part * factorial(k) for k, part in enumerate(tangents[: order + 1])][1:]
+    for _ in range(_COARSE_HALVINGS):
+        parts = [np.stack(bernstein.halves(part), axis=1) for part in parts]
+        parts = [part.reshape(-1, *part.shape[2:]) for part in parts]
+    sizes = np.stack([np.linalg.norm(part, axis=2).max(axis=1) for part in parts])
+    return turn_bounds(sizes)[order - 1].reshape(len(tangents[0]), -1).max(axis=1)
+
+
+def _series_peak(
+    tangents: list[Array], widths: Array, order: int, tolerance: float
+) -> tuple[float, int, float]:
     rows, low, half = np.arange(len(widths)), np.zeros(len(widths)), widths / 2
     taylor, remainder = _model(tangents, half, order)
     for _ in range(_MAX_HALVINGS):

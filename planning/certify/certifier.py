@@ -43,8 +43,8 @@ def certify(
         deadline: When to stop.
 
     Returns:
-        The certificate, `proven` or with failed checks, and what it took. Without `form`, the
-        smallest clearance is NaN.
+        The certificate, `proven` or with failed checks, and what it took. Without `form`, both
+        clearances are NaN.
 
     Raises:
         DeadlineExceeded: Time ran out before the verdict.
@@ -54,10 +54,7 @@ def certify(
     deadline.check("certify")
     form = form_check(request)
     if not form.passed:
-        refused = Certificate(
-            proven=False, min_clearance=float("nan"), pair=("", ""), time=0.0, checks=(form,)
-        )
-        return refused, CertifyReport(0, 0)
+        return _malformed(form), CertifyReport(0, 0)
     kept = constraint_checks(model, request, deadline)
     clearance = check_clearance(model, request, deadline)
     lines = line_checks(model, request, deadline)
@@ -71,7 +68,19 @@ def certify(
         stop, report = _findings(model, request, report, deadline)
         checks += stop
     points = nearest_points(model, request, clearance.nearest)
-    return _verdict(request, checks, clearance, points), report
+    verdict = _verdict(request, checks, clearance, points)
+    return replace(verdict, unchecked=model.unchecked), report
+
+
+def _malformed(form: Check) -> Certificate:
+    return Certificate(
+        proven=False,
+        min_clearance=float("nan"),
+        observed_clearance=float("nan"),
+        pair=("", ""),
+        time=0.0,
+        checks=(form,),
+    )
 
 
 def _findings(
@@ -103,10 +112,11 @@ def _motion_checks(request: CertifyRequest) -> list[Check]:
 def _verdict(
     request: CertifyRequest, checks: tuple[Check, ...], clearance: Clearance, points: Array
 ) -> Certificate:
-    nearest = clearance.nearest
+    nearest, check = clearance.nearest, clearance.check
     return Certificate(
         proven=all(check.passed for check in checks),
-        min_clearance=nearest.distance,
+        min_clearance=nearest.distance - (check.resolution if check.passed else 0.0),
+        observed_clearance=nearest.distance,
         pair=nearest.bodies,
         time=nearest.time,
         checks=checks,

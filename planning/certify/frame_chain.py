@@ -7,9 +7,8 @@ piece (a majorant): a joint that turns by q has R(t + h) = R(t) exp([a] (q(t + h
 
     |p^(m)| / m! <= the coefficient of h^m in  sum_k exp(Q_1 + .. + Q_k) (|l_k| + |T_k|),
 
-with Q_k(h) = sum_m>0 max |q_k^(m)| h^m / m!. Where the axis moves, R = R_0 exp(delta), the angular
-velocity has the majorant sum_j D^j D' / (j + 1)!, of its series J_r(delta) delta', with D that of
-|delta|; Q is its integral, E(D) - E(D(0)) with E(x) = sum_j>0 x^j / (j j!).
+with Q_k(h) = sum_m>0 max |q_k^(m)| h^m / m!. Where the axis moves, R = R_0 exp(delta), Q is the
+integral of a majorant of the angular velocity, which `turn_bounds` has.
 """
 
 from dataclasses import dataclass
@@ -28,14 +27,13 @@ from pydrake.multibody.tree import (
 from planning.certify import bernstein
 from planning.certify.motion_bounds import MovingJoint, joint_chains, moving_joints
 from planning.certify.request import CertifyRequest
-from planning.domain.joints import Joint, JointType
+from planning.certify.turn_bounds import turn_bounds
 from planning.errors import ModelInvalid
 from planning.world.drake_model import DrakeModel
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 _ORDER = 4
-_TERMS = 40
 _FACTORIALS = np.array([float(factorial(m)) for m in range(_ORDER + 1)])
 
 
@@ -59,6 +57,24 @@ def derivative_bounds(
             total += _product(_exponential(turned), reach)
     # Not a number is what overflow leaves behind: no bound.
     return np.where(np.isnan(total), np.inf, total * _FACTORIALS)[:, 1:]
+
+
+def direction_bounds(
+    model: DrakeModel, request: CertifyRequest, frame: str
+) -> Float64[np.ndarray, "n 4"]:
+    """Return bounds on the first four derivatives of a unit vector that turns with a frame.
+
+    It is R_1 .. R_n u: the same series, with a last link of length 1 and no shifts.
+
+    Raises:
+        ModelInvalid: A joint moves in a way that cannot be bounded here.
+    """
+    turned = np.zeros((request.trajectory.num_pieces, _ORDER + 1))
+    with np.errstate(over="ignore", invalid="ignore"):
+        for link in _links(model, request, frame):
+            turned += _series(model, request, link.moving)[0]
+        total = _exponential(turned) * _FACTORIALS
+    return np.where(np.isnan(total), np.inf, total)[:, 1:]
 
 
 @dataclass(frozen=True)
@@ -121,7 +137,7 @@ def _series(model: DrakeModel, request: CertifyRequest, moving: MovingJoint) -> 
 def _sizes(request: CertifyRequest, moving: MovingJoint) -> list[Array]:
     """Return majorants of the member's blocks, |c^(m)| / m! on every piece, each shape (n, 5).
 
-    The constant is how far the block is from where the piece begins; of a turn in space, |delta|.
+    The constant is how far the block is from where the piece begins.
     """
     curve, widths = request.trajectory, np.diff(request.trajectory.breaks)
     joints = request.group.joints
@@ -134,15 +150,11 @@ def _sizes(request: CertifyRequest, moving: MovingJoint) -> list[Array]:
         series = np.empty((curve.num_pieces, _ORDER + 1))
         for m in range(_ORDER + 1):
             form = bernstein.from_power(bernstein.derivative(coefficients, m), widths)
-            if m == 0 and not _turns_in_space(member, indices):
+            if m == 0:
                 form = form - form[:, :1]
             series[:, m] = np.linalg.norm(form, axis=2).max(axis=1)
         found.append(moving.scale * series / _FACTORIALS)
     return found
-
-
-def _turns_in_space(joint: Joint, indices: tuple[int, ...]) -> bool:
-    return joint.type is JointType.FLOATING and indices[0] == 0
 
 
 def _shifts(
@@ -168,13 +180,9 @@ def _without_constant(series: Array) -> Array:
 
 
 def _turn(sizes: Array) -> Array:
-    """Return E(D) without its constant."""
-    total, power = np.zeros_like(sizes), np.zeros_like(sizes)
-    power[:, 0] = 1.0
-    for j in range(1, _TERMS):
-        power = _product(power, sizes) / j
-        total += power / j
-    return _without_constant(total)
+    """Return the majorant of a turn in space from that of its tangent, without constant."""
+    rates = turn_bounds((sizes * _FACTORIALS)[:, 1:].T)
+    return np.column_stack([np.zeros(len(sizes)), rates.T]) / _FACTORIALS
 
 
 def _exponential(series: Array) -> Array:

@@ -5,10 +5,10 @@ from typing import Any
 
 import numpy as np
 
-from planning.certify.frame_watch import FrameWatch
-from planning.certify.interval_proof import Sight, bounded
+from planning.certify.chord_proof import SLACK, ChordProof
+from planning.certify.frame_chain import derivative_bounds, direction_bounds
+from planning.certify.frame_poses import FramePoses
 from planning.certify.request import CertifyRequest
-from planning.certify.segments import Segment
 from planning.domain import rotation
 from planning.domain.certificate import Check
 from planning.domain.constraint import KeepIn, KeepOut, OrientationCone, PositionBand
@@ -27,16 +27,33 @@ def box_check(
 ) -> Check:
     """Return how far the origin of a frame goes beyond the faces of a box, on the wrong side.
 
-    The distance to a convex set, and the depth in it, change by no more than the point moves.
+    The signed distance to a box is convex, and changes by no more than the point moves.
+
+    Raises:
+        DeadlineExceeded: Time ran out.
+        Canceled: The caller canceled.
+        ModelInvalid: A joint of a kind that cannot be certified.
     """
     box = constraint.box
-    reference = FrameWatch(model, request, box.reference)
-    turn = reference.rotation @ rotation.matrix(box.pose.quaternion)
-    middle = reference.rotation @ box.pose.position + reference.origin
-    watch = FrameWatch(model, request, constraint.frame)
-    sign = -1.0 if isinstance(constraint, KeepOut) else 1.0
-    quantity = _Excess(watch, turn, middle, box.size / 2, sign)
-    return _check(name, quantity, 0.0, "m", request, deadline)
+    X_WR = FramePoses(model, request, box.reference).at_reference()
+    placed = _Box(
+        X_WR[:3, :3] @ rotation.matrix(box.pose.quaternion),
+        X_WR[:3, :3] @ box.pose.position + X_WR[:3, 3],
+        box.size / 2,
+    )
+    poses = FramePoses(model, request, constraint.frame)
+    kind = _Depth if isinstance(constraint, KeepOut) else _Excess
+    bends = derivative_bounds(model, request, constraint.frame)[:, 1]
+    found = ChordProof(kind(poses, placed), bends, request, deadline).run(0.0)
+    return Check(
+        name=name,
+        value=found.value,
+        bound=0.0,
+        unit="m",
+        resolution=found.top - found.value,
+        passed=found.passed,
+        time=found.time,
+    )
 
 
 def cone_check(
@@ -48,69 +65,113 @@ def cone_check(
 ) -> Check:
     """Return the largest angle between an axis of a frame and a direction.
 
-    It changes by no more than the frame turns.
+    The tip of the axis, a point of the unit sphere, is bounded; chords of the sphere are angles.
+
+    Raises:
+        DeadlineExceeded: Time ran out.
+        Canceled: The caller canceled.
+        ModelInvalid: A joint of a kind that cannot be certified.
     """
-    direction = FrameWatch(model, request, constraint.reference).rotation @ constraint.direction
-    watch = FrameWatch(model, request, constraint.frame)
-    quantity = _Angle(
-        watch,
+    X_WR = FramePoses(model, request, constraint.reference).at_reference()
+    direction = X_WR[:3, :3] @ constraint.direction
+    quantity = _Chord(
+        FramePoses(model, request, constraint.frame),
         constraint.axis / np.linalg.norm(constraint.axis),
         direction / np.linalg.norm(direction),
     )
-    return _check(name, quantity, constraint.tolerance, "rad", request, deadline)
+    bends = direction_bounds(model, request, constraint.frame)[:, 1]
+    # What is forgiven is an angle: near half a turn its chord changes less.
+    largest = constraint.tolerance + SLACK
+    bound = 2 * np.sin(largest / 2) - SLACK if largest < np.pi else np.inf
+    found = ChordProof(quantity, bends, request, deadline).run(bound)
+    value, top = _angle(found.value), _angle(found.top)
+    return Check(
+        name=name,
+        value=value,
+        bound=constraint.tolerance,
+        unit="rad",
+        resolution=top - value,
+        passed=found.passed,
+        time=found.time,
+    )
+
+
+@dataclass(frozen=True)
+class _Box:
+    """A box B in world, with its half sizes [m]."""
+
+    R_WB: Array
+    p_wb: Array
+    half: Array
+
+    def signed_distances(self, points: Array) -> tuple[Array, Array]:
+        """Return signed distances, shape (n,), and a subgradient of each in world, shape (n, 3)."""
+        local = (points - self.p_wb) @ self.R_WB
+        beyond = np.abs(local) - self.half
+        out = np.maximum(beyond, 0.0)
+        lengths = np.linalg.norm(out, axis=1)
+        is_out = lengths > 0
+        nearest = np.eye(3)[np.argmax(beyond, axis=1)]
+        normals = np.where(
+            is_out[:, None], out / np.where(is_out, lengths, 1.0)[:, None], nearest
+        ) * np.where(local < 0, -1.0, 1.0)
+        return np.where(is_out, lengths, beyond.max(axis=1)), normals @ self.R_WB.T
 
 
 @dataclass(frozen=True)
 class _Excess:
-    """How far a point is beyond a box, negative within it; times a sign."""
+    """How far a frame's origin is beyond a box, negative within it [m]."""
 
-    watch: FrameWatch
-    R_WB: Array
-    p_wb: Array
-    half: Array
-    sign: float
+    poses: FramePoses
+    box: _Box
 
-    def look(self, segment: Segment) -> Sight:
-        self.watch.go_to(segment.center)
-        beyond = np.abs((self.watch.origin - self.p_wb) @ self.R_WB) - self.half
-        deepest = float(beyond.max())
-        outside = float(np.linalg.norm(np.maximum(beyond, 0.0)))
-        value = self.sign * (outside if deepest > 0 else deepest)
-        return Sight(value, value + self.watch.moved(segment))
+    def points(self, pieces: Any, local: Array, deadline: Deadline) -> Array:
+        return self.poses.at(pieces, local, deadline)[:, :3, 3]
+
+    def values(self, points: Array) -> Array:
+        return self.box.signed_distances(points)[0]
+
+    def on_chords(self, begin: Array, end: Array) -> Array:
+        """A convex function is largest at an end."""
+        return np.maximum(self.values(begin), self.values(end))
 
 
 @dataclass(frozen=True)
-class _Angle:
-    """The angle between an axis of a frame and a direction in world."""
+class _Depth(_Excess):
+    """How far a frame's origin is within a box, negative beyond it [m]."""
 
-    watch: FrameWatch
+    def values(self, points: Array) -> Array:
+        return -self.box.signed_distances(points)[0]
+
+    def on_chords(self, begin: Array, end: Array) -> Array:
+        """A convex function is nowhere below its tangent plane at either end."""
+        lowest: list[Array] = []
+        for here, there in ((begin, end), (end, begin)):
+            distances, slopes = self.box.signed_distances(here)
+            along = np.einsum("ni,ni->n", slopes, there - here)
+            lowest.append(distances + np.minimum(along, 0.0))
+        return -np.maximum(*lowest)
+
+
+@dataclass(frozen=True)
+class _Chord:
+    """The distance between the tips of an axis of a frame and of a direction, both of length 1."""
+
+    poses: FramePoses
     axis: Array
     direction: Array
 
-    def look(self, segment: Segment) -> Sight:
-        self.watch.go_to(segment.center)
-        axis = self.watch.rotation @ self.axis
-        # The half angle from both chords: exact to rounding for small and large angles alike.
-        chords = np.linalg.norm(axis - self.direction), np.linalg.norm(axis + self.direction)
-        value = 2 * float(np.arctan2(*chords))
-        return Sight(value, value + self.watch.turned(segment))
+    def points(self, pieces: Any, local: Array, deadline: Deadline) -> Array:
+        return self.poses.at(pieces, local, deadline)[:, :3, :3] @ self.axis
+
+    def values(self, points: Array) -> Array:
+        return np.linalg.norm(points - self.direction, axis=1)
+
+    def on_chords(self, begin: Array, end: Array) -> Array:
+        """A convex function is largest at an end."""
+        return np.maximum(self.values(begin), self.values(end))
 
 
-def _check(
-    name: str,
-    quantity: _Excess | _Angle,
-    bound: float,
-    unit: str,
-    request: CertifyRequest,
-    deadline: Deadline,
-) -> Check:
-    found = bounded(quantity, bound, request, deadline)
-    return Check(
-        name=name,
-        value=found.value,
-        bound=bound,
-        unit=unit,
-        resolution=found.top - found.value,
-        passed=found.passed,
-        time=found.time,
-    )
+def _angle(chord: float) -> float:
+    """Return the angle between two unit vectors whose tips are so far apart [rad]."""
+    return 2 * float(np.arcsin(min(chord / 2, 1.0)))

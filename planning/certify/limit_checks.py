@@ -7,6 +7,7 @@ import numpy as np
 
 from planning.certify import bernstein
 from planning.certify.angular_rates import angular_peak
+from planning.certify.axis_drift import axis_drift
 from planning.certify.request import CertifyRequest
 from planning.domain.certificate import Check
 from planning.domain.joints import JointType
@@ -17,6 +18,8 @@ type Array = np.ndarray[Any, np.dtype[np.float64]]
 MAX_UTILISATION = 1 + 1e-6
 DUST = 1e-6
 _RELATIVE_GAP = 1e-8
+# Angular rates this near to the tangent's derivatives, as a share of their limit, pass for them.
+_LEAST_DRIFT = 1e-7
 # Attributes of `JointLimits`, by order of derivative from 1.
 RATES = ("velocity", "acceleration", "jerk")
 
@@ -99,10 +102,11 @@ def _signed_utilisations(request: CertifyRequest) -> Iterator[tuple[float, str, 
 
 
 def _norm_bound(
-    request: CertifyRequest, indices: list[int], order: int, limit: float
+    request: CertifyRequest, indices: list[int], order: int, limit: float, rows: Any = slice(None)
 ) -> tuple[float, int, float]:
-    """Bound the norm of a block's derivative; return its piece and fraction as well."""
-    squares = bernstein.square_norm(np.moveaxis(request.forms[order][indices], 0, -1))
+    """Bound the norm of a block's derivative on some pieces; return which and the fraction too."""
+    forms = request.forms[order][indices][:, rows]
+    squares = bernstein.square_norm(np.moveaxis(forms, 0, -1))
     top, row, fraction = bernstein.peak(squares, _RELATIVE_GAP * limit**2)
     return float(np.sqrt(max(top, 0.0))), row, fraction
 
@@ -121,23 +125,42 @@ def _angular_bound(
 ) -> tuple[float, int, float]:
     """Bound the norm of a floating joint's angular rate; return its piece and fraction as well.
 
-    Where every piece turns about one axis, the tangent's own derivatives are the rates.
+    Where a piece turns about one axis, the tangent's own derivatives are the rates.
     """
-    if has_fixed_axes(request, indices):
-        return _norm_bound(request, indices, order, limit)
-    coefficients = request.trajectory.coefficients[:, :, indices]
-    widths = np.diff(request.trajectory.breaks)
-    return angular_peak(coefficients, widths, order, 10 * _RELATIVE_GAP * limit)
+    drift = _axis_drift(request, indices, order)
+    is_fixed = drift <= _LEAST_DRIFT * limit
+    found: list[tuple[float, int, float]] = []
+    if is_fixed.any():
+        rows = np.flatnonzero(is_fixed)
+        top, row, fraction = _norm_bound(request, indices, order, limit, rows)
+        found.append((top + float(drift[rows].max()), int(rows[row]), fraction))
+    if not is_fixed.all():
+        rows = np.flatnonzero(~is_fixed)
+        coefficients = request.trajectory.coefficients[rows][:, :, indices]
+        widths = np.diff(request.trajectory.breaks)[rows]
+        top, row, fraction = angular_peak(coefficients, widths, order, 10 * _RELATIVE_GAP * limit)
+        found.append((top, int(rows[row]), fraction))
+    return max(found, key=lambda entry: entry[0])
 
 
-def has_fixed_axes(request: CertifyRequest, indices: list[int]) -> bool:
-    """Return whether every piece turns a floating joint, of these coordinates, about one axis."""
-    coefficients = request.trajectory.coefficients[:, :, indices]
-    sizes = np.linalg.norm(coefficients, axis=2)
-    longest = coefficients[np.arange(len(coefficients)), np.argmax(sizes, axis=1)]
-    across = np.linalg.norm(np.cross(coefficients, longest[:, None]), axis=2)
-    scale = np.maximum(sizes.max(axis=1) ** 2, 1e-30)
-    return bool((across.max(axis=1) <= 1e-12 * scale).all())
+def has_fixed_axes(request: CertifyRequest, indices: list[int], limits: list[float]) -> bool:
+    """Return whether every piece turns a floating joint, of these coordinates, about one axis.
+
+    Args:
+        request: Has the trajectory.
+        indices: The joint's angular coordinates in v.
+        limits: By order of derivative, from 1: rates that differ by a ten-millionth of these pass
+            for equal.
+    """
+    return all(
+        bool((_axis_drift(request, indices, order) <= _LEAST_DRIFT * limit).all())
+        for order, limit in enumerate(limits, start=1)
+    )
+
+
+def _axis_drift(request: CertifyRequest, indices: list[int], order: int) -> Array:
+    curve = request.trajectory
+    return axis_drift(curve.coefficients[:, :, indices], np.diff(curve.breaks), order)
 
 
 def turning_blocks(request: CertifyRequest) -> set[str]:

@@ -126,20 +126,6 @@ class MotionBounds:
         shifts = np.einsum("kd,kd->k", self._to_shift, self._errors[self._members])
         return np.where(self.carries, self._lever_arms(R_WB, p_wb) * turns + shifts, 0.0)
 
-    def rotation(
-        self,
-        body: int,
-        turn: Float64[np.ndarray, " num_joints"],
-        shift: Float64[np.ndarray, " num_joints"],
-    ) -> float:
-        """Return how far a body turns at most: the sum over the joints that carry it [rad].
-
-        The angle of a product of rotations is at most the sum of their angles.
-        """
-        given = np.stack([turn[self._members], shift[self._members]], axis=1)
-        turns = np.einsum("kd,kd->k", self._to_turn, given)
-        return float(turns[sorted(self.chains[body])].sum())
-
     def _lever_arms(self, R_WB: Array, p_wb: Array) -> Array:
         """Return the largest distance of each shape's points from each joint's axis or origin."""
         shapes, own = self._shapes, self.joint_bodies

@@ -13,16 +13,13 @@ import numpy as np
 from jaxtyping import Float64
 
 from planning.certify import bernstein
-from planning.certify.angular_rates import angular_change
 from planning.certify.equal_parts import equal_parts
 from planning.certify.limit_checks import MAX_UTILISATION, RATES, has_fixed_axes, turning_blocks
 from planning.certify.request import CertifyRequest
 from planning.certify.stop_load import StopLoad
+from planning.certify.turn_bounds import turn_bounds
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
-
-# Stands for a rate that nothing is known of.
-_UNKNOWN = 1e30
 
 
 @dataclass(frozen=True)
@@ -150,9 +147,10 @@ def _by_size(request: CertifyRequest, forms: list[Array]) -> list[BlockRates]:
     for i, (name, indices) in enumerate(blocks):
         if len(indices) > 1:
             own = [form[:, :, None, indices] for form in forms]
-            is_turning = name in turning and not has_fixed_axes(request, indices)
-            rates = _turning(own) if is_turning else own[1:]
             bounds = tuple(limit[i : i + 1] for limit in limits)
+            largest = [float(bound[0]) for bound in bounds]
+            is_turning = name in turning and not has_fixed_axes(request, indices, largest)
+            rates = _turning(own) if is_turning else own[1:]
             found.append(BlockRates((name,), tuple(rates), bounds, np.zeros(1), is_turning))
     return found
 
@@ -170,8 +168,6 @@ def _by_sign(request: CertifyRequest, names: tuple[str, ...], limits: Array) -> 
 
 
 def _turning(forms: list[Array]) -> list[Array]:
-    """Return bounds on the size of an angular velocity and acceleration; of jerk there is none."""
-    tangent, rate, change = (np.linalg.norm(form, axis=3).max(axis=1) for form in forms[:3])
-    sizes = [rate, angular_change(tangent, rate, change)]
-    sizes += [np.full_like(rate, _UNKNOWN)] * (len(forms) - 3)
-    return [size[:, None, :, None] for size in sizes]
+    """Return bounds on the size of an angular velocity and its derivatives."""
+    sizes = np.stack([np.linalg.norm(form, axis=3).max(axis=1) for form in forms[1:]])
+    return [size[:, None, :, None] for size in turn_bounds(sizes)]

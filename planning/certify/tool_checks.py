@@ -5,9 +5,9 @@ from typing import Any
 
 import numpy as np
 
+from planning.certify.frame_poses import FramePoses
 from planning.certify.frame_proof import FrameProof, Quantity, Spans
 from planning.certify.frame_states import Sighting
-from planning.certify.frame_watch import FrameWatch
 from planning.certify.request import CertifyRequest
 from planning.domain import rotation
 from planning.domain.certificate import Check
@@ -89,12 +89,12 @@ class _SpeedInBox:
 
 
 def _zone(model: DrakeModel, request: CertifyRequest, zone: SpeedZone) -> _SpeedInBox:
-    reference = FrameWatch(model, request, zone.box.reference)
+    X_WR = FramePoses(model, request, zone.box.reference).at_reference()
     return _SpeedInBox(
         f"speed_zone {zone.name}",
         zone.speed,
-        reference.rotation @ rotation.matrix(zone.box.pose.quaternion),
-        reference.rotation @ zone.box.pose.position + reference.origin,
+        X_WR[:3, :3] @ rotation.matrix(zone.box.pose.quaternion),
+        X_WR[:3, :3] @ zone.box.pose.position + X_WR[:3, 3],
         zone.box.size / 2,
     )
 

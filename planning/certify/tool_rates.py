@@ -19,9 +19,9 @@ import numpy as np
 from jaxtyping import Float64
 from pydrake.multibody.tree import JacobianWrtVariable
 
-from planning.certify.angular_rates import angular_change
 from planning.certify.equal_parts import equal_parts
 from planning.certify.request import CertifyRequest
+from planning.certify.turn_bounds import turn_bounds
 from planning.domain.deadline import Deadline
 from planning.domain.joints import JointType
 from planning.world.drake_model import DrakeModel
@@ -157,10 +157,8 @@ def _joint_rates(request: CertifyRequest, pieces: Any) -> tuple[Array, Array]:
     for joint in request.group.joints:
         if joint.type is JointType.FLOATING:
             turn = slice(begin, begin + 3)
-            tangent, rate, change = (
-                np.linalg.norm(form[turn], axis=0).max(axis=1) for form in forms
-            )
-            rates[:, turn] = rate[:, None]
-            changes[:, turn] = angular_change(tangent, rate, change)[:, None]
+            sizes = [np.linalg.norm(form[turn], axis=0).max(axis=1) for form in forms[1:]]
+            rate, change = turn_bounds(np.stack(sizes))
+            rates[:, turn], changes[:, turn] = rate[:, None], change[:, None]
         begin += joint.num_velocities
     return rates, changes

@@ -6,6 +6,7 @@ import numpy as np
 from jaxtyping import Float64
 
 from planning.domain.body_pair import BodyPair
+from planning.domain.unchecked_pair import UncheckedPair
 from planning.domain.value import Value
 
 
@@ -45,29 +46,34 @@ class Certificate(Value):
 
     Attributes:
         proven: Every check passed and clearance was bounded on the whole interval.
-        min_clearance: Smallest signed distance found [m]. If clearance is proven the true one is at
-            most the clearance check's `resolution` below it; else it is the smallest at the
-            instants that were looked at, and there may be smaller ones. Infinite if there is no
-            pair to look at.
-        pair: The two bodies whose it is, or ("", "").
-        time: When [s].
+        min_clearance: If clearance is proven, a lower bound: no two bodies that are looked at are
+            ever nearer [m]. If it is not, there is no such bound and this is `observed_clearance`.
+            Infinite if there is no pair to look at.
+        observed_clearance: Smallest signed distance at any instant that was measured [m]: an upper
+            bound on the true smallest one, which lies between `min_clearance` and this.
+        pair: The two bodies of `observed_clearance`, or ("", "").
+        time: When it was observed [s].
         checks: All checks, passed or not.
         points: Their nearest points then, in world and in the order of `pair`: p_WA and p_WB [m];
             none without a pair. Of shapes that overlap they are the deepest.
         proven_until: All pairs are proven to keep their margins from the beginning until then [s]:
             the duration, if the check of clearance passed.
         first_unproven: The pair that stopped the proof there, within a tenth of a millisecond, with
-            its distance and nearest points; None if nothing did, or if nobody looked for it.
+            its distance and nearest points; None if nothing did, or if it was not looked for.
+        unchecked: Pairs of bodies whose clearance is not looked at, and why: nothing is said of
+            them.
     """
 
     proven: bool
     min_clearance: float
+    observed_clearance: float
     pair: tuple[str, str]
     time: float
     checks: tuple[Check, ...]
     points: Float64[np.ndarray, "k 3"] = field(default_factory=lambda: np.zeros((0, 3)))
     proven_until: float = 0.0
     first_unproven: BodyPair | None = None
+    unchecked: tuple[UncheckedPair, ...] = ()
 
     @property
     def failed(self) -> tuple[Check, ...]:

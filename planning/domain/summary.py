@@ -3,6 +3,7 @@
 from dataclasses import dataclass, field
 
 from planning.domain.joints import JointGroup, JointLimits
+from planning.domain.unchecked_pair import UncheckedPair
 from planning.domain.value import Value
 
 
@@ -57,6 +58,7 @@ class SceneSummary(Value):
         num_pairs: Pairs of geometries that are checked for collision.
         digest: sha256 of the scene.
         assumed: Joints whose rate limits nobody states, so that ours are assumed.
+        unchecked: Pairs of bodies that no collision check looks at, and why.
         warnings: Things that are not what they seem, such as meshes taken as their convex hulls.
     """
 
@@ -66,4 +68,5 @@ class SceneSummary(Value):
     num_pairs: int
     digest: str
     assumed: tuple[str, ...] = ()
+    unchecked: tuple[UncheckedPair, ...] = ()
     warnings: tuple[str, ...] = field(default=())

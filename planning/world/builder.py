@@ -13,7 +13,11 @@ from pydrake.planning import RobotDiagramBuilder
 from planning.domain.pose import Pose
 from planning.domain.scene import Scene, SceneFrame, SceneObject, SceneRobot
 from planning.errors import ModelInvalid, SceneInvalid, UnknownName
-from planning.world.collision_filters import allow_collisions, allow_touch
+from planning.world.collision_filters import (
+    allow_collisions,
+    allow_touch,
+    leave_out_neighbours,
+)
 from planning.world.couplings import couplings, joint_indices
 from planning.world.drake_model import DrakeModel
 from planning.world.holding import require_owners
@@ -23,6 +27,7 @@ from planning.world.model_file import inspect_model
 from planning.world.only_kept import require_kept
 from planning.world.scene_build import Build, LoadedRobot, refuse_second
 from planning.world.shapes import drake_shape
+from planning.world.unchecked_pairs import unchecked_pairs
 
 # Drake warns of every URDF tag that it leaves to us (mimic, floating, transmissions).
 logging.getLogger("drake").setLevel(logging.ERROR)
@@ -59,16 +64,21 @@ def build_diagram(
         _add_object(build, kept.thing(thing), f"objects.{i}.shape")
     _add_frames(build, scene.frames)
     owners = _attach(build, scene)
+    # Neighbours are left out by evidence, not all of them (`leave_out_neighbours`).
+    build.plant.set_adjacent_bodies_collision_filters(False)
     build.plant.Finalize()
     allow_collisions(build, scene)
     allow_touch(build, scene)
     scene_graph = builder.scene_graph()
     indices = joint_indices(build.plant, build.bodies)
+    diagram = builder.Build()
+    leave_out_neighbours(build, diagram, scene_graph)
+    names = {index: name for name, index in build.bodies.items()}
     model = DrakeModel(
-        diagram=builder.Build(),
+        diagram=diagram,
         plant=build.plant,
         scene_graph=scene_graph,
-        body_names={index: name for name, index in build.bodies.items()},
+        body_names=names,
         bodies=build.bodies,
         frames=build.frames,
         joint_indices=indices,
@@ -79,6 +89,7 @@ def build_diagram(
         ),
         owners=owners,
         uses_kernel=kernel,
+        unchecked=unchecked_pairs(build.plant, scene_graph, names, build.unchecked),
     )
     return model, tuple(build.robots)
 

@@ -1,5 +1,6 @@
 """Collision verdicts on configurations, by Drake's exact geometry."""
 
+from collections.abc import Iterator
 from itertools import combinations
 from typing import Any
 
@@ -13,6 +14,7 @@ from planning.domain import motion_samples
 from planning.domain.body_pair import BodyPair
 from planning.domain.joints import JointGroup
 from planning.domain.manifold import Manifold
+from planning.world.box_pairs import BoxMargins, box_pairs_of
 from planning.world.drake_model import DrakeModel
 from planning.world.margins import PairMargins
 
@@ -36,6 +38,7 @@ class DrakeCollisionOracle:
         self._checker: Any = bare.Clone() if bare else bare_checker(model)
         if margins.largest > 0 or margins.by_pair:
             _apply_margins(self._checker, model, margins)
+        self._boxes = BoxMargins(model, margins)
         self._full = model.follow(np.array(state))
         self._indices = model.position_indices(group)
 
@@ -43,7 +46,8 @@ class DrakeCollisionOracle:
         """Return whether the group at q, shape (nq,), keeps its distances."""
         self._full[self._indices] = q
         self._model.follow(self._full)
-        return bool(self._checker.CheckConfigCollisionFree(self._full))
+        free = bool(self._checker.CheckConfigCollisionFree(self._full))
+        return free and self._boxes.are_kept(self._full)
 
     def are_free(self, qs: Float64[np.ndarray, "m nq"]) -> Bool[np.ndarray, " m"]:
         """Return the same for each row."""
@@ -51,7 +55,10 @@ class DrakeCollisionOracle:
         full[:, self._indices] = qs
         self._model.follow(full)
         verdicts = self._checker.CheckConfigsCollisionFree(list(full), parallelize=Parallelism(1))
-        return np.array(verdicts, dtype=bool)
+        free = np.array(verdicts, dtype=bool)
+        for i in np.flatnonzero(free) if self._boxes.is_needed else ():
+            free[i] = self._boxes.are_kept(full[i])
+        return free
 
     def is_motion_free(
         self,
@@ -87,6 +94,7 @@ class DistanceProbe:
         self._plant_context = model.plant.GetMyMutableContextFromRoot(self._context)
         self._query_port = model.scene_graph.get_query_output_port()
         self._query_context = model.scene_graph.GetMyContextFromRoot(self._context)
+        self._boxes = box_pairs_of(model)
 
     def pairs_within(
         self, full: Float64[np.ndarray, " num_positions"], distance: float
@@ -95,28 +103,19 @@ class DistanceProbe:
 
         One entry per pair of bodies: that of its two nearest geometries.
         """
-        query = self._query(full)
         nearest: dict[tuple[str, str], BodyPair] = {}
-        for found in query.ComputeSignedDistancePairwiseClosestPoints(distance):
-            body_a, body_b = self._bodies(query, found)
+        for _, (body_a, body_b), length, points in self._measured(full, distance):
             names = (body_a, body_b) if body_a < body_b else (body_b, body_a)
-            if names in nearest and nearest[names].distance <= found.distance:
+            if names in nearest and nearest[names].distance <= length:
                 continue
-            p_wa = query.GetPoseInWorld(found.id_A).multiply(found.p_ACa)
-            p_wb = query.GetPoseInWorld(found.id_B).multiply(found.p_BCb)
-            points = np.array([p_wa, p_wb] if body_a < body_b else [p_wb, p_wa])
-            nearest[names] = BodyPair(names, float(found.distance), points)
+            nearest[names] = BodyPair(names, length, points if body_a < body_b else points[::-1])
         return tuple(sorted(nearest.values(), key=lambda pair: (pair.distance, pair.bodies)))
 
     def geometries_within(
         self, full: Float64[np.ndarray, " num_positions"], distance: float
     ) -> list[tuple[tuple[Any, Any], tuple[str, str], float]]:
         """Return Drake's ids, the bodies and the distance of geometries at most so far apart."""
-        query = self._query(full)
-        return [
-            ((found.id_A, found.id_B), self._bodies(query, found), float(found.distance))
-            for found in query.ComputeSignedDistancePairwiseClosestPoints(distance)
-        ]
+        return [(ids, bodies, length) for ids, bodies, length, _ in self._measured(full, distance)]
 
     def violations(self, full: Float64[np.ndarray, " num_positions"]) -> tuple[BodyPair, ...]:
         """Return every pair of bodies that is nearer than its margin, nearest first."""
@@ -127,9 +126,31 @@ class DistanceProbe:
         self._model.plant.SetPositions(self._plant_context, full)
         return self._query_port.Eval(self._query_context)
 
-    def _bodies(self, query: Any, found: Any) -> tuple[str, str]:
+    def _measured(
+        self, full: Array, distance: float
+    ) -> Iterator[tuple[tuple[Any, Any], tuple[str, str], float, Array]]:
+        """Yield ids, bodies, distance and nearest points of all geometries at most so far apart.
+
+        Of separate boxes Drake's distance may be far too large, so they are measured here; that
+        boxes overlap Drake knows.
+        """
+        query, boxes = self._query(full), self._boxes
+        overlapping: set[tuple[Any, Any]] = set()
+        for found in query.ComputeSignedDistancePairwiseClosestPoints(distance):
+            ids = found.id_A, found.id_B
+            if found.distance <= 0 or ids not in boxes.index:
+                p_wa = query.GetPoseInWorld(found.id_A).multiply(found.p_ACa)
+                p_wb = query.GetPoseInWorld(found.id_B).multiply(found.p_BCb)
+                overlapping.add(ids)
+                yield ids, self._bodies(query, ids), float(found.distance), np.array([p_wa, p_wb])
+        for row, (length, points) in boxes.within(query, distance).items():
+            ids = boxes.ids[row]
+            if ids not in overlapping and ids[::-1] not in overlapping:
+                yield ids, boxes.bodies[row], length, points
+
+    def _bodies(self, query: Any, ids: tuple[Any, Any]) -> tuple[str, str]:
         inspector = query.inspector()
-        return self._body(inspector, found.id_A), self._body(inspector, found.id_B)
+        return self._body(inspector, ids[0]), self._body(inspector, ids[1])
 
     def _body(self, inspector: Any, geometry: Any) -> str:
         body = self._model.plant.GetBodyFromFrameId(inspector.GetFrameId(geometry))

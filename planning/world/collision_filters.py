@@ -1,32 +1,40 @@
 """Pairs of bodies that may touch: what Drake is told not to look at."""
 
-from pydrake.geometry import CollisionFilterDeclaration, GeometryId, GeometrySet
+from pydrake.geometry import CollisionFilterDeclaration, GeometryId, GeometrySet, SceneGraph
+from pydrake.multibody.tree import BodyIndex
+from pydrake.planning import RobotDiagram
 
 from planning.domain.scene import Scene
 from planning.errors import SceneInvalid, UnknownName
+from planning.world.adjacent_links import touching_neighbours
 from planning.world.holding import may_touch
 from planning.world.scene_build import Build
 
 
 def allow_collisions(build: Build, scene: Scene) -> None:
-    """Let the pairs touch that the scene or a robot's own description allows.
+    """Let the pairs touch that the scene or a robot's own description allows; note who said so.
 
     Raises:
         SceneInvalid: The scene names a body that does not exist.
     """
-    pairs = [(f"allowed_collisions.{i}", pair) for i, pair in enumerate(scene.allowed_collisions)]
+    said = "the scene's allowed_collisions"
+    pairs = [
+        (f"allowed_collisions.{i}", pair, said) for i, pair in enumerate(scene.allowed_collisions)
+    ]
     for robot in build.robots:
         prefix = robot.scene_robot.name
         card = robot.source.card
         own = [(a, b) for a, b in card.allowed_collisions] if card else robot.file.disabled_pairs
-        pairs += [("", (f"{prefix}::{a}", f"{prefix}::{b}")) for a, b in own]
-    for path, pair in pairs:
+        said = "robot.yaml" if card else "the SRDF beside the description"
+        pairs += [("", (f"{prefix}::{a}", f"{prefix}::{b}"), said) for a, b in own]
+    for path, pair, said in pairs:
         unknown = [name for name in pair if name not in build.bodies]
         if unknown and path:
             fault = UnknownName.among("body", unknown[0], build.bodies)
             raise SceneInvalid(f"{path}: {fault.detail}", {"path": path, **fault.evidence})
         if not unknown:
             _exclude(build, pair)
+            build.unchecked[frozenset(pair)] = ("allowed", f"{said} lets them touch")
 
 
 def allow_touch(build: Build, scene: Scene) -> None:
@@ -56,13 +64,29 @@ def allow_touch(build: Build, scene: Scene) -> None:
                 raise SceneInvalid(f"{path}: {fault.detail}", {"path": path, **fault.evidence})
             if name != thing.name:
                 _exclude(build, (name, thing.name))
+                evidence = f"{thing.name} is attached to {thing.attached.frame} and may touch it"
+                build.unchecked[frozenset((name, thing.name))] = ("held", evidence)
+
+
+def leave_out_neighbours(build: Build, diagram: RobotDiagram, scene_graph: SceneGraph) -> None:
+    """Filter links that a joint joins and whose shapes touch; contexts made later heed it."""
+    filters = scene_graph.collision_filter_manager()
+    names = {index: name for name, index in build.bodies.items()}
+    for found in touching_neighbours(diagram, build.plant, scene_graph):
+        sets = [_geometries(build, index) for index in found.bodies]
+        filters.Apply(CollisionFilterDeclaration().ExcludeBetween(*sets))
+        pair = frozenset(names[index] for index in found.bodies)
+        build.unchecked[pair] = ("adjacent", found.evidence)
 
 
 def _exclude(build: Build, pair: tuple[str, str]) -> None:
-    sets: list[GeometrySet] = []
-    for name in pair:
-        body = build.plant.get_body(build.bodies[name])
-        ids: list[GeometryId] = list(build.plant.GetCollisionGeometriesForBody(body))
-        sets.append(GeometrySet(ids))
+    sets = [_geometries(build, build.bodies[name]) for name in pair]
     filters = build.builder.scene_graph().collision_filter_manager()
     filters.Apply(CollisionFilterDeclaration().ExcludeBetween(*sets))
+
+
+def _geometries(build: Build, body: BodyIndex) -> GeometrySet:
+    ids: list[GeometryId] = list(
+        build.plant.GetCollisionGeometriesForBody(build.plant.get_body(body))
+    )
+    return GeometrySet(ids)

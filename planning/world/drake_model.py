@@ -12,6 +12,7 @@ from pydrake.multibody.tree import BodyIndex, Frame, JointIndex
 from pydrake.planning import RobotDiagram
 
 from planning.domain.joints import JointGroup
+from planning.domain.unchecked_pair import UncheckedPair
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 type Indices = np.ndarray[Any, np.dtype[np.intp]]
@@ -44,6 +45,7 @@ class DrakeModel:
         couplings: Mimic joints, none before its leader; the plant itself does not know of them.
         owners: The robot that holds an object, by the object's name.
         uses_kernel: Whether the native kernel may answer where it is sure, or Drake always does.
+        unchecked: Pairs of bodies that no collision check looks at, with the reason for each.
     """
 
     diagram: RobotDiagram
@@ -56,6 +58,7 @@ class DrakeModel:
     couplings: tuple[Coupling, ...]
     owners: Mapping[str, str] = field(default_factory=dict)
     uses_kernel: bool = True
+    unchecked: tuple[UncheckedPair, ...] = ()
 
     @property
     def mimics(self) -> tuple[tuple[int, int, float], ...]:

@@ -24,6 +24,8 @@ _FREE, _COLLIDING, _UNSURE = 0, 1, 2
 class KernelCollisionOracle:
     """Gives Drake's answers: what the kernel calls free or colliding, Drake does as well.
 
+    Of separate boxes both go by the true distance, which Drake overstates now and then.
+
     Attributes:
         num_left: Configurations that were left to Drake so far.
     """
@@ -129,11 +131,6 @@ class KernelCollisionOracle:
 
 
 def demands_of(scene: KernelScene, margins: PairMargins) -> Array:
-    """Return margin and touching distance of every pair [m], shape (n, 2).
-
-    Drake overstates the distance of separate boxes (docs/decisions/0006): what keeps a margin for
-    it may lack it in truth, so only boxes that overlap are surely in collision for Drake.
-    """
+    """Return margin and touching distance of every pair [m], shape (n, 2)."""
     margin = scene.demands(margins)
-    touching = np.where(scene.is_of_boxes, np.minimum(margin, 0.0), margin)
-    return np.column_stack([margin, touching])
+    return np.column_stack([margin, margin])

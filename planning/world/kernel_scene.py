@@ -36,7 +36,6 @@ class KernelScene:
         pairs: Both geometries of every pair that may collide, in the kernel's order.
         bodies: Full names of their bodies.
         is_of_one_robot: Whether both belong to one robot, shape (num_pairs,).
-        is_of_boxes: Whether both are boxes, shape (num_pairs,).
         links: For every body's index, its link and X_LB.
     """
 
@@ -44,7 +43,6 @@ class KernelScene:
     pairs: tuple[tuple[GeometryId, GeometryId], ...]
     bodies: tuple[tuple[str, str], ...]
     is_of_one_robot: Bool[np.ndarray, " num_pairs"]
-    is_of_boxes: Bool[np.ndarray, " num_pairs"]
     links: dict[int, tuple[int, RigidTransform]]
 
     def demands(self, margins: PairMargins) -> Float64[np.ndarray, " num_pairs"]:
@@ -104,9 +102,6 @@ def kernel_scene(model: DrakeModel) -> KernelScene | None:
     pairs: list[tuple[GeometryId, GeometryId]] = sorted(inspector.GetCollisionCandidates())
     for a, b in pairs:
         scene.add_pair(row[a], row[b])
-    boxes = {
-        i for i, shape in zip(ids, shapes, strict=True) if shape and shape.kind is ShapeKind.BOX
-    }
     bodies = tuple((_name(model, owners[a]), _name(model, owners[b])) for a, b in pairs)
     bare = PairMargins(1.0, owners=model.owners)
     return KernelScene(
@@ -114,7 +109,6 @@ def kernel_scene(model: DrakeModel) -> KernelScene | None:
         pairs=tuple(pairs),
         bodies=bodies,
         is_of_one_robot=np.array([bare.are_of_one_robot(*pair) for pair in bodies], dtype=bool),
-        is_of_boxes=np.array([a in boxes and b in boxes for a, b in pairs], dtype=bool),
         links=tree.bodies,
     )
 

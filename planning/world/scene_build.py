@@ -7,6 +7,7 @@ from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import BodyIndex, Frame, ModelInstanceIndex
 
 from planning.domain.scene import SceneRobot
+from planning.domain.unchecked_pair import UncheckedReason
 from planning.errors import SceneInvalid
 from planning.world.model_file import ModelFile
 from planning.world.model_library import RobotSource
@@ -24,13 +25,18 @@ class LoadedRobot:
 
 @dataclass
 class Build:
-    """What grows while the scene is built."""
+    """What grows while the scene is built.
+
+    `unchecked` has the reason and the evidence of every pair of bodies, by both full names, that
+    collision checks leave out.
+    """
 
     builder: Any
     plant: MultibodyPlant
     robots: list[LoadedRobot] = field(default_factory=list)
     bodies: dict[str, BodyIndex] = field(default_factory=dict)
     frames: dict[str, Frame] = field(default_factory=dict)
+    unchecked: dict[frozenset[str], tuple[UncheckedReason, str]] = field(default_factory=dict)
 
 
 def refuse_second(build: Build, name: str, path: str) -> None:

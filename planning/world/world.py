@@ -218,6 +218,7 @@ class World:
             bodies=tuple(sorted(self.drake.bodies)),
             num_pairs=len(inspector.GetCollisionCandidates()),
             digest=self.digest,
+            unchecked=self.drake.unchecked,
             assumed=tuple(
                 f"{own.robot}::{joint}" for own in self._robot_groups for joint in own.assumed
             ),

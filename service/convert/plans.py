@@ -39,11 +39,13 @@ def certificate_wire(certificate: Certificate) -> dict[str, Any]:
     return {
         "proven": certificate.proven,
         "min_clearance": finite(certificate.min_clearance),
+        "observed_clearance": finite(certificate.observed_clearance),
         "pair": list(certificate.pair),
         "time": certificate.time,
         "points": listed(certificate.points),
         "proven_until": certificate.proven_until,
         "first_unproven": None if stopped is None else pair_wire(stopped),
+        "unchecked": [dataclasses.asdict(pair) for pair in certificate.unchecked],
         "checks": [
             {
                 **dataclasses.asdict(check),

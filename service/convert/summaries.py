@@ -77,6 +77,7 @@ def scene_wire(summary: SceneSummary, aliases: dict[str, list[str]]) -> dict[str
         "frames": list(summary.frames),
         "bodies": list(summary.bodies),
         "num_pairs": summary.num_pairs,
+        "unchecked": [dataclasses.asdict(pair) for pair in summary.unchecked],
         "assumed": list(summary.assumed),
         "warnings": list(summary.warnings),
     }

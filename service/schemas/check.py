@@ -1,6 +1,6 @@
 """Asking whether configurations are valid."""
 
-from typing import Annotated
+from typing import Annotated, Literal
 
 from pydantic import ConfigDict, Field
 
@@ -24,6 +24,20 @@ class CheckRequest(Wire):
     margin: Annotated[NonNegative, Field(le=10)] | None = Field(
         default=None, description="Distance that everything keeps [m]; null for the scene's"
     )
+
+
+class UncheckedPairWire(Answer):
+    """Two bodies that no collision check looks at."""
+
+    model_config = ConfigDict(title="UncheckedPair")
+
+    bodies: tuple[str, str] = Field(description="Full names, sorted")
+    reason: Literal["allowed", "held", "welded", "welded_to_world", "adjacent"] = Field(
+        description="allowed: by the scene or the robot's description; held: one is attached and "
+        "may touch the other; welded: neither can move relative to the other; welded_to_world: "
+        "both stand in the world; adjacent: a joint joins them and their shapes touch about it"
+    )
+    evidence: str = Field(description="What that rests on, in words")
 
 
 class PairWire(Answer):

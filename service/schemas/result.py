@@ -4,7 +4,7 @@ from typing import Literal
 
 from pydantic import ConfigDict, Field
 
-from service.schemas.check import PairWire
+from service.schemas.check import PairWire, UncheckedPairWire
 from service.schemas.report import StagesWire
 from service.schemas.trajectory import TrajectoryWire
 from service.schemas.wire import Answer
@@ -38,14 +38,20 @@ class CertificateWire(Answer):
 
     proven: bool = Field(description="Every check passed on the whole interval")
     min_clearance: float | None = Field(
-        description="Smallest signed distance found [m]; if clearance is proven the true one is at "
-        "most the `resolution` of the check `clearance` below it, else there may be smaller ones; "
-        "null if there is no pair to look at"
+        description="If clearance is proven, a lower bound on the distance of all pairs at all "
+        "instants [m]; if not, the same as `observed_clearance`; null if there is no pair"
     )
-    pair: tuple[str, str] = Field(description="The two bodies whose it is, or empty names")
+    observed_clearance: float | None = Field(
+        default=None,
+        description="Smallest signed distance at any instant that was measured [m]; the true "
+        "smallest one lies between `min_clearance`, if that is proven, and this",
+    )
+    pair: tuple[str, str] = Field(
+        description="The two bodies of `observed_clearance`, or empty names"
+    )
     time: float = Field(
-        description="When that is [s]; if clearance is not proven neither the first instant that "
-        "is too near nor for certain the worst"
+        description="When it was observed [s]; if clearance is not proven neither the first "
+        "instant that is too near nor for certain the worst"
     )
     points: list[list[float]] = Field(
         default=[],
@@ -61,6 +67,11 @@ class CertificateWire(Answer):
         default=None,
         description="The pair that stopped the proof of clearance there, at most 0.1 ms later; "
         "null if none did",
+    )
+    unchecked: list[UncheckedPairWire] = Field(
+        default=[],
+        description="Pairs of bodies whose clearance is not looked at, and why: the certificate "
+        "says nothing of them",
     )
     checks: list[CheckWire] = Field(description="All checks, passed or not")
 

@@ -5,6 +5,7 @@ from datetime import datetime
 from pydantic import ConfigDict, Field
 
 from planning.world.scene_document import SceneDocument
+from service.schemas.check import UncheckedPairWire
 from service.schemas.summary import GroupWire
 from service.schemas.wire import Answer
 
@@ -41,6 +42,9 @@ class Scene(SceneBrief):
     num_pairs: int = Field(description="Pairs of bodies that are kept apart")
     assumed: list[str] = Field(
         description="Joints whose rate limits nobody states, so that ours are assumed"
+    )
+    unchecked: list[UncheckedPairWire] = Field(
+        default=[], description="Pairs of bodies that no collision check looks at, and why"
     )
     warnings: list[str] = Field(description="What was found odd, for example concave meshes")
     document: SceneDocument = Field(description="As it was posted or edited, defaults filled in")

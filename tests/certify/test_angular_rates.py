@@ -59,6 +59,6 @@ def test_a_turn_about_one_axis_has_the_tangents_rates() -> None:
     assert bound == pytest.approx(1.0 + 2 * 0.5 * (5 / 6) - 0.6 * (5 / 6) ** 2, abs=1e-6)
 
 
-def test_too_far_a_turn_is_not_bounded() -> None:
+def test_too_far_a_turn_for_the_series_is_bounded_by_sizes() -> None:
     coefficients = np.array([[[0.0, 0.0, 0.0], [40.0, 1.0, 0.0]]])
-    assert angular_peak(coefficients, np.ones(1), 2, 1e-6)[0] == np.inf
+    assert angular_peak(coefficients, np.ones(1), 2, 1e-6)[0] == pytest.approx(1601 / 2)

@@ -18,6 +18,7 @@ from planning.domain.constraint import (
 )
 from planning.domain.joints import JointGroup
 from planning.errors import ProblemInvalid, UnknownName
+from planning.world.rules.body_pairs import banded_pairs
 from planning.world.world import World
 
 
@@ -40,6 +41,7 @@ def _require(world: World, group: JointGroup, constraint: PathConstraint, field:
             names = [*(constraint.bodies or ()), *(constraint.to or ())]
             _require_names("body", names, world.drake.bodies)
             _demand(0 <= constraint.min < constraint.max, field, "0 <= min < max is needed")
+            banded_pairs(world, group, constraint, field)
         case KeepOut() | KeepIn() | PositionBand():
             world.require_frame(constraint.frame)
             _require_box(world, constraint.box, field, is_solid=isinstance(constraint, KeepOut))

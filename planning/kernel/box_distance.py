@@ -1,0 +1,75 @@
+"""The distance of two boxes, exactly.
+
+Two convex polytopes that do not overlap are nearest at a corner of one and any point of the other,
+or at an edge of each (Ericson, "Real-Time Collision Detection", 2005, section 5.1). All of these
+are tried: 2 x 8 corners and 12 x 12 pairs of edges, for many pairs of boxes at once.
+"""
+
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float64
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
+
+_SIGNS = np.array([[x, y, z] for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in (-1.0, 1.0)])
+# Pairs of corners that differ in one sign.
+_EDGES = np.array([
+    (i, j) for i in range(8) for j in range(i) if np.abs(_SIGNS[i] - _SIGNS[j]).sum() == 2
+])
+_TINY = 1e-30
+
+
+def box_distances(
+    half_a: Float64[np.ndarray, "n 3"],
+    X_WA: Float64[np.ndarray, "n 4 4"],
+    half_b: Float64[np.ndarray, "n 3"],
+    X_WB: Float64[np.ndarray, "n 4 4"],
+) -> tuple[Float64[np.ndarray, " n"], Float64[np.ndarray, "n 2 3"]]:
+    """Return the distances of pairs of boxes, and the nearest points of both in world.
+
+    Not promised: how deep boxes are that overlap. Their distance is the smallest that was met
+    between corners and edges: zero if a corner of one is in the other.
+
+    Args:
+        half_a: Half sizes of the first boxes [m].
+        X_WA: Their poses.
+        half_b: Half sizes of the second [m].
+        X_WB: Their poses.
+    """
+    corners_a, corners_b = _corners(half_a, X_WA), _corners(half_b, X_WB)
+    in_b, in_a = _clamped(corners_a, half_b, X_WB), _clamped(corners_b, half_a, X_WA)
+    of_edges = _edge_points(corners_a, corners_b)
+    ahead = np.concatenate([corners_a, in_a, of_edges[0]], axis=1)
+    behind = np.concatenate([in_b, corners_b, of_edges[1]], axis=1)
+    lengths = np.linalg.norm(ahead - behind, axis=2)
+    best, rows = np.argmin(lengths, axis=1), np.arange(len(lengths))
+    return lengths[rows, best], np.stack([ahead[rows, best], behind[rows, best]], axis=1)
+
+
+def _corners(half: Array, X_WB: Array) -> Array:
+    local = _SIGNS[None] * half[:, None]
+    return np.einsum("nij,nkj->nki", X_WB[:, :3, :3], local) + X_WB[:, None, :3, 3]
+
+
+def _clamped(points: Array, half: Array, X_WB: Array) -> Array:
+    """Return the points of boxes nearest to given points, shape (n, k, 3)."""
+    local = np.einsum("nji,nkj->nki", X_WB[:, :3, :3], points - X_WB[:, None, :3, 3])
+    inside = np.clip(local, -half[:, None], half[:, None])
+    return np.einsum("nij,nkj->nki", X_WB[:, :3, :3], inside) + X_WB[:, None, :3, 3]
+
+
+def _edge_points(corners_a: Array, corners_b: Array) -> tuple[Array, Array]:
+    """Return the nearest points of every edge of a and every edge of b, shape (n, 144, 3) each."""
+    p, q = corners_a[:, _EDGES[:, 0]][:, :, None], corners_b[:, _EDGES[:, 0]][:, None]
+    u = corners_a[:, _EDGES[:, 1]][:, :, None] - p
+    v = corners_b[:, _EDGES[:, 1]][:, None] - q
+    r = p - q
+    uu, vv, uv = (u * u).sum(-1), (v * v).sum(-1), (u * v).sum(-1)
+    ur, vr = (u * r).sum(-1), (v * r).sum(-1)
+    # Of parallel edges any point will do: corners are tried besides.
+    s = np.clip((uv * vr - ur * vv) / np.maximum(uu * vv - uv * uv, _TINY), 0.0, 1.0)
+    t = np.clip((uv * s + vr) / vv, 0.0, 1.0)
+    s = np.clip((uv * t - ur) / uu, 0.0, 1.0)
+    on_a, on_b = p + s[..., None] * u, q + t[..., None] * v
+    return on_a.reshape(len(p), -1, 3), on_b.reshape(len(p), -1, 3)

@@ -1,0 +1,137 @@
+"""Links that a joint joins: which of them can be held against each other, by evidence.
+
+Shapes of neighbours often overlap around their joint, by design or because a hull bulges; to check
+such a pair would forbid the robot to be anywhere. A pair is left out only if its shapes touch at
+the joint's default position, or at half of the joint's range or more; every other pair is checked
+like any other (docs/decisions/0031).
+"""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from pydrake.geometry import GeometryId, HalfSpace
+from pydrake.multibody.plant import MultibodyPlant
+from pydrake.multibody.tree import BodyIndex
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
+
+_NUM_SAMPLES = 17
+_MOST_OVERLAPPING = 0.5
+# Faces that meet without a gap touch, whatever rounding says [m].
+_FLUSH = 1e-4
+# What stands for a range without end: a whole turn, or a metre either way.
+_UNLIMITED = {"revolute": np.pi, "prismatic": 1.0}
+
+
+@dataclass(frozen=True)
+class Neighbours:
+    """Two bodies that a joint joins, and whose shapes touch.
+
+    Attributes:
+        bodies: Parent and child.
+        evidence: Where they do, in words.
+    """
+
+    bodies: tuple[BodyIndex, BodyIndex]
+    evidence: str
+
+
+def touching_neighbours(diagram: Any, plant: MultibodyPlant, scene_graph: Any) -> list[Neighbours]:
+    """Return the neighbours that cannot be held against each other.
+
+    Args:
+        diagram: Has the plant; its pairs of neighbours are not filtered.
+        plant: Finalized.
+        scene_graph: Of the diagram.
+    """
+    pairs = _adjacent_candidates(plant, scene_graph)
+    if not pairs:
+        return []
+    context = diagram.CreateDefaultContext()
+    probe = _Probe(plant, scene_graph, context, pairs)
+    at_default = probe.touching()
+    counts = dict.fromkeys(pairs, 0)
+    for share in np.linspace(0.0, 1.0, _NUM_SAMPLES):
+        probe.go_to(float(share))
+        for joint in probe.touching():
+            counts[joint] += 1
+    found: list[Neighbours] = []
+    for joint, count in counts.items():
+        if joint in at_default or count >= _MOST_OVERLAPPING * _NUM_SAMPLES:
+            name = plant.get_joint(joint).name()
+            where = "where it is by default, and " if joint in at_default else ""
+            evidence = (
+                f"their shapes touch about joint {name}: {where}at {count} of {_NUM_SAMPLES} "
+                "places of its range"
+            )
+            found.append(Neighbours(_ends(plant, joint), evidence))
+    return found
+
+
+class _Probe:
+    """Which neighbours touch, with every joint at the same share of its own range."""
+
+    def __init__(self, plant: Any, scene_graph: Any, context: Any, pairs: dict[Any, Any]) -> None:
+        self._plant, self._pairs = plant, pairs
+        self._plant_context = plant.GetMyMutableContextFromRoot(context)
+        self._query_context = scene_graph.GetMyContextFromRoot(context)
+        self._port = scene_graph.get_query_output_port()
+
+    def go_to(self, share: float) -> None:
+        """Put every joint at a share of its range; those of several coordinates stay."""
+        q = self._plant.GetPositions(self._plant_context)
+        for index in self._pairs:
+            joint = self._plant.get_joint(index)
+            reach = _UNLIMITED.get(joint.type_name())
+            if reach is None:
+                continue
+            low = np.maximum(joint.position_lower_limits(), -reach * _is_open(joint))
+            high = np.minimum(joint.position_upper_limits(), reach * _is_open(joint))
+            q[joint.position_start()] = (low + share * (high - low))[0]
+        self._plant.SetPositions(self._plant_context, q)
+
+    def touching(self) -> set[Any]:
+        """Return the joints whose two bodies touch."""
+        query = self._port.Eval(self._query_context)
+        return {
+            joint
+            for joint, geometries in self._pairs.items()
+            if any(_distance(query, a, b) <= _FLUSH for a, b in geometries)
+        }
+
+
+def _is_open(joint: Any) -> Array:
+    """Return 1 for coordinates without end, infinity for those with limits of their own."""
+    low, high = joint.position_lower_limits(), joint.position_upper_limits()
+    return np.where(np.isfinite(low) & np.isfinite(high), np.inf, 1.0)
+
+
+def _distance(query: Any, a: GeometryId, b: GeometryId) -> float:
+    return float(query.ComputeSignedDistancePairClosestPoints(a, b).distance)
+
+
+def _ends(plant: MultibodyPlant, joint: Any) -> tuple[BodyIndex, BodyIndex]:
+    found = plant.get_joint(joint)
+    return found.parent_body().index(), found.child_body().index()
+
+
+def _adjacent_candidates(plant: MultibodyPlant, scene_graph: Any) -> dict[Any, list[Any]]:
+    """Return pairs of geometries that are looked at, by the joint that joins their bodies."""
+    joints = {
+        frozenset(map(int, _ends(plant, index))): index
+        for index in plant.GetJointIndices()
+        if 0 < plant.get_joint(index).num_velocities() < 6
+    }
+    inspector = scene_graph.model_inspector()
+    found: dict[Any, list[Any]] = {}
+    for a, b in sorted(inspector.GetCollisionCandidates()):
+        # Drake does not measure half spaces; a link that is one is no neighbour's design.
+        if any(isinstance(inspector.GetShape(i), HalfSpace) for i in (a, b)):
+            continue
+        bodies = frozenset(
+            int(plant.GetBodyFromFrameId(inspector.GetFrameId(i)).index()) for i in (a, b)
+        )
+        if bodies in joints:
+            found.setdefault(joints[bodies], []).append((a, b))
+    return found

@@ -1,0 +1,137 @@
+"""Distances of pairs of boxes, which Drake 1.58 overstates now and then (docs/decisions/0006)."""
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+from weakref import WeakKeyDictionary
+
+import numpy as np
+from jaxtyping import Float64, Int
+from pydrake.geometry import Box, GeometryId
+from pydrake.planning import RobotDiagram
+
+from planning.kernel.box_distance import box_distances
+from planning.world.drake_model import DrakeModel
+from planning.world.margins import PairMargins
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
+
+
+@dataclass(frozen=True)
+class BoxPairs:
+    """All pairs of boxes of a model that may collide; holds no reference to the model.
+
+    Attributes:
+        ids: Drake's names of both.
+        bodies: Full names of their bodies.
+        boxes: Every box that is in a pair.
+        rows: Both boxes' places in `boxes`, shape (n, 2).
+        halves: Half sizes of `boxes` [m].
+        index: Row by Drake's names, in either order.
+    """
+
+    ids: tuple[tuple[GeometryId, GeometryId], ...]
+    bodies: tuple[tuple[str, str], ...]
+    boxes: tuple[GeometryId, ...]
+    rows: Int[np.ndarray, "n 2"]
+    halves: Float64[np.ndarray, "k 3"]
+    index: dict[tuple[GeometryId, GeometryId], int]
+
+    def within(
+        self, query: Any, reach: float | Float64[np.ndarray, " n"]
+    ) -> dict[int, tuple[float, Array]]:
+        """Return distance and nearest points of the pairs that are at most `reach` apart [m].
+
+        Args:
+            query: Drake's query object, with the model where it shall be.
+            reach: One distance, or one a pair.
+        """
+        if not self.ids:
+            return {}
+        poses = np.array([query.GetPoseInWorld(i).GetAsMatrix4() for i in self.boxes])
+        a, b = self.rows.T
+        sizes = np.linalg.norm(self.halves, axis=1)
+        gaps = np.linalg.norm(poses[a, :3, 3] - poses[b, :3, 3], axis=1) - sizes[a] - sizes[b]
+        near = np.flatnonzero(gaps <= reach)
+        if len(near) == 0:
+            return {}
+        a, b = self.rows[near].T
+        distances, points = box_distances(self.halves[a], poses[a], self.halves[b], poses[b])
+        kept = np.flatnonzero(distances <= np.broadcast_to(reach, len(self.ids))[near])
+        return {int(near[i]): (float(distances[i]), points[i]) for i in kept}
+
+    def demands(self, margins: PairMargins) -> Float64[np.ndarray, " n"]:
+        """Return the margin of every pair [m]."""
+        return np.array([margins.of(*pair) for pair in self.bodies], dtype=np.float64)
+
+
+class BoxMargins:
+    """Says whether boxes keep their margins; one context, made when it is first needed.
+
+    Where no margin is demanded of boxes there is nothing to say: whether two of them overlap Drake
+    knows.
+    """
+
+    def __init__(self, model: DrakeModel, margins: PairMargins) -> None:
+        """Read what is demanded of every pair of boxes."""
+        self._model, self._pairs = model, box_pairs_of(model)
+        self._demands = self._pairs.demands(margins)
+        self.is_needed = bool((self._demands > 0).any())
+
+    def are_kept(self, full: Float64[np.ndarray, " num_positions"]) -> bool:
+        """Return whether all separate boxes are as far apart as demanded."""
+        if not self.is_needed:
+            return True
+        self._model.plant.SetPositions(self._plant_context, full)
+        query = self._model.scene_graph.get_query_output_port().Eval(self._query_context)
+        found = self._pairs.within(query, self._demands)
+        return all(distance >= self._demands[row] for row, (distance, _) in found.items())
+
+    @cached_property
+    def _context(self) -> Any:
+        return self._model.diagram.CreateDefaultContext()
+
+    @cached_property
+    def _plant_context(self) -> Any:
+        return self._model.plant.GetMyMutableContextFromRoot(self._context)
+
+    @cached_property
+    def _query_context(self) -> Any:
+        return self._model.scene_graph.GetMyContextFromRoot(self._context)
+
+
+_read: WeakKeyDictionary[RobotDiagram, BoxPairs] = WeakKeyDictionary()
+
+
+def box_pairs_of(model: DrakeModel) -> BoxPairs:
+    """Return the model's pairs of boxes, reading them the first time only."""
+    found = _read.get(model.diagram)
+    if found is None:
+        found = _read[model.diagram] = _pairs(model)
+    return found
+
+
+def _pairs(model: DrakeModel) -> BoxPairs:
+    inspector: Any = model.scene_graph.model_inspector()
+    pairs: list[tuple[GeometryId, GeometryId]] = [
+        pair
+        for pair in sorted(inspector.GetCollisionCandidates())
+        if all(isinstance(inspector.GetShape(i), Box) for i in pair)
+    ]
+    boxes = sorted({i for pair in pairs for i in pair})
+    place = {i: k for k, i in enumerate(boxes)}
+    halves = [inspector.GetShape(i).size() / 2 for i in boxes]
+    return BoxPairs(
+        ids=tuple(pairs),
+        bodies=tuple((_body(model, a), _body(model, b)) for a, b in pairs),
+        boxes=tuple(boxes),
+        rows=np.array([[place[a], place[b]] for a, b in pairs], dtype=np.intp).reshape(-1, 2),
+        halves=np.array(halves, dtype=np.float64).reshape(-1, 3),
+        index={both: i for i, pair in enumerate(pairs) for both in (pair, pair[::-1])},
+    )
+
+
+def _body(model: DrakeModel, geometry: GeometryId) -> str:
+    inspector = model.scene_graph.model_inspector()
+    body = model.plant.GetBodyFromFrameId(inspector.GetFrameId(geometry))
+    return model.body_names.get(body.index(), body.name())
