@@ -2,8 +2,10 @@
 
 from collections.abc import AsyncGenerator
 from contextlib import asynccontextmanager
+from functools import partial
 
 from service.desk import LANES, Desk
+from service.executions.settlement import settled
 from service.jobs.database import open_engine
 from service.jobs.dispatcher import Dispatcher
 from service.jobs.inline_slot import InlineSlot
@@ -47,7 +49,9 @@ async def open_desk(settings: Settings) -> AsyncGenerator[tuple[Desk, SceneShelf
         await dispatcher.start(_WARM_UP if settings.engine == "process" else None)
         try:
             shelf = SceneShelf(scenes)
-            yield Desk(settings, store, dispatcher, shelf), shelf
+            desk = Desk(settings, store, dispatcher, shelf)
+            shelf.settle = partial(settled, scenes=shelf, desk=desk)
+            yield desk, shelf
         finally:
             await dispatcher.stop()
     finally:

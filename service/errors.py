@@ -79,7 +79,7 @@ class StartMismatch(Refusal):
 
 
 class RobotBusy(Refusal):
-    """Another execution moves this group; evidence: `execution`."""
+    """An execution moves something in this scene; evidence: `execution`, `group`."""
 
     code = "robot_busy"
     status = 409

@@ -1,48 +1,75 @@
 """Admission: what must be so before a plan is carried out."""
 
+from typing import Any
+
 from service.desk import Desk, spec_of
-from service.executions.whereabouts import require_at_start
+from service.executions.whereabouts import require_at_rest, require_at_start
 from service.jobs.key import Key
 from service.jobs.records import Job
 from service.plans.wire import polynomial_of
 from service.scenes.preflight import require_group
+from service.scenes.records import SceneRecord
 from service.scenes.shelf import SceneShelf
 from service.schemas.execution import ExecutionRequest
 
 TASK = "service.tasks.execute:execute"
+PROOF = "service.tasks.proof:certify_again"
 
 
 async def submit_execution(
     request: ExecutionRequest, key: str | None, scenes: SceneShelf, desk: Desk
 ) -> Job:
-    """Queue an execution.
+    """Queue an execution in the latest revision of the plan's scene.
 
     Raises:
         UnknownResource: There is no such plan, or its scene is gone.
+        UnknownName: The scene has no such group any more.
         NotFinished: The plan has no trajectory.
-        RobotBusy: Another execution moves the group.
+        RobotBusy: Another execution moves something in the scene.
         StartMismatch: The plan starts elsewhere.
+        NotCertified: The motion cannot be proven in the latest revision.
         QueueFull: The queue is full.
     """
     plan = await desk.job("plan", request.plan)
     polynomial = polynomial_of(plan)
     wanted = plan.payload["request"]
-    record = await scenes.get(wanted["scene"], plan.payload["revision"])
-    group = require_group(record, wanted["group"])
     asked = request.model_dump(mode="json")
-    payload = {
-        **{part: plan.payload[part] for part in ("scene", "library")},
-        "request": asked,
-        "scene_id": record.id,
-        "group": group["name"],
-        "trajectory": polynomial,
-        "speed": request.speed,
-        "controls": desk.new_controls(),
-    }
-    spec = spec_of("execution", TASK, payload, scene=record, key=Key(key, asked))
+    named = Key(key, asked)
     # Two requests at once must not both find the robot at rest.
     async with desk.admitting_motion:
+        record = await scenes.get(wanted["scene"])
+        group = require_group(record, wanted["group"])
+        payload = {
+            **await desk.scene_payload(record),
+            "request": asked,
+            "scene_id": record.id,
+            "group": group["name"],
+            "trajectory": polynomial,
+            "speed": request.speed,
+            "controls": desk.new_controls(),
+        }
+        spec = spec_of("execution", TASK, payload, scene=record, key=named)
         if desk.known(spec) is None:
-            start = (plan.result or {})["result"]["start"]
-            await require_at_start(desk, record, group, start)
+            await require_at_rest(desk, record.id)
+            require_at_start(group, (plan.result or {})["result"]["start"])
+            await _require_proven(desk, record, plan, polynomial)
         return desk.submit(spec)
+
+
+async def _require_proven(
+    desk: Desk, record: SceneRecord, plan: Job, polynomial: dict[str, Any]
+) -> None:
+    """Go on only if the motion is proven in a revision, by the plan's own proof or by a new one.
+
+    Raises:
+        NotCertified: It is not.
+    """
+    if plan.payload["scene"]["digest"] == record.digest:
+        return
+    payload = {
+        **await desk.scene_payload(record),
+        "request": plan.payload["request"],
+        "origin": plan.payload.get("origin"),
+        "trajectory": polynomial,
+    }
+    await desk.ask(PROOF, payload, warm_key=record.digest)

@@ -1,4 +1,4 @@
-"""Where a robot is: where its scene puts it, and later where its last execution left it."""
+"""Where a robot is: where the latest revision of its scene has it, once nothing moves."""
 
 import math
 from typing import Any
@@ -8,23 +8,19 @@ from service.desk import Desk
 from service.errors import RobotBusy, StartMismatch
 from service.jobs.records import JobBrief
 from service.scenes.preflight import Group
-from service.scenes.records import SceneRecord
 
 # An execution ends within 0.005 of where it should [rad or m].
 TOLERANCE = 0.02
 
 
-async def require_at_start(
-    desk: Desk, scene: SceneRecord, group: Group, start: list[float]
-) -> None:
-    """Go on only if the group rests at the start of a motion.
+def require_at_start(group: Group, start: list[float]) -> None:
+    """Go on only if the group is at the start of a motion.
 
     Raises:
-        RobotBusy: It moves.
         StartMismatch: It is elsewhere.
     """
-    position = await position_of(desk, scene, group)
-    distance = separation(group, start, position)
+    positions: list[float] = group["positions"]
+    distance = separation(group, start, positions)
     if distance > TOLERANCE:
         message = (
             f"the plan starts {distance:.4g} rad or m from where {group['name']} is; "
@@ -32,7 +28,7 @@ async def require_at_start(
         )
         evidence = {
             "start": start,
-            "positions": position,
+            "positions": positions,
             "distance": distance,
             "bound": TOLERANCE,
             "names": group["position_names"],
@@ -40,24 +36,22 @@ async def require_at_start(
         raise StartMismatch(message, evidence)
 
 
-async def position_of(desk: Desk, scene: SceneRecord, group: Group) -> list[float]:
-    """Return where a group is [rad or m].
+async def require_at_rest(desk: Desk, scene: str) -> None:
+    """Go on only if nothing moves in a scene.
+
+    A motion was proven against other robots where they stood, not against other motions.
 
     Raises:
-        RobotBusy: It moves.
+        RobotBusy: An execution moves a robot of the scene.
     """
-    async for job in desk.newest("execution", scene=scene.id):
-        if job.payload["group"] != group["name"]:
-            continue
+    async for job in desk.newest("execution", scene=scene):
         if not job.state.is_final:
-            message = f"execution {job.id} moves {group['name']}; wait for its end, or cancel it"
-            raise RobotBusy(message, {"execution": job.id, "group": group["name"]})
-        status = await last_status(desk, job)
-        if status is not None:
-            measured: list[float] = status["positions"]
-            return measured
-    positions: list[float] = group["positions"]
-    return positions
+            group = job.payload["group"]
+            message = (
+                f"execution {job.id} moves {group}, and motions of one scene are not proven "
+                "against each other while they run; wait for its end, or cancel it"
+            )
+            raise RobotBusy(message, {"execution": job.id, "group": group})
 
 
 async def last_status(desk: Desk, job: JobBrief) -> dict[str, Any] | None:

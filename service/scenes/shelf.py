@@ -1,20 +1,29 @@
 """SceneShelf: the scene store for coroutines."""
 
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from anyio import to_thread
 
 from service.scenes.records import SceneRecord
 from service.scenes.store import SceneStore
 
+if TYPE_CHECKING:
+    from collections.abc import Awaitable, Callable
+
 
 class SceneShelf:
-    """Asks the store in a thread, because databases and disks make one wait."""
+    """Asks the store in a thread, because databases and disks make one wait.
+
+    Attributes:
+        settle: What the latest revision goes through before it is given out: it returns the one
+            that knows where executions left the robots.
+    """
 
     def __init__(self, store: SceneStore) -> None:
         """Ask `store`."""
         self._store = store
+        self.settle: Callable[[SceneRecord], Awaitable[SceneRecord]] | None = None
 
     async def add(self, loaded: dict[str, Any]) -> SceneRecord:
         """Record a scene that a slot has loaded."""
@@ -32,7 +41,18 @@ class SceneShelf:
         return await to_thread.run_sync(self._store.revise, base, *fields)
 
     async def get(self, identifier: str, revision: int | None = None) -> SceneRecord:
-        """Return a revision of a scene, by default the latest.
+        """Return a revision of a scene, by default the latest, with its robots where they are.
+
+        Raises:
+            UnknownResource: There is none.
+        """
+        record = await self.stored(identifier, revision)
+        if revision is not None or self.settle is None:
+            return record
+        return await self.settle(record)
+
+    async def stored(self, identifier: str, revision: int | None = None) -> SceneRecord:
+        """Return a revision as it is stored, by default the latest.
 
         Raises:
             UnknownResource: There is none.

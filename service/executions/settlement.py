@@ -1,0 +1,66 @@
+"""Settlement: where an execution leaves its robot becomes the scene's next revision.
+
+So `start: null`, `/check`, `attach` and the guard of the next execution all read one truth, the
+latest revision. It is written when the latest revision is first asked for after the end, however
+the execution ended, so that nothing is lost if the server ends before.
+"""
+
+from service.desk import Desk
+from service.errors import RevisionConflict
+from service.executions.whereabouts import last_status
+from service.scenes.preflight import Group, require_group
+from service.scenes.records import SceneRecord
+from service.scenes.revision import TASK
+from service.scenes.shelf import SceneShelf
+from service.schemas.scene_edit import SceneEdit, SetPositionsOperationWire
+
+
+async def settled(record: SceneRecord, scenes: SceneShelf, desk: Desk) -> SceneRecord:
+    """Return the latest revision of a scene with its robots where executions left them.
+
+    Args:
+        record: The latest revision as it is stored.
+        scenes: Where it is stored.
+        desk: Knows the executions; one at a time moves anything in a scene.
+
+    Raises:
+        UnknownResource: The scene is gone.
+    """
+    while (edit := await _pending(record, desk)) is not None:
+        loaded = await desk.ask_scene(TASK, record, edit)
+        try:
+            return await scenes.revise(record, loaded)
+        except RevisionConflict:  # another reader was quicker
+            record = await scenes.stored(record.id)
+    return record
+
+
+async def _pending(record: SceneRecord, desk: Desk) -> SceneEdit | None:
+    """Return what the last execution changed and the revision does not know, None if nothing."""
+    async for job in desk.newest("execution", scene=record.id):
+        if job.finished_at is None or job.finished_at <= record.created_at:
+            return None
+        status = await last_status(desk, job)
+        if status is None:  # it never moved
+            return None
+        group = require_group(record, job.payload["group"])
+        robot = group["name"].partition("::")[0]
+        positions = _by_joint(group, robot, status["positions"])
+        operation = SetPositionsOperationWire(op="set_positions", robot=robot, positions=positions)
+        return SceneEdit(operations=[operation])
+    return None
+
+
+def _by_joint(group: Group, robot: str, positions: list[float]) -> dict[str, float | list[float]]:
+    """Return measured positions by the joints' names within their robot."""
+    found: dict[str, float | list[float]] = {}
+    names: list[str] = group["position_names"]
+    for joint in group["joints"]:
+        full: str = joint["name"]
+        own = [
+            x
+            for name, x in zip(names, positions, strict=True)
+            if name == full or name.startswith(f"{full}.")
+        ]
+        found[full.removeprefix(f"{robot}::")] = own[0] if len(own) == 1 else own
+    return found
