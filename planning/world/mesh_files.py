@@ -5,9 +5,6 @@ import os
 from pathlib import Path
 from xml.etree import ElementTree as ET
 
-import trimesh
-from trimesh.exchange.obj import export_obj
-
 from planning.errors import ModelInvalid
 from planning.whole_files import write_whole
 
@@ -79,13 +76,21 @@ def _readable(file: Path, mesh: Path) -> Path:
     target = cache_folder() / f"{hashlib.sha256(content).hexdigest()}.obj"
     if not target.is_file():
         try:
-            loaded = trimesh.load(mesh, force="mesh")
-            text = export_obj(loaded, include_texture=False)
+            text = _as_obj(mesh)
         except Exception as fault:  # trimesh's readers raise whatever their formats do
             message = f"{file.name}: mesh {mesh.name} cannot be read: {fault}"
             raise ModelInvalid(message, {"file": str(file), "reason": str(fault)}) from fault
         write_whole(target, text)
     return target
+
+
+def _as_obj(mesh: Path) -> str:
+    # It imports half of scipy, which most processes never need.
+    import trimesh  # noqa: PLC0415
+    from trimesh.exchange.obj import export_obj  # noqa: PLC0415
+
+    text: str = export_obj(trimesh.load(mesh, force="mesh"), include_texture=False)
+    return text
 
 
 def cache_folder() -> Path:
