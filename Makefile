@@ -4,6 +4,8 @@ VENV := .venv
 PYTHON := $(VENV)/bin/python
 STAMP := $(VENV)/.ready
 UV_VERSION := 0.13.8
+# Modules are compiled once and for all: the tests alone start a hundred processes that import them.
+unexport PYTHONDONTWRITEBYTECODE
 
 # What a campaign starts from: `make campaign SEED=123` tries again what another one tried.
 ifndef SEED

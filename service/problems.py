@@ -10,6 +10,7 @@ from fastapi import FastAPI, Request
 from fastapi.exceptions import RequestValidationError
 from fastapi.responses import JSONResponse
 from starlette.exceptions import HTTPException
+from starlette.routing import Match
 
 from planning.errors import WayproofError
 from service.errors import Refusal, RequestInvalid, UnreadableBody, problem_of
@@ -24,6 +25,7 @@ _CODES = {
     413: "body_too_large",
     415: "unsupported_media_type",
 }
+_METHODS = ("DELETE", "GET", "PATCH", "POST", "PUT")
 _log = logging.getLogger(__name__)
 
 
@@ -106,7 +108,18 @@ def _on_http_error(request: Request, error: Exception) -> ProblemResponse:
             f"{HTTPStatus(error.status_code).phrase}: {request.method} {request.url.path[:200]}"
         )
     content = problem_of(code, error.status_code, detail, {})
-    return ProblemResponse(content, error.status_code, error.headers)
+    headers = {"Allow": _allowed(request)} if error.status_code == 405 else error.headers
+    return ProblemResponse(content, error.status_code, headers)
+
+
+def _allowed(request: Request) -> str:
+    """Return the methods that a path has (RFC 9110, 15.5.6); Starlette names one route's."""
+    return ", ".join(method for method in _METHODS if _is_routed(request, method))
+
+
+def _is_routed(request: Request, method: str) -> bool:
+    scope = {**request.scope, "method": method}
+    return any(route.matches(scope)[0] is Match.FULL for route in request.app.routes)
 
 
 def _on_surprise(_: Request, error: Exception) -> ProblemResponse:

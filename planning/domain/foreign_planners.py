@@ -8,7 +8,7 @@ from collections.abc import Iterable
 from planning.errors import UnknownName
 
 # The rest of a sentence that begins with the name of the nearest planner.
-_KIN = {
+KIN = {
     "BiTRRT": ("AORRTC", "also grows two trees, and prefers cheap ways"),
     "CForest": ("InformedRRTstar", "runs one of the trees that CForest runs side by side"),
     "EST": ("KPIECE1", "also grows its tree where it has explored least"),
@@ -32,15 +32,15 @@ def unknown_planner(name: str, known: Iterable[str]) -> UnknownName:
     names = sorted(known)
     # Papers write RRT* where OMPL writes RRTstar.
     starred = name.replace("*", "star")
-    foreign = next((other for other in _KIN if other.lower() == starred.lower()), None)
-    if foreign is None or _KIN[foreign][0] not in names:
+    foreign = next((other for other in KIN if other.lower() == starred.lower()), None)
+    if foreign is None or KIN[foreign][0] not in names:
         is_spelt_otherwise = starred != name and starred in names
         return (
             _spelt(name, starred, names)
             if is_spelt_otherwise
             else UnknownName.among("planner", name, names)
         )
-    nearest, kinship = _KIN[foreign]
+    nearest, kinship = KIN[foreign]
     message = (
         f"planner {name!r} is OMPL's, but OMPL's Python wheel does not bind it as a geometric "
         f"planner; the closest that is here is {nearest!r}, which {kinship}; planners: {names}"

@@ -1,6 +1,7 @@
 """Coverings: a convex shape between spheres around it and spheres inside it."""
 
 import json
+from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import lru_cache
@@ -23,7 +24,7 @@ from planning.whole_files import write_whole
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # Of what is computed here: a covering of another version is not read.
-_VERSION = 2
+VERSION = 2
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,26 +62,40 @@ def cover(shape: ConvexShape) -> Covering:
     return Covering(outer, inner_spheres(solid, choices), bound, protrusion)
 
 
+@lru_cache(maxsize=1024)
 def cached_covering(shape: ConvexShape, folder: Path | None) -> Covering:
-    """Return the covering of a shape from a folder, made and kept there when it is first asked for.
-
-    A file that is damaged or of another shape is made anew; a folder that cannot be written to is
-    no fault, and without one it is kept in memory alone.
+    """Return the covering of a shape from memory, or else from a folder; None for memory alone.
 
     Raises:
         ModelInvalid: A half space has none.
     """
-    return _remembered(shape, folder)
+    return cover(shape) if folder is None else stored_covering(shape, folder)
 
 
-@lru_cache(maxsize=1024)
-def _remembered(shape: ConvexShape, folder: Path | None) -> Covering:
-    if folder is None:
-        return cover(shape)
-    file = folder / f"{digest((shape, _VERSION))}.json"
+def stored_covering(
+    shape: ConvexShape,
+    folder: Path,
+    make: Callable[[ConvexShape], Covering] = cover,
+    version: int = VERSION,
+) -> Covering:
+    """Return the covering of a shape from a folder, made and kept there when it is first asked for.
+
+    A file that is damaged or of another shape is made anew; a folder that cannot be written to is
+    no fault.
+
+    Args:
+        shape: What is covered.
+        folder: Of files, one for a shape; made if it does not exist.
+        make: What computes a covering.
+        version: Of `make`: files of another one are not read.
+
+    Raises:
+        ModelInvalid: A half space has none.
+    """
+    file = folder / f"{digest((shape, version))}.json"
     known = _read(file)
     if known is None:
-        known = cover(shape)
+        known = make(shape)
         _write(file, known)
     return known
 

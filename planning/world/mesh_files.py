@@ -2,12 +2,10 @@
 
 import hashlib
 import os
+from importlib.metadata import version
 from io import BytesIO
 from pathlib import Path
 from xml.etree import ElementTree as ET
-
-import trimesh
-from trimesh.exchange.obj import export_obj
 
 from planning.errors import ModelInvalid
 from planning.whole_files import write_whole
@@ -82,8 +80,7 @@ def _readable(file: Path, mesh: Path) -> Path:
     target = twins_folder() / f"{hashlib.sha256(content).hexdigest()}{suffix}.obj"
     if not target.is_file():
         try:
-            loaded = trimesh.load(BytesIO(content), file_type=suffix[1:], force="mesh")
-            text = export_obj(loaded, include_texture=False)
+            text = _as_obj(content, suffix)
         except Exception as fault:  # trimesh's readers raise whatever their formats do
             message = f"{file.name}: mesh {mesh.name} cannot be read: {fault}"
             raise ModelInvalid(message, {"file": str(file), "reason": str(fault)}) from fault
@@ -93,7 +90,17 @@ def _readable(file: Path, mesh: Path) -> Path:
 
 def twins_folder() -> Path:
     """Return the folder of meshes that were made from others by this version of the code."""
-    return cache_folder() / "meshes" / f"{_VERSION}-{trimesh.__version__}"
+    return cache_folder() / "meshes" / f"{_VERSION}-{version('trimesh')}"
+
+
+def _as_obj(content: bytes, suffix: str) -> str:
+    # It imports half of scipy, which most processes never need.
+    import trimesh  # noqa: PLC0415
+    from trimesh.exchange.obj import export_obj  # noqa: PLC0415
+
+    loaded = trimesh.load(BytesIO(content), file_type=suffix[1:], force="mesh")
+    text: str = export_obj(loaded, include_texture=False)
+    return text
 
 
 def cache_folder() -> Path:

@@ -31,7 +31,7 @@ _AXIS_LENGTH, _AXIS_RADIUS = 0.06, 0.0025
 _TRACE_POINTS_PER_FRAME = 2
 _FOREVER = 1_000_000
 # Of longer motions there are fewer frames a second, so that a browser can open the page.
-_MOST_FRAMES = 10_000
+MOST_FRAMES = 10_000
 
 
 def replay_html(
@@ -39,6 +39,7 @@ def replay_html(
     group: JointGroup,
     trajectory: TimedTrajectory,
     frames_per_second: float = 30.0,
+    most_frames: int = MOST_FRAMES,
 ) -> str:
     """Return a page that shows the motion over and over, with the path of the tool frame.
 
@@ -49,10 +50,11 @@ def replay_html(
         world: Where; what `group` does not move stays at the world's state.
         group: What moves.
         trajectory: Of the group.
-        frames_per_second: Of the animation; fewer where there would be more than 10,000 frames.
+        frames_per_second: Of the animation; fewer where there would be more than `most_frames`.
+        most_frames: Of the animation.
     """
     meshcat = Meshcat(MeshcatParams(host="localhost", port=0, show_stats_plot=False))
-    rate = min(frames_per_second, _MOST_FRAMES / trajectory.duration)
+    rate = min(frames_per_second, most_frames / trajectory.duration)
     return _Replay(world, meshcat).page(group, trajectory, rate)
 
 

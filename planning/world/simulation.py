@@ -90,7 +90,12 @@ class Simulation:
     @property
     def q(self) -> Array:
         """Measured positions of the group, shape (nq,)."""
-        return self._model.plant.GetPositions(self._context)[self._in_q]
+        return self.state[self._in_q]
+
+    @property
+    def state(self) -> Array:
+        """Measured positions of all joints of the scene, shape (num_positions,)."""
+        return self._model.plant.GetPositions(self._context)
 
     @property
     def v(self) -> Array:

@@ -1,14 +1,11 @@
 """Lines: waypoints on them, a bound that holds between, and a stop that is real."""
 
-import time
-
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import planning
-from planning.domain.deadline import Deadline
 from planning.domain.goal import PoseTarget
 from planning.domain.line import Displacement
 from planning.domain.line_trace import LineTrace
@@ -183,4 +180,4 @@ def test_names_and_time_are_checked() -> None:
     with pytest.raises(UnknownName):
         follow(world, "arm", by(0, 0, 0.1, frame="nowhere"))
     with pytest.raises(DeadlineExceeded):
-        trace_line(world, "arm", by(0, 0, 0.1), deadline=Deadline.after(-1, time.monotonic))
+        trace_line(world, "arm", by(0, 0, 0.1), deadline=no_hurry(-1.0))

@@ -1,6 +1,5 @@
 """What is nearest to a refused configuration is feasible, and what would do does."""
 
-import time
 from dataclasses import replace
 from functools import cache
 from typing import Any
@@ -317,7 +316,7 @@ def test_a_plan_to_the_nearest_succeeds(place: tuple[float, ...]) -> None:
 
 def test_no_time_means_no_nearest_but_what_is_wrong_is_told() -> None:
     world = bundled_world(PICKUP)
-    over = planning.Deadline.after(0.0, time.monotonic)
+    over = no_hurry(0.0)
     with pytest.raises(GoalInCollision) as refusal:
         planning.solve_ik(world, "arm", to(PLACES[1]), deadline=over)
     assert refusal.value.evidence["relaxation"]["obstacles"]

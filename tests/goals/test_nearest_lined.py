@@ -23,9 +23,7 @@ from planning.world.world import World
 from tests.clocks import no_hurry
 from tests.goals.conftest import EXACT, ask, at, world_by
 from tests.goals.test_nearest import cost_of, nearer_tries
-
-# Whoever looks first waits some seconds: shapes are checked at every call.
-pytestmark = pytest.mark.slow
+from tests.profiles import PROFILE
 
 NAME = "ur5e_pickup"
 PICK = Pose.from_parts([0.5, 0.3, 0.0955], rpy=[np.pi, 0.0, 0.0])
@@ -43,7 +41,7 @@ def asking(approach: Way, retreat: Way, pose: Pose = PICK, **tolerances: Any) ->
 def blocked(approach: Way, retreat: Way) -> ApproachBlocked:
     """Return what is said of a goal, asking once only."""
     with pytest.raises(ApproachBlocked) as refusal:
-        ask(world_by(NAME, "kernel"), "arm", asking(approach, retreat), seconds=15.0)
+        ask(world_by(NAME, "kernel"), "arm", asking(approach, retreat))
     return refusal.value
 
 
@@ -52,7 +50,7 @@ def have_lines(world: World, goal: PoseGoal, rows: np.ndarray, poses: list[Pose]
     group = world.group("arm")
     query = GoalQuery(group, goal, world.positions(group), world.margins(), IkOptions())
     targets = [ToolTarget("arm::tcp", pose, EXACT, EXACT) for pose in poses]
-    judge = LegJudge(world, query, goal, targets, no_hurry(60))
+    judge = LegJudge(world, query, goal, targets, no_hurry())
     return judge.admit(rows, np.arange(len(rows)))
 
 
@@ -123,10 +121,14 @@ def test_without_the_body_that_is_told_it_is_solved(approach: Way, retreat: Way)
     assert np.abs(turned).max(axis=1).min() < 1e-3
 
 
+@pytest.mark.campaign
+@pytest.mark.skipif(not PROFILE.is_campaign, reason="to know that no body would do takes 20 s")
 def test_no_body_is_told_where_none_is_in_the_way() -> None:
     with pytest.raises(ApproachBlocked) as refusal:
-        ask(world_by(NAME, "kernel"), "arm", asking((0.0, 0.0, -0.9), None), seconds=2.0)
-    assert refusal.value.evidence["relaxation"]["remove"] is None
+        ask(world_by(NAME, "kernel"), "arm", asking((0.0, 0.0, -0.9), None))
+    relaxation = refusal.value.evidence["relaxation"]
+    assert not relaxation["cut_short"]
+    assert relaxation["remove"] is None
 
 
 @pytest.mark.parametrize(("approach", "retreat"), WAYS)
@@ -154,7 +156,7 @@ def test_lines_count_where_the_pose_itself_collides() -> None:
     pose = Pose.from_parts([0.45, 0.25, 0.0], rpy=[np.pi, 0, 0.3])
     goal = asking(None, (0.0, 0.0, 0.05), pose)
     with pytest.raises(planning.errors.GoalInCollision) as refusal:
-        ask(world, "arm", goal, IkOptions(5, 60), seconds=3.0)
+        ask(world, "arm", goal, IkOptions(5, 60))
     near = refusal.value.evidence["nearest"]
     moved = Pose.from_parts(near["goal"]["position"], near["goal"]["quaternion"])
     assert near["translation_error"] > 0.045
@@ -166,10 +168,7 @@ def test_plans_say_the_same() -> None:
     world = world_by(NAME, "kernel")
     goal = asking(approach, retreat)
     with pytest.raises(ApproachBlocked) as refusal:
-        planning.plan(PlanningProblem("arm", goal), world, deadline=no_hurry(4.0))
+        planning.plan(PlanningProblem("arm", goal), world, deadline=no_hurry())
     said, known = refusal.value.evidence, blocked(approach, retreat).evidence
-    assert said.keys() == known.keys()
-    assert said["relaxation"].keys() == known["relaxation"].keys()
-    near = said["nearest"]
-    moved = Pose.from_parts(near["goal"]["position"], near["goal"]["quaternion"])
-    assert have_lines(world, goal, np.array([near["positions"]]), [moved]).all()
+    assert said["nearest"] == known["nearest"]
+    assert said["relaxation"] == known["relaxation"]

@@ -19,6 +19,7 @@ from planning.domain.constraint import (
     PlacedBox,
     PositionBand,
 )
+from planning.domain.deadline import Deadline
 from planning.domain.goal import PoseGoal, PoseTarget, RegionGoal, RelativeGoal
 from planning.domain.goal_configurations import GoalConfigurations
 from planning.domain.options import IkOptions, PoseMetric
@@ -31,12 +32,9 @@ from planning.goals.tool_target import ToolTarget
 from planning.kernel.native import native
 from planning.world.rules.path_rules import PathRules
 from planning.world.world import World
-from tests.clocks import no_hurry
+from tests.clocks import after_looks, no_hurry
 from tests.goals.conftest import EXACT, at, world_by
 from tests.goals.test_nearest import cost_of, nearer_tries
-
-# Whoever looks first at a case waits some seconds: shapes are checked at every call.
-pytestmark = pytest.mark.slow
 
 NAME, UP = "ur5e_pickup", np.array([0.0, 0.0, 1.0])
 HIGH = Pose.from_parts([0.38, 0.3, 0.45], rpy=[np.pi, 0.0, 0.3])
@@ -63,16 +61,21 @@ EVERY = pytest.mark.parametrize("case", CASES)
 
 
 def solved(
-    goal: Any, rules: tuple[PathConstraint, ...], trials: int = 600, seconds: float = 60.0
+    goal: Any,
+    rules: tuple[PathConstraint, ...],
+    trials: int = 600,
+    until: Deadline | None = None,
 ) -> GoalConfigurations:
-    world, until = world_by(NAME, "kernel"), no_hurry(seconds)
+    world, until = world_by(NAME, "kernel"), until or no_hurry()
     options = IkOptions(30, trials)
     return planning.solve_ik(world, "arm", goal, deadline=until, constraints=rules, options=options)
 
 
-def refused(goal: Any, rules: tuple[PathConstraint, ...], seconds: float = 60.0) -> PlanningFailure:
+def refused(
+    goal: Any, rules: tuple[PathConstraint, ...], until: Deadline | None = None
+) -> PlanningFailure:
     with pytest.raises(PlanningFailure) as refusal:
-        solved(goal, rules, 100, seconds)
+        solved(goal, rules, 100, until)
     return refusal.value
 
 
@@ -184,7 +187,7 @@ def test_a_constraint_that_gives_way_as_told_would_do_and_no_less(case: str) -> 
     found = solved(at(pose), (widened(rules[0], told["value"]),))
     assert len(found.positions)
     less = told["value"] + 0.02 * (told["bound"] - told["value"])
-    refused(at(pose), (widened(rules[0], less),), seconds=1.0)
+    refused(at(pose), (widened(rules[0], less),), after_looks(100))
 
 
 def test_other_goals_of_a_tool_have_nearest_poses_too() -> None:
@@ -203,7 +206,7 @@ def test_other_goals_of_a_tool_have_nearest_poses_too() -> None:
 def test_a_rule_that_only_the_approach_breaks_binds() -> None:
     pose = Pose.from_parts([0.38, 0.3, 0.33], rpy=[np.pi, 0.0, 0.3])
     goal: PoseGoal = replace(at(pose), approach=np.array([0.0, 0.0, -0.1]))
-    failure = refused(goal, (LOW,), seconds=4.0)
+    failure = refused(goal, (LOW,))
     assert isinstance(failure, GoalViolatesConstraint)
     near = failure.evidence["nearest"]
     assert near["constraints"] == ["constraint 0: keep_in"]
@@ -219,7 +222,7 @@ def test_plans_say_the_same() -> None:
     world = world_by(NAME, "kernel")
     problem = PlanningProblem("arm", at(pose), ik=IkOptions(30, 100), constraints=rules)
     with pytest.raises(GoalViolatesConstraint) as refusal:
-        planning.plan(problem, world, deadline=no_hurry(60))
+        planning.plan(problem, world, deadline=no_hurry())
     said, known = refusal.value.evidence, refused_in("both").evidence
     assert said["nearest"] == known["nearest"]
     assert said["relaxation"] == known["relaxation"]

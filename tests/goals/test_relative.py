@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from planning.domain.goal import RelativeGoal
 from planning.domain.options import IkOptions
 from planning.domain.pose import Pose
-from planning.errors import GoalInCollision, GoalUnreachable, UnknownName
+from planning.errors import UnknownName
 from tests.goals.conftest import ask, world_by
 from tests.profiles import num_cases
 
@@ -23,10 +23,8 @@ def test_the_tool_is_displaced_by_the_axes_of_the_reference(seed: int, reference
     group = world.group("arm")
     rng = np.random.default_rng(seed)
     by = Pose.from_parts(rng.uniform(-0.05, 0.05, 3), rpy=rng.uniform(-0.3, 0.3, 3))
-    try:
-        found = ask(world, "arm", RelativeGoal(by, "", reference), IkOptions(4, 40), seed)
-    except (GoalInCollision, GoalUnreachable):
-        return
+    found = ask(world, "arm", RelativeGoal(by, "", reference), IkOptions(4, 40), seed)
+    assert len(found.positions)
     before = world.frame_pose("arm::tcp", world.state).matrix
     axes = world.frame_pose(reference or "arm::tcp", world.state).matrix[:3, :3]
     for row in found.positions:

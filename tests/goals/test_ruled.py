@@ -48,7 +48,7 @@ def test_locked_joints_stay_where_they_are_locked(engine: str, joint: int) -> No
     world = world_by("panda_shelf", engine)
     group = world.group("panda")
     start = world.positions(group)
-    found = solve(world, LockedJoints((group.joints[joint].name,)))
+    found = solve(world, LockedJoints((group.joints[joint].name,)), options=IkOptions(20, 60))
     assert np.abs(found.positions[:, joint] - start[joint]).max() == 0.0
     reached = world.frame_poses(group.tool_frames[0], world.embed(group, found.positions))
     wanted = world.frame_pose("upper", world.state)
@@ -58,11 +58,12 @@ def test_locked_joints_stay_where_they_are_locked(engine: str, joint: int) -> No
 
 @ENGINES
 def test_tightened_limits_are_kept(engine: str) -> None:
-    world = world_by("panda_shelf", engine)
+    world, options = world_by("panda_shelf", engine), IkOptions(20, 60)
     group = world.group("panda")
-    free = solve(world).positions[:, 4]
+    free = solve(world, options=options).positions[:, 4]
     middle = float(np.median(free))
-    kept = solve(world, TightLimits({group.joints[4].name: (middle - 0.1, middle + 0.1)}))
+    rule = TightLimits({group.joints[4].name: (middle - 0.1, middle + 0.1)})
+    kept = solve(world, rule, options=options)
     assert np.abs(free - middle).max() > 0.1
     assert np.abs(kept.positions[:, 4] - middle).max() <= 0.1 + 1e-9
 
@@ -125,10 +126,11 @@ def test_a_predicate_goal_says_what_its_configurations_violate() -> None:
 def test_a_goal_that_fails_without_constraints_fails_as_it_does_without() -> None:
     world = world_by("ur5e_pickup", "kernel")
     goal = at(Pose.from_parts([0.45, 0.25, 0.0], rpy=[np.pi, 0, 0.3]))
+    options = IkOptions(5, 60)
     with pytest.raises(GoalInCollision) as plain:
-        solve(world, goal=goal)
+        solve(world, goal=goal, options=options)
     with pytest.raises(GoalInCollision) as ruled:
-        solve(world, TightLimits({}), goal=goal)
+        solve(world, TightLimits({}), goal=goal, options=options)
     assert ruled.value.evidence.keys() == plain.value.evidence.keys()
 
 

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from pydrake.geometry import Box, Capsule, Convex, Cylinder, Ellipsoid, Sphere
 
 from planning.errors import ModelInvalid
-from planning.kernel.covering import Covering, cached_covering, cover
+from planning.kernel.covering import Covering, cover, stored_covering
 from planning.kernel.shape import ConvexShape, ShapeKind
 from planning.kernel.solid import Solid
 from planning.world.convex_shapes import convex_shape
@@ -128,41 +128,36 @@ def test_a_half_space_has_no_covering():
 def test_files_give_back_what_was_written(tmp_path):
     shapes = [shape_of("box", 0.1 + 0.01 * k, 0.2, 0.1, 0) for k in range(3)]
     for shape in shapes:
-        assert cached_covering(shape, tmp_path) == cover(shape)
+        assert stored_covering(shape, tmp_path) == cover(shape)
     assert len(list(tmp_path.iterdir())) == len(shapes)
 
 
 @pytest.mark.parametrize("damage", ["", "{}", "[1]", '{"outer": 3}', "\x00\x01"])
 def test_a_damaged_file_is_made_anew(tmp_path, damage):
-    from planning.kernel.covering import _read, _remembered
-
     shape = shape_of("cylinder", 0.1, 0.2, 0.1, 0)
-    whole = cached_covering(shape, tmp_path)
+    whole = stored_covering(shape, tmp_path)
     (file,) = tmp_path.iterdir()
+    written = file.read_text("utf-8")
     file.write_text(damage, "utf-8")
-    _remembered.cache_clear()
-    assert cached_covering(shape, tmp_path) == whole
-    assert _read(file) == whole
+    assert stored_covering(shape, tmp_path) == whole
+    assert file.read_text("utf-8") == written
 
 
 def test_a_file_with_other_numbers_is_not_believed(tmp_path):
-    from planning.kernel.covering import _remembered
-
     shape = shape_of("cylinder", 0.1, 0.2, 0.1, 0)
-    whole = cached_covering(shape, tmp_path)
+    whole = stored_covering(shape, tmp_path)
     (file,) = tmp_path.iterdir()
     content = json.loads(file.read_text("utf-8"))
     content["outer"] = content["outer"][1:]
     file.write_text(json.dumps(content), "utf-8")
-    _remembered.cache_clear()
-    assert cached_covering(shape, tmp_path) == whole
+    assert stored_covering(shape, tmp_path) == whole
 
 
 def test_a_folder_that_cannot_be_written_to_is_no_fault(tmp_path):
     blocked = tmp_path / "file"
     blocked.write_text("not a folder", "utf-8")
     shape = shape_of("box", 0.11, 0.21, 0.1, 0)
-    assert isinstance(cached_covering(shape, blocked / "below"), Covering)
+    assert isinstance(stored_covering(shape, blocked / "below"), Covering)
 
 
 def test_bigger_spheres_come_first():

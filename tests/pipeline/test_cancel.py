@@ -12,6 +12,7 @@ from planning.errors import Canceled
 from tests.clocks import no_hurry
 from tests.conftest import bundled_world
 from tests.pipeline.test_plan import GROUPS, to_frame
+from tests.profiles import seeds
 
 # A wall thinner than the search looks: its shortest paths cut the end of it.
 THIN = {
@@ -48,7 +49,8 @@ def test_a_cancel_leaves_a_proven_plan_to_who_wants_the_best_so_far(scene: str) 
         assert not found.stages.refine.improved
 
 
-@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.campaign
+@pytest.mark.parametrize("seed", seeds(6))
 @pytest.mark.parametrize("after", [1, 2, 3])
 def test_a_best_so_far_that_cannot_be_proven_is_searched_for_once_more(
     seed: int, after: int

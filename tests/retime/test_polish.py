@@ -58,7 +58,7 @@ def test_generous_jerk_leaves_little_to_the_optimum(seed: int) -> None:
     assert 0.995 * optimum < bounded < 1.12 * optimum
 
 
-@settings(max_examples=num_cases(2, 160))
+@settings(max_examples=num_cases(2))
 @given(seed=st.integers(0, 10_000))
 def test_where_it_begins_matters_little(seed: int) -> None:
     stretch, _ = smooth_spline(seed)

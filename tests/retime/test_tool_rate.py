@@ -47,7 +47,7 @@ def tool_rates(
 @pytest.mark.parametrize("method", sorted(RETIMERS))
 @pytest.mark.parametrize("scene", TOOLS)
 @given(seed=st.integers(0, 1000), speed=st.sampled_from([0.05, 0.3, 5.0]))
-@settings(max_examples=num_cases(2, 120))
+@settings(max_examples=num_cases(2))
 def test_limits_hold_between_all_samples_and_one_is_met(
     scene: str, method: str, seed: int, speed: float
 ) -> None:

@@ -63,8 +63,8 @@ def scene(client):
 def few_regions(client, scene):
     """Regions that have grown: one."""
     request = {"group": "arm", "num_regions": 1, "num_free": 100, "iterations": 1}
-    request |= {"along": "nothing", "allowed_time": 20.0}
-    job = client.post(f"/v1/scenes/{scene}/regions?wait=40", json=request).json()
+    request |= {"along": "nothing", "allowed_time": 60.0}
+    job = client.post(f"/v1/scenes/{scene}/regions?wait=60", json=request).json()
     assert job["state"] == "succeeded", job["failure"]
     assert job["summary"]["num_regions"] == 1
     return job
@@ -75,8 +75,8 @@ def solved(client, scene):
     """A plan that succeeded: from home to ready."""
     goal = {"type": "configuration", "name": "ready"}
     request = {"scene": scene, "group": "arm", "goal": goal, "seed": 3}
-    request["search"] = {"allowed_planning_time": 20.0}
-    answer = client.post("/v1/plans?wait=40", json=request)
+    request["search"] = {"allowed_planning_time": 60.0}
+    answer = client.post("/v1/plans?wait=60", json=request)
     assert answer.status_code == 200, answer.text
     job = answer.json()
     assert job["state"] == "succeeded", job["failure"]

@@ -89,7 +89,7 @@ def ready_url(announce):
 
 def request_of(scene, **fields):
     goal = {"type": "configuration", "name": "ready"}
-    search = {"allowed_planning_time": 20.0}
+    search = {"allowed_planning_time": 60.0}
     return {"scene": scene.id, "group": "arm", "goal": goal, "search": search, **fields}
 
 

@@ -36,8 +36,8 @@ def held_id(client):
 def test_every_goal_of_the_guide_is_planned_to(client, pickup_id, held_id, body):
     scene = held_id if body.get("frame") == "can" else pickup_id
     request = {"scene": scene, "group": "arm", "goal": body, "refine": {"method": "none"}}
-    request["search"] = {"allowed_planning_time": 20.0}
-    job = client.post("/v1/plans?wait=30", json=request).json()
+    request["search"] = {"allowed_planning_time": 60.0}
+    job = client.post("/v1/plans?wait=60", json=request).json()
     assert job["state"] == "succeeded", job["failure"]
 
 

@@ -3,13 +3,12 @@
 import base64
 import re
 from pathlib import Path
-from typing import Any
+from typing import ClassVar
 
 import numpy as np
 import pytest
 
 from planning.domain.curve import JointSpline, TimedTrajectory
-from planning.world import replay
 from planning.world.loading import load_world
 from planning.world.model_library import bundled_folder
 from planning.world.replay import replay_html
@@ -17,10 +16,18 @@ from planning.world.scene_file import parse_scene
 from planning.world.world import World
 
 
-def listening() -> set[str]:
-    """Return the sockets of this machine on which somebody listens (Linux)."""
-    rows = [row.split() for row in Path("/proc/net/tcp").read_text().splitlines()[1:]]
-    return {row[9] for row in rows if row[3] == "0A"}
+def listening() -> dict[str, str]:
+    """Return the sockets of this machine that wait for connections, and their addresses (Linux)."""
+    rows = [
+        row.split()
+        for name in ("tcp", "tcp6")
+        for row in Path(f"/proc/net/{name}").read_text().splitlines()[1:]
+    ]
+    return {row[9]: row[1].partition(":")[0] for row in rows if row[3] == "0A"}
+
+
+# 127.0.0.1 and ::1, as /proc/net writes them.
+LOOPBACK = {"0100007F", "00000000000000000000000001000000"}
 
 
 def own_sockets() -> set[str]:
@@ -80,11 +87,8 @@ def test_it_has_the_motion_of_every_link_that_moves(page: str) -> None:
     assert animation.count(b"\xa4time") == 2 * 21 * num_links
 
 
-def test_long_motions_have_fewer_frames_a_second(
-    world: World, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(replay, "_MOST_FRAMES", 50)
-    page = replay_html(world, world.group("arm"), motion(world).slowed(1e9))
+def test_long_motions_have_fewer_frames_a_second(world: World) -> None:
+    page = replay_html(world, world.group("arm"), motion(world).slowed(1e9), most_frames=50)
     (animation,) = [m for m in messages(page) if b"set_animation" in m]
     assert animation.count(b"\xa4time") == 2 * 51 * animation.count(b".quaternion")
 
@@ -97,21 +101,28 @@ def test_it_has_the_scene_its_frames_and_the_trace(page: str) -> None:
     assert b"set_property" in told
 
 
-def test_no_server_stays_and_it_was_a_local_one(
-    world: World, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    asked: list[Any] = []
-    during: list[set[str]] = []
+class Watching(TimedTrajectory):
+    """Notes the addresses that this process listens at whenever positions are asked for."""
 
-    class Spy(replay.Meshcat):
-        def __init__(self, params: Any) -> None:
-            asked.append(params)
-            super().__init__(params)
-            during.append(own_sockets() & listening())
+    seen: ClassVar[list[dict[str, str]]] = []
 
-    before = own_sockets() & listening()
-    monkeypatch.setattr(replay, "Meshcat", Spy)
-    replay_html(world, world.group("arm"), motion(world))
-    assert [params.host for params in asked] == ["localhost"]
-    assert during[0] - before
-    assert own_sockets() & listening() == before
+    def positions(self, x: np.ndarray) -> np.ndarray:
+        Watching.seen.append(own_listeners())
+        return super().positions(x)
+
+
+def own_listeners() -> dict[str, str]:
+    own = own_sockets()
+    return {socket: address for socket, address in listening().items() if socket in own}
+
+
+def test_no_server_stays_and_it_was_a_local_one(world: World) -> None:
+    plain = motion(world)
+    watching = Watching(plain.joints, plain.breaks, plain.bases, plain.coefficients)
+    before = own_listeners()
+    replay_html(world, world.group("arm"), watching)
+    assert Watching.seen
+    for during in Watching.seen:
+        (address,) = (during[socket] for socket in during.keys() - before.keys())
+        assert address in LOOPBACK
+    assert own_listeners() == before

@@ -12,11 +12,9 @@ from planning.errors import Contact, ModelInvalid, TrackingLost
 from planning.execute.driver import SimulatedDriver
 from planning.execute.execution import Execution
 from planning.execute.runner import Runner
-from planning.world.loading import load_world
-from planning.world.model_library import bundled_folder
-from planning.world.scene_file import parse_scene
 from planning.world.simulation import Simulation
 from planning.world.world import World
+from tests.conftest import bundled_world
 
 # A point-like mass of 2 kg on a massless rod of 0.5 m, and one of 3 kg on a vertical slide.
 PENDULUM = """<robot name="p"><link name="base"/><link name="bob"><inertial>
@@ -37,10 +35,6 @@ SLIDE = """<robot name="s"><link name="base"/><link name="cart"><inertial>
 MASSLESS = SLIDE.replace('<mass value="3"/>', '<mass value="0"/>').replace('"0.1" i', '"0" i')
 
 
-def bundled(scene: str) -> World:
-    return load_world(parse_scene((bundled_folder("scenes") / f"{scene}.scene.yaml").read_text()))
-
-
 def quintic(world: World, group_name: str, delta: list[float], duration: float) -> TimedTrajectory:
     """Return a motion from rest to rest that leaves where the scene puts the group."""
     group = world.group(group_name)
@@ -51,12 +45,15 @@ def quintic(world: World, group_name: str, delta: list[float], duration: float) 
     return TimedTrajectory(group.joints, np.array([0.0, duration]), start, coefficients)
 
 
-def execute(world: World, group_name: str, trajectory: TimedTrajectory) -> Runner:
+def execute(
+    world: World, group_name: str, trajectory: TimedTrajectory
+) -> tuple[Runner, Simulation]:
+    """Return an execution that has begun, and what it moves."""
     group = world.group(group_name)
     simulation = Simulation(world, group, trajectory.start)
     runner = Runner(Execution(trajectory, world.limits(group)), SimulatedDriver(simulation))
     runner.start(0.0)
-    return runner
+    return runner, simulation
 
 
 def run(runner: Runner, until: float) -> list[Any]:
@@ -99,11 +96,10 @@ def test_an_error_dies_out_as_a_critically_damped_one(urdf_world: Callable[..., 
 
 def test_joints_that_follow_do_follow(urdf_world: Callable[..., World]) -> None:
     world = urdf_world(SLIDE)
-    runner = execute(world, "r", quintic(world, "r", [0.4], 1.0))
+    runner, simulation = execute(world, "r", quintic(world, "r", [0.4], 1.0))
     run(runner, 3.0)
     assert runner.status.state == "succeeded"
-    simulation: Any = runner._driver
-    q = world.drake.plant.GetPositions(simulation.simulation._context)
+    q = simulation.state
     (coupling,) = world.drake.couplings
     assert q[coupling.leader_position] == pytest.approx(0.4, abs=1e-4)
     assert q[coupling.follower_position] == pytest.approx(-0.5 * 0.4 + 0.1, abs=1e-4)
@@ -118,10 +114,10 @@ def test_joints_that_follow_do_follow(urdf_world: Callable[..., World]) -> None:
     ],
 )
 def test_what_keeps_the_limits_is_tracked(scene: str, group: str, delta: list[float]) -> None:
-    world = bundled(scene)
+    world = bundled_world(scene)
     trajectory = quintic(world, group, delta, 1.5)
     start = world.state.copy()
-    runner = execute(world, group, trajectory)
+    runner, _ = execute(world, group, trajectory)
     statuses = run(runner, 3.0)
     assert runner.status.state == "succeeded"
     assert max(status.tracking_error for status in statuses) < 1e-3
@@ -132,11 +128,10 @@ def test_what_keeps_the_limits_is_tracked(scene: str, group: str, delta: list[fl
 
 
 def test_what_does_not_belong_to_the_group_is_held() -> None:
-    world = bundled("ur5e_pickup")
-    runner = execute(world, "arm", quintic(world, "arm", [1.0, 0, 0, 0, 0, 0], 1.0))
+    world = bundled_world("ur5e_pickup")
+    runner, simulation = execute(world, "arm", quintic(world, "arm", [1.0, 0, 0, 0, 0, 0], 1.0))
     run(runner, 2.0)
-    driver: Any = runner._driver
-    q = world.drake.plant.GetPositions(driver.simulation._context)
+    q = simulation.state
     others = np.setdiff1d(np.arange(len(q)), world.drake.position_indices(world.group("arm")))
     assert len(others) > 0
     np.testing.assert_allclose(q[others], world.state[others], atol=1e-5)
@@ -144,7 +139,7 @@ def test_what_does_not_belong_to_the_group_is_held() -> None:
 
 def test_what_the_efforts_cannot_do_is_lost(urdf_world: Callable[..., World]) -> None:
     world = urdf_world(PENDULUM.format(effort=5))  # half a turn in 0.2 s takes 230 N m
-    runner = execute(world, "r", quintic(world, "r", [2.5], 0.2))
+    runner, _ = execute(world, "r", quintic(world, "r", [2.5], 0.2))
     run(runner, 3.0)
     assert runner.status.state == "aborted"
     assert isinstance(runner.status.failure, TrackingLost)
@@ -153,7 +148,7 @@ def test_what_the_efforts_cannot_do_is_lost(urdf_world: Callable[..., World]) ->
 def test_a_wall_in_the_way_is_touched_and_named(urdf_world: Callable[..., World]) -> None:
     wall = {"name": "lid", "shape": {"box": [1, 1, 0.1]}, "pose": {"position": [0, 0, 0.35]}}
     world = urdf_world(SLIDE, objects=[wall])
-    runner = execute(world, "r", quintic(world, "r", [0.5], 1.0))
+    runner, _ = execute(world, "r", quintic(world, "r", [0.5], 1.0))
     run(runner, 3.0)
     failure, contact = runner.status.failure, runner.status.contacts[0]
     assert isinstance(failure, Contact)
@@ -166,23 +161,24 @@ def test_a_wall_in_the_way_is_touched_and_named(urdf_world: Callable[..., World]
 
 
 def test_a_cancel_ends_at_rest_within_the_acceleration_limits() -> None:
-    world = bundled("ur5e_pickup")
+    world = bundled_world("ur5e_pickup")
     limits: JointLimits = world.limits(world.group("arm"))
-    runner = execute(world, "arm", quintic(world, "arm", [1.0, 0.2, -0.3, 0, 0, 0.5], 1.5))
+    runner, simulation = execute(
+        world, "arm", quintic(world, "arm", [1.0, 0.2, -0.3, 0, 0, 0.5], 1.5)
+    )
     run(runner, 0.7)
     assert runner.status.rate == 1.0
     runner.cancel()
-    driver: Any = runner._driver
-    before, peak = driver.simulation.v, np.zeros(6)
+    before, peak = simulation.v, np.zeros(6)
     for i in range(200):
         runner.tick(0.7 + 0.004 * (i + 1))
-        after = driver.simulation.v
+        after = simulation.v
         peak = np.maximum(peak, np.abs(after - before) / 0.004)
         before = after
     assert runner.status.state == "canceled"
     assert 0.2 < runner.status.progress < 0.9
     assert np.all(peak <= limits.acceleration * 1.05)
-    assert np.max(np.abs(driver.simulation.v)) <= 0.01
+    assert np.max(np.abs(simulation.v)) <= 0.01
     assert runner.status.tracking_error < 1e-3
 
 

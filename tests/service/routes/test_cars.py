@@ -28,7 +28,7 @@ def plan(client, scene):
             "goal": {"type": "joint", "positions": [list(positions)]},
             "search": search,
         }
-        return client.post("/v1/plans?wait=30", json=request)
+        return client.post("/v1/plans?wait=60", json=request)
 
     return ask
 

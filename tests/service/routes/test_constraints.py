@@ -7,10 +7,10 @@ def planned(client, scene, *constraints):
         "group": "arm",
         "goal": {"type": "configuration", "name": "ready"},
         "path_constraints": list(constraints),
-        "search": {"allowed_planning_time": 20.0},
+        "search": {"allowed_planning_time": 60.0},
         "seed": 3,
     }
-    answer = client.post("/v1/plans?wait=40", json=request)
+    answer = client.post("/v1/plans?wait=60", json=request)
     assert answer.status_code == 200, answer.text
     return answer.json()
 

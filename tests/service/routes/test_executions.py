@@ -20,14 +20,14 @@ def planned(client, scene, goal, **fields):
         "group": "arm",
         "goal": {"type": "configuration", "name": goal},
     }
-    request |= {"search": {"allowed_planning_time": 20.0}, **fields}
-    job = client.post("/v1/plans?wait=40", json=request).json()
+    request |= {"search": {"allowed_planning_time": 60.0}, **fields}
+    job = client.post("/v1/plans?wait=60", json=request).json()
     assert job["state"] == "succeeded", job["failure"]
     return job
 
 
 def executed(client, plan, **fields):
-    return client.post("/v1/executions?wait=40", json={"plan": plan["id"], "speed": 20, **fields})
+    return client.post("/v1/executions?wait=60", json={"plan": plan["id"], "speed": 20, **fields})
 
 
 def test_a_plan_is_carried_out_to_its_goal(client, scene):
@@ -109,7 +109,7 @@ def test_what_cannot_be_executed_is_refused(client, scene):
     assert (missing.status_code, missing.json()["code"]) == (404, "not_found")
     goal = {"type": "pose", "poses": [{"position": [9, 0, 0]}]}
     request = {"scene": scene["id"], "group": "arm", "goal": goal, "ik": {"max_trials": 5}}
-    failed = client.post("/v1/plans?wait=40", json=request).json()
+    failed = client.post("/v1/plans?wait=60", json=request).json()
     refused = executed(client, failed)
     assert (refused.status_code, refused.json()["code"]) == (409, "no_trajectory")
     for wrong in ({"speed": 0}, {"driver": "real"}, {"speed": "fast"}):

@@ -25,10 +25,10 @@ def test_a_key_gives_the_same_plan_again(client, scene, headers):
 
 
 def test_a_key_gives_the_way_back_of_one_plan_only(client, solved, headers):
-    twin = client.post("/v1/plans?wait=40", json=solved["request"]).json()
+    twin = client.post("/v1/plans?wait=60", json=solved["request"]).json()
     assert twin["state"] == "succeeded"
     assert twin["digest"] == solved["digest"]
-    first = client.post(f"/v1/plans/{solved['id']}/reverse?wait=40", headers=headers).json()
+    first = client.post(f"/v1/plans/{solved['id']}/reverse?wait=60", headers=headers).json()
     again = client.post(f"/v1/plans/{solved['id']}/reverse", headers=headers).json()
     assert again["id"] == first["id"]
     assert refused(client.post(f"/v1/plans/{twin['id']}/reverse", headers=headers))
@@ -37,7 +37,7 @@ def test_a_key_gives_the_way_back_of_one_plan_only(client, solved, headers):
 
 def test_a_key_gives_the_regions_of_one_scene_only(client, scene, headers):
     request = {"group": "arm", "num_regions": 1, "num_free": 100, "allowed_time": 0.001}
-    first = client.post(f"/v1/scenes/{scene}/regions?wait=40", json=request, headers=headers).json()
+    first = client.post(f"/v1/scenes/{scene}/regions?wait=60", json=request, headers=headers).json()
     again = client.post(f"/v1/scenes/{scene}/regions", json=request, headers=headers).json()
     assert again["id"] == first["id"]
     robots = [{"name": "arm", "model": "ur5e", "positions": "home"}]

@@ -102,11 +102,10 @@ def test_samples_are_delivered_as_asked_for(client, scene, running, what):
 def test_what_cannot_be_meant_is_refused(client, scene, running):
     late = running["duration"] + 0.01
     for what, extra in (("stop", {}), ("splice", {"onto": running})):
-        for time, code in ((late, "problem_invalid"), (-0.1, None)):
+        for time, code in ((late, "problem_invalid"), (-0.1, "request_invalid")):
             answer = post(client, scene, what, trajectory=running, time=time, **extra)
-            assert answer.status_code == 422
-            assert code in {None, answer.json()["code"]}
-    assert "time" in post(client, scene, "stop", trajectory=running, time=late).json()["detail"]
+            assert (answer.status_code, answer.json()["code"]) == (422, code)
+            assert answer.json()["detail"].removeprefix("body.").startswith("time: ")
     backwards = {**running["polynomial"], "breaks": running["polynomial"]["breaks"][::-1]}
     for field in ("trajectory", "onto"):
         motions = {"trajectory": running, "onto": running}
@@ -129,6 +128,9 @@ def test_motions_beyond_all_limits_are_failures_too(client, scene, huge, along):
     wild = {"breaks": [0, 10], "bases": [[0] * 6], "coefficients": [[[huge] * 6] * 16]}
     samples = {"times": [0, 1], "positions": [[0] * 6] * 2, "polynomial": wild}
     for time in (0.0, 10.0):
+        # Off the path ruckig times what it takes for numbers; along the path nothing is in its way.
+        is_timed = bool(along) or (huge < 1e3 and time == 0)
         answer = post(client, scene, "stop", trajectory=samples, time=time, **along)
         assert answer.status_code == 200
-        assert answer.json()["failure"]["code"] in {"retiming_failed", "not_certified"}
+        expected = "not_certified" if is_timed else "retiming_failed"
+        assert answer.json()["failure"]["code"] == expected

@@ -23,9 +23,9 @@ def ask(client, scene, retime):
         "group": "arm",
         "goal": {"type": "configuration", "name": "ready"},
         "retime": retime,
-        "search": {"allowed_planning_time": 20.0},
+        "search": {"allowed_planning_time": 60.0},
     }
-    return client.post("/v1/plans?wait=40", json=body)
+    return client.post("/v1/plans?wait=60", json=body)
 
 
 def named(certificate):

@@ -40,11 +40,22 @@ def test_check_names_violated_limits(client, scene, group):
     assert verdict["limit_violations"][0]["upper"] < 9.0
 
 
-def test_a_margin_makes_near_pairs_collide(client, scene, group):
+def test_a_margin_makes_near_pairs_collide_but_none_within_the_robot(client, scene, group):
     home = group["configurations"]["home"]
-    distance = ask(client, scene, "check", configurations=[home]).json()["results"][0]["distance"]
-    answer = ask(client, scene, "check", configurations=[home], margin=distance + 0.01).json()
-    assert isinstance(answer["results"][0]["collisions"], list)
+
+    def verdict(margin):
+        answer = ask(client, scene, "check", configurations=[home], margin=margin).json()
+        return answer["results"][0]
+
+    wide = verdict(0.5)
+    distances = [pair["distance"] for pair in wide["collisions"]]
+    assert distances == sorted(distances)
+    assert 0 < distances[0] < distances[-1] < 0.5
+    assert wide["distance"] < distances[0]
+    assert all({"block", "post"} & set(pair["bodies"]) for pair in wide["collisions"])
+    tight, loose = verdict(distances[0] + 1e-6), verdict(distances[0] - 1e-6)
+    assert (tight["valid"], tight["collisions"]) == (False, wide["collisions"][:1])
+    assert (loose["valid"], loose["collisions"]) == (True, [])
 
 
 def test_ik_solutions_bring_the_tool_to_the_pose(client, scene):
@@ -120,11 +131,14 @@ def test_the_funnel_of_ik_gives_every_rejection_its_reason(client, scene):
     assert funnel["summary"].startswith(f"{funnel['tried']} tried, {funnel['converged']} converged")
 
 
-@pytest.mark.parametrize("poses", [{"pose": DOWN}, {"poses": [DOWN, {**DOWN, "frame": "above"}]}])
-def test_ik_of_a_region(client, scene, poses):
+ASIDE = {"position": [0.4, -0.3, 0.3], "rpy": [np.pi, 0, 0]}
+
+
+@pytest.mark.parametrize("targets", [{"pose": DOWN}, {"poses": [DOWN, ASIDE]}])
+def test_ik_of_a_region(client, scene, targets):
     goal = {
         "type": "region",
-        **poses,
+        **targets,
         "tolerance": {"position": [0.05, 0.02, 0]},
         "free_axes": ["rz"],
     }
@@ -132,9 +146,12 @@ def test_ik_of_a_region(client, scene, poses):
     rows = [entry["positions"] for entry in found["configurations"]]
     assert len(rows) == 20
     poses = ask(client, scene, "fk", configurations=rows, frames=["arm::tcp"]).json()["results"]
-    if "pose" in goal:
-        places = np.array([pose["arm::tcp"]["position"] for pose in poses]) - DOWN["position"]
-        assert (np.abs(places) <= np.array([0.05, 0.02, 0]) + 1e-5).all()
+    places = np.array([pose["arm::tcp"]["position"] for pose in poses])
+    centers = np.array([one["position"] for one in targets.get("poses", [DOWN])])
+    away = np.abs(places[:, None] - centers)
+    is_inside = (away <= np.array([0.05, 0.02, 0]) + 1e-5).all(axis=2)
+    assert is_inside.any(axis=1).all()
+    assert is_inside.any(axis=0).all()  # every target is tried
 
 
 def test_ik_of_poses_by_a_metric(client, scene):

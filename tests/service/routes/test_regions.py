@@ -26,7 +26,7 @@ def square(client):
 
 @pytest.fixture(scope="module")
 def grown(client, square):
-    answer = client.post(f"/v1/scenes/{square}/regions?wait=50", json=REQUEST)
+    answer = client.post(f"/v1/scenes/{square}/regions?wait=60", json=REQUEST)
     assert answer.status_code == 200, answer.text
     job = answer.json()
     assert job["state"] == "succeeded", job["failure"]
@@ -35,11 +35,11 @@ def grown(client, square):
 
 
 def plan_of(client, scene, headers=None, **fields):
-    search = {"planner": "GCS", "allowed_planning_time": 20.0, **fields.pop("search", {})}
+    search = {"planner": "GCS", "allowed_planning_time": 60.0, **fields.pop("search", {})}
     beyond = {"type": "configuration", "name": "beyond"}
     goal = fields.pop("goal", beyond)
     request = {"scene": scene, "group": "body", "goal": goal, "search": search, **fields}
-    return client.post("/v1/plans?wait=40", json=request, headers=headers)
+    return client.post("/v1/plans?wait=60", json=request, headers=headers)
 
 
 def test_grown_regions_say_everything(client, square, grown):
@@ -48,7 +48,7 @@ def test_grown_regions_say_everything(client, square, grown):
     assert len(result["portals"]) == summary["num_portals"] > 0
     assert 0 < summary["coverage"] <= 1
     assert 0 < summary["coverage_error"] < 0.02
-    assert summary["stopped_by"] in {"num_regions", "coverage"}
+    assert summary["stopped_by"] == "num_regions"
     scene = client.get(f"/v1/scenes/{square}").json()
     assert summary["scene"] == scene["digest"]
     assert client.get(f"/v1/regions/{grown['id']}").json() == grown
@@ -77,7 +77,7 @@ def test_a_plan_uses_the_newest_that_fit_and_is_repeatable(client, square, grown
 def test_a_plan_says_which_regions_it_was_given(client):
     """Asked again it has the same bytes, whatever has grown since; its key stands for both."""
     there = client.post("/v1/scenes", json={**SCENE, "margin": 0.003}).json()["id"]
-    path = f"/v1/scenes/{there}/regions?wait=30"
+    path = f"/v1/scenes/{there}/regions?wait=60"
     few = {**REQUEST, "num_regions": 2, "num_free": 100}
     old = client.post(path, json=few).json()
     headers = {"Idempotency-Key": uuid.uuid4().hex}
@@ -86,7 +86,7 @@ def test_a_plan_says_which_regions_it_was_given(client):
     newer = client.post(path, json={**few, "seed": 5}).json()
     assert newer["summary"]["digest"] != old["summary"]["digest"]
     assert plan_of(client, there, headers).json()["id"] == first["id"]
-    again = client.post("/v1/plans?wait=40", json=first["request"]).json()
+    again = client.post("/v1/plans?wait=60", json=first["request"]).json()
     assert again["digest"] == first["digest"]
     used = again["result"]["stages"]["search"]["regions"]["digest"]
     assert used == old["summary"]["digest"]
@@ -126,7 +126,7 @@ def test_regions_that_nobody_would_look_at_are_refused(client, square, grown, pl
 def test_where_nothing_has_grown_nothing_fits(client):
     """However new it is: the newest that have regions are taken, or none."""
     there = client.post("/v1/scenes", json={**SCENE, "margin": 0.002}).json()["id"]
-    path = f"/v1/scenes/{there}/regions?wait=30"
+    path = f"/v1/scenes/{there}/regions?wait=60"
     empty = client.post(path, json={**REQUEST, "padding": 1.0}).json()
     assert empty["summary"]["num_regions"] == 0
     for search in ({}, {"regions": empty["id"]}):

@@ -19,10 +19,10 @@ def posted(client):
             "group": "body",
             "goal": {"type": "configuration", "name": "beyond"},
             "refine": {"method": "none"},
-            "search": {"allowed_planning_time": 20.0, "roadmap": roadmap},
+            "search": {"allowed_planning_time": 60.0, "roadmap": roadmap},
             **fields,
         }
-        answer = via.post("/v1/plans?wait=40", json=request)
+        answer = via.post("/v1/plans?wait=60", json=request)
         assert answer.status_code == status, answer.text
         return answer.json()
 

@@ -17,6 +17,12 @@ def pickup(client):
     return client.post("/v1/scenes", content=PICKUP, headers=YAML).json()
 
 
+@pytest.fixture(scope="module")
+def kept(client):
+    """A posted scene that no test changes."""
+    return client.post("/v1/scenes", content=PICKUP, headers=YAML).json()
+
+
 def edit(client, scene, *operations, **more):
     return client.patch(f"/v1/scenes/{scene}", json={"operations": operations, **more})
 
@@ -78,10 +84,10 @@ def test_old_revisions_stay_readable_and_plannable(client, pickup):
         "scene": edited["id"],
         "group": "arm",
         "goal": {"type": "configuration", "name": "ready"},
-        "search": {"allowed_planning_time": 20.0},
+        "search": {"allowed_planning_time": 60.0},
     }
     for revision, record in ((1, pickup), (2, edited), (None, edited)):
-        job = client.post("/v1/plans?wait=30", json={**request, "revision": revision}).json()
+        job = client.post("/v1/plans?wait=60", json={**request, "revision": revision}).json()
         assert job["state"] == "succeeded", job["failure"]
         assert job["result"]["start"] == record["groups"][0]["positions"]
 
@@ -91,8 +97,8 @@ def test_a_held_thing_is_planned_with_over_http(client, pickup):
     scene = edit(client, pickup["id"], held).json()
     goal = {"type": "pose", "poses": [{"position": [0.5, -0.28, 0.07]}], "frame": "can"}
     request = {"scene": scene["id"], "group": "arm", "goal": goal, "seed": 3}
-    request["search"] = {"allowed_planning_time": 20.0}
-    job = client.post("/v1/plans?wait=30", json=request).json()
+    request["search"] = {"allowed_planning_time": 60.0}
+    job = client.post("/v1/plans?wait=60", json=request).json()
     assert job["state"] == "succeeded", job["failure"]
     assert job["result"]["certificate"]["proven"]
     where = {"group": "arm", "configurations": [job["result"]["goal_configuration"]]}
@@ -115,13 +121,13 @@ IMPOSSIBLE = [
 
 
 @pytest.mark.parametrize(("operation", "code"), IMPOSSIBLE)
-def test_what_is_impossible_here_is_a_conflict_and_changes_nothing(client, pickup, operation, code):
-    answer = edit(client, pickup["id"], {"op": "allow", "pair": ["can", "box"]}, operation)
+def test_what_is_impossible_here_is_a_conflict_and_changes_nothing(client, kept, operation, code):
+    answer = edit(client, kept["id"], {"op": "allow", "pair": ["can", "box"]}, operation)
     assert answer.status_code == 409
     problem = answer.json()
     assert problem["code"] == code
     assert problem["evidence"]["operation"] == 1
-    assert client.get(f"/v1/scenes/{pickup['id']}").json() == pickup
+    assert client.get(f"/v1/scenes/{kept['id']}").json() == kept
 
 
 MALFORMED = [
@@ -137,9 +143,13 @@ MALFORMED = [
 
 
 @pytest.mark.parametrize("operation", MALFORMED)
-def test_what_cannot_be_meant_is_refused(client, pickup, operation):
-    assert edit(client, pickup["id"], operation).status_code == 422
-    assert edit(client, pickup["id"]).status_code == 422
+def test_what_cannot_be_meant_is_refused(client, kept, operation):
+    assert edit(client, kept["id"], operation).status_code == 422
+    assert client.get(f"/v1/scenes/{kept['id']}").json() == kept
+
+
+def test_no_edits_and_edits_of_nothing_are_refused(client, kept):
+    assert edit(client, kept["id"]).status_code == 422
     assert edit(client, "scn_nothing", {"op": "remove", "object": "can"}).status_code == 404
 
 

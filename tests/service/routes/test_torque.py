@@ -17,7 +17,7 @@ def test_a_plan_a_path_and_a_trajectory_are_proven_to_keep_torques(client, scene
     retime = {"effort": True, "payload": PAYLOAD}
     request = {"scene": scene, "group": "arm", "seed": 3, "retime": retime}
     request["goal"] = {"type": "configuration", "name": "ready"}
-    job = client.post("/v1/plans?wait=40", json=request).json()
+    job = client.post("/v1/plans?wait=60", json=request).json()
     assert job["state"] == "succeeded", job["failure"]
     check = torque(job["result"]["certificate"])
     assert check["passed"]
@@ -72,7 +72,7 @@ def test_a_payload_that_cannot_be_is_refused(client, scene, solved, name):
     assert answer.status_code == status, answer.text
     request = {"scene": scene, "group": "arm", "retime": retime}
     request["goal"] = {"type": "configuration", "name": "ready"}
-    answer = client.post("/v1/plans?wait=40", json=request)
+    answer = client.post("/v1/plans?wait=60", json=request)
     if name == "a frame that does not move":
         assert answer.json()["failure"]["code"] == "problem_invalid"
     else:

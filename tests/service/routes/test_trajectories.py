@@ -86,13 +86,13 @@ def test_too_many_samples_are_refused(client, solved):
 def test_a_plan_is_as_slow_as_it_likes_if_its_samples_are_few(client, scene):
     request = {"scene": scene, "group": "arm", "goal": {"type": "configuration", "name": "ready"}}
     retime = {"velocity_scale": 1e-9}
-    job = client.post("/v1/plans?wait=40", json={**request, "retime": retime}).json()
+    job = client.post("/v1/plans?wait=60", json={**request, "retime": retime}).json()
     assert (job["state"], job["failure"]["code"]) == ("failed", "problem_invalid")
     assert "retime.num_points" in job["failure"]["detail"]
     retime["num_points"] = 20
-    job = client.post("/v1/plans?wait=40", json={**request, "retime": retime}).json()
+    job = client.post("/v1/plans?wait=60", json={**request, "retime": retime}).json()
     assert job["state"] == "succeeded", job["failure"]
-    back = client.post(f"/v1/plans/{job['id']}/reverse?wait=40").json()
+    back = client.post(f"/v1/plans/{job['id']}/reverse?wait=60").json()
     assert len(back["result"]["trajectory"]["times"]) == 20
     assert len(trajectory(client, job).json()["times"]) == 20
     again = {**job["request"], "retime": {**job["request"]["retime"], "velocity_scale": 1.0}}

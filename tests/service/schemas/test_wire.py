@@ -1,6 +1,8 @@
 """Booleans in bodies are true or false: no text, no numbers, wherever they stand."""
 
 from collections.abc import Iterator
+from contextlib import suppress
+from functools import cache
 
 import pytest
 from pydantic import BaseModel, TypeAdapter, ValidationError
@@ -19,6 +21,7 @@ def descendants(base: type[BaseModel]) -> Iterator[type[BaseModel]]:
         yield from descendants(child)
 
 
+@cache
 def booleans() -> dict[str, TypeAdapter]:
     """Return the fields of all bodies that may be booleans and nothing else."""
     fields = {
@@ -34,19 +37,19 @@ def booleans() -> dict[str, TypeAdapter]:
     }
 
 
-BOOLEANS = booleans()
-
-
 def test_every_body_was_looked_at():
-    assert {"CarWire.reverse", "SearchWire.approximate", "ObjectDocument.movable"} <= set(BOOLEANS)
+    looked_at = {"CarWire.reverse", "SearchWire.approximate", "ObjectDocument.movable"}
+    assert looked_at <= set(booleans())
 
 
-@pytest.mark.parametrize("name", BOOLEANS)
-def test_lookalikes_are_no_booleans(name):
-    assert BOOLEANS[name].validate_json("true") is True
-    for wrong in ("no", "true", "1", 0, 1, 1.0, None):
-        with pytest.raises(ValidationError):
-            BOOLEANS[name].validate_python(wrong)
+@pytest.mark.parametrize("wrong", ["no", "true", "1", 0, 1, 1.0, None])
+def test_lookalikes_are_no_booleans(wrong):
+    taken = []
+    for name, adapter in booleans().items():
+        assert adapter.validate_json("true") is True, name
+        with suppress(ValidationError):
+            taken.append((name, adapter.validate_python(wrong)))
+    assert taken == []
 
 
 def test_a_car_is_told_what_is_wrong():

@@ -1,5 +1,8 @@
 """Rules: their slopes, their distances and their edges agree with what defines them."""
 
+from collections.abc import Callable
+from functools import cache
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -15,12 +18,11 @@ from planning.domain.constraint import (
     PlacedBox,
 )
 from planning.domain.pose import Pose
-from planning.world import tool_kinematics
 from planning.world.rules.body_pairs import banded_pairs, moved_bodies
 from planning.world.rules.path_rules import PathRules
 from planning.world.world import World
 from tests.conftest import bundled_world
-from tests.profiles import num_cases
+from tests.profiles import num_cases, seeds
 
 TCP = "arm::tcp"
 BAND = DistanceBand(None, None, 0.01, 0.05)
@@ -31,18 +33,17 @@ def rules_of(world: World, group: str, *constraints: PathConstraint) -> PathRule
     return PathRules.compiled(world, joints, constraints, world.positions(joints))
 
 
-@pytest.fixture(params=["kernel", "drake"])
-def frames(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> str:
-    """Let the kernel place frames, and again Drake."""
-    if request.param == "drake":
-        monkeypatch.setattr(tool_kinematics, "kernel_chain", lambda *_: None)
-    return request.param
+@cache
+def without_kernel(name: str) -> World:
+    """Return a bundled scene in which Drake alone places frames."""
+    return planning.load_world(bundled_world(name).scene, kernel=False)
 
 
-@pytest.mark.usefixtures("frames")
-@pytest.mark.parametrize("seed", range(3))
-def test_the_jacobian_is_the_slope_of_the_residual(seed: int) -> None:
-    world = bundled_world("ur5e_pickup")
+@pytest.mark.campaign
+@pytest.mark.parametrize("load", [bundled_world, without_kernel])
+@pytest.mark.parametrize("seed", seeds(3))
+def test_the_jacobian_is_the_slope_of_the_residual(load: Callable[[str], World], seed: int) -> None:
+    world = load("ur5e_pickup")
     rng = np.random.default_rng(seed)
     q = world.positions(world.group("arm")) + rng.normal(0, 0.3, 6)
     pose = Pose.from_parts([0.2, 0.1, 0.3], rpy=[0.3, 0.2, 0.1])
@@ -57,7 +58,7 @@ def test_the_jacobian_is_the_slope_of_the_residual(seed: int) -> None:
         np.testing.assert_allclose(slopes[:, k], difference, atol=1e-6)
 
 
-def test_the_kernel_and_drake_agree_on_a_band(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_kernel_and_drake_agree_on_a_band() -> None:
     """A ball, since Drake overstates distances of boxes."""
     text = """
 robots: [{name: body, model: planar_l, positions: [-0.3, 0.0, 0.0]}]

@@ -1,0 +1,12 @@
+"""Lists of the API, page after page."""
+
+
+def walk(client, path, limit):
+    """Everything that a list has, whatever other tests have made so far."""
+    seen, cursor = [], ""
+    while cursor is not None:
+        page = client.get(f"{path}?limit={limit}{cursor and '&cursor=' + cursor}").json()
+        assert len(page["items"]) <= limit
+        seen += page["items"]
+        cursor = page["next"]
+    return seen
