@@ -8,7 +8,7 @@ from planning.domain.value import Value
 # `allowed`: the scene or the robot's own description lets them touch. `held`: one of them is
 # attached, and may touch the other. `welded`: nothing can move one relative to the other.
 # `welded_to_world`: the same, as both stand in the world. `adjacent`: one joint joins them, and
-# their shapes overlap there by design.
+# their shapes overlap there by design, or can never touch.
 type UncheckedReason = Literal["allowed", "held", "welded", "welded_to_world", "adjacent"]
 
 

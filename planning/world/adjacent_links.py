@@ -1,16 +1,18 @@
 """Links that a joint joins: which of them can be held against each other, by evidence.
 
 Shapes of neighbours often overlap around their joint, by design or because a hull bulges; to check
-such a pair would forbid the robot to be anywhere. A pair is left out only if its shapes touch at
-the joint's default position, or at half of the joint's range or more; every other pair is checked
-like any other (docs/decisions/0031).
+such a pair would forbid the robot to be anywhere. A pair is left out if its shapes touch at the
+joint's default position, or at half of the joint's range or more; and if they are shown never to
+touch, however far the joint turns. Every other pair is checked like any other
+(docs/decisions/0031).
 """
 
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
-from pydrake.geometry import GeometryId, HalfSpace
+from pydrake.geometry import Box, GeometryId, HalfSpace
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import BodyIndex
 
@@ -20,25 +22,30 @@ _NUM_SAMPLES = 17
 _MOST_OVERLAPPING = 0.5
 # Faces that meet without a gap touch, whatever rounding says [m].
 _FLUSH = 1e-4
+# Positions of a turning joint at which its bodies are measured at most, to show that they never
+# touch; what Drake's distances may be wrong by [m].
+_MOST_LOOKS, _TRUSTED = 600, 1e-4
+# How far a point may move within an interval, as a share of the distance, to begin with.
+_MOST_STRAY = 0.8
 # What stands for a range without end: a whole turn, or a metre either way.
 _UNLIMITED = {"revolute": np.pi, "prismatic": 1.0}
 
 
 @dataclass(frozen=True)
 class Neighbours:
-    """Two bodies that a joint joins, and whose shapes touch.
+    """Two bodies that a joint joins, and that are not held against each other.
 
     Attributes:
         bodies: Parent and child.
-        evidence: Where they do, in words.
+        evidence: Why not, in words.
     """
 
     bodies: tuple[BodyIndex, BodyIndex]
     evidence: str
 
 
-def touching_neighbours(diagram: Any, plant: MultibodyPlant, scene_graph: Any) -> list[Neighbours]:
-    """Return the neighbours that cannot be held against each other.
+def unchecked_neighbours(diagram: Any, plant: MultibodyPlant, scene_graph: Any) -> list[Neighbours]:
+    """Return the neighbours that cannot be held against each other, or need not be.
 
     Args:
         diagram: Has the plant; its pairs of neighbours are not filtered.
@@ -66,6 +73,10 @@ def touching_neighbours(diagram: Any, plant: MultibodyPlant, scene_graph: Any) -
                 "places of its range"
             )
             found.append(Neighbours(_ends(plant, joint), evidence))
+        elif count == 0 and (least := probe.least_distance(joint)) > 0:
+            name = plant.get_joint(joint).name()
+            evidence = f"at least {least:.2g} m apart wherever joint {name} turns to"
+            found.append(Neighbours(_ends(plant, joint), evidence))
     return found
 
 
@@ -73,7 +84,7 @@ class _Probe:
     """Which neighbours touch, with every joint at the same share of its own range."""
 
     def __init__(self, plant: Any, scene_graph: Any, context: Any, pairs: dict[Any, Any]) -> None:
-        self._plant, self._pairs = plant, pairs
+        self._plant, self._pairs, self._inspector = plant, pairs, scene_graph.model_inspector()
         self._plant_context = plant.GetMyMutableContextFromRoot(context)
         self._query_context = scene_graph.GetMyContextFromRoot(context)
         self._port = scene_graph.get_query_output_port()
@@ -90,6 +101,64 @@ class _Probe:
             high = np.minimum(joint.position_upper_limits(), reach * _is_open(joint))
             q[joint.position_start()] = (low + share * (high - low))[0]
         self._plant.SetPositions(self._plant_context, q)
+
+    def least_distance(self, index: Any) -> float:
+        """Return a lower bound on the distance of a joint's bodies over a whole turn [m].
+
+        Zero or less if there is none, or it takes too long to find. While the joint turns by a, no
+        point of the child at a distance r from the axis moves farther than r a.
+        """
+        joint = self._plant.get_joint(index)
+        if joint.type_name() != "revolute" or self._are_boxes(self._pairs[index]):
+            return 0.0
+        reach, least = self._reach(joint), np.inf
+        first = self._distance_at(joint, 0.0)
+        if first <= 0 or not np.isfinite(reach):
+            return 0.0
+        edges = np.linspace(-np.pi, np.pi, 2 + int(np.pi * reach / (_MOST_STRAY * first)))
+        pending = list(pairwise(edges.tolist()))
+        for _ in range(_MOST_LOOKS):
+            if not pending:
+                return float(least)
+            low, high = pending.pop()
+            distance = self._distance_at(joint, (low + high) / 2)
+            stray = reach * (high - low) / 2
+            if distance <= 0:
+                break
+            if stray > 0.95 * distance:
+                pending += [(low, (low + high) / 2), ((low + high) / 2, high)]
+            else:
+                least = min(least, distance - stray)
+        return 0.0
+
+    def _distance_at(self, joint: Any, angle: float) -> float:
+        """Return what the joint's bodies are surely apart at an angle of it [m]."""
+        joint.set_angle(self._plant_context, angle)
+        query = self._port.Eval(self._query_context)
+        return min(_distance(query, a, b) for a, b in self._pairs[joint.index()]) - _TRUSTED
+
+    def _are_boxes(self, geometries: list[Any]) -> bool:
+        """Whether some are two boxes, whose distance Drake may overstate."""
+        shapes = [[self._inspector.GetShape(i) for i in pair] for pair in geometries]
+        return any(all(isinstance(shape, Box) for shape in pair) for pair in shapes)
+
+    def _reach(self, joint: Any) -> float:
+        """Return how far any point of the child's shapes is from the joint's axis at most [m]."""
+        body = joint.child_body()
+        X_MB = joint.frame_on_child().GetFixedPoseInBodyFrame().inverse()
+        axis = joint.revolute_axis()
+        reach = 0.0
+        for geometry in self._plant.GetCollisionGeometriesForBody(body):
+            box = self._inspector.GetObbInGeometryFrame(geometry)
+            if box is None:
+                return float(np.inf)
+            X_MO = X_MB @ self._inspector.GetPoseInFrame(geometry) @ box.pose()
+            corners = np.stack(np.meshgrid(*([[-1.0, 1.0]] * 3)), axis=-1).reshape(-1, 3)
+            points = (X_MO.rotation().matrix() @ (corners * box.half_width()).T).T
+            points = points + X_MO.translation()
+            away = points - np.outer(points @ axis, axis)
+            reach = max(reach, float(np.linalg.norm(away, axis=1).max()))
+        return reach
 
     def touching(self) -> set[Any]:
         """Return the joints whose two bodies touch."""

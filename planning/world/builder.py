@@ -72,7 +72,7 @@ def build_diagram(
     scene_graph = builder.scene_graph()
     indices = joint_indices(build.plant, build.bodies)
     diagram = builder.Build()
-    leave_out_neighbours(build, diagram, scene_graph)
+    leave_out_neighbours(build, scene, diagram, scene_graph)
     names = {index: name for name, index in build.bodies.items()}
     model = DrakeModel(
         diagram=diagram,

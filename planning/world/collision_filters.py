@@ -6,7 +6,7 @@ from pydrake.planning import RobotDiagram
 
 from planning.domain.scene import Scene
 from planning.errors import SceneInvalid, UnknownName
-from planning.world.adjacent_links import touching_neighbours
+from planning.world.adjacent_links import unchecked_neighbours
 from planning.world.holding import may_touch
 from planning.world.scene_build import Build
 
@@ -68,14 +68,22 @@ def allow_touch(build: Build, scene: Scene) -> None:
                 build.unchecked[frozenset((name, thing.name))] = ("held", evidence)
 
 
-def leave_out_neighbours(build: Build, diagram: RobotDiagram, scene_graph: SceneGraph) -> None:
-    """Filter links that a joint joins and whose shapes touch; contexts made later heed it."""
+def leave_out_neighbours(
+    build: Build, scene: Scene, diagram: RobotDiagram, scene_graph: SceneGraph
+) -> None:
+    """Filter links that a joint joins and that need no check; contexts made later heed it.
+
+    A pair of which the scene demands a margin of its own is always checked.
+    """
     filters = scene_graph.collision_filter_manager()
     names = {index: name for name, index in build.bodies.items()}
-    for found in touching_neighbours(diagram, build.plant, scene_graph):
+    demanded = {frozenset(entry.bodies) for entry in scene.margins}
+    for found in unchecked_neighbours(diagram, build.plant, scene_graph):
         sets = [_geometries(build, index) for index in found.bodies]
-        filters.Apply(CollisionFilterDeclaration().ExcludeBetween(*sets))
         pair = frozenset(names[index] for index in found.bodies)
+        if pair in demanded:
+            continue
+        filters.Apply(CollisionFilterDeclaration().ExcludeBetween(*sets))
         build.unchecked[pair] = ("adjacent", found.evidence)
 
 

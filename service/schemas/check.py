@@ -35,7 +35,8 @@ class UncheckedPairWire(Answer):
     reason: Literal["allowed", "held", "welded", "welded_to_world", "adjacent"] = Field(
         description="allowed: by the scene or the robot's description; held: one is attached and "
         "may touch the other; welded: neither can move relative to the other; welded_to_world: "
-        "both stand in the world; adjacent: a joint joins them and their shapes touch about it"
+        "both stand in the world; adjacent: a joint joins them, and their shapes touch about it or "
+        "can never touch"
     )
     evidence: str = Field(description="What that rests on, in words")
 
