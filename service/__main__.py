@@ -1,11 +1,16 @@
 """Entry point of `wayproof` and `python -m service`.
 
-Workers import this module again (multiprocessing's forkserver does), so it imports nothing.
+Workers import this module again (multiprocessing's forkserver does), so it imports next to nothing.
 """
+
+import os
 
 
 def main() -> None:
     """Run the command line."""
+    # The matrices here are tiny: threads of a BLAS spin beside them, and a retiming takes six times
+    # the processor's time. Parallel work is done by processes. Read when numpy is first imported.
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     from service.cli.app import app  # noqa: PLC0415  (kept out of workers)
 
     app()

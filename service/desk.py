@@ -187,6 +187,11 @@ class Desk:
         return counts
 
     @property
+    def best_grace(self) -> float:
+        """How long a canceled plan may time and prove its best path so far [s]."""
+        return self._settings.best_grace
+
+    @property
     def regions_folder(self) -> Path:
         """Where slots read regions; the files are a copy of what the database has."""
         return self._settings.data_dir.resolve() / "regions"

@@ -55,6 +55,11 @@ class Settings(BaseSettings):
     max_body_bytes: int = Field(default=32 * 1024 * 1024, ge=1024)
     max_wait: float = Field(default=60.0, gt=0, description="Longest `?wait=` [s]")
     query_timeout: float = Field(default=60.0, gt=0, description="For checks, IK and so on [s]")
+    best_grace: float = Field(
+        default=0.9,
+        gt=0,
+        description="How long a canceled plan may time and prove its best path so far [s]",
+    )
 
     @property
     def url(self) -> str:

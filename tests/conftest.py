@@ -1,6 +1,10 @@
 """What every test may use: the bundled scenes, loaded once, and a deadline."""
 
 import os
+
+# Before numpy: threads of a BLAS spin beside tiny matrices, and fight with other test processes.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
 import sys
 from collections.abc import Callable
 from functools import cache

@@ -32,8 +32,6 @@ TASK = "service.tasks.plan:plan_motion"
 
 # To load the scene as well [s]; once that is done the task itself says by when it has to end.
 SLACK = 15.0
-# To time and prove the best path so far after a cancel [s].
-_BEST_GRACE = 0.9
 
 
 async def submit_plan(request: PlanRequest, key: str | None, scenes: SceneShelf, desk: Desk) -> Job:
@@ -79,7 +77,7 @@ async def submit_plan(request: PlanRequest, key: str | None, scenes: SceneShelf,
     if regions is not None:
         payload["regions"] = await to_thread.run_sync(regions_file, desk.regions_folder, regions)
     if request.search.on_cancel == "best":
-        payload["cancel_grace"] = _BEST_GRACE
+        payload["cancel_grace"] = desk.best_grace
     allowed = request.search.allowed_planning_time + SLACK
     named = Key(key, request.model_dump(mode="json"))
     return desk.submit(spec_of("plan", TASK, payload, scene=record, key=named, allowed=allowed))

@@ -27,7 +27,9 @@ BLOCK_SCENE = {
 
 @pytest.fixture(scope="session")
 def settings(tmp_path_factory):
-    return Settings(engine="inline", data_dir=tmp_path_factory.mktemp("state"))
+    """A folder of its own for each process of the tests, and time for what a busy machine does."""
+    folder = tmp_path_factory.mktemp("state")
+    return Settings(engine="inline", data_dir=folder, query_timeout=300, best_grace=60)
 
 
 @pytest.fixture(scope="session")
