@@ -85,6 +85,8 @@ def leave_out_neighbours(
             continue
         filters.Apply(CollisionFilterDeclaration().ExcludeBetween(*sets))
         build.unchecked[pair] = ("adjacent", found.evidence)
+    # Drake keeps what contexts are made from once it has made one; this makes it forget.
+    scene_graph.set_config(scene_graph.get_config())
 
 
 def _exclude(build: Build, pair: tuple[str, str]) -> None:

@@ -62,6 +62,16 @@ def test_what_is_checked_and_what_is_listed_are_all_pairs(name: str) -> None:
     assert all(pair.evidence for pair in world.summary.unchecked)
 
 
+@pytest.mark.parametrize("name", SCENES)
+def test_contexts_look_at_the_same_pairs_as_the_model(name: str) -> None:
+    model = bundled_world(name).drake
+    context = model.diagram.CreateDefaultContext()
+    query_context = model.scene_graph.GetMyContextFromRoot(context)
+    query = model.scene_graph.get_query_output_port().Eval(query_context)
+    inspector = model.scene_graph.model_inspector()
+    assert query.inspector().GetCollisionCandidates() == inspector.GetCollisionCandidates()
+
+
 @pytest.mark.parametrize("kind", ["revolute", "continuous"])
 def test_an_arm_that_swings_into_its_own_pedestal_is_refused(tmp_path: Path, kind: str) -> None:
     """The two are joined by a joint; the arm was "proven" 100 mm inside the pedestal."""
