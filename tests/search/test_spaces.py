@@ -114,8 +114,10 @@ def test_ompl_interpolates_on_our_geodesics_within_bounds(
     assert space.ompl.satisfiesBounds(between)
     assert space.contains(theirs)
     whole = space.ompl.distance(a, b)
-    assert space.ompl.distance(a, between) == pytest.approx(share * whole, abs=1e-6)
-    assert space.ompl.distance(between, b) == pytest.approx((1 - share) * whole, abs=1e-6)
+    # OMPL calls rotations the same whose quaternions' product is within 1e-9 of one (9e-5 rad).
+    dust = 1e-6 if JointType.FLOATING not in kinds else 3e-4
+    assert space.ompl.distance(a, between) == pytest.approx(share * whole, abs=dust)
+    assert space.ompl.distance(between, b) == pytest.approx((1 - share) * whole, abs=dust)
     length = float(space.manifold.distance(q1, q0))
     assert float(space.manifold.distance(ours, q0)) == pytest.approx(share * length, abs=1e-6)
 
