@@ -13,7 +13,7 @@ SEED := $(shell od -An -N4 -tu4 /dev/urandom | tr -d ' ')
 endif
 # How many times as many cases as in `make test`.
 FACTOR ?= 40
-# Every call's shapes and types are checked in these packages; `make test` checks the doors alone.
+# Where shapes and types of every call are checked; `make test` does that at the doors, where it is cheap.
 SHAPES := --jaxtyping-packages=planning,tests.check
 
 .PHONY: demo test check format lint imports types drake-only shapes campaign sanitize setup lock \
@@ -72,7 +72,7 @@ sanitize: setup
 	$(VENV)/bin/cmake --build "$$SANITIZED" >> "$$SANITIZED/log" || { cat "$$SANITIZED/log"; exit 1; } && \
 	LD_PRELOAD="$$(g++ -print-file-name=libasan.so) $$(g++ -print-file-name=libubsan.so)" \
 	ASAN_OPTIONS=detect_leaks=0 WAYPROOF_NATIVE="$$SANITIZED" \
-	$(PYTHON) -m pytest -p no:cacheprovider -m "not slow" tests/kernel \
+	$(PYTHON) -m pytest -p no:cacheprovider tests/kernel \
 	  tests/certify/test_native_clearance.py tests/refine/test_nearness.py tests/refine/test_soft_rows.py
 
 check: format lint imports types
