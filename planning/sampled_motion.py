@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from planning.certify.hermite_errors import HermiteErrors
 from planning.certify.interpolants import KINDS, prove_interpolants
 from planning.certify.request import CertifyRequest
 from planning.domain.certificate import Certificate
@@ -132,8 +133,10 @@ def _sampled(
     trajectory = replace(asked.trajectory, joints=asked.group.joints)
     request = replace(asked, trajectory=trajectory)
     limits = request.limits.per_coordinate(request.limits.acceleration)
-    samples = sampled(trajectory, sampling, limits)
-    proofs = prove_interpolants(world.drake, request, samples, clearance, deadline)
+    errors = HermiteErrors.of(request)
+    gaps = None if errors is None else errors.gaps("quintic")
+    samples = sampled(trajectory, sampling, limits, gaps)
+    proofs = prove_interpolants(world.drake, request, samples, clearance, deadline, errors)
     return ProvenSamples(samples, proofs)
 
 

@@ -38,18 +38,20 @@ _SHARE = 0.9
 
 @dataclass(frozen=True)
 class HermiteErrors:
-    """What interpolation misses of one motion, against what that has to spare.
+    """What interpolation misses of one motion, against what limits leave it.
 
     Attributes:
         request: The motion, proven, and the limits that it keeps; every coordinate is limited by
             itself, and alike both ways.
-        levers: How much nearer two shapes come at most per change of each coordinate, shape (nv,).
-        way: How much nearer any two shapes may come [m].
     """
 
     request: CertifyRequest
-    levers: Array
-    way: float
+
+    @classmethod
+    def of(cls, request: CertifyRequest) -> "HermiteErrors | None":
+        """Build from a request, if it is such a one."""
+        is_scalar = all(len(indices) == 1 for _, indices in request.group.blocks)
+        return cls(request) if is_scalar and not request.acceleration_bounds else None
 
     @cached_property
     def _widths(self) -> Array:
@@ -75,23 +77,36 @@ class HermiteErrors:
             found.append((MAX_UTILISATION - share) * limit[:, None])
         return found
 
-    def longest(self, kind: Interpolation) -> float:
-        """Return the longest time between samples that is proven for certain [s].
+    def gaps(self, kind: Interpolation) -> Array:
+        """Return how far apart samples may be on each piece for limits to be kept [s], shape (n,).
 
-        The duration, if any time is; 0 if none.
+        They may be farther apart than that: where a limit is met, hardly anything is to spare.
         """
-        steepest, order = self._steepest(kind), _ORDERS[kind]
-        errors, widths = _ERRORS[kind], self._widths
-        worst = (steepest * self.levers[:, None]).sum(axis=0)
-        found = [_longest(np.full_like(worst, self.way), errors[0] * worst, order)]
+        found = [np.full(len(self._widths), np.inf)]
         if kind != "linear":
+            steepest, order, errors = self._steepest(kind), _ORDERS[kind], _ERRORS[kind]
             for r, spare in enumerate(self._spare):
                 found.append(_longest(spare, errors[r] * steepest, order - r).min(axis=0))
             if self.request.jerk:
-                step = np.full_like(steepest, _STEP) * (self._limit(2)[:, None])
+                step = np.full_like(steepest, _STEP) * self._limit(2)[:, None]
                 found.append(_longest(step, errors[2] * steepest, order - 2).min(axis=0))
-        period = np.min(found, axis=0)
-        short = period < widths
+        return np.min(found, axis=0)
+
+    def longest(self, kind: Interpolation, levers: Array, way: float) -> float:
+        """Return the longest time between samples that is proven for certain [s].
+
+        The duration, if any time is; 0 if none.
+
+        Args:
+            kind: What receivers make of the samples.
+            levers: How much nearer two shapes come at most per change of each coordinate, shape
+                (nv,).
+            way: How much nearer any two shapes may come [m].
+        """
+        worst = (self._steepest(kind) * levers[:, None]).sum(axis=0)
+        free = _longest(np.full_like(worst, way), _ERRORS[kind][0] * worst, _ORDERS[kind])
+        period = np.minimum(self.gaps(kind), free)
+        short = period < self._widths
         return float(period[short].min()) if short.any() else self.request.trajectory.duration
 
     def _limit(self, order: int) -> Array:

@@ -49,6 +49,7 @@ def prove_interpolants(
     samples: SampledTrajectory,
     clearance: float,
     deadline: Deadline,
+    errors: HermiteErrors | None = None,
 ) -> tuple[InterpolationProof, ...]:
     """Return a verdict on each of what receivers may make of samples.
 
@@ -59,13 +60,14 @@ def prove_interpolants(
         clearance: What the distance of no two bodies is below along the motion, as was proven
             [m]; minus infinity if that is not known.
         deadline: When to stop; what is not proven by then is told as not proven.
+        errors: What interpolation misses of the motion, if that is bounded.
 
     Raises:
         Canceled: Somebody asked for the end.
         ModelInvalid: The scene has a shape or joint of a kind that cannot be certified.
     """
-    scene = _Judge(model, request, samples, clearance, deadline)
-    return tuple(scene.verdict(kind) for kind in KINDS)
+    judge = _Judge(model, request, samples, clearance, deadline, errors)
+    return tuple(judge.verdict(kind) for kind in KINDS)
 
 
 @dataclass(frozen=True)
@@ -75,6 +77,7 @@ class _Judge:
     samples: SampledTrajectory
     clearance: float
     deadline: Deadline
+    errors: HermiteErrors | None
 
     @cached_property
     def way(self) -> float:
@@ -90,16 +93,11 @@ class _Judge:
         return Deviations(self.request.trajectory, self.samples.times)
 
     @cached_property
-    def errors(self) -> HermiteErrors | None:
-        """What bounds periods; None where the motion keeps more than that knows of."""
+    def has_more(self) -> bool:
+        """Whether the motion was held to more than limits of joints and clearance."""
         request = self.request
         more = (request.constraints, request.lines, request.tool_limits, request.speed_zones)
-        is_plain = (
-            all(len(indices) == 1 for _, indices in request.group.blocks)
-            and not (any(more) or request.acceleration_bounds or request.effort)
-            and not steering_of(request.group)
-        )
-        return HermiteErrors(request, self.levers, self.way) if is_plain else None
+        return any(more) or request.effort or bool(steering_of(request.group))
 
     def verdict(self, kind: Interpolation) -> InterpolationProof:
         is_straight = kind == "linear"
@@ -130,8 +128,9 @@ class _Judge:
         return found
 
     def _period(self, kind: Interpolation, *, proven: bool) -> float | None:
-        seen = self.samples.longest_gap if proven else 0.0
-        longest = 0.0 if self.errors is None else self.errors.longest(kind)
+        seen, longest = self.samples.longest_gap if proven else 0.0, 0.0
+        if self.errors is not None and not self.has_more:
+            longest = self.errors.longest(kind, self.levers, self.way)
         return max(seen, longest) or None
 
 

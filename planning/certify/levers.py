@@ -1,8 +1,8 @@
 """How far joints move the points of collision shapes, whatever the configuration.
 
 Between a joint and a point that it carries lie the axes of other joints. From each to the next the
-distance does not depend on the configuration, but for what a joint in between shifts, which is at
-most its stroke: so the sum of these bounds the point's distance from the joint's axis, and that
+distance does not depend on the configuration, but for what a joint in between shifts, which its
+limits bound: so the sum of these bounds the point's distance from the joint's axis, and that
 times an angle how far the joint moves it. `motion_bounds` is sharper, at one configuration.
 """
 
@@ -23,7 +23,7 @@ from planning.world.drake_model import DrakeModel
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
-_read: WeakKeyDictionary[RobotDiagram, dict[tuple[str, bytes], Array]] = WeakKeyDictionary()
+_read: WeakKeyDictionary[RobotDiagram, dict[tuple[str | bytes, ...], Array]] = WeakKeyDictionary()
 
 
 def levers_of(model: DrakeModel, request: CertifyRequest) -> Float64[np.ndarray, " nv"]:
@@ -37,7 +37,11 @@ def levers_of(model: DrakeModel, request: CertifyRequest) -> Float64[np.ndarray,
         ModelInvalid: A shape of a kind that cannot be certified.
     """
     known = _read.setdefault(model.diagram, {})
-    key = request.group.name, request.state.tobytes()
+    limits = request.limits
+    key = (
+        request.group.name,
+        *(array.tobytes() for array in (request.state, limits.lower, limits.upper)),
+    )
     if key not in known:
         known[key] = _levers(model, request)
     return known[key]
@@ -57,7 +61,7 @@ def _levers(model: DrakeModel, request: CertifyRequest) -> Array:
     chains = joint_chains(model, moving)
     context = model.plant.CreateDefaultContext()
     model.plant.SetPositions(context, model.follow(np.array(request.state)))
-    links = [_link(moved, k, chains, context) for k, moved in enumerate(moving)]
+    links = [_link(request, moved, k, chains, context) for k, moved in enumerate(moving)]
     arms = np.zeros(len(moving))
     shapes = geometry_of(model).shapes
     for row, body in enumerate(shapes.bodies):
@@ -92,7 +96,13 @@ def _by_coordinate(request: CertifyRequest, moving: list[MovingJoint], arms: Arr
     return levers
 
 
-def _link(moved: MovingJoint, k: int, chains: dict[int, frozenset[int]], context: Any) -> _Link:
+def _link(
+    request: CertifyRequest,
+    moved: MovingJoint,
+    k: int,
+    chains: dict[int, frozenset[int]],
+    context: Any,
+) -> _Link:
     joint = moved.joint
     frames = [joint.frame_on_parent(), joint.frame_on_child()]
     if _outer(moved, k, chains)[0] is joint.parent_body():
@@ -102,11 +112,16 @@ def _link(moved: MovingJoint, k: int, chains: dict[int, frozenset[int]], context
         case RevoluteJoint():
             stroke = 0.0
         case PrismaticJoint():
-            ends = [*joint.position_lower_limits(), *joint.position_upper_limits()]
-            stroke = float(np.abs(ends).max())
+            stroke = float(np.linalg.norm(far - near)) + moved.scale * _range(request, moved)
         case _:
             stroke = np.inf
     return _Link(near, far, stroke)
+
+
+def _range(request: CertifyRequest, moved: MovingJoint) -> float:
+    """Return how far the joint that moves another can be from anywhere within its limits."""
+    first = sum(joint.num_positions for joint in request.group.joints[: moved.member])
+    return float(request.limits.upper[first] - request.limits.lower[first])
 
 
 def _outer(

@@ -29,6 +29,8 @@ type Indices = np.ndarray[Any, np.dtype[np.intp]]
 _RAMP = 5e-5
 # Jumps that count as such, and what rounding may change of an acceleration, over their limits.
 _JUMP, _ROUNDED = 1e-6, 2e-7
+# Samples are not put nearer than this but for the period [s].
+_SHORTEST = 1e-3
 # The largest second derivative of the polynomial of degree 5 on [0, 1] that goes from 0 to 1.
 _STEEPEST = 10 / np.sqrt(3)
 # Pieces of fewer ramps than this are gone over as a whole.
@@ -80,7 +82,10 @@ class SampledTrajectory(Value):
 
 
 def sampled(
-    trajectory: TimedTrajectory, sampling: Sampling, limits: Float64[np.ndarray, " nv"]
+    trajectory: TimedTrajectory,
+    sampling: Sampling,
+    limits: Float64[np.ndarray, " nv"],
+    gaps: Float64[np.ndarray, " n"] | None = None,
 ) -> SampledTrajectory:
     """Return the samples of a motion, the first and the last instant included.
 
@@ -89,12 +94,17 @@ def sampled(
         sampling: Which instants.
         limits: On the acceleration of every coordinate, infinite for none: they say which jumps
             count [rad/s^2 or m/s^2].
+        gaps: Longest time between samples on each piece [s], if it is less than the period, but
+            hardly less than a millisecond; not for samples that are evenly apart.
     """
     if not sampling.follows_pieces:
         count = sampling.num_points
         even = None if count is None else trajectory.even_times(count)
         return _at(trajectory, trajectory.sample_times(sampling.period) if even is None else even)
-    knots = _Knots.of(trajectory, sampling.period, limits)
+    periods = np.full(trajectory.num_pieces, sampling.period)
+    if gaps is not None:
+        periods = np.minimum(periods, np.maximum(gaps, _SHORTEST))
+    knots = _Knots.of(trajectory, periods, limits)
     curve, piece, x = trajectory, knots.pieces, knots.times - trajectory.breaks[knots.pieces]
     delta, *rates = (_evaluated(derivative(curve.coefficients, k)[piece], x) for k in range(3))
     if not curve.manifold.is_flat:
@@ -121,7 +131,7 @@ class _Knots:
     ramps: Indices
 
     @classmethod
-    def of(cls, curve: TimedTrajectory, period: float, limits: Array) -> "_Knots":
+    def of(cls, curve: TimedTrajectory, periods: Array, limits: Array) -> "_Knots":
         breaks, widths = curve.breaks, np.diff(curve.breaks)
         ramp = _ramp(curve, limits)
         long = np.flatnonzero(widths >= _NARROW * ramp)
@@ -133,7 +143,7 @@ class _Knots:
         jumps[1:-1] |= _jumps(curve, limits, long)
         begins = breaks[long] + ramp * jumps[:-1]
         ends = breaks[long + 1] - ramp * jumps[1:]
-        counts = np.maximum(1, np.ceil((ends - begins) / period - 1e-9)).astype(np.intp)
+        counts = np.maximum(1, np.ceil((ends - begins) / periods[long] - 1e-9)).astype(np.intp)
         has_end = np.append(jumps[1:-1], True)
         number = counts + has_end
         owner = np.repeat(np.arange(len(long)), number)

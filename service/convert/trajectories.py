@@ -75,7 +75,7 @@ def sampled_wire(
         "velocities": listed(samples.velocities),
         "accelerations": listed(samples.accelerations),
         "duration": float(samples.times[-1]),
-        "interpolation": [_interpolation_wire(proof) for proof in interpolations],
+        "interpolations": [_interpolation_wire(proof) for proof in interpolations],
     }
 
 

@@ -139,6 +139,9 @@ class OwnTrajectory(Wire):
         "rests at both ends (`cubic_spline`), or straight lines (`linear`); null for the first of "
         "these that there are rates for",
     )
+    interpolations: list[dict[str, Any]] | None = Field(
+        default=None, description="Ignored: what was proven of the samples where they come from"
+    )
     duration: Coordinate | None = Field(default=None, description="Ignored: the times tell it [s]")
     polynomial: OwnPolynomial | None = Field(
         default=None, description="The exact motion; if it is given the samples are not looked at"

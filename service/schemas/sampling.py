@@ -24,12 +24,12 @@ class SamplingWire(Wire):
     even_samples: Boolean = Field(
         default=False,
         description="Deliver samples exactly `sample_period` apart, but for the last, wherever the "
-        "pieces of the motion meet; `trajectory.interpolation` says what is proven of them",
+        "pieces of the motion meet; `trajectory.interpolations` says what is proven of them",
     )
     num_points: Annotated[int, Strict(), Field(ge=2, le=200_000), WHOLE] | None = Field(
         default=None,
         description="Deliver so many samples, evenly in time, first and last instants included, "
-        "however far apart that is; `trajectory.interpolation` says what is proven of them; null "
+        "however far apart that is; `trajectory.interpolations` says what is proven of them; null "
         "for one every `sample_period`; not both",
     )
 

@@ -41,7 +41,7 @@ class TrajectoryWire(Answer):
                     "velocities": [[0.0], [0.02]],
                     "accelerations": [[2.0], [2.0]],
                     "duration": 0.01,
-                    "interpolation": [],
+                    "interpolations": [],
                     "polynomial": None,
                 }
             ]
@@ -57,7 +57,7 @@ class TrajectoryWire(Answer):
     velocities: list[Row] = Field(description="One row per instant [rad/s or m/s]")
     accelerations: list[Row] = Field(description="One row per instant [rad/s^2 or m/s^2]")
     duration: float = Field(description="Of the whole motion [s]")
-    interpolation: list[InterpolationWire] = Field(
+    interpolations: list[InterpolationWire] = Field(
         default=[],
         description="What is proven of the samples, by what receivers make of them; the "
         "certificate beside them is that of the exact motion. Empty of plans that are older",

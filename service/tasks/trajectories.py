@@ -63,7 +63,7 @@ def sample_csv(payload: dict[str, Any], channel: Channel) -> dict[str, Any]:
     writer.writerow(header)
     for time_, q, v, vdot in zip(sampled["times"], *columns, strict=True):
         writer.writerow([time_, *q, *v, *vdot])
-    verdicts = ((proof["kind"], proof["proven"]) for proof in sampled["interpolation"])
+    verdicts = ((proof["kind"], proof["proven"]) for proof in sampled["interpolations"])
     told = ", ".join(f"{kind}={'proven' if proven else 'unproven'}" for kind, proven in verdicts)
     return {"text": text.getvalue(), "proven": told}
 
