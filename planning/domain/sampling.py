@@ -33,6 +33,8 @@ _JUMP, _ROUNDED = 1e-6, 2e-7
 _SHORTEST = 1e-3
 # The largest second derivative of the polynomial of degree 5 on [0, 1] that goes from 0 to 1.
 _STEEPEST = 10 / np.sqrt(3)
+# What is shorter, at an end, is part of the piece beside it [s].
+_DUST = 3e-8
 # Pieces of fewer ramps than this are gone over as a whole.
 _NARROW = 4.0
 
@@ -143,6 +145,10 @@ class _Knots:
         jumps[1:-1] |= _jumps(curve, limits, long)
         begins = breaks[long] + ramp * jumps[:-1]
         ends = breaks[long + 1] - ramp * jumps[1:]
+        if breaks[long[0]] <= _DUST:
+            begins[0], jumps[0] = 0.0, False
+        if breaks[-1] - breaks[long[-1] + 1] <= _DUST:
+            ends[-1], jumps[-1] = breaks[-1], False
         counts = np.maximum(1, np.ceil((ends - begins) / periods[long] - 1e-9)).astype(np.intp)
         has_end = np.append(jumps[1:-1], True)
         number = counts + has_end

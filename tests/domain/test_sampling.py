@@ -134,3 +134,11 @@ def test_points_are_evenly_apart(count):
     motion = bang_bang(3)
     times = sampled(motion, Sampling(0.01, num_points=count), LIMITS).times
     np.testing.assert_allclose(times, np.linspace(0, motion.duration, count))
+
+
+def test_a_piece_of_nothing_at_an_end_belongs_to_its_neighbour():
+    motion = bang_bang(5)
+    cut = TimedTrajectory.joined([motion.until(2e-8), motion.after(2e-8)])
+    times = sampled(cut, Sampling(0.01), LIMITS).times
+    np.testing.assert_allclose(times, sampled(motion, Sampling(0.01), LIMITS).times, atol=1e-7)
+    assert np.diff(times).min() > 5e-5
