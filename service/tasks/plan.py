@@ -22,7 +22,7 @@ _PATIENCE = 5.0
 # To prove the samples that are delivered [s].
 PROVING = 5.0
 # To write down what was found [s].
-_WRITING = 15.0
+_WRITING = 10.0
 
 
 def plan_motion(payload: dict[str, Any], channel: Channel) -> dict[str, Any]:
