@@ -33,7 +33,7 @@ if TYPE_CHECKING:
         RegionGoal,
         RelativeGoal,
     )
-    from planning.domain.interpolation import trajectory_through
+    from planning.domain.interpolation import polyline_through, trajectory_through
     from planning.domain.kept_files import KeptFiles
     from planning.domain.line import Displacement
     from planning.domain.line_trace import LineTrace
@@ -57,6 +57,7 @@ if TYPE_CHECKING:
     from planning.domain.quality import ConfigurationQuality
     from planning.domain.regions import RegionOptions, Regions
     from planning.domain.roadmap import Roadmap
+    from planning.domain.sampling import Sampling
     from planning.domain.scene import Scene
     from planning.domain.scene_operation import (
         AddObject,
@@ -75,12 +76,18 @@ if TYPE_CHECKING:
     from planning.kernel.native import kernel_name
     from planning.line import Fineness, trace_line
     from planning.own_path import RetimedPath, retime_path
-    from planning.own_trajectory import certify_trajectory
+    from planning.own_trajectory import certify_positions, certify_trajectory
     from planning.pipeline import plan
     from planning.planners import list_planners
     from planning.reverse import reverse_plan
     from planning.roadmap_shelf import RoadmapShelf, RoadmapStore
     from planning.roadmaps import build_roadmap
+    from planning.sampled_motion import (
+        proven_clearance,
+        sample_motion,
+        sample_plan,
+        unproven_samples,
+    )
     from planning.series import MotionSeries, motion_series
     from planning.shared_cores import SharedCores
     from planning.splice import ProvenMotion, splice_motion, stop_motion
@@ -152,6 +159,7 @@ _DOORS = {
     "RoadmapOptions": "planning.domain.options",
     "RoadmapShelf": "planning.roadmap_shelf",
     "RoadmapStore": "planning.roadmap_shelf",
+    "Sampling": "planning.domain.sampling",
     "Scene": "planning.domain.scene",
     "SceneDocument": "planning.world.scene_document",
     "SearchOptions": "planning.domain.options",
@@ -167,6 +175,7 @@ _DOORS = {
     "assess_configurations": "planning.ik",
     "build_roadmap": "planning.roadmaps",
     "bundled_folder": "planning.world.model_library",
+    "certify_positions": "planning.own_trajectory",
     "certify_trajectory": "planning.own_trajectory",
     "check_configurations": "planning.world.check",
     "describe_model": "planning.world.catalogue",
@@ -182,16 +191,21 @@ _DOORS = {
     "motion_series": "planning.series",
     "parse_scene": "planning.world.scene_file",
     "plan": "planning.pipeline",
+    "polyline_through": "planning.domain.interpolation",
+    "proven_clearance": "planning.sampled_motion",
     "read_scene": "planning.world.scene_file",
     "replay_html": "planning.world.replay",
     "retime_path": "planning.own_path",
     "reverse_plan": "planning.reverse",
+    "sample_motion": "planning.sampled_motion",
+    "sample_plan": "planning.sampled_motion",
     "scene_document": "planning.world.scene_writer",
     "solve_ik": "planning.ik",
     "splice_motion": "planning.splice",
     "stop_motion": "planning.splice",
     "trace_line": "planning.line",
     "trajectory_through": "planning.domain.interpolation",
+    "unproven_samples": "planning.sampled_motion",
     "with_line": "planning.world.scene_file",
 }
 
@@ -250,6 +264,7 @@ __all__ = [
     "RoadmapOptions",
     "RoadmapShelf",
     "RoadmapStore",
+    "Sampling",
     "Scene",
     "SceneDocument",
     "SearchOptions",
@@ -265,6 +280,7 @@ __all__ = [
     "assess_configurations",
     "build_roadmap",
     "bundled_folder",
+    "certify_positions",
     "certify_trajectory",
     "check_configurations",
     "describe_model",
@@ -280,16 +296,21 @@ __all__ = [
     "motion_series",
     "parse_scene",
     "plan",
+    "polyline_through",
+    "proven_clearance",
     "read_scene",
     "replay_html",
     "retime_path",
     "reverse_plan",
+    "sample_motion",
+    "sample_plan",
     "scene_document",
     "solve_ik",
     "splice_motion",
     "stop_motion",
     "trace_line",
     "trajectory_through",
+    "unproven_samples",
     "with_line",
 ]
 

@@ -1,10 +1,11 @@
-"""certify_trajectory(): the certifier by itself, for a motion that somebody else made."""
+"""certify_trajectory(): the certifier by itself, for a motion that was made elsewhere."""
 
 from dataclasses import replace
 from typing import Any
 
-from planning.certify.certifier import certify
+from planning.certify.certifier import certify, certify_places, unchecked_of
 from planning.certify.first_unproven import with_first_unproven
+from planning.certify.request import CertifyRequest
 from planning.domain.certificate import Certificate
 from planning.domain.constraint import PathConstraint
 from planning.domain.curve import TimedTrajectory
@@ -59,27 +60,82 @@ def certify_trajectory(  # noqa: PLR0913  (a question in full)
         DeadlineExceeded: Time ran out before the verdict.
         Canceled: Somebody asked for the end.
     """
+    request = _request(world, group, trajectory, options, (start, goal), margin, constraints)
+    request = replace(request, options=wanted or CertifyOptions())
+    certificate, report = certify(world.drake, request, deadline)
+    return with_first_unproven(world.drake, request, certificate, deadline), report
+
+
+def certify_positions(  # noqa: PLR0913  (a question in full)
+    world: World,
+    group: str,
+    trajectory: TimedTrajectory,
+    *,
+    deadline: Deadline,
+    options: RetimeOptions | None = None,
+    start: Any = None,
+    goal: Any = None,
+    margin: float | None = None,
+    constraints: tuple[PathConstraint, ...] = (),
+) -> tuple[Certificate, CertifyReport, tuple[str, ...]]:
+    """Hold straight lines with corners (`polyline_through`) against all that corners can keep.
+
+    That is ends, positions, speeds, constraints, limits on the speeds of frames, and margins: what
+    a receiver of positions alone makes of them. Not promised: anything about accelerations.
+
+    Args:
+        world: The scene, loaded.
+        group: What moves.
+        trajectory: The motion, exactly.
+        deadline: When to stop.
+        options: The scales multiply the limits; its limits of frames and zones are checked.
+        start: Where it shall begin, shape (nq,); None for where it does.
+        goal: Where it shall end, shape (nq,); None for where it does.
+        margin: Distance to keep [m]; None for the scene's.
+        constraints: What it shall keep; what counts from the start counts from `start`.
+
+    Returns:
+        What `certify_trajectory` does, and the names of the checks that were left out.
+
+    Raises:
+        UnknownName: There is no such group, body, frame or joint.
+        ProblemInvalid: The trajectory is of other joints, start or goal do not fit the group, or
+            a limit makes no sense.
+        DeadlineExceeded: Time ran out before the verdict.
+        Canceled: Somebody asked for the end.
+    """
+    request = _request(world, group, trajectory, options, (start, goal), margin, constraints)
+    certificate, report = certify_places(world.drake, request, deadline)
+    told = with_first_unproven(world.drake, request, certificate, deadline)
+    return told, report, unchecked_of(request)
+
+
+def _request(  # noqa: PLR0913, PLR0917  (a question in full)
+    world: World,
+    group: str,
+    trajectory: TimedTrajectory,
+    options: RetimeOptions | None,
+    ends: tuple[Any, Any],
+    margin: float | None,
+    constraints: tuple[PathConstraint, ...],
+) -> CertifyRequest:
+    """Return what to prove, once it makes sense."""
     joints = world.group(group)
     require_joints(joints, trajectory, "trajectory")
     begin, end = (
         reached if asked is None else require_positions(joints, asked, field)
-        for asked, reached, field in (
-            (start, trajectory.start, "start"),
-            (goal, trajectory.end, "goal"),
+        for asked, reached, field in zip(
+            ends, (trajectory.start, trajectory.end), ("start", "goal"), strict=True
         )
     )
-    options, wanted = options or RetimeOptions(), wanted or CertifyOptions()
     require_constraints(world, joints, constraints)
-    options = admit_timing(world, joints, options, begin, within="")
-    request = replace(
+    options = admit_timing(world, joints, options or RetimeOptions(), begin, within="")
+    return replace(
         proof_request(world, joints, trajectory, options, world.margins(margin)),
         start=begin,
         goals=end[None],
         constraints=constraints,
-        options=wanted,
     )
-    certificate, report = certify(world.drake, request, deadline)
-    return with_first_unproven(world.drake, request, certificate, deadline), report
 
 
 def require_joints(group: JointGroup, trajectory: TimedTrajectory, field: str) -> None:

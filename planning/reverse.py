@@ -11,15 +11,13 @@ from planning.domain.certificate import Certificate
 from planning.domain.curve import TimedTrajectory
 from planning.domain.deadline import Deadline
 from planning.domain.funnel import Funnel
-from planning.domain.goal import LineGoal
 from planning.domain.goal_configurations import GoalConfigurations
-from planning.domain.joints import JointGroup
-from planning.domain.line import MAX_SHIFT, MAX_TURN, LineSection, ToolLine
 from planning.domain.path import JointPath
 from planning.domain.plan import MotionPlan, PlanPart, StageReports
 from planning.domain.problem import PlanningProblem
 from planning.domain.report import RefineReport, RetimeReport
-from planning.parts import no_search, tool_of
+from planning.part_lines import part_lines
+from planning.parts import no_search
 from planning.proof_request import proof_request
 from planning.search.demands import driven
 from planning.stopwatch import Stopwatch
@@ -84,7 +82,7 @@ def reverse_plan(
     request = replace(
         proof_request(world, group, back, options, world.margins(problem.margin)),
         constraints=problem.constraints,
-        lines=_lines(world, group, problem, back, turned),
+        lines=part_lines(world, group, problem, back, turned),
         options=problem.certify,
     )
     with watch.stage("certify"):
@@ -112,28 +110,6 @@ def reverse_plan(
         timings=watch.seconds,
         parts=turned,
     )
-
-
-def _lines(
-    world: World,
-    group: JointGroup,
-    problem: PlanningProblem,
-    back: TimedTrajectory,
-    parts: Sequence[PlanPart],
-) -> tuple[LineSection, ...]:
-    """Return the lines that straight parts follow: from where the tool is to where it will be."""
-    goal, frame = problem.goal, tool_of(group, problem.goal)
-    allowed = (goal.max_shift, goal.max_turn) if isinstance(goal, LineGoal) else ()
-    sections: list[LineSection] = []
-    for part in parts:
-        if part.kind != "free":
-            ends = world.embed(group, back.positions(np.array([part.begin, part.end])))
-            begin, end = (world.frame_pose(frame, q) for q in ends)
-            line = ToolLine(frame, begin, end)
-            sections.append(
-                LineSection(line, part.begin, part.end, *(allowed or (MAX_SHIFT, MAX_TURN)))
-            )
-    return tuple(sections)
 
 
 def _timing(

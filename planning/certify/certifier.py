@@ -1,5 +1,6 @@
 """certify(): every check on one trajectory, and the verdict."""
 
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
@@ -21,10 +22,11 @@ from planning.certify.tool_checks import tool_checks
 from planning.certify.torque_check import torque_check
 from planning.domain.certificate import Certificate, Check
 from planning.domain.deadline import Deadline
+from planning.domain.options import CertifyOptions
 from planning.domain.report import CertifyReport
 from planning.world.drake_model import DrakeModel
 
-__all__ = ["CertifyRequest", "certify"]
+__all__ = ["CertifyRequest", "certify", "certify_places"]
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
@@ -51,18 +53,66 @@ def certify(
         Canceled: Somebody asked for the end.
         ModelInvalid: The scene has a shape or joint of a kind that cannot be certified.
     """
+    return _certify(model, request, deadline, motion_checks)
+
+
+def certify_places(
+    model: DrakeModel, request: CertifyRequest, deadline: Deadline
+) -> tuple[Certificate, CertifyReport]:
+    """Hold a motion of straight lines with corners against all that corners let it keep.
+
+    That is what `unchecked_of` does not name. What it takes and gives is what `certify` does.
+
+    Raises:
+        DeadlineExceeded: Time ran out before the verdict.
+        Canceled: Somebody asked for the end.
+        ModelInvalid: The scene has a shape or joint of a kind that cannot be certified.
+    """
+    return _certify(model, without_bends(request), deadline, place_checks)
+
+
+def without_bends(request: CertifyRequest) -> CertifyRequest:
+    """Return a request for no more than a motion of straight lines with corners can keep."""
+    frames = tuple(replace(limit, acceleration=None) for limit in request.tool_limits)
+    return replace(
+        request,
+        jerk=False,
+        effort=False,
+        acceleration_bounds={},
+        tool_limits=tuple(limit for limit in frames if limit.speed is not None),
+        options=CertifyOptions(),
+    )
+
+
+def unchecked_of(request: CertifyRequest) -> tuple[str, ...]:
+    """Return the names of the checks that `certify_places` leaves out."""
+    asked = [
+        ("jerk", request.jerk),
+        ("acceleration continuity", request.jerk),
+        ("torque", request.effort),
+        ("stop", request.options.wants_stops),
+        *(
+            (f"tool_acceleration {limit.frame}", limit.acceleration is not None)
+            for limit in request.tool_limits
+        ),
+    ]
+    always = ("rest", "velocity continuity", "acceleration")
+    return (*always, *(name for name, is_asked in asked if is_asked))
+
+
+def _certify(
+    model: DrakeModel,
+    request: CertifyRequest,
+    deadline: Deadline,
+    own_checks: Callable[[CertifyRequest], list[Check]],
+) -> tuple[Certificate, CertifyReport]:
     deadline.check("certify")
     form = form_check(request)
     if not form.passed:
         return _malformed(form), CertifyReport(0, 0)
-    kept = constraint_checks(model, request, deadline)
+    special = special_checks(model, request, deadline)
     clearance = check_clearance(model, request, deadline)
-    lines = line_checks(model, request, deadline)
-    torque = [torque_check(model, request, deadline)] if request.effort else []
-    steering = steering_checks(request)
-    tools = tool_checks(model, request, deadline)
-    special = (*steering, *torque, *tools, *kept, *lines)
-    checks = (form, *_motion_checks(request), *special, clearance.check)
+    checks = (form, *own_checks(request), *special, clearance.check)
     report = CertifyReport(clearance.intervals, clearance.queries)
     if all(check.passed for check in checks):
         stop, report = _findings(model, request, report, deadline)
@@ -96,7 +146,7 @@ def _findings(
     return checks, report
 
 
-def _motion_checks(request: CertifyRequest) -> list[Check]:
+def motion_checks(request: CertifyRequest) -> list[Check]:
     """Return the checks of a trajectory alone."""
     rates = [("velocity", 1), ("acceleration", 2)] + ([("jerk", 3)] if request.jerk else [])
     return [
@@ -107,6 +157,35 @@ def _motion_checks(request: CertifyRequest) -> list[Check]:
         position_check(request),
         *(rate_check(request, name, order) for name, order in rates),
     ]
+
+
+def place_checks(request: CertifyRequest) -> list[Check]:
+    """Return those of them that a motion with corners can pass."""
+    return [
+        start_check(request),
+        goal_check(request),
+        continuity_checks(request)[0],
+        position_check(request),
+        rate_check(request, "velocity", 1),
+    ]
+
+
+def special_checks(
+    model: DrakeModel, request: CertifyRequest, deadline: Deadline
+) -> tuple[Check, ...]:
+    """Return the checks of what was asked for besides limits of joints, and clearance.
+
+    Raises:
+        DeadlineExceeded: Time ran out before the verdict.
+        Canceled: Somebody asked for the end.
+        ModelInvalid: The scene has a joint of a kind that cannot be certified.
+    """
+    kept = constraint_checks(model, request, deadline)
+    lines = line_checks(model, request, deadline)
+    torque = [torque_check(model, request, deadline)] if request.effort else []
+    steering = steering_checks(request)
+    tools = tool_checks(model, request, deadline)
+    return (*steering, *torque, *tools, *kept, *lines)
 
 
 def _verdict(

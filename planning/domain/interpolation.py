@@ -2,7 +2,8 @@
 
 Between two samples a polynomial meets what is given at both: of degree 5 if accelerations are, of
 degree 3 if velocities are. Of positions alone it is the cubic spline with continuous acceleration
-that rests at both ends (de Boor, "A Practical Guide to Splines", 2001, chapter IV).
+that rests at both ends (de Boor, "A Practical Guide to Splines", 2001, chapter IV), or, where
+that is asked for, the straight line.
 """
 
 from typing import Any
@@ -58,6 +59,24 @@ def trajectory_through(
             (6 * p - 3 * v + a / 2) / h**5,
         ]
     return TimedTrajectory(joints, times, positions[:-1], np.stack(columns, axis=1))
+
+
+def polyline_through(
+    joints: tuple[Joint, ...],
+    times: Float64[np.ndarray, " n"],
+    positions: Float64[np.ndarray, "n nq"],
+) -> TimedTrajectory:
+    """Return the motion that goes straight from sample to sample, the short way.
+
+    Args:
+        joints: Whose samples these are; those that float turn about one axis at a time.
+        times: From 0, increasing [s], n >= 2.
+        positions: [rad or m].
+    """
+    steps = Manifold(joints).minus(positions[1:], positions[:-1])
+    rates = steps / np.diff(times)[:, None]
+    coefficients = np.stack([np.zeros_like(rates), rates], axis=1)
+    return TimedTrajectory(joints, times, positions[:-1], coefficients)
 
 
 def _spline_slopes(

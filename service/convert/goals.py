@@ -161,7 +161,7 @@ def retime_value(retime: RetimeWire) -> RetimeOptions:
     """Return the domain's options of the timing."""
     return RetimeOptions(
         method=retime.method,
-        sample_period=retime.period,
+        sample_period=retime.sampling.period,
         duration=retime.duration,
         deviation=retime.deviation,
         explain=retime.explain,

@@ -7,17 +7,16 @@ from planning import funnel_evidence
 from planning.domain.certificate import Certificate
 from planning.domain.plan import MotionPlan, StageReports
 from service.convert.numbers import finite, listed
-from service.convert.trajectories import sampled_wire
+from service.convert.trajectories import check_wire
 from service.convert.verdicts import pair_wire
 
 
-def plan_wire(plan: MotionPlan, period: float, num_points: int | None) -> dict[str, Any]:
+def plan_wire(plan: MotionPlan, trajectory: dict[str, Any]) -> dict[str, Any]:
     """Return the `result` of a job.
 
     Args:
         plan: What was found.
-        period: Between samples of the trajectory [s].
-        num_points: How many samples there are instead; None for one every period.
+        trajectory: Its samples.
     """
     return {
         "goal_configuration": listed(plan.goal_configuration),
@@ -26,7 +25,7 @@ def plan_wire(plan: MotionPlan, period: float, num_points: int | None) -> dict[s
         "start_clipped": listed(plan.start_clipped),
         "path": listed(plan.path.waypoints),
         "parts": [dataclasses.asdict(part) for part in plan.parts],
-        "trajectory": sampled_wire(plan.trajectory, period, num_points),
+        "trajectory": trajectory,
         "certificate": certificate_wire(plan.certificate),
         "stages": stages_wire(plan.stages),
         "digest": plan.digest,
@@ -46,15 +45,7 @@ def certificate_wire(certificate: Certificate) -> dict[str, Any]:
         "proven_until": certificate.proven_until,
         "first_unproven": None if stopped is None else pair_wire(stopped),
         "unchecked": [dataclasses.asdict(pair) for pair in certificate.unchecked],
-        "checks": [
-            {
-                **dataclasses.asdict(check),
-                "value": finite(check.value),
-                "bound": finite(check.bound),
-                "resolution": finite(check.resolution),
-            }
-            for check in certificate.checks
-        ],
+        "checks": [check_wire(check) for check in certificate.checks],
     }
 
 

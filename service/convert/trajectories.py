@@ -1,13 +1,19 @@
 """Trajectories: sampled for the wire, and exactly there and back."""
 
+import dataclasses
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
+from planning import Sampling
+from planning.domain.certificate import Check
 from planning.domain.curve import TimedTrajectory
+from planning.domain.interpolation_proof import InterpolationProof
 from planning.domain.joints import Joint, JointType
+from planning.domain.sampling import SampledTrajectory
 from planning.errors import ProblemInvalid
-from service.convert.numbers import listed
+from service.convert.numbers import finite, listed
 
 MAX_SAMPLES = 200_000
 # Where requests say how to sample: fields of a body, deep in it or not, or parameters of a query.
@@ -34,40 +40,64 @@ def require_one_sampling(
         raise ProblemInvalid(message, {"field": names[1]})
 
 
-def sampled_wire(
-    trajectory: TimedTrajectory,
-    period: float,
-    num_points: int | None = None,
-    names: tuple[str, str] = IN_BODY,
-) -> dict[str, Any]:
-    """Return the samples of a trajectory.
+def require_few(
+    trajectory: TimedTrajectory, sampling: Sampling, names: tuple[str, str] = IN_BODY
+) -> None:
+    """Go on only if a motion has not too many samples.
 
     Args:
         trajectory: What to sample.
-        period: Between samples [s].
-        num_points: How many samples instead, evenly in time; None for one every period.
-        names: What the request calls these two.
+        sampling: At which instants.
+        names: What the request calls the period and the number of points.
 
     Raises:
         ProblemInvalid: That would be too many samples.
     """
-    even = num_points is not None
-    count = num_points if even else trajectory.duration / period
+    count = sampling.num_points or trajectory.duration / sampling.period
     if count > MAX_SAMPLES:
         message = (
-            f"{names[0]}: a motion of {trajectory.duration:.4g} s with a sample every {period:g} s "
-            f"would have more than {MAX_SAMPLES} samples; take a longer one, or `{names[1]}`"
+            f"{names[0]}: a motion of {trajectory.duration:.4g} s with a sample every "
+            f"{sampling.period:g} s would have more than {MAX_SAMPLES} samples; take a longer one, "
+            f"or `{names[1]}`"
         )
         raise ProblemInvalid(message, {"field": names[0], "bound": MAX_SAMPLES})
-    times = trajectory.even_times(num_points) if even else trajectory.sample_times(period)
+
+
+def sampled_wire(
+    samples: SampledTrajectory, interpolations: Sequence[InterpolationProof]
+) -> dict[str, Any]:
+    """Return the samples of a trajectory, and what is proven of them."""
     return {
-        "joint_names": [name for joint in trajectory.joints for name in joint.position_names],
-        "velocity_names": [name for joint in trajectory.joints for name in joint.velocity_names],
-        "times": listed(times),
-        "positions": listed(trajectory.positions(times)),
-        "velocities": listed(trajectory.velocities(times)),
-        "accelerations": listed(trajectory.accelerations(times)),
-        "duration": trajectory.duration,
+        "joint_names": [name for joint in samples.joints for name in joint.position_names],
+        "velocity_names": [name for joint in samples.joints for name in joint.velocity_names],
+        "times": listed(samples.times),
+        "positions": listed(samples.positions),
+        "velocities": listed(samples.velocities),
+        "accelerations": listed(samples.accelerations),
+        "duration": float(samples.times[-1]),
+        "interpolations": [_interpolation_wire(proof) for proof in interpolations],
+    }
+
+
+def _interpolation_wire(proof: InterpolationProof) -> dict[str, Any]:
+    return {
+        "kind": proof.kind,
+        "proven": proof.proven,
+        "deviation": finite(proof.deviation),
+        "up_to_period": proof.up_to_period,
+        "failed": [check_wire(check) for check in proof.failed],
+        "unchecked": list(proof.unchecked),
+        "reason": proof.reason,
+    }
+
+
+def check_wire(check: Check) -> dict[str, Any]:
+    """Return a check for the wire."""
+    return {
+        **dataclasses.asdict(check),
+        "value": finite(check.value),
+        "bound": finite(check.bound),
+        "resolution": finite(check.resolution),
     }
 
 

@@ -49,8 +49,28 @@ def polynomial_of(job: Job) -> dict[str, Any]:
     return polynomial
 
 
-def sampling_of(job: Job, period: float | None, num_points: int | None) -> dict[str, Any]:
-    """Return the `period` [s] and `num_points` to sample a plan by: as asked for, or as it has it.
+def motion_of(job: Job) -> dict[str, Any]:
+    """Return what tasks need to sample the motion of a plan and to prove the samples.
+
+    Raises:
+        NotFinished: It has none (yet).
+    """
+    polynomial = polynomial_of(job)
+    result = (job.result or {})["result"]
+    return {
+        **{part: job.payload[part] for part in ("scene", "library")},
+        "trajectory": polynomial,
+        # A way back was proven to keep what the way there was asked to.
+        "request": job.payload.get("origin", job.payload["request"]),
+        "parts": result.get("parts", []),
+        "certificate": result["certificate"],
+    }
+
+
+def sampling_of(
+    job: Job, period: float | None, num_points: int | None, *, even: bool
+) -> dict[str, Any]:
+    """Return at which instants to sample a plan: as asked for, or as it has it.
 
     Raises:
         ProblemInvalid: Both are asked for.
@@ -59,7 +79,12 @@ def sampling_of(job: Job, period: float | None, num_points: int | None) -> dict[
     own = job.payload["request"]["retime"]
     if period is None and num_points is None:
         num_points = own.get("num_points")
-    return {"period": period or own["sample_period"] or DEFAULT_PERIOD, "num_points": num_points}
+        even = even or own.get("even_samples", False)
+    return {
+        "period": period or own["sample_period"] or DEFAULT_PERIOD,
+        "num_points": num_points,
+        "is_even": even,
+    }
 
 
 def graph_of(job: Job) -> dict[str, Any]:

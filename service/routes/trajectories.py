@@ -6,7 +6,7 @@ from fastapi import APIRouter, Path, Query, Response
 from fastapi.responses import HTMLResponse
 
 from service.dependencies import DeskDep, PlanJob
-from service.plans.wire import polynomial_of, sampling_of
+from service.plans.wire import motion_of, polynomial_of, sampling_of
 from service.routes.answers import problems
 from service.schemas.trajectory import TrajectoryWire
 
@@ -19,7 +19,8 @@ type Period = Annotated[
         ge=1e-4,
         le=10,
         allow_inf_nan=False,
-        description="Between samples [s]; none for the plan's `sample_period`",
+        description="Between samples at most [s]: they lie where the pieces of the motion meet, "
+        "and evenly between; none for the plan's `sample_period`",
     ),
 ]
 type Points = Annotated[
@@ -29,6 +30,13 @@ type Points = Annotated[
         le=200_000,
         description="How many samples, evenly in time, first and last instants included; not "
         "together with `period`",
+    ),
+]
+type Even = Annotated[
+    bool,
+    Query(
+        description="Have samples exactly `period` apart, but for the last, wherever the pieces of "
+        "the motion meet"
     ),
 ]
 type Slowness = Annotated[
@@ -56,8 +64,18 @@ type Chart = Annotated[
     Path(description="What to draw over time, against its limits as the plan was asked to keep"),
 ]
 
+# The header that says what is proven of a table.
+INTERPOLATION = "wayproof-interpolation"
+
 _SVG = {"schema": {"type": "string", "description": "A drawing"}}
 _CSV = {"schema": {"type": "string", "description": "A header, then a row per instant"}}
+_TOLD = {
+    INTERPOLATION: {
+        "description": "Of CSV: what is proven of the samples, as `linear=proven, cubic=unproven, "
+        "quintic=proven`",
+        "schema": {"type": "string"},
+    }
+}
 _HTML = {"schema": {"type": "string", "description": "A page that needs nothing else"}}
 
 
@@ -65,7 +83,10 @@ _HTML = {"schema": {"type": "string", "description": "A page that needs nothing 
     "/trajectory",
     operation_id="getTrajectory",
     response_model=TrajectoryWire,
-    responses={200: {"content": {"text/csv": _CSV}}, **problems(404, 409, 422, 429, 503)},
+    responses={
+        200: {"content": {"text/csv": _CSV}, "headers": _TOLD},
+        **problems(404, 409, 422, 429, 503),
+    },
 )
 async def get_trajectory(  # noqa: PLR0913  (one parameter per query)
     job: PlanJob,
@@ -74,20 +95,22 @@ async def get_trajectory(  # noqa: PLR0913  (one parameter per query)
     format: Format = "json",  # noqa: A002  (the contract's name)
     period: Period = None,
     points: Points = None,
+    even: Even = False,
     scale: Slowness = 1.0,
     polynomial: Exact = False,
 ) -> Any:
-    """Sample the motion of a plan anew, slowed down if asked for."""
+    """Sample the motion of a plan anew, slowed down if asked for, and prove the samples."""
     payload = {
-        "trajectory": polynomial_of(job),
-        **sampling_of(job, period, points),
+        **motion_of(job),
+        "sampling": sampling_of(job, period, points, even=even),
         "scale": scale,
         "polynomial": polynomial,
     }
     if format == "json":
         return await desk.ask("service.tasks.trajectories:sample", payload)
     table = await desk.ask("service.tasks.trajectories:sample_csv", payload)
-    return Response(table["text"], media_type="text/csv")
+    told = {INTERPOLATION: table["proven"]}
+    return Response(table["text"], media_type="text/csv", headers=told)
 
 
 @router.get(

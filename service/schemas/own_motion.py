@@ -20,7 +20,8 @@ type Pieces = Annotated[list[Positions], Field(min_length=1, max_length=20_000)]
 type Powers = Annotated[list[Positions], Field(min_length=1, max_length=16)]
 
 # What samples may be taken for; no `type`, which would be a schema of its own in OpenAPI.
-Interpolation = Literal["polynomial", "quintic", "cubic", "cubic_spline"]
+AsAsked = Literal["quintic", "cubic", "cubic_spline", "linear"]
+Interpolation = Literal["polynomial", "quintic", "cubic", "cubic_spline", "linear"]
 
 _SCENE = {"scene": "scn_3f0c5b1e9a7d4c62", "group": "arm"}
 _PATH: dict[str, Any] = {
@@ -123,10 +124,23 @@ class OwnTrajectory(Wire):
         default=None, description="One row per instant [rad/s^2 or m/s^2]; null if not known"
     )
     joint_names: list[Name] | None = Field(
-        default=None, description="Whose the columns are; null: the group's, in its order"
+        default=None,
+        description="Whose the columns are, those of the rates too; null: the group's, in order",
     )
     velocity_names: list[Name] | None = Field(
-        default=None, description="Whose the columns of the rates are; null: the group's"
+        default=None,
+        description="Whose the columns of the rates are; null: as those of the positions. Not "
+        "without `joint_names`, unless it is the group's order",
+    )
+    interpolation: AsAsked | None = Field(
+        default=None,
+        description="What the samples stand for: the polynomials of degree 5 (`quintic`) or 3 "
+        "(`cubic`) that meet what is given, the cubic spline with continuous acceleration that "
+        "rests at both ends (`cubic_spline`), or straight lines (`linear`); null for the first of "
+        "these that there are rates for",
+    )
+    interpolations: list[dict[str, Any]] | None = Field(
+        default=None, description="Ignored: what was proven of the samples where they come from"
     )
     duration: Coordinate | None = Field(default=None, description="Ignored: the times tell it [s]")
     polynomial: OwnPolynomial | None = Field(
@@ -142,7 +156,9 @@ class CertifyMotionRequest(InScene, KeptConstraints, ScaledLimits):
     trajectory: OwnTrajectory = Field(
         description="The motion. Between samples it is taken to be the polynomial of degree 5 that "
         "meets positions, velocities and accelerations; of degree 3 without accelerations; "
-        "without velocities the cubic spline with continuous acceleration that rests at both ends"
+        "without velocities the cubic spline with continuous acceleration that rests at both ends; "
+        "or what its `interpolation` says. Straight lines have corners, and are only held to what "
+        "corners can keep"
     )
     start: Positions | None = Field(
         default=None, description="Where it shall begin [rad or m]; null for where it does"
@@ -163,5 +179,9 @@ class CertifyMotionResponse(Answer):
 
     certificate: CertificateWire = Field(description="What was proven, and what failed")
     interpolation: Interpolation = Field(description="What the samples were taken for")
+    unchecked: list[str] = Field(
+        default=[],
+        description="Checks that straight lines are not held to, as their velocity jumps",
+    )
     duration: float = Field(description="Of the motion [s]")
     stage: CertifyReportWire = Field(description="What it took")

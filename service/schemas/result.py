@@ -5,30 +5,10 @@ from typing import Literal
 from pydantic import ConfigDict, Field
 
 from service.schemas.check import PairWire, UncheckedPairWire
+from service.schemas.checked import CheckWire
 from service.schemas.report import StagesWire
 from service.schemas.trajectory import TrajectoryWire
 from service.schemas.wire import Answer
-
-
-class CheckWire(Answer):
-    """One property that was checked on the whole interval."""
-
-    name: str = Field(description="position, velocity, acceleration, jerk, clearance, start, ...")
-    value: float | None = Field(
-        description="The worst value found, in `unit`; of a check that failed the worst seen until "
-        "then, there may be worse; null for none"
-    )
-    bound: float | None = Field(description="What it was held against, in `unit`; null for none")
-    unit: str = Field(description="Of value, bound and resolution; `1` for peak over limit")
-    resolution: float | None = Field(
-        description="How far the true worst value may lie beyond `value`; null if it is not "
-        "bounded, as where a search for it ended at once"
-    )
-    passed: bool = Field(description="Whether the property holds")
-    where: str = Field(description="The joint or pair that is worst, or empty")
-    time: float = Field(
-        description="When that is [s]; not the first instant at which a check fails"
-    )
 
 
 class CertificateWire(Answer):

@@ -4,8 +4,9 @@ from typing import Annotated, Any
 
 from pydantic import Field, Strict, model_validator
 
+from planning import Sampling
 from service.schemas.numbers import WHOLE, Real
-from service.schemas.wire import Wire
+from service.schemas.wire import Boolean, Wire
 
 # Between samples [s].
 DEFAULT_PERIOD = 0.01
@@ -16,13 +17,20 @@ class SamplingWire(Wire):
 
     sample_period: Annotated[Real, Field(ge=1e-4, le=10)] | None = Field(
         default=DEFAULT_PERIOD,
-        description="Of the delivered samples [s]; 200000 at most, more are `problem_invalid`; "
-        "null where `num_points` says how many",
+        description="Longest time between delivered samples [s]: they lie where the pieces of the "
+        "motion meet, and evenly between, so that every interpolation of them can be proven; "
+        "200000 at most, more are `problem_invalid`; null where `num_points` says how many",
+    )
+    even_samples: Boolean = Field(
+        default=False,
+        description="Deliver samples exactly `sample_period` apart, but for the last, wherever the "
+        "pieces of the motion meet; `trajectory.interpolations` says what is proven of them",
     )
     num_points: Annotated[int, Strict(), Field(ge=2, le=200_000), WHOLE] | None = Field(
         default=None,
-        description="Deliver so many samples, evenly in time, first and last instants included; "
-        "null for one every `sample_period`; not both",
+        description="Deliver so many samples, evenly in time, first and last instants included, "
+        "however far apart that is; `trajectory.interpolations` says what is proven of them; null "
+        "for one every `sample_period`; not both",
     )
 
     @model_validator(mode="before")
@@ -34,6 +42,7 @@ class SamplingWire(Wire):
         return given
 
     @property
-    def period(self) -> float:
-        """Between samples [s], where `num_points` does not say how many there are."""
-        return self.sample_period or DEFAULT_PERIOD
+    def sampling(self) -> Sampling:
+        """At which instants to sample."""
+        period = self.sample_period or DEFAULT_PERIOD
+        return Sampling(period, self.num_points, self.even_samples)

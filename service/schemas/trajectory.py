@@ -2,6 +2,7 @@
 
 from pydantic import ConfigDict, Field
 
+from service.schemas.checked import InterpolationWire
 from service.schemas.wire import Answer
 
 type Row = list[float]
@@ -40,6 +41,7 @@ class TrajectoryWire(Answer):
                     "velocities": [[0.0], [0.02]],
                     "accelerations": [[2.0], [2.0]],
                     "duration": 0.01,
+                    "interpolations": [],
                     "polynomial": None,
                 }
             ]
@@ -55,6 +57,11 @@ class TrajectoryWire(Answer):
     velocities: list[Row] = Field(description="One row per instant [rad/s or m/s]")
     accelerations: list[Row] = Field(description="One row per instant [rad/s^2 or m/s^2]")
     duration: float = Field(description="Of the whole motion [s]")
+    interpolations: list[InterpolationWire] = Field(
+        default=[],
+        description="What is proven of the samples, by what receivers make of them; the "
+        "certificate beside them is that of the exact motion. Empty of plans that are older",
+    )
     polynomial: PolynomialWire | None = Field(
         default=None, description="The exact motion, where it was asked for"
     )

@@ -3,17 +3,35 @@
 import dataclasses
 import time
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any
 
-from planning import Deadline, ProvenMotion, RetimeOptions, splice_motion, stop_motion
-from planning.errors import PlanningFailure
+from planning import (
+    Deadline,
+    ProvenMotion,
+    RetimeOptions,
+    TimedTrajectory,
+    World,
+    proven_clearance,
+    sample_motion,
+    splice_motion,
+    stop_motion,
+)
+from planning.domain.joints import JointGroup
+from planning.errors import PlanningFailure, ProblemInvalid
 from service.convert.constraints import constraint_values
 from service.convert.failures import failure_wire
 from service.convert.motion_limits import motion_limits
 from service.convert.own_motion import own_trajectory
 from service.convert.plans import certificate_wire
-from service.convert.trajectories import IN_QUESTION, polynomial_wire, sampled_wire
+from service.convert.trajectories import (
+    IN_QUESTION,
+    polynomial_wire,
+    require_few,
+    sampled_wire,
+)
 from service.schemas.leaving import SpliceMotionRequest, StopMotionRequest
+from service.schemas.own_motion import OwnTrajectory
 from service.tasks.channel import Channel
 from service.tasks.worlds import borrow_world
 
@@ -26,11 +44,12 @@ def stop(payload: dict[str, Any], channel: Channel) -> dict[str, Any]:
     """
     request = StopMotionRequest.model_validate(payload["request"])
     with borrow_world(payload) as world:
-        running, kind = own_trajectory(world.group(request.group), request.trajectory)
+        running, kind = _running(world.group(request.group), request.trajectory, "trajectory")
         held = _held(request, channel, jerk=request.limit_jerk)
         along = request.along_path
         found = _found(
             request,
+            _Leaving(world, running, held),
             lambda: stop_motion(
                 world, request.group, running, request.time, along_path=along, **held
             ),
@@ -47,14 +66,28 @@ def splice(payload: dict[str, Any], channel: Channel) -> dict[str, Any]:
     request = SpliceMotionRequest.model_validate(payload["request"])
     with borrow_world(payload) as world:
         group = world.group(request.group)
-        running, kind = own_trajectory(group, request.trajectory)
-        onto, other = own_trajectory(group, request.onto, "onto")
+        running, kind = _running(group, request.trajectory, "trajectory")
+        onto, other = _running(group, request.onto, "onto")
         held = _held(request, channel, jerk=True)
         found = _found(
             request,
+            _Leaving(world, running, held),
             lambda: splice_motion(world, request.group, running, request.time, onto, **held),
         )
     return {**found, "interpolation": kind, "onto_interpolation": other}
+
+
+def _running(group: JointGroup, wire: OwnTrajectory, field: str) -> tuple[TimedTrajectory, str]:
+    """Return a motion that can be left or joined, and what its samples were taken for.
+
+    Raises:
+        InputError: It does not fit the group, or has corners.
+    """
+    motion, kind = own_trajectory(group, wire, field)
+    if kind == "linear":
+        message = f"{field}.interpolation: straight lines have corners, where nothing can be joined"
+        raise ProblemInvalid(message, {"field": f"{field}.interpolation"})
+    return motion, kind
 
 
 def _held(
@@ -70,8 +103,19 @@ def _held(
     }
 
 
+@dataclass(frozen=True)
+class _Leaving:
+    """What is left, and what holds on the way."""
+
+    world: World
+    running: TimedTrajectory
+    held: dict[str, Any]
+
+
 def _found(
-    request: StopMotionRequest | SpliceMotionRequest, leave: Callable[[], ProvenMotion]
+    request: StopMotionRequest | SpliceMotionRequest,
+    leaving: _Leaving,
+    leave: Callable[[], ProvenMotion],
 ) -> dict[str, Any]:
     try:
         found = leave()
@@ -79,10 +123,19 @@ def _found(
         nothing = dict.fromkeys(("trajectory", "certificate", "stage"))
         return {**nothing, "failure": failure_wire(failure)}
     motion = found.trajectory
-    sampled = sampled_wire(motion, request.period, request.num_points, IN_QUESTION)
+    require_few(motion, request.sampling, IN_QUESTION)
+    proven = sample_motion(
+        leaving.world,
+        request.group,
+        motion,
+        request.sampling,
+        clearance=proven_clearance(found.certificate),
+        origin=leaving.running.start,
+        **leaving.held,
+    )
     return {
         "trajectory": {
-            **sampled,
+            **sampled_wire(proven.samples, proven.interpolations),
             "polynomial": polynomial_wire(motion) if request.polynomial else None,
         },
         "certificate": certificate_wire(found.certificate),

@@ -6,7 +6,15 @@ from typing import Any
 
 import numpy as np
 
-from planning import Deadline, RetimeOptions, certify_trajectory, retime_path
+from planning import (
+    Deadline,
+    RetimeOptions,
+    certify_positions,
+    certify_trajectory,
+    proven_clearance,
+    retime_path,
+    sample_motion,
+)
 from planning.errors import PlanningFailure
 from service.convert.constraints import constraint_values
 from service.convert.failures import failure_wire
@@ -14,7 +22,7 @@ from service.convert.goals import certify_value, retime_value
 from service.convert.motion_limits import motion_limits
 from service.convert.own_motion import own_trajectory
 from service.convert.plans import certificate_wire
-from service.convert.trajectories import polynomial_wire, sampled_wire
+from service.convert.trajectories import polynomial_wire, require_few, sampled_wire
 from service.schemas.own_motion import CertifyMotionRequest, RetimeRequest
 from service.tasks.channel import Channel
 from service.tasks.worlds import borrow_world
@@ -29,25 +37,39 @@ def retime(payload: dict[str, Any], channel: Channel) -> dict[str, Any]:
     request = RetimeRequest.model_validate(payload["request"])
     with borrow_world(payload) as world:
         deadline = Deadline.after(request.allowed_time, time.monotonic, channel.is_canceled)
+        kept: dict[str, Any] = {
+            "options": retime_value(request.retime),
+            "margin": request.margin,
+            "constraints": constraint_values(request.path_constraints),
+        }
         try:
             found = retime_path(
                 world,
                 request.group,
                 np.array(request.waypoints, dtype=np.float64),
                 deadline=deadline,
-                options=retime_value(request.retime),
-                margin=request.margin,
-                constraints=constraint_values(request.path_constraints),
                 wanted=certify_value(request.certify),
+                **kept,
             )
         except PlanningFailure as failure:
             nothing = dict.fromkeys(("trajectory", "certificate", "stages"))
             return {**nothing, "failure": failure_wire(failure)}
-    timing = request.retime
-    sampled = sampled_wire(found.trajectory, timing.period, timing.num_points)
-    exact = polynomial_wire(found.trajectory) if request.polynomial else None
+        sampling = request.retime.sampling
+        require_few(found.trajectory, sampling)
+        proven = sample_motion(
+            world,
+            request.group,
+            found.trajectory,
+            sampling,
+            deadline=deadline,
+            clearance=proven_clearance(found.certificate),
+            **kept,
+        )
     return {
-        "trajectory": {**sampled, "polynomial": exact},
+        "trajectory": {
+            **sampled_wire(proven.samples, proven.interpolations),
+            "polynomial": polynomial_wire(found.trajectory) if request.polynomial else None,
+        },
         "certificate": certificate_wire(found.certificate),
         "stages": {
             "retime": dataclasses.asdict(found.retime),
@@ -68,24 +90,30 @@ def certify(payload: dict[str, Any], channel: Channel) -> dict[str, Any]:
     with borrow_world(payload) as world:
         deadline = Deadline.after(request.allowed_time, time.monotonic, channel.is_canceled)
         trajectory, kind = own_trajectory(world.group(request.group), request.trajectory)
-        certificate, report = certify_trajectory(
-            world,
-            request.group,
-            trajectory,
-            deadline=deadline,
-            options=RetimeOptions(
+        held: dict[str, Any] = {
+            "deadline": deadline,
+            "options": RetimeOptions(
                 method="ruckig" if request.limit_jerk else "toppra",
                 **motion_limits(request),
             ),
-            start=request.start,
-            goal=request.goal,
-            margin=request.margin,
-            constraints=constraint_values(request.path_constraints),
-            wanted=certify_value(request.certify),
-        )
+            "start": request.start,
+            "goal": request.goal,
+            "margin": request.margin,
+            "constraints": constraint_values(request.path_constraints),
+        }
+        if kind == "linear":
+            certificate, report, unchecked = certify_positions(
+                world, request.group, trajectory, **held
+            )
+        else:
+            wanted, unchecked = certify_value(request.certify), ()
+            certificate, report = certify_trajectory(
+                world, request.group, trajectory, wanted=wanted, **held
+            )
     return {
         "certificate": certificate_wire(certificate),
         "interpolation": kind,
+        "unchecked": list(unchecked),
         "duration": trajectory.duration,
         "stage": dataclasses.asdict(report),
     }

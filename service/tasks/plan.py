@@ -4,11 +4,11 @@ import time
 from dataclasses import replace
 from typing import Any
 
-from planning import Deadline, plan
+from planning import Deadline, PlanningProblem, World, plan, proven_clearance, sample_plan
 from planning.domain.plan import MotionPlan, Progress
 from service.convert.goals import problem_value
 from service.convert.plans import plan_wire
-from service.convert.trajectories import polynomial_wire
+from service.convert.trajectories import polynomial_wire, require_few, sampled_wire
 from service.schemas.plan import PlanRequest
 from service.tasks.channel import Channel
 from service.tasks.cores import own_core
@@ -19,8 +19,10 @@ from service.tasks.worlds import borrow_world
 
 # A plan minds its deadline by itself; a process that is this much too late hangs [s].
 _PATIENCE = 5.0
+# To prove the samples that are delivered [s].
+PROVING = 5.0
 # To write down what was found [s].
-_WRITING = 15.0
+_WRITING = 10.0
 
 
 def plan_motion(payload: dict[str, Any], channel: Channel) -> dict[str, Any]:
@@ -51,7 +53,7 @@ def plan_motion(payload: dict[str, Any], channel: Channel) -> dict[str, Any]:
             roadmaps=None if request.search.roadmap is None else shelf_in(payload["roadmaps"]),
             pool=pool,
         )
-    return delivered(found, request, loaded, channel)
+        return delivered(found, problem, world, request, loaded, channel)
 
 
 def mind(channel: Channel, allowed: float) -> None:
@@ -60,12 +62,28 @@ def mind(channel: Channel, allowed: float) -> None:
 
 
 def delivered(
-    found: MotionPlan, request: PlanRequest, loaded: float, channel: Channel
+    found: MotionPlan,
+    problem: PlanningProblem,
+    world: World,
+    request: PlanRequest,
+    loaded: float,
+    channel: Channel,
 ) -> dict[str, Any]:
-    """Return what a job keeps of a plan; loading the scene took `loaded` [s]."""
-    channel.allow(_WRITING)
+    """Return what a job keeps of a plan of a problem; loading the scene took `loaded` [s]."""
+    channel.allow(PROVING + _WRITING)
+    sampling = request.retime.sampling
+    require_few(found.trajectory, sampling)
+    proven = sample_plan(
+        world,
+        problem,
+        found.trajectory,
+        found.parts,
+        sampling,
+        deadline=Deadline.after(PROVING, time.monotonic, channel.is_canceled),
+        clearance=proven_clearance(found.certificate),
+    )
     return {
-        "result": plan_wire(found, request.retime.period, request.retime.num_points),
+        "result": plan_wire(found, sampled_wire(proven.samples, proven.interpolations)),
         "polynomial": polynomial_wire(found.trajectory),
         "timings": {"load": loaded, **found.timings},
         "digest": found.digest,

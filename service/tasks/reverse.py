@@ -42,4 +42,4 @@ def reverse_motion(payload: dict[str, Any], channel: Channel) -> dict[str, Any]:
             [PlanPart(**part) for part in motion["parts"]],
             Deadline.after(allowed, time.monotonic, channel.is_canceled),
         )
-    return delivered(found, request, loaded, channel)
+        return delivered(found, problem, world, request, loaded, channel)

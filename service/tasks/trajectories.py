@@ -2,42 +2,55 @@
 
 import csv
 import io
+import math
+import time
+from dataclasses import replace
 from typing import Any
 
-from planning import replay_html
-from planning.domain.curve import TimedTrajectory
+from planning import (
+    Deadline,
+    Sampling,
+    TimedTrajectory,
+    replay_html,
+    sample_plan,
+    unproven_samples,
+)
+from planning.domain.plan import PlanPart
+from planning.errors import InputError
+from service.convert.goals import problem_value
 from service.convert.trajectories import (
     IN_QUERY,
     polynomial_wire,
+    require_few,
     sampled_wire,
     trajectory_value,
 )
+from service.schemas.plan import PlanRequest
 from service.tasks.channel import Channel
+from service.tasks.plan import PROVING
 from service.tasks.worlds import borrow_world
 
 
-def sample(payload: dict[str, Any], _: Channel) -> dict[str, Any]:
-    """Return a trajectory slowed to `scale` of its speed, a sample every `period` [s].
-
-    Or as many samples as `num_points` says, evenly in time.
+def sample(payload: dict[str, Any], channel: Channel) -> dict[str, Any]:
+    """Return a trajectory slowed to `scale` of its speed, sampled as `sampling` says.
 
     Raises:
         ProblemInvalid: That would be too many samples.
     """
-    trajectory = _scaled(payload)
-    sampled = sampled_wire(trajectory, payload["period"], payload["num_points"], IN_QUERY)
+    trajectory = trajectory_value(payload["trajectory"]).slowed(1 / payload["scale"])
     exact = polynomial_wire(trajectory) if payload["polynomial"] else None
-    return {**sampled, "polynomial": exact}
+    return {**_proven(payload, trajectory, channel), "polynomial": exact}
 
 
-def sample_csv(payload: dict[str, Any], _: Channel) -> dict[str, Any]:
-    """Return `text`: a header, then a row per instant: time, positions, velocities, accelerations.
+def sample_csv(payload: dict[str, Any], channel: Channel) -> dict[str, Any]:
+    """Return `text`, and `proven`: what is proven of it, in a line.
+
+    The text is a header, then a row per instant: time, positions, velocities, accelerations.
 
     Raises:
         ProblemInvalid: That would be too many samples.
     """
-    trajectory = _scaled(payload)
-    sampled = sampled_wire(trajectory, payload["period"], payload["num_points"], IN_QUERY)
+    sampled = sample({**payload, "polynomial": False}, channel)
     header = [
         "time",
         *(f"position:{name}" for name in sampled["joint_names"]),
@@ -48,9 +61,46 @@ def sample_csv(payload: dict[str, Any], _: Channel) -> dict[str, Any]:
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(header)
-    for time, q, v, vdot in zip(sampled["times"], *columns, strict=True):
-        writer.writerow([time, *q, *v, *vdot])
-    return {"text": text.getvalue()}
+    for time_, q, v, vdot in zip(sampled["times"], *columns, strict=True):
+        writer.writerow([time_, *q, *v, *vdot])
+    verdicts = ((proof["kind"], proof["proven"]) for proof in sampled["interpolations"])
+    told = ", ".join(f"{kind}={'proven' if proven else 'unproven'}" for kind, proven in verdicts)
+    return {"text": text.getvalue(), "proven": told}
+
+
+def _proven(
+    payload: dict[str, Any], trajectory: TimedTrajectory, channel: Channel
+) -> dict[str, Any]:
+    """Return samples and what is proven of them: nothing, if the scene does not load any more."""
+    sampling, scale = Sampling(**payload["sampling"]), payload["scale"]
+    require_few(trajectory, sampling, IN_QUERY)
+    parts = [PlanPart(**part) for part in payload["parts"]]
+    slowed = [replace(part, begin=part.begin / scale, end=part.end / scale) for part in parts]
+    deadline = Deadline.after(PROVING, time.monotonic, channel.is_canceled)
+    try:
+        problem = problem_value(PlanRequest.model_validate(payload["request"]))
+        with borrow_world(payload) as world:
+            proven = sample_plan(
+                world,
+                problem,
+                trajectory,
+                slowed,
+                sampling,
+                deadline=deadline,
+                clearance=_clearance(payload["certificate"]),
+            )
+    except InputError as fault:
+        proven = unproven_samples(trajectory, sampling, fault.detail)
+    return sampled_wire(proven.samples, proven.interpolations)
+
+
+def _clearance(certificate: dict[str, Any]) -> float:
+    """Return what the certificate of a plan says that no distance is below [m]."""
+    [check] = [check for check in certificate["checks"] if check["name"] == "clearance"]
+    nearest = certificate["min_clearance"]
+    if check["resolution"] is None:
+        return -math.inf
+    return math.inf if nearest is None else nearest - check["resolution"]
 
 
 def replay(payload: dict[str, Any], _: Channel) -> dict[str, Any]:
@@ -62,7 +112,3 @@ def replay(payload: dict[str, Any], _: Channel) -> dict[str, Any]:
     trajectory = trajectory_value(payload["trajectory"])
     with borrow_world(payload) as world:
         return {"html": replay_html(world, world.group(payload["group"]), trajectory)}
-
-
-def _scaled(payload: dict[str, Any]) -> TimedTrajectory:
-    return trajectory_value(payload["trajectory"]).slowed(1 / payload["scale"])

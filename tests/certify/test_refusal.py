@@ -22,6 +22,6 @@ from planning.domain.certificate import Certificate, Check
     ],
 )
 def test_failed_checks_are_told_in_words(check: Check, told: str, named: str) -> None:
-    certificate = Certificate(False, 0.1, ("", ""), 0.0, (check,))
+    certificate = Certificate(False, 0.1, 0.1, ("", ""), 0.0, (check,))
     assert not_certified(certificate, ["it"]).detail.endswith(f"; the last failed {told}")
     assert failed_checks(certificate) == named

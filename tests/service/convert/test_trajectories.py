@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 
 from planning.domain.curve import TimedTrajectory
 from planning.domain.joints import Joint, JointType
+from planning.domain.sampling import Sampling, sampled
 from service.convert.trajectories import polynomial_wire, sampled_wire, trajectory_value
 from tests.profiles import num_cases
 
@@ -34,7 +35,8 @@ def test_polynomials_survive_json_bit_for_bit(seed, kind):
 @settings(max_examples=num_cases(6))
 def test_samples_have_both_ends_and_no_longer_gap_than_asked(seed, period):
     trajectory = random_trajectory(seed, JointType.FLOATING)
-    wire = sampled_wire(trajectory, period)
+    samples = sampled(trajectory, Sampling(period), np.full(7, np.inf))
+    wire = sampled_wire(samples, ())
     times = np.array(wire["times"])
     assert times[0] == 0.0
     assert times[-1] == trajectory.duration == wire["duration"]

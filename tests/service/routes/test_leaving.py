@@ -36,8 +36,11 @@ def test_the_motion_goes_on_from_its_state_and_is_proven(client, scene, running,
     found = answer.json()
     assert (answer.status_code, found["failure"]) == (200, None)
     motion = found["trajectory"]
-    for got, was in zip(state_at(motion, 0.0), state_at(running, time), strict=True):
-        np.testing.assert_allclose(got, was, atol=1e-6)
+    # A first piece of some 1e-8 s is told as part of the second: its jerk changes that much.
+    allowed = (1e-6, 1e-6, 1e-4)
+    states = zip(state_at(motion, 0.0), state_at(running, time), allowed, strict=True)
+    for got, was, tolerance in states:
+        np.testing.assert_allclose(got, was, atol=tolerance)
     np.testing.assert_allclose(motion["velocities"][-1], 0, atol=1e-6)
     assert found["certificate"]["proven"]
     assert found["stage"]["intervals"] > 0

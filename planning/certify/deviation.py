@@ -1,0 +1,56 @@
+"""How far apart two motions of the same joints are, at the same instant."""
+
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float64
+
+from planning.certify import bernstein
+from planning.domain.curve import TimedTrajectory
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
+
+
+class Deviations:
+    """How far other motions are from one."""
+
+    def __init__(self, curve: TimedTrajectory, times: Float64[np.ndarray, " n"]) -> None:
+        """Cut the motion at its breaks and at some instants, where others may have theirs."""
+        self._curve = curve
+        self._times = np.union1d(curve.breaks, times)
+        self._here = shifted(curve, self._times[:-1]) if curve.manifold.is_flat else None
+
+    def of(self, other: TimedTrajectory) -> Float64[np.ndarray, " nv"]:
+        """Return how far apart each coordinate of two motions is at most, at the same instant.
+
+        The difference of two polynomials is one, and its Bernstein coefficients bound it. Whole
+        turns do not count. Where joints float nothing is known: it is infinite.
+
+        Args:
+            other: Of the same joints and as long; its breaks are among the instants.
+        """
+        curve = self._curve
+        if self._here is None:
+            return np.full(curve.manifold.num_velocities, np.inf)
+        (q, here), (q_other, there) = self._here, shifted(other, self._times[:-1])
+        apart = np.zeros((len(here), max(here.shape[1], there.shape[1]), here.shape[2]))
+        apart[:, : here.shape[1]] += here
+        apart[:, : there.shape[1]] -= there
+        apart[:, 0] = curve.manifold.minus(q, q_other)
+        forms = bernstein.rows_from_power(apart, np.diff(self._times))
+        return np.abs(forms).max(axis=(1, 2))
+
+
+def shifted(curve: TimedTrajectory, begins: Float64[np.ndarray, " m"]) -> tuple[Array, Array]:
+    """Return where a curve is at some instants, and its polynomials about them.
+
+    That is by repeated synthetic division; shapes (m, nq) and (m, degree + 1, nv).
+    """
+    piece, offsets = curve.locate(begins)
+    moved = curve.coefficients[piece]
+    last = moved.shape[1] - 1
+    away = offsets[:, None]
+    for i in range(last if offsets.any() else 0):
+        for k in range(last - 1, i - 1, -1):
+            moved[:, k] += away * moved[:, k + 1]
+    return curve.bases[piece] + moved[:, 0], moved
