@@ -5,6 +5,7 @@ from typing import Any
 import numpy as np
 
 from planning.certify.request import CertifyRequest
+from planning.certify.rounding import LOW_DEGREE
 from planning.domain.certificate import Check
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
@@ -12,19 +13,21 @@ type Array = np.ndarray[Any, np.dtype[np.float64]]
 _UNIT_TOLERANCE = 1e-9
 # Larger numbers mean nothing, and would lose the digits that the proof needs.
 _LARGEST = 1e9
+# What rounding may hide: of positions [rad or m, or as a share of what is larger than 1], and of
+# rates as a share of their limits, or of themselves where they are larger.
+_MOST_HIDDEN = 1e-7
 
 
 def form_check(request: CertifyRequest) -> Check:
     """Return how many faults the request has; the other checks need one that has none.
 
     Shapes fit the group, every number is finite and of a size that means something, times increase
-    from 0, quaternions are of unit length, limits are positive, and there is a goal.
+    from 0, quaternions are of unit length, limits are positive, there is a goal, and polynomials
+    are what they are in double precision, too.
     """
-    faults = _shape_faults(request)
-    if not faults:
-        faults = _number_faults(request)
-    if not faults:
-        faults = _size_faults(request)
+    faults: list[str] = []
+    for find in (_shape_faults, _number_faults, _size_faults, _rounding_faults):
+        faults = faults or find(request)
     return Check("form", float(len(faults)), 0.0, "faults", 0.0, not faults, "; ".join(faults))
 
 
@@ -91,6 +94,34 @@ def _size_faults(request: CertifyRequest) -> list[str]:
         faults.append(f"a position or rate is beyond {_LARGEST:g}")
     if any(_unit_fault(request, q) for q in places):
         faults.append("a quaternion is not of unit length")
+    return faults
+
+
+def _rounding_faults(request: CertifyRequest) -> list[str]:
+    """Return the polynomials whose powers cancel each other, so that rounding hides where they go."""
+    degree = request.trajectory.coefficients.shape[1] - 1
+    if degree <= LOW_DEGREE:
+        return []
+    scales = [np.ones(request.group.num_velocities)]
+    for name in _rates(request):
+        scale = np.ones_like(scales[0])
+        for (_, indices), limit in zip(
+            request.group.blocks, getattr(request.shared_limits, name), strict=True
+        ):
+            scale[list(indices)] = limit if np.isfinite(limit) else 1.0
+        scales.append(scale)
+    faults: list[str] = []
+    for what, form, hidden, scale in zip(
+        ("position", *_rates(request)), request.forms, request.rounding, scales, strict=True
+    ):
+        most = _MOST_HIDDEN * np.maximum(scale, np.abs(form).max(axis=(1, 2)))
+        worst = int(np.argmax(hidden / most))
+        if hidden[worst] > most[worst]:
+            name = request.group.velocity_names[worst]
+            faults.append(
+                f"rounding may hide {hidden[worst]:.2g} of the {what} of {name}: its powers up to "
+                f"{degree} cancel each other; give shorter pieces, or polynomials of lower degree"
+            )
     return faults
 
 
