@@ -14,8 +14,8 @@ type Array = np.ndarray[Any, np.dtype[np.float64]]
 SAME = 1e-6
 # Speed that counts as rest [rad/s or m/s].
 _SLOW = 1e-6
-# Sums of jumps that count as rounding, as a share of the limit. A jump of acceleration this small is
-# less than what a limit on jerk of ten times the acceleration per second does in 0.1 ms.
+# Sums of jumps that count as rounding, as a share of the limit. A jump of acceleration this small
+# is less than what a limit on jerk of ten times the acceleration per second does in 0.1 ms.
 _RATE_JUMP = 1e-5
 _ACCELERATION_JUMP = 1e-3
 

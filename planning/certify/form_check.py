@@ -98,7 +98,7 @@ def _size_faults(request: CertifyRequest) -> list[str]:
 
 
 def _rounding_faults(request: CertifyRequest) -> list[str]:
-    """Return the polynomials whose powers cancel each other, so that rounding hides where they go."""
+    """Return the polynomials whose powers cancel, so that rounding hides where they go."""
     degree = request.trajectory.coefficients.shape[1] - 1
     if degree <= LOW_DEGREE:
         return []

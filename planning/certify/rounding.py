@@ -22,7 +22,7 @@ type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 UNIT = 2.0**-53
 _CONVERSION, _HALVINGS = 5, 65
-# Up to this degree S is known well enough from the b_i: rounding hides less than 1e-11 of them.
+# Up to this degree S is known well enough from the b_i: rounding hides less than 2e-11 of them.
 LOW_DEGREE = 7
 
 

@@ -160,8 +160,9 @@ class JointLimits(Value):
     """What the joints of a group may do.
 
     Positions are limited per position coordinate (infinite where free: quaternions, continuous
-    joints, the yaw of a planar joint, joints whose turns count but have no end). Rates are limited per block of `JointGroup.blocks`: the
-    Euclidean norm of the block's velocity coordinates stays below the number.
+    joints, the yaw of a planar joint, joints whose turns count but have no end). Rates are limited
+    per block of `JointGroup.blocks`: the Euclidean norm of the block's velocity coordinates stays
+    below the number.
 
     Attributes:
         lower: Smallest position [rad or m], shape (nq,).
