@@ -55,8 +55,8 @@ def continuity_checks(request: CertifyRequest) -> list[Check]:
     jumps = position_jumps(curve, _at_begins(request, 0), _at_ends(request, 0))
     sums = Sums.of(jumps * request.leverage)
     apart = float(np.linalg.norm(sums.sizes))
-    column = int(np.argmax(sums.sizes))
-    checks = [_jump("continuity", apart, SAME, "rad or m", _time(between, sums, column))]
+    time = _time(between, sums, int(np.argmax(sums.sizes)))
+    checks = [_jump("continuity", apart, SAME, "rad or m", time)]
     steps = _at_begins(request, 1)[1:] - _at_ends(request, 1)[:-1]
     name = "velocity continuity"
     checks.append(_rate_jump(request, name, (steps, limits.velocity), _RATE_JUMP, between))
@@ -98,11 +98,13 @@ def _rate_jump(
     """Return the largest sum of any block's steps over its limit; without one it counts as is."""
     steps, limits = what
     sums = Sums.of(steps)
-    sizes = [np.linalg.norm(sums.sizes[list(indices)]) for _, indices in request.group.blocks]
-    shares = np.array(sizes) / np.where(np.isfinite(limits), limits, 1.0)
+    blocks = [list(indices) for _, indices in request.group.blocks]
+    sizes = sums.sizes
+    if len(blocks) < len(sizes):
+        sizes = np.array([np.linalg.norm(sizes[block]) for block in blocks])
+    shares = sizes / np.where(np.isfinite(limits), limits, 1.0)
     worst = int(np.argmax(shares))
-    indices = list(request.group.blocks[worst][1])
-    column = indices[int(np.argmax(sums.sizes[indices]))]
+    column = blocks[worst][int(np.argmax(sums.sizes[blocks[worst]]))]
     return _jump(name, float(shares[worst]), bound, "1", _time(times, sums, column))
 
 
@@ -112,7 +114,7 @@ def _jump(name: str, value: float, bound: float, unit: str, time: float) -> Chec
 
 def _time(times: Array, sums: Sums, column: int) -> float:
     """Return when the largest sum of a coordinate's jumps is complete; 0 if there is none."""
-    return float(times[sums.ends[column]]) if len(times) else 0.0
+    return float(times[sums.last_of(column)]) if len(times) else 0.0
 
 
 def _distance(request: CertifyRequest, q1: Array, q0: Array) -> float:

@@ -89,8 +89,8 @@ def _size_faults(request: CertifyRequest) -> list[str]:
     if not (curve.breaks[0] == 0 and (np.diff(curve.breaks) > 0).all()):
         return ["times do not increase from 0"]
     places = [curve.bases, request.start, request.reference, request.goals]
-    everything = [*places, *request.forms]
-    if not all(array.min() >= -_LARGEST and array.max() <= _LARGEST for array in everything):
+    everything = [*map(np.abs, places), *request.sizes]
+    if not all(array.max() <= _LARGEST for array in everything):
         faults.append(f"a position or rate is beyond {_LARGEST:g}")
     if any(_unit_fault(request, q) for q in places):
         faults.append("a quaternion is not of unit length")
@@ -99,30 +99,33 @@ def _size_faults(request: CertifyRequest) -> list[str]:
 
 def _rounding_faults(request: CertifyRequest) -> list[str]:
     """Return the polynomials whose powers cancel, so that rounding hides where they go."""
-    degree = request.trajectory.coefficients.shape[1] - 1
-    if degree <= LOW_DEGREE:
-        return []
-    scales = [np.ones(request.group.num_velocities)]
-    for name in _rates(request):
-        scale = np.ones_like(scales[0])
-        for (_, indices), limit in zip(
-            request.group.blocks, getattr(request.shared_limits, name), strict=True
-        ):
-            scale[list(indices)] = limit if np.isfinite(limit) else 1.0
-        scales.append(scale)
     faults: list[str] = []
-    for what, form, hidden, scale in zip(
-        ("position", *_rates(request)), request.forms, request.rounding, scales, strict=True
-    ):
-        most = _MOST_HIDDEN * np.maximum(scale, np.abs(form).max(axis=(1, 2)))
+    if request.trajectory.coefficients.shape[1] <= LOW_DEGREE + 1:
+        return faults
+    names = ("position", *_rates(request))
+    for order, (hidden, size) in enumerate(zip(request.rounding, request.sizes, strict=True)):
+        if (hidden <= _MOST_HIDDEN * size).all():
+            continue
+        most = _MOST_HIDDEN * np.maximum(size, _scales(request, order))
         worst = int(np.argmax(hidden / most))
         if hidden[worst] > most[worst]:
-            name = request.group.velocity_names[worst]
             faults.append(
-                f"rounding may hide {hidden[worst]:.2g} of the {what} of {name}: its powers up to "
-                f"{degree} cancel each other; give shorter pieces, or polynomials of lower degree"
+                f"rounding may hide {hidden[worst]:.2g} of the {names[order]} of "
+                f"{request.group.velocity_names[worst]}: its powers up to "
+                f"{request.trajectory.coefficients.shape[1] - 1} cancel each other; give shorter "
+                "pieces, or polynomials of lower degree"
             )
     return faults
+
+
+def _scales(request: CertifyRequest, order: int) -> Array:
+    """Return what numbers of each coordinate are measured by: 1, or the limits of rates."""
+    scales = np.ones(request.group.num_velocities)
+    if order > 0:
+        limits = getattr(request.shared_limits, _rates(request)[order - 1])
+        for (_, indices), limit in zip(request.group.blocks, limits, strict=True):
+            scales[list(indices)] = limit if np.isfinite(limit) else 1.0
+    return scales
 
 
 def _rates(request: CertifyRequest) -> tuple[str, ...]:

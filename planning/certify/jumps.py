@@ -25,23 +25,29 @@ _TURN = 2 * np.pi
 
 @dataclass(frozen=True)
 class Sums:
-    """The largest sums of consecutive jumps.
+    """Sums of consecutive jumps.
 
     Attributes:
-        sizes: Of each coordinate, shape (nv,).
-        ends: The jump with which each sum is complete, shape (nv,).
+        partial: Of the first jumps, one more in each row, shape (n, nv).
+        sizes: The largest between any two instants, of each coordinate, shape (nv,).
     """
 
+    partial: Float64[np.ndarray, "n nv"]
     sizes: Float64[np.ndarray, " nv"]
-    ends: Any
 
     @classmethod
     def of(cls, jumps: Float64[np.ndarray, "n nv"]) -> "Sums":
         """Add up jumps that come one after another."""
-        partial = np.concatenate([np.zeros((1, jumps.shape[1])), np.cumsum(jumps, axis=0)])
-        highest, lowest = np.argmax(partial, axis=0), np.argmin(partial, axis=0)
-        sizes = partial.max(axis=0) - partial.min(axis=0)
-        return cls(sizes, np.maximum(np.maximum(highest, lowest) - 1, 0))
+        partial = np.cumsum(jumps, axis=0)
+        return cls(partial, partial.max(axis=0, initial=0.0) - partial.min(axis=0, initial=0.0))
+
+    def last_of(self, column: int) -> int:
+        """Return the jump with which the largest sum of a coordinate is complete."""
+        partial = self.partial[:, column]
+        above, below = int(np.argmax(partial)), int(np.argmin(partial))
+        # The sums before any jump are 0.
+        ends = [at for at, sign in ((above, 1), (below, -1)) if sign * partial[at] > 0]
+        return max(ends, default=0)
 
 
 def position_jumps(
@@ -57,6 +63,8 @@ def position_jumps(
         ends: And where they end.
     """
     jumps = trajectory.manifold.minus(begins[1:], ends[:-1])
+    if trajectory.manifold.is_flat:
+        return jumps
     for _, iv in offsets_of(trajectory.joints, lambda joint: joint.type is JointType.FLOATING):
         jumps[:, iv] = np.linalg.norm(jumps[:, iv : iv + 3], axis=1)
         jumps[:, iv + 1 : iv + 3] = 0.0
@@ -68,9 +76,9 @@ def in_one_turn(trajectory: TimedTrajectory) -> TimedTrajectory:
 
     Only of joints on a circle, where whole turns are nothing.
     """
-    circle = _circles(trajectory)
-    if not circle.any() or trajectory.num_pieces == 1:
+    if not any(trajectory.manifold.wraps) or trajectory.num_pieces == 1:
         return trajectory
+    circle = _circles(trajectory)
     q = trajectory.bases[:, circle]
     columns = np.flatnonzero(np.array(trajectory.manifold.wraps))
     widths = np.diff(trajectory.breaks)

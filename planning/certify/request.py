@@ -92,15 +92,15 @@ class CertifyRequest(Value):
         """Bounds on how far `forms` and values of the polynomials are off, each of shape (nv,)."""
         curve = self.trajectory
         widths = np.diff(curve.breaks)
-        with np.errstate(over="ignore", invalid="ignore"):
-            return tuple(
-                rounding(
-                    np.abs(form).max(axis=2).T,
-                    bernstein.derivative(curve.coefficients, order),
-                    widths,
-                ).max(axis=0)
-                for order, form in enumerate(self.forms)
-            )
+        return tuple(
+            rounding(size, curve.coefficients, widths, order)
+            for order, size in enumerate(self.sizes)
+        )
+
+    @cached_property
+    def sizes(self) -> tuple[Array, ...]:
+        """The largest absolute values in `forms`, each of shape (nv,)."""
+        return tuple(np.abs(form.reshape(len(form), -1)).max(axis=1) for form in self.forms)
 
     @cached_property
     def forms(self) -> tuple[Array, ...]:

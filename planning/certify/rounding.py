@@ -12,44 +12,42 @@ S is much larger than the polynomial where powers of a high degree cancel each o
 proof nor a controller knows where the motion goes.
 """
 
-from math import comb
 from typing import Any
 
 import numpy as np
 from jaxtyping import Float64
 
+from planning.certify.bernstein import derivative
+
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 UNIT = 2.0**-53
 _CONVERSION, _HALVINGS = 5, 65
-# Up to this degree S is known well enough from the b_i: rounding hides less than 2e-11 of them.
-LOW_DEGREE = 7
+# Up to this degree S is known well enough from the b_i: rounding hides less than 5e-9 of them.
+LOW_DEGREE = 12
 
 
 def rounding(
-    largest: Float64[np.ndarray, "n nv"],
+    largest: Float64[np.ndarray, "*n nv"],
     coefficients: Float64[np.ndarray, "n k nv"],
     widths: Float64[np.ndarray, " n"],
-) -> Float64[np.ndarray, "n nv"]:
+    order: int = 0,
+) -> Float64[np.ndarray, "*n nv"]:
     """Bound how far Bernstein coefficients and values of polynomials are off.
 
     Args:
-        largest: Of each polynomial's Bernstein coefficients the largest absolute value.
+        largest: Of the polynomials' Bernstein coefficients the largest absolute values: of each
+            polynomial, or of all of them.
         coefficients: Power basis, lowest first.
         widths: Of the intervals [0, w].
+        order: Of the derivative that is meant.
     """
-    terms = coefficients.shape[1]
+    terms = max(coefficients.shape[1] - order, 1)
     if terms <= LOW_DEGREE + 1:
-        sizes = _growth(terms - 1) * largest
+        # c_k w^k is C(degree, k) times a k-th difference of the b_i: S is at most 3^degree of them.
+        sizes = 3.0 ** (terms - 1) * largest
     else:
         powers = widths[:, None] ** np.arange(terms)
-        sizes = np.einsum("nk,nkv->nv", powers, np.abs(coefficients))
+        sizes = np.einsum("nk,nkv->nv", powers, np.abs(derivative(coefficients, order)))
+        sizes = sizes if largest.ndim > 1 else sizes.max(axis=0)
     return (terms + 1) * UNIT * (_CONVERSION * sizes + _HALVINGS * largest)
-
-
-def _growth(degree: int) -> float:
-    """Return what S is at most over the largest |b_i|: 3^degree.
-
-    c_k w^k is C(degree, k) times a k-th difference of the b_i, which is at most 2^k of the largest.
-    """
-    return float(sum(comb(degree, k) * 2**k for k in range(degree + 1)))

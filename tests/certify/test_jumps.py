@@ -30,7 +30,8 @@ def test_sums_are_the_largest_between_any_two_instants(seed: int, count: int) ->
         every = [abs(jumps[i:j, column].sum()) for i in range(count) for j in range(i, count + 1)]
         assert sums.sizes[column] == pytest.approx(max(every, default=0.0), abs=1e-12)
         if count:
-            ending = [abs(jumps[i : sums.ends[column] + 1, column].sum()) for i in range(count)]
+            last = sums.last_of(column)
+            ending = [abs(jumps[i : last + 1, column].sum()) for i in range(count)]
             assert max(ending) == pytest.approx(sums.sizes[column])
 
 

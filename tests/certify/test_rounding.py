@@ -13,6 +13,7 @@ from pydrake.math import RigidTransform
 
 from planning.certify import bernstein
 from planning.certify.certifier import certify
+from planning.certify.native_clearance import prover
 from planning.certify.rounding import rounding
 from planning.certify.segments import Segments
 from planning.domain.certificate import Check
@@ -20,7 +21,6 @@ from planning.domain.curve import TimedTrajectory
 from planning.domain.joints import JointType
 from planning.kernel.native import native
 from planning.world.kernel_scene import kernel_scene_of
-from planning.certify.native_clearance import prover
 from planning.world.margins import PairMargins
 from tests.certify.chains import Builder, R, Robot
 from tests.clocks import no_hurry
@@ -100,12 +100,12 @@ def test_forms_halves_and_values_are_off_by_less(
         assert abs(float(Fraction(float(told)) - exact_value(powers, t))) <= hidden
 
 
-@given(st.integers(0, 9999), st.integers(1, 7))
+@given(st.integers(0, 9999), st.integers(1, 12))
 def test_of_low_degree_little_is_hidden(seed: int, degree: int) -> None:
     powers = wild(np.random.default_rng(seed), max(degree, 4))[None, :, None]
     form = bernstein.from_power(powers, np.ones(1))
     largest = np.abs(form).max(axis=1)
-    assert (rounding(largest, powers, np.ones(1)) <= 2e-11 * largest).all()
+    assert (rounding(largest, powers, np.ones(1)) <= 5e-9 * largest).all()
 
 
 def arm() -> Robot:

@@ -68,7 +68,8 @@ def test_a_plan_keeps_what_limits_a_follower(
     assert not found.stages.search.direct
     times = np.linspace(0.0, found.trajectory.duration, 3001)
     follower = -2 * found.trajectory.positions(times)[:, 0] + 0.1
-    assert -1 - 1e-6 <= follower.min() and follower.max() <= 1.2 + 1e-6
+    assert follower.min() >= -1 - 1e-6
+    assert follower.max() <= 1.2 + 1e-6
     speed = 2 * np.abs(found.trajectory.velocities(times)[:, 0])
     push = 2 * np.abs(found.trajectory.accelerations(times)[:, 0])
     assert speed.max() <= 0.6 * (1 + 1e-5)

@@ -1,4 +1,4 @@
-"""What limits a follower limits what it follows, and whole turns count where a follower shows them."""
+"""A follower's limits limit what it follows, and turns count where a follower shows them."""
 
 from collections.abc import Callable
 
