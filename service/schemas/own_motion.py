@@ -142,7 +142,8 @@ class CertifyMotionRequest(InScene, KeptConstraints, ScaledLimits):
     trajectory: OwnTrajectory = Field(
         description="The motion. Between samples it is taken to be the polynomial of degree 5 that "
         "meets positions, velocities and accelerations; of degree 3 without accelerations; "
-        "without velocities the cubic spline with continuous acceleration that rests at both ends"
+        "without velocities the cubic spline with continuous acceleration that rests at both ends. "
+        "Positions are numbers, not angles on a circle: from 3 to -3 is a way of 6 rad"
     )
     start: Positions | None = Field(
         default=None, description="Where it shall begin [rad or m]; null for where it does"
