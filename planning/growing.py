@@ -108,7 +108,8 @@ def domain_of(world: World, group: JointGroup, options: RegionOptions) -> tuple[
     """Return the box of configurations in which regions are grown.
 
     It is what the limits and the options' bounds allow, and of angles that may turn further one
-    turn around 0: all postures are in it, and motions that never cross half a turn.
+    turn around 0: all postures are in it, and motions that never cross half a turn. Where whole
+    turns count, as something follows by less, it is all that is allowed.
 
     Raises:
         ProblemInvalid: The group has a joint that floats or is steered, or nothing bounds a
@@ -121,7 +122,9 @@ def domain_of(world: World, group: JointGroup, options: RegionOptions) -> tuple[
     limits = world.limits(group)
     lower, upper = np.array(limits.lower), np.array(limits.upper)
     turns = np.array([
-        _turns(joint.type, k) for joint in group.joints for k in range(joint.num_positions)
+        _turns(joint.type, k) and joint.name not in group.winding
+        for joint in group.joints
+        for k in range(joint.num_positions)
     ])
     is_wide = turns & (upper - lower > 2 * np.pi)
     lower, upper = np.where(is_wide, -np.pi, lower), np.where(is_wide, np.pi, upper)

@@ -27,14 +27,16 @@ def proof_request(
             jerk is limited.
         margins: The distances to keep.
     """
-    limits = world.limits(group)
+    limits, followers = world.stated_limits(group)
+    scales = options.velocity_scale, options.acceleration_scale
     return CertifyRequest(
         group=group,
         trajectory=trajectory,
         state=world.state,
         start=trajectory.start,
         goals=trajectory.end[None],
-        limits=limits.scaled(options.velocity_scale, options.acceleration_scale),
+        limits=limits.scaled(*scales),
+        followers=tuple(follower.scaled(*scales) for follower in followers),
         margins=margins,
         jerk=options.method == "ruckig",
         tool_limits=options.tool_limits,

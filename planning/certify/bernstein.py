@@ -2,9 +2,8 @@
 
 A polynomial on an interval lies between the smallest and the largest of its Bernstein coefficients,
 and meets the first and the last at the ends (Farouki, "The Bernstein polynomial basis: a centennial
-retrospective", 2012, section 3). Halving the interval makes the bounds four times tighter. The
-rounding of the arithmetic itself (some 1e-15 of the coefficients) is not accounted for: every
-verdict that rests on these bounds leaves room of 1e-9 or more.
+retrospective", 2012, section 3). Halving the interval makes the bounds four times tighter.
+Coefficients are rounded: `rounding` bounds by how much, and who asks for a proof adds it.
 """
 
 from functools import cache

@@ -4,17 +4,18 @@ from typing import Any
 
 import numpy as np
 
+from planning.certify.jumps import Sums, position_jumps
 from planning.certify.request import CertifyRequest
 from planning.domain.certificate import Check
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
-# Deviation of configurations that counts as none [rad or m].
+# Deviation of configurations that counts as none, of what follows too [rad or m].
 SAME = 1e-6
 # Speed that counts as rest [rad/s or m/s].
 _SLOW = 1e-6
-# Jumps that count as rounding, as a share of the limit. A jump of acceleration this small is less
-# than what a limit on jerk of ten times the acceleration per second does in 0.1 ms.
+# Sums of jumps that count as rounding, as a share of the limit. A jump of acceleration this small
+# is less than what a limit on jerk of ten times the acceleration per second does in 0.1 ms.
 _RATE_JUMP = 1e-5
 _ACCELERATION_JUMP = 1e-3
 
@@ -36,32 +37,35 @@ def goal_check(request: CertifyRequest) -> Check:
 def rest_check(request: CertifyRequest) -> Check:
     """Return the largest speed at both ends; at the last alone, if it begins under way."""
     rates, duration = request.forms[1], request.trajectory.duration
-    first, last = float(np.abs(rates[:, 0, 0]).max()), float(np.abs(rates[:, -1, -1]).max())
+    ends = [rates[:, i, i] * request.leverage for i in (0, -1)]
+    first, last = (float(np.abs(speeds).max()) for speeds in ends)
     is_first = first >= last and request.origin is None
     speed, time = (first, 0.0) if is_first else (last, duration)
     return Check("rest", speed, _SLOW, "rad/s or m/s", 0.0, speed <= _SLOW, "", time)
 
 
 def continuity_checks(request: CertifyRequest) -> list[Check]:
-    """Return the largest jumps of position and velocity between pieces.
+    """Return the largest sums of jumps of position and velocity between pieces.
 
     If jerk is limited, those of acceleration as well, from and to rest included: a step there would
     be an infinite jerk. What begins under way has whatever acceleration it begins with.
     """
-    curve = request.trajectory
+    curve, limits = request.trajectory, request.shared_limits
     between = curve.breaks[1:-1]
-    sides = [(_at_begins(request, order)[1:], _at_ends(request, order)[:-1]) for order in range(2)]
-    jumps = curve.manifold.distance(*sides[0])
-    checks = [_jump("continuity", jumps, SAME, "rad or m", between)]
-    shares = _shares(request, sides[1][0] - sides[1][1], request.limits.velocity)
-    checks.append(_jump("velocity continuity", shares, _RATE_JUMP, "1", between))
+    jumps = position_jumps(curve, _at_begins(request, 0), _at_ends(request, 0))
+    sums = Sums.of(jumps * request.leverage)
+    apart = float(np.linalg.norm(sums.sizes))
+    time = _time(between, sums, int(np.argmax(sums.sizes)))
+    checks = [_jump("continuity", apart, SAME, "rad or m", time)]
+    steps = _at_begins(request, 1)[1:] - _at_ends(request, 1)[:-1]
+    name = "velocity continuity"
+    checks.append(_rate_jump(request, name, (steps, limits.velocity), _RATE_JUMP, between))
     if request.jerk:
         after, before = _at_begins(request, 2), _at_ends(request, 2)
         first = after[:1] if request.origin is None else np.zeros_like(after[:1])
-        steps = np.concatenate([first, after[1:] - before[:-1], before[-1:]])
-        shares = _shares(request, steps, request.limits.acceleration)
-        name = "acceleration continuity"
-        checks.append(_jump(name, shares, _ACCELERATION_JUMP, "1", curve.breaks))
+        steps = np.concatenate([first, after[1:] - before[:-1], -before[-1:]])
+        what, name = (steps, limits.acceleration), "acceleration continuity"
+        checks.append(_rate_jump(request, name, what, _ACCELERATION_JUMP, curve.breaks))
     return checks
 
 
@@ -88,23 +92,31 @@ def _states(request: CertifyRequest, order: int, which: int) -> Array:
             return curve.manifold.generalized_acceleration(q, *values)
 
 
-def _shares(request: CertifyRequest, steps: Array, limits: Array) -> Array:
-    """Return the largest step of any block over its limit; what has no limit counts as it is."""
-    bounds = np.where(np.isfinite(limits), limits, 1.0)
+def _rate_jump(
+    request: CertifyRequest, name: str, what: tuple[Array, Array], bound: float, times: Array
+) -> Check:
+    """Return the largest sum of any block's steps over its limit; without one it counts as is."""
+    steps, limits = what
+    sums = Sums.of(steps)
     blocks = [list(indices) for _, indices in request.group.blocks]
-    if all(len(block) == 1 for block in blocks):
-        return np.abs(steps[:, [block[0] for block in blocks]] / bounds).max(axis=1)
-    sizes = np.stack([np.linalg.norm(steps[:, block], axis=1) for block in blocks], axis=1)
-    return (sizes / bounds).max(axis=1)
+    sizes = sums.sizes
+    if len(blocks) < len(sizes):
+        sizes = np.array([np.linalg.norm(sizes[block]) for block in blocks])
+    shares = sizes / np.where(np.isfinite(limits), limits, 1.0)
+    worst = int(np.argmax(shares))
+    column = blocks[worst][int(np.argmax(sums.sizes[blocks[worst]]))]
+    return _jump(name, float(shares[worst]), bound, "1", _time(times, sums, column))
 
 
-def _jump(name: str, jumps: Array, bound: float, unit: str, times: Array) -> Check:
-    if len(jumps) == 0:
-        return Check(name, 0.0, bound, unit, 0.0, passed=True)
-    worst = int(np.argmax(jumps))
-    value = float(jumps[worst])
-    return Check(name, value, bound, unit, 0.0, value <= bound, "", float(times[worst]))
+def _jump(name: str, value: float, bound: float, unit: str, time: float) -> Check:
+    return Check(name, value, bound, unit, 0.0, value <= bound, "", time)
+
+
+def _time(times: Array, sums: Sums, column: int) -> float:
+    """Return when the largest sum of a coordinate's jumps is complete; 0 if there is none."""
+    return float(times[sums.last_of(column)]) if len(times) else 0.0
 
 
 def _distance(request: CertifyRequest, q1: Array, q0: Array) -> float:
-    return float(np.abs(request.trajectory.manifold.minus(q1, q0)).max())
+    apart = request.trajectory.manifold.minus(q1, q0) * request.leverage
+    return float(np.abs(apart).max())

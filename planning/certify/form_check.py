@@ -5,6 +5,7 @@ from typing import Any
 import numpy as np
 
 from planning.certify.request import CertifyRequest
+from planning.certify.rounding import LOW_DEGREE
 from planning.domain.certificate import Check
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
@@ -12,19 +13,21 @@ type Array = np.ndarray[Any, np.dtype[np.float64]]
 _UNIT_TOLERANCE = 1e-9
 # Larger numbers mean nothing, and would lose the digits that the proof needs.
 _LARGEST = 1e9
+# What rounding may hide: of positions [rad or m, or as a share of what is larger than 1], and of
+# rates as a share of their limits, or of themselves where they are larger.
+_MOST_HIDDEN = 1e-7
 
 
 def form_check(request: CertifyRequest) -> Check:
     """Return how many faults the request has; the other checks need one that has none.
 
     Shapes fit the group, every number is finite and of a size that means something, times increase
-    from 0, quaternions are of unit length, limits are positive, and there is a goal.
+    from 0, quaternions are of unit length, limits are positive, there is a goal, and polynomials
+    are what they are in double precision, too.
     """
-    faults = _shape_faults(request)
-    if not faults:
-        faults = _number_faults(request)
-    if not faults:
-        faults = _size_faults(request)
+    faults: list[str] = []
+    for find in (_shape_faults, _number_faults, _size_faults, _rounding_faults):
+        faults = faults or find(request)
     return Check("form", float(len(faults)), 0.0, "faults", 0.0, not faults, "; ".join(faults))
 
 
@@ -86,12 +89,43 @@ def _size_faults(request: CertifyRequest) -> list[str]:
     if not (curve.breaks[0] == 0 and (np.diff(curve.breaks) > 0).all()):
         return ["times do not increase from 0"]
     places = [curve.bases, request.start, request.reference, request.goals]
-    everything = [*places, *request.forms]
-    if not all(array.min() >= -_LARGEST and array.max() <= _LARGEST for array in everything):
+    everything = [*map(np.abs, places), *request.sizes]
+    if not all(array.max() <= _LARGEST for array in everything):
         faults.append(f"a position or rate is beyond {_LARGEST:g}")
     if any(_unit_fault(request, q) for q in places):
         faults.append("a quaternion is not of unit length")
     return faults
+
+
+def _rounding_faults(request: CertifyRequest) -> list[str]:
+    """Return the polynomials whose powers cancel, so that rounding hides where they go."""
+    faults: list[str] = []
+    if request.trajectory.coefficients.shape[1] <= LOW_DEGREE + 1:
+        return faults
+    names = ("position", *_rates(request))
+    for order, (hidden, size) in enumerate(zip(request.rounding, request.sizes, strict=True)):
+        if (hidden <= _MOST_HIDDEN * size).all():
+            continue
+        most = _MOST_HIDDEN * np.maximum(size, _scales(request, order))
+        worst = int(np.argmax(hidden / most))
+        if hidden[worst] > most[worst]:
+            faults.append(
+                f"rounding may hide {hidden[worst]:.2g} of the {names[order]} of "
+                f"{request.group.velocity_names[worst]}: its powers up to "
+                f"{request.trajectory.coefficients.shape[1] - 1} cancel each other; give shorter "
+                "pieces, or polynomials of lower degree"
+            )
+    return faults
+
+
+def _scales(request: CertifyRequest, order: int) -> Array:
+    """Return what numbers of each coordinate are measured by: 1, or the limits of rates."""
+    scales = np.ones(request.group.num_velocities)
+    if order > 0:
+        limits = getattr(request.shared_limits, _rates(request)[order - 1])
+        for (_, indices), limit in zip(request.group.blocks, limits, strict=True):
+            scales[list(indices)] = limit if np.isfinite(limit) else 1.0
+    return scales
 
 
 def _rates(request: CertifyRequest) -> tuple[str, ...]:

@@ -47,7 +47,8 @@ def tight_check(name: str, constraint: TightLimits, request: CertifyRequest) -> 
                 turns = np.round((bases - (low + high) / 2) / (2 * np.pi))
                 bases = bases - 2 * np.pi * turns
             values = request.forms[0][to_v[iq]] + bases[:, None]
-            excesses = np.concatenate([values - high, low - values])
+            hidden = request.rounding[0][to_v[iq]]
+            excesses = np.concatenate([values - (high - hidden), (low + hidden) - values])
         top, row, fraction = bernstein.peak(np.ascontiguousarray(excesses), _DUST / 100)
         if not top <= worst.value:
             piece = row % curve.num_pieces
@@ -73,7 +74,8 @@ def _away(request: CertifyRequest, joint: Joint, iq: int, iv: int) -> tuple[floa
         off = curve.bases[:, iq : iq + joint.num_positions] - start[iq : iq + joint.num_positions]
         away = np.abs(moves + off.T[:, :, None]).max(axis=(0, 2))
     piece = int(np.argmax(away))
-    return float(away[piece]), piece
+    hidden = np.linalg.norm(request.rounding[0][iv : iv + joint.num_velocities])
+    return float(away[piece] + hidden), piece
 
 
 def _plain(joints: tuple[Joint, ...]) -> tuple[dict[int, int], dict[int, bool]]:

@@ -1,4 +1,7 @@
-"""Limits on the whole interval, from the trajectory's polynomials."""
+"""Limits on the whole interval, from the trajectory's polynomials.
+
+What rounding may hide (`rounding`) is added to what is found.
+"""
 
 from collections.abc import Iterator
 from typing import Any
@@ -8,7 +11,9 @@ import numpy as np
 from planning.certify import bernstein
 from planning.certify.angular_rates import angular_peak
 from planning.certify.axis_drift import axis_drift
+from planning.certify.follower_limits import follower_excesses, follower_uses
 from planning.certify.request import CertifyRequest
+from planning.certify.rounding import UNIT
 from planning.domain.certificate import Check
 from planning.domain.joints import JointType
 
@@ -27,23 +32,35 @@ RATES = ("velocity", "acceleration", "jerk")
 def position_check(request: CertifyRequest) -> Check:
     """Return by how much any coordinate leaves its limits at worst; negative is to spare.
 
-    Quaternions are exempt: they have no limits. The value is a guaranteed bound.
+    Quaternions are exempt: they have no limits. Joints that follow have their own. The value is a
+    guaranteed bound.
     """
+    worst = Check("position", -np.inf, DUST, "rad or m", 0.0, passed=True)
+    for names, excesses in (_own_excesses(request), follower_excesses(request)):
+        if names:
+            top, row, fraction = bernstein.peak(_rows(excesses), DUST / 100)
+            which, piece = divmod(row, request.trajectory.num_pieces)
+            if not top <= worst.value:
+                time, passed = _time(request, piece, fraction), top <= DUST
+                worst = Check("position", top, DUST, "rad or m", 0.0, passed, names[which], time)
+    return worst
+
+
+def _own_excesses(request: CertifyRequest) -> tuple[list[str], Array]:
+    """Return by how much the group leaves its bounds: whose, and coefficients for each piece."""
     curve, limits = request.trajectory, request.limits
     iq, iv = (np.array(indices) for indices in zip(*_plain_coordinates(request), strict=True))
-    values = request.forms[0][iv] + curve.bases.T[iq][:, :, None]
+    bases = curve.bases.T[iq]
+    values = request.forms[0][iv] + bases[:, :, None]
+    hidden = request.rounding[0][iv] + 2 * UNIT * np.abs(bases).max(axis=1)
     above, below = np.isfinite(limits.upper[iq]), np.isfinite(limits.lower[iq])
+    upper, lower = limits.upper[iq] - hidden, limits.lower[iq] + hidden
     excesses = np.concatenate([
-        values[above] - limits.upper[iq[above]][:, None, None],
-        limits.lower[iq[below]][:, None, None] - values[below],
+        values[above] - upper[above][:, None, None],
+        lower[below][:, None, None] - values[below],
     ])
-    if len(excesses) == 0:
-        return Check("position", -np.inf, DUST, "rad or m", 0.0, passed=True)
-    top, row, fraction = bernstein.peak(_rows(excesses), DUST / 100)
-    which, piece = divmod(row, curve.num_pieces)
-    name = request.group.position_names[np.concatenate([iq[above], iq[below]])[which]]
-    time = _time(request, piece, fraction)
-    return Check("position", top, DUST, "rad or m", 0.0, top <= DUST, name, time)
+    names = request.group.position_names
+    return [names[i] for i in np.concatenate([iq[above], iq[below]])], excesses
 
 
 def rate_check(request: CertifyRequest, name: str, order: int) -> Check:
@@ -54,7 +71,7 @@ def rate_check(request: CertifyRequest, name: str, order: int) -> Check:
     velocity and its derivatives, not of the tangent's.
     """
     worst = Check(name, 0.0, MAX_UTILISATION, "1", 0.0, passed=True)
-    found = [*_utilisations(request, name, order)]
+    found = [*_utilisations(request, name, order), *follower_uses(request, name, order)]
     if order == 2:
         found += _signed_utilisations(request)
     for used, block, piece, fraction in found:
@@ -81,24 +98,27 @@ def _utilisations(
         shares = _rows(request.forms[order][columns] / bounds[:, None, None])
         top, row, fraction = bernstein.peak(np.concatenate([shares, -shares]), _RELATIVE_GAP)
         which, piece = divmod(row % len(shares), request.trajectory.num_pieces)
-        yield max(top, 0.0), scalar[which][0], piece, fraction
+        hidden = float((request.rounding[order][columns] / bounds).max())
+        yield max(top, 0.0) + hidden, scalar[which][0], piece, fraction
     turning = turning_blocks(request)
     for block, indices, limit in limited:
         if len(indices) > 1:
             bound_of = _angular_bound if block in turning else _norm_bound
             top, piece, fraction = bound_of(request, indices, order, limit)
-            yield top / limit, block, piece, fraction
+            hidden = float(np.linalg.norm(request.rounding[order][indices]))
+            yield (top + hidden) / limit, block, piece, fraction
 
 
 def _signed_utilisations(request: CertifyRequest) -> Iterator[tuple[float, str, int, float]]:
     """Yield the same of accelerations over bounds that differ by sign, of every bounded block."""
     columns = {name: indices[0] for name, indices in request.group.blocks if len(indices) == 1}
     for name, (lowest, highest) in request.acceleration_bounds.items():
-        rows = request.forms[2][columns[name]]
+        rows, hidden = request.forms[2][columns[name]], request.rounding[2][columns[name]]
         top, row, fraction = bernstein.peak(
             np.concatenate([rows / highest, rows / lowest]), _RELATIVE_GAP
         )
-        yield max(top, 0.0), name, row % len(rows), fraction
+        top = max(top, 0.0) + float(hidden) / min(highest, -lowest)
+        yield top, name, row % len(rows), fraction
 
 
 def _norm_bound(

@@ -126,7 +126,7 @@ def _form(taylor: Array, order: int, widths: Array) -> Array:
 
 def _by_size(request: CertifyRequest, forms: list[Array]) -> list[BlockRates]:
     """Return the rates of all scalar blocks together, and of each other block."""
-    limits = [getattr(request.limits, name) for name in RATES[: len(forms) - 1]]
+    limits = [getattr(request.shared_limits, name) for name in RATES[: len(forms) - 1]]
     blocks = [(name, list(indices)) for name, indices in request.group.blocks]
     scalar = [i for i, (_, indices) in enumerate(blocks) if len(indices) == 1]
     found: list[BlockRates] = []

@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from planning.certify.jumps import in_one_turn
 from planning.certify.proof_parts import MARGIN_SLACK, Clearance, Spot
 from planning.certify.request import CertifyRequest
 from planning.domain.certificate import Check
@@ -48,7 +49,7 @@ def native_clearance(
 def prover(scene: KernelScene, model: DrakeModel, request: CertifyRequest, margins: Any) -> Any:
     """Return the kernel's Prover of a request."""
     module: Any = native()
-    group, curve = request.group, request.trajectory
+    group, curve = request.group, in_one_turn(request.trajectory)
     return module.Prover(
         scene.native,
         model.position_indices(group).astype(np.int64),

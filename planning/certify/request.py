@@ -8,8 +8,10 @@ import numpy as np
 from jaxtyping import Float64
 
 from planning.certify import bernstein
+from planning.certify.rounding import rounding
 from planning.domain.constraint import PathConstraint
 from planning.domain.curve import TimedTrajectory
+from planning.domain.followers import Follower, together
 from planning.domain.joints import JointGroup, JointLimits
 from planning.domain.line import LineSection
 from planning.domain.motion_limits import AccelerationBounds, SpeedZone, ToolLimit
@@ -31,7 +33,7 @@ class CertifyRequest(Value):
         state: Where everything else is, full plant positions, shape (num_positions,).
         start: Where the motion shall begin, shape (nq,).
         goals: Configurations one of which it shall reach, shape (n, nq).
-        limits: The limits to keep.
+        limits: The limits that the group's own joints shall keep.
         margins: The distances to keep.
         jerk: Whether jerk is limited (and acceleration hence continuous).
         constraints: What else to keep; names and numbers in them are trusted.
@@ -45,6 +47,7 @@ class CertifyRequest(Value):
             rest, shape (nq,); None if it begins by itself.
         effort: Whether joint torques and forces are limited.
         payload: What the group carries that the scene does not show.
+        followers: Joints that follow those of the group, and the limits that they shall keep.
     """
 
     group: JointGroup
@@ -64,11 +67,40 @@ class CertifyRequest(Value):
     origin: Float64[np.ndarray, " nq"] | None = None
     effort: bool = False
     payload: Payload | None = None
+    followers: tuple[Follower, ...] = ()
 
     @property
     def reference(self) -> Array:
         """The configuration that zones and constraints mean by the start, shape (nq,)."""
         return self.start if self.origin is None else self.origin
+
+    @cached_property
+    def shared_limits(self) -> JointLimits:
+        """The limits within which the group and what follows it keep their own."""
+        return together(self.limits, self.followers)
+
+    @cached_property
+    def leverage(self) -> Array:
+        """By how much more than its own each rate may move something that follows, shape (nv,)."""
+        factors = np.ones(self.group.num_velocities)
+        for follower in self.followers:
+            factors[follower.rate] = max(factors[follower.rate], abs(follower.multiplier))
+        return factors
+
+    @cached_property
+    def rounding(self) -> tuple[Array, ...]:
+        """Bounds on how far `forms` and values of the polynomials are off, each of shape (nv,)."""
+        curve = self.trajectory
+        widths = np.diff(curve.breaks)
+        return tuple(
+            rounding(size, curve.coefficients, widths, order)
+            for order, size in enumerate(self.sizes)
+        )
+
+    @cached_property
+    def sizes(self) -> tuple[Array, ...]:
+        """The largest absolute values in `forms`, each of shape (nv,)."""
+        return tuple(np.abs(form.reshape(len(form), -1)).max(axis=1) for form in self.forms)
 
     @cached_property
     def forms(self) -> tuple[Array, ...]:

@@ -6,6 +6,9 @@ judged by the Bernstein coefficients c_i of the tangent: |delta(t) - delta(t_m)|
 largest |c_i - delta(t_m)|, as a norm is convex. A floating joint turns by no more than its tangent
 moves, for exp is 1-Lipschitz from R^3 to SO(3): its Jacobian's singular values, 1 and
 |sin(x/2) / (x/2)|, are at most 1.
+
+Where a piece ends elsewhere than the next one begins, the joints go from the one to the other: what
+they stray by within a piece includes that jump, and what rounding may hide (`rounding`).
 """
 
 from dataclasses import dataclass
@@ -15,6 +18,8 @@ import numpy as np
 from jaxtyping import Float64
 
 from planning.certify import bernstein
+from planning.certify.jumps import in_one_turn, position_jumps
+from planning.certify.rounding import rounding
 from planning.domain.curve import TimedTrajectory
 from planning.domain.joints import Joint, JointType
 
@@ -56,15 +61,26 @@ class Segments:
 
     def __init__(self, trajectory: TimedTrajectory) -> None:
         """Bound every piece."""
-        self._curve = trajectory
-        self._turns, self._shifts = _selections(trajectory.joints)
-        widths = np.diff(trajectory.breaks)
-        self._bernstein = bernstein.from_power(trajectory.coefficients, widths)
+        self._curve = curve = in_one_turn(trajectory)
+        self._turns, self._shifts = _selections(curve.joints)
+        self._bernstein = bernstein.from_power(curve.coefficients, np.diff(curve.breaks))
         left, _ = bernstein.halves(self._bernstein)
-        self._centers = trajectory.manifold.plus(trajectory.bases, left[:, -1])
-        stray = (self._bernstein - left[:, -1:]) ** 2
-        self._turn = np.sqrt(stray @ self._turns).max(axis=1)
-        self._shift = np.sqrt(stray @ self._shifts).max(axis=1)
+        self._centers = curve.manifold.plus(curve.bases, left[:, -1])
+        stray, loose = (self._bernstein - left[:, -1:]) ** 2, self._loose() ** 2
+        self._loose_turn, self._loose_shift = (
+            np.sqrt(loose @ chosen) for chosen in (self._turns, self._shifts)
+        )
+        self._turn = np.sqrt(stray @ self._turns).max(axis=1) + self._loose_turn
+        self._shift = np.sqrt(stray @ self._shifts).max(axis=1) + self._loose_shift
+
+    def _loose(self) -> Array:
+        """Bound how far each piece is from its polynomials, up to where the next one begins."""
+        curve = self._curve
+        largest = np.abs(self._bernstein).max(axis=1)
+        off = rounding(largest, curve.coefficients, np.diff(curve.breaks))
+        begins, ends = (curve.manifold.plus(curve.bases, self._bernstein[:, i]) for i in (0, -1))
+        off[:-1] += np.abs(position_jumps(curve, begins, ends))
+        return off
 
     @property
     def whole(self) -> Segment:
@@ -107,8 +123,8 @@ class Segments:
             end=span[1],
             time=(span[0] + span[1]) / 2,
             center=self._curve.manifold.plus(self._curve.bases[piece], middle),
-            turn=np.sqrt(stray @ self._turns).max(axis=0),
-            shift=np.sqrt(stray @ self._shifts).max(axis=0),
+            turn=np.sqrt(stray @ self._turns).max(axis=0) + self._loose_turn[piece],
+            shift=np.sqrt(stray @ self._shifts).max(axis=0) + self._loose_shift[piece],
             pieces=(piece, piece + 1),
             bernstein=coefficients,
         )
@@ -117,8 +133,7 @@ class Segments:
         """Return a displacement per velocity coordinate, shape (m, nv); whole turns count.
 
         They move the joint itself nowhere, but a joint that follows it by half moves half a turn.
-        Where pieces are anchored a turn apart, that costs a few more segments. Of a rotation only
-        the angle is given, in the first of its three coordinates.
+        Of a rotation only the angle is given, in the first of its three coordinates.
         """
         parts: list[Array] = []
         begin = 0

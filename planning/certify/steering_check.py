@@ -10,8 +10,10 @@ every piece, between all samples:
 All but the sine and the cosine are polynomials. Pieces are halved until psi = psi_m + eta with
 |eta| at most 1/8; then Taylor's series 1 - eta^2 / 2 + eta^4 / 24 and eta - eta^3 / 6 are wrong by
 less than 3e-7 together, which the first bound makes room for. Both sides are homogeneous in speed,
-so that slow motion is held to the same as fast; only what is slower than a micrometre per second
-(sideways and in reverse, a nanometre) is not looked at.
+so that slow motion is held to the same as fast. Close to rest they are rounding errors: speeds up
+to `dust` count as nothing. That is so little that over the whole motion it is less than a
+micrometre, however long the motion takes: of way aside, of way back, and of way along the rim of
+the tightest turn.
 """
 
 from dataclasses import dataclass
@@ -32,11 +34,11 @@ SLIP, TIGHT = 1e-5, 1e-4
 _SERIES = 3e-7
 _LARGEST_TURN = 0.125
 _MOST_HALVINGS, _MOST_NODES = 16, 100_000
-# Squares of speeds, and a speed, that count as nothing [m^2/s^2 and m/s].
-_SLIP_DUST, _TURN_DUST, _REVERSE_DUST = 1e-18, 1e-12, 1e-9
+# Speeds that count as nothing: at most this aside and back, and this along a turn [m/s], and less
+# if they were more than this way over the whole motion [m].
+_SLIP_DUST, _TURN_DUST, _DUST_WAY = 1e-9, 1e-6, 1e-6
 # Speeds are compared at so many places of each piece, for the number that is told.
 _LOOKS = np.array([0.1, 0.35, 0.65, 0.9])
-_LEAST_SPEED = 1e-4
 
 
 def steering_checks(request: CertifyRequest) -> list[Check]:
@@ -67,7 +69,7 @@ def _check(name: str, request: CertifyRequest, at: tuple[int, int], car: Steerin
     if nodes is None:
         open_ = max(0.0, most - value)
         return Check(name, value, bound, "1", open_, passed=False, where="unproven", time=time)
-    for kind, excess, dust in _excesses(nodes, car):
+    for kind, excess, dust in _excesses(nodes, car, request.trajectory.duration):
         top, row, fraction = bernstein.peak(np.ascontiguousarray(excess), dust / 2)
         if not top <= dust:
             when = float(nodes.begins[row] + fraction * nodes.widths[row])
@@ -84,7 +86,13 @@ def _most(request: CertifyRequest, iv: int, car: Steering) -> float:
     bound.
     """
     turn = float(np.abs(request.forms[1][iv + 2]).max(initial=0.0))
-    return max(1 / SLIP, turn * car.turning_radius / _LEAST_SPEED)
+    _, turn_dust = _dust(request.trajectory.duration)
+    return max(1 / SLIP, turn * car.turning_radius / turn_dust)
+
+
+def _dust(duration: float) -> tuple[float, float]:
+    """Return the speeds that count as nothing: aside or back, and along a turn [m/s]."""
+    return min(_SLIP_DUST, _DUST_WAY / duration), min(_TURN_DUST, _DUST_WAY / duration)
 
 
 def _worst(
@@ -96,12 +104,12 @@ def _worst(
     x, y, turn = curve.tangents(instants, 1)[:, iv : iv + 3].T
     c, s = np.cos(yaw), np.sin(yaw)
     ahead, aside = c * x + s * y, c * y - s * x
-    speed = np.maximum(np.hypot(x, y), _LEAST_SPEED)
+    speed, (slip_dust, turn_dust) = np.hypot(x, y), _dust(curve.duration)
     back = np.zeros_like(ahead) if car.reverse else np.maximum(-ahead, 0.0)
     shares = {
-        "sideways": np.abs(aside) / speed / SLIP,
-        "curvature": np.abs(turn) * car.turning_radius / speed,
-        "reverse": back / speed / SLIP,
+        "sideways": np.abs(aside) / (SLIP * speed + slip_dust),
+        "curvature": np.abs(turn) * car.turning_radius / (speed + turn_dust),
+        "reverse": back / (SLIP * speed + slip_dust),
     }
     where = max(shares, key=lambda kind: float(shares[kind].max()))
     row = int(np.argmax(shares[where]))
@@ -152,8 +160,9 @@ def _nodes(request: CertifyRequest, iq: int, iv: int) -> _Nodes | None:
     return None
 
 
-def _excesses(nodes: _Nodes, car: Steering) -> list[tuple[str, Array, float]]:
+def _excesses(nodes: _Nodes, car: Steering, duration: float) -> list[tuple[str, Array, float]]:
     """Return what shall not be above zero, and what of it counts as nothing."""
+    slip_dust, turn_dust = _dust(duration)
     c, s = np.cos(nodes.yaw)[:, None], np.sin(nodes.yaw)[:, None]
     x, y, turn = np.moveaxis(nodes.rates, -1, 0)
     # Along the middle yaw, and across.
@@ -169,11 +178,11 @@ def _excesses(nodes: _Nodes, car: Steering) -> list[tuple[str, Array, float]]:
     slip = times(aside, aside) - (SLIP - _SERIES) ** 2 * raised(speed, 2 * (aside.shape[1] - 1))
     allowed = (1 + TIGHT) ** 2 * (1 - SLIP**2) / car.turning_radius**2
     excesses = [
-        ("sideways", slip, _SLIP_DUST),
+        ("sideways", slip, slip_dust**2),
         (
             "curvature",
             car.turning_radius**2 * (times(turn, turn) - allowed * speed),
-            _TURN_DUST,
+            turn_dust**2,
         ),
     ]
-    return excesses if car.reverse else [*excesses, ("reverse", -ahead, _REVERSE_DUST)]
+    return excesses if car.reverse else [*excesses, ("reverse", -ahead, slip_dust)]

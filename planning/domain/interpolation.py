@@ -13,7 +13,6 @@ from jaxtyping import Float64
 
 from planning.domain.curve import TimedTrajectory
 from planning.domain.joints import Joint
-from planning.domain.manifold import Manifold
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
@@ -25,7 +24,11 @@ def trajectory_through(
     velocities: Float64[np.ndarray, "n nv"] | None = None,
     accelerations: Float64[np.ndarray, "n nv"] | None = None,
 ) -> TimedTrajectory:
-    """Return the motion that samples stand for; circles are crossed the short way.
+    """Return the motion that samples stand for: positions are numbers, not angles on a circle.
+
+    From 3 rad to -3 rad is a way of 6 rad back, of joints that turn without end too: else samples
+    more than half a turn apart would stand for the way around the other side. Who has angles that
+    jump by whole turns unwraps them first (`numpy.unwrap`).
 
     Args:
         joints: Whose samples these are; none may float.
@@ -35,7 +38,7 @@ def trajectory_through(
         accelerations: [rad/s^2 or m/s^2]; of no use without velocities.
     """
     widths = np.diff(times)
-    steps = Manifold(joints).minus(positions[1:], positions[:-1])
+    steps = positions[1:] - positions[:-1]
     if velocities is None:
         velocities = _spline_slopes(widths, steps)
     h = widths[:, None]

@@ -115,11 +115,14 @@ class JointGroup(Value):
         name: `robot` (the robot's default group) or `robot::group`.
         joints: In the group's own order; `q` and `v` stack their coordinates in this order.
         tool_frames: Full names of the frames that the group moves; the first is the default.
+        winding: Full names of revolute joints that are elsewhere after a whole turn, as something
+            follows them by less.
     """
 
     name: str
     joints: tuple[Joint, ...]
     tool_frames: tuple[str, ...]
+    winding: tuple[str, ...] = ()
 
     @cached_property
     def position_names(self) -> tuple[str, ...]:
@@ -157,8 +160,9 @@ class JointLimits(Value):
     """What the joints of a group may do.
 
     Positions are limited per position coordinate (infinite where free: quaternions, continuous
-    joints, the yaw of a planar joint). Rates are limited per block of `JointGroup.blocks`: the
-    Euclidean norm of the block's velocity coordinates stays below the number.
+    joints, the yaw of a planar joint, joints whose turns count but have no end). Rates are limited
+    per block of `JointGroup.blocks`: the Euclidean norm of the block's velocity coordinates stays
+    below the number.
 
     Attributes:
         lower: Smallest position [rad or m], shape (nq,).

@@ -58,8 +58,8 @@ def steering_of(group: JointGroup) -> Mapping[str, Steering]:
 def steered(group: JointGroup, steering: Mapping[str, Steering]) -> JointGroup:
     """Return the group with some of its planar joints steered; without any it is a plain one."""
     if not steering:
-        return JointGroup(group.name, group.joints, group.tool_frames)
-    return SteeredGroup(group.name, group.joints, group.tool_frames, steering)
+        return JointGroup(group.name, group.joints, group.tool_frames, group.winding)
+    return SteeredGroup(group.name, group.joints, group.tool_frames, group.winding, steering)
 
 
 def manifold_of(group: JointGroup) -> Manifold:

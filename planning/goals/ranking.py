@@ -103,13 +103,20 @@ def equivalents(
 ) -> tuple[Float64[np.ndarray, "n nq"], Int64[np.ndarray, " n"]]:
     """Return each row with whole turns added to its revolute joints in every way within limits.
 
-    Continuous joints have none: a whole turn of theirs is the same point of the manifold.
+    Continuous joints have none: a whole turn of theirs is the same point of the manifold. Nor have
+    joints that are followed by less: what follows is elsewhere after a turn.
 
     Returns:
         The rows, each followed by no other row's, and which of the given ones each is.
     """
-    kinds = [joint.type for joint in group.joints for _ in joint.position_names]
-    turning = np.array([kind is JointType.REVOLUTE for kind in kinds], dtype=bool)
+    turning = np.array(
+        [
+            joint.type is JointType.REVOLUTE and joint.name not in group.winding
+            for joint in group.joints
+            for _ in joint.position_names
+        ],
+        dtype=bool,
+    )
     first, last = np.zeros(rows.shape), np.zeros(rows.shape)
     low, high = limits.lower[turning], limits.upper[turning]
     first[:, turning] = np.ceil((low - rows[:, turning]) / (2 * np.pi) - 1e-12)
@@ -147,7 +154,7 @@ def _turning(group: JointGroup) -> list[bool]:
     for joint in group.joints:
         match joint.type:
             case JointType.REVOLUTE | JointType.CONTINUOUS:
-                flags.append(True)
+                flags.append(joint.name not in group.winding)
             case JointType.PLANAR:
                 flags += [False, False, True]
             case _:

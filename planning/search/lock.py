@@ -90,7 +90,9 @@ class Lock:
         """Lock joints, by name, where the start, shape (nq,), has them."""
         moving = tuple(joint for joint in group.joints if joint.name not in locked)
         steering = {name: how for name, how in steering_of(group).items() if name not in locked}
-        self.free = steered(JointGroup(group.name, moving, group.tool_frames), steering)
+        self.free = steered(
+            JointGroup(group.name, moving, group.tool_frames, group.winding), steering
+        )
         self._start = start
         self._nv = group.num_velocities
         self._joints, self._locked = group.joints, locked

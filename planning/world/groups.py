@@ -19,11 +19,12 @@ from planning.world.drake_model import DrakeModel
 from planning.world.robot_card import EffortCard, LimitsCard
 from planning.world.scene_build import LoadedRobot
 from planning.world.srdf import read_srdf_groups
+from planning.world.turns import is_endless, led_by
 
 # Where nobody states them: half a second to full speed, a tenth of a second to full acceleration.
 _ASSUMED_VELOCITY = 1.0
-_ACCELERATION_PER_VELOCITY = 2.0
-_JERK_PER_ACCELERATION = 10.0
+ACCELERATION_PER_VELOCITY = 2.0
+JERK_PER_ACCELERATION = 10.0
 
 
 @dataclass(frozen=True)
@@ -81,12 +82,21 @@ def robot_groups(model: DrakeModel, loaded: LoadedRobot) -> RobotGroups:
             if frame not in model.frames:
                 raise UnknownName.among("frame", frame, model.frames)
         cars = {joint.name: steering[joint.name] for joint in chosen if joint.name in steering}
-        groups[name] = steered(JointGroup(full, chosen, frames), cars)
+        winding = tuple(
+            joint.name
+            for joint in chosen
+            if joint.type is JointType.REVOLUTE
+            and any(led.minds_turns for led in led_by(model, joint.name))
+        )
+        groups[name] = steered(JointGroup(full, chosen, frames, winding), cars)
     return RobotGroups(robot, default, groups, configurations, assumed)
 
 
 def group_limits(model: DrakeModel, group: JointGroup, robots: list[LoadedRobot]) -> JointLimits:
-    """Return the limits of a group: the card's where it states them, else the description's."""
+    """Return a group's own limits: the card's where it states them, else the description's.
+
+    What follows the group has limits as well (`followers`).
+    """
     by_robot = {loaded.scene_robot.name: loaded for loaded in robots}
     lower: list[float] = []
     upper: list[float] = []
@@ -140,18 +150,18 @@ def _joints_of(model: DrakeModel, loaded: LoadedRobot) -> dict[str, Joint]:
     followers = {mimic.follower for mimic in loaded.file.mimics}
     joints: dict[str, Joint] = {}
     prefix = f"{loaded.scene_robot.name}::"
-    for full, index in model.joint_indices.items():
+    for full in model.joint_indices:
         name = full.removeprefix(prefix)
         if full.startswith(prefix) and name not in followers:
-            joints[name] = Joint(full, _type_of(model.plant.get_joint(index), full))
+            joints[name] = Joint(full, _type_of(model, full))
     return joints
 
 
-def _type_of(joint: Any, name: str) -> JointType:
+def _type_of(model: DrakeModel, name: str) -> JointType:
+    joint = model.plant.get_joint(model.joint_indices[name])
     match joint:
         case RevoluteJoint():
-            bounded = np.isfinite(joint.position_lower_limits()).all()
-            return JointType.REVOLUTE if bounded else JointType.CONTINUOUS
+            return JointType.CONTINUOUS if is_endless(model, name) else JointType.REVOLUTE
         case PrismaticJoint():
             return JointType.PRISMATIC
         case PlanarJoint():
@@ -193,8 +203,8 @@ def _scalar_rates(
     of_file = float(joint.velocity_upper_limits()[0])
     of_file = of_file if np.isfinite(of_file) and of_file > 0 else _ASSUMED_VELOCITY
     velocity = stated.velocity or of_file
-    acceleration = stated.acceleration or velocity * _ACCELERATION_PER_VELOCITY
-    jerk = stated.jerk or acceleration * _JERK_PER_ACCELERATION
+    acceleration = stated.acceleration or velocity * ACCELERATION_PER_VELOCITY
+    jerk = stated.jerk or acceleration * JERK_PER_ACCELERATION
     if isinstance(stated.effort, float):
         effort = stated.effort
     return velocity, acceleration, jerk, effort if effort > 0 else np.inf
@@ -209,6 +219,6 @@ def _block_rates(joint: Joint, stated: LimitsCard) -> list[tuple[float, float, f
         if isinstance(stated.effort, EffortCard):
             effort = stated.effort.force if is_linear else stated.effort.torque
         v = card.velocity if card else _ASSUMED_VELOCITY
-        a = card.acceleration if card else v * _ACCELERATION_PER_VELOCITY
-        rates.append((v, a, card.jerk if card else a * _JERK_PER_ACCELERATION, effort))
+        a = card.acceleration if card else v * ACCELERATION_PER_VELOCITY
+        rates.append((v, a, card.jerk if card else a * JERK_PER_ACCELERATION, effort))
     return rates

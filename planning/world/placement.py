@@ -9,7 +9,8 @@ from planning.domain.joints import JointGroup
 from planning.domain.scene import NamedConfiguration, Scene, SceneRobot
 from planning.errors import ProblemInvalid, SceneInvalid, UnknownName
 from planning.world.drake_model import DrakeModel
-from planning.world.groups import RobotGroups, group_limits
+from planning.world.followers import limits_together
+from planning.world.groups import RobotGroups
 from planning.world.positions import require_positions
 from planning.world.scene_build import LoadedRobot
 
@@ -63,7 +64,7 @@ def placed_state(
         placed = _robot_positions(loaded.scene_robot, own, configurations, f"robots.{i}.positions")
         for group in reversed(own.groups.values()):
             indices = model.position_indices(group)
-            limits = group_limits(model, group, list(robots))
+            limits = limits_together(model, group, robots)
             within = np.clip(state[indices], limits.lower, limits.upper)
             state[indices] = placed.get(group.name, within)
         for name, q in placed.items():

@@ -7,6 +7,7 @@ import numpy as np
 from jaxtyping import Float64
 
 from planning.domain.body_pair import BodyPair
+from planning.domain.followers import Follower, together
 from planning.domain.joints import JointGroup, JointLimits
 from planning.domain.pose import Pose
 from planning.domain.scene import Scene
@@ -15,6 +16,7 @@ from planning.errors import UnknownName
 from planning.world.builder import pose_of
 from planning.world.collision import DistanceProbe, DrakeCollisionOracle, bare_checker
 from planning.world.drake_model import DrakeModel
+from planning.world.followers import followers_of
 from planning.world.groups import RobotGroups, group_limits, robot_groups
 from planning.world.kernel_oracle import KernelCollisionOracle
 from planning.world.kernel_scene import kernel_scene_of
@@ -54,6 +56,7 @@ class World:
         self._robots = robots
         self._judges: dict[tuple[Any, ...], CollisionJudge] = {}
         self._limits: dict[tuple[str, ...], JointLimits] = {}
+        self._stated: dict[tuple[str, ...], tuple[JointLimits, tuple[Follower, ...]]] = {}
         self._robot_groups = [robot_groups(drake, loaded) for loaded in robots]
         self._groups = {
             group.name: group for own in self._robot_groups for group in own.groups.values()
@@ -90,11 +93,23 @@ class World:
         return self._groups[name]
 
     def limits(self, group: JointGroup) -> JointLimits:
-        """Return what the group may do."""
+        """Return what the group may do, so that what follows its joints keeps its own limits.
+
+        Raises:
+            ModelInvalid: A follower can be nowhere within its limits.
+        """
         key = _key_of(group)
         if key not in self._limits:
-            self._limits[key] = group_limits(self.drake, group, list(self._robots))
+            self._limits[key] = together(*self.stated_limits(group))
         return self._limits[key]
+
+    def stated_limits(self, group: JointGroup) -> tuple[JointLimits, tuple[Follower, ...]]:
+        """Return what the group's joints may do by themselves, and what follows them and may do."""
+        key = _key_of(group)
+        if key not in self._stated:
+            followers = followers_of(self.drake, group, self._robots)
+            self._stated[key] = group_limits(self.drake, group, list(self._robots)), followers
+        return self._stated[key]
 
     def limited(self, group: JointGroup, limits: JointLimits) -> "World":
         """Return this world with other limits of a group; all that is loaded is shared."""

@@ -158,7 +158,8 @@ class CertifyMotionRequest(InScene, KeptConstraints, ScaledLimits):
         "meets positions, velocities and accelerations; of degree 3 without accelerations; "
         "without velocities the cubic spline with continuous acceleration that rests at both ends; "
         "or what its `interpolation` says. Straight lines have corners, and are only held to what "
-        "corners can keep"
+        "corners can keep. Positions are numbers, not angles on a circle: from 3 to -3 is a way of "
+        "6 rad"
     )
     start: Positions | None = Field(
         default=None, description="Where it shall begin [rad or m]; null for where it does"

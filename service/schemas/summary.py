@@ -18,7 +18,10 @@ class JointWire(Answer):
     """A joint of a group."""
 
     name: str = Field(description="Full name, `robot::joint`")
-    type: str = Field(description="revolute, continuous, prismatic, planar or floating")
+    type: str = Field(
+        description="revolute, continuous, prismatic, planar or floating; whole turns are nothing "
+        "only to continuous joints, and a joint that another one follows by less is revolute"
+    )
     steering: SteeringWire | None = Field(
         default=None, description="How a planar joint is steered; null if it moves any way"
     )
@@ -28,7 +31,8 @@ class LimitsWire(Answer):
     """What the joints of a group may do; null is unlimited.
 
     Positions are limited per coordinate. Rates are limited per block: the Euclidean norm of the
-    block's velocity coordinates; a scalar joint is a block of its own.
+    block's velocity coordinates; a scalar joint is a block of its own. Joints that follow those of
+    the group keep their own limits within these.
     """
 
     lower: list[Bound] = Field(description="Smallest positions [rad or m]")

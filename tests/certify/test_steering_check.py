@@ -130,7 +130,7 @@ def test_a_base_that_whirls_is_given_up() -> None:
     check = checked(whirl, group_with())
     assert not check.passed
     # It turns on the spot: the share of a speed that counts as nothing is the worst there is.
-    assert check.value + check.resolution == pytest.approx(1e6 * RADIUS / 1e-4)
+    assert check.value + check.resolution == pytest.approx(1e6 * RADIUS / 1e-6)
 
 
 def test_a_group_without_cars_has_no_such_check() -> None:

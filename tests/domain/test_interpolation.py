@@ -1,6 +1,7 @@
 """Trajectories through samples meet the samples and are as smooth as they are said to be."""
 
 import numpy as np
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -61,8 +62,10 @@ def test_polynomials_of_the_same_degree_are_found_again(seed: int, degree: int) 
     np.testing.assert_allclose(made.positions(between)[:, 0], powers(between), atol=1e-9)
 
 
-def test_circles_are_crossed_the_short_way() -> None:
-    joints = (Joint("r::b", JointType.CONTINUOUS),)
-    made = trajectory_through(joints, np.array([0.0, 1.0]), np.array([[3.0], [-3.0]]))
-    middle = made.positions(np.array([0.5]))[0, 0]
-    assert np.cos(middle) < -0.999
+@pytest.mark.parametrize("kind", [JointType.CONTINUOUS, JointType.REVOLUTE])
+def test_positions_are_numbers_and_not_angles_on_a_circle(kind: JointType) -> None:
+    joints = (Joint("r::b", kind),)
+    for q0, q1 in ((0.0, 4.0), (3.0, -3.0), (-1.0, 20.0)):
+        made = trajectory_through(joints, np.array([0.0, 1.0]), np.array([[q0], [q1]]))
+        ways = made.positions(np.array([0.0, 0.5, 1.0]))[:, 0]
+        np.testing.assert_allclose(ways, [q0, (q0 + q1) / 2, q1], atol=1e-12)

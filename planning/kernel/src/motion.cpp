@@ -26,6 +26,17 @@ void split(const double* whole, int terms, int nv, double* left, double* right) 
   }
 }
 
+// What is off by less counts as nothing [rad or m]: the room that the prover leaves for rounding [m] is more
+// than that times any lever arm.
+constexpr double dust = 1e-12;
+
+// How far Bernstein coefficients and values of a polynomial are off: planning/certify/rounding.py has why.
+// `size` is the sum of |c_k| w^k, `largest` the largest coefficient.
+double rounding_of(int terms, double size, double largest) {
+  constexpr double unit = 1.1102230246251565e-16;
+  return (terms + 1) * unit * (5 * size + 65 * largest);
+}
+
 double norm_of(const double* x, int size) {
   double square = 0;
   for (int i = 0; i < size; ++i) square += x[i] * x[i];
@@ -101,7 +112,37 @@ Motion::Motion(const Tree& tree, const Group& group, std::vector<double> breaks,
       ball_strays_.push_back(stray);
     }
   }
+  bound_loose();
   bound_chords();
+}
+
+void Motion::bound_loose() {
+  const int n = num_pieces();
+  const double *b = bernstein_.data(), *c = coefficients_.data();
+  std::vector<double> end(nq_), begin(nq_);
+  loose_.assign(static_cast<std::size_t>(n) * nv_, 0);
+  for (int p = 0; p < n; ++p, b += terms_ * nv_, c += terms_ * nv_) {
+    const double *base = &bases_[static_cast<std::size_t>(p) * nq_], width = breaks_[p + 1] - breaks_[p];
+    double* loose = &loose_[static_cast<std::size_t>(p) * nv_];
+    for (int v = 0; v < nv_; ++v) {
+      double size = 0, largest = 0, power = 1;
+      for (int k = 0; k < terms_; ++k, power *= width) {
+        size += std::abs(c[k * nv_ + v]) * power;
+        largest = std::max(largest, std::abs(b[k * nv_ + v]));
+      }
+      loose[v] = rounding_of(terms_, size, largest);
+    }
+    if (p + 1 < n) {
+      plus(base, b + (terms_ - 1) * nv_, end.data());
+      plus(base + nq_, b + terms_ * nv_, begin.data());
+      for (auto [q, v] : plain_) loose[v] += std::abs(begin[q] - end[q]);
+      for (const Ball& ball : balls_) loose[ball.column] += angle(ball, begin.data(), end.data());
+    }
+    for (int v = 0; v < nv_; ++v)
+      if (loose[v] < dust) loose[v] = 0;
+    for (std::size_t k = 0; k < balls_.size(); ++k)
+      ball_strays_[p * balls_.size() + k] += norm_of(loose + balls_[k].column, 3);
+  }
 }
 
 // Of a ball, whose coordinates begin anew with every piece, points and residuals are zero.
@@ -118,15 +159,13 @@ void Motion::bound_chords() {
            *residual = &residuals_[static_cast<std::size_t>(p) * nv_];
     for (int i = 0; i < terms_; ++i)
       for (auto [q, v] : plain_) control[i * nv_ + v] = base[q] + b[i * nv_ + v];
-    // Where the piece before this one ends elsewhere, the gap is part of its residual.
-    for (int v = 0; v < nv_; ++v) {
-      if (p > 0) residual[v - nv_] += std::abs(control[v] - point[v]);
-      point[v] = control[v], point[v + nv_] = last[v];
-    }
+    for (int v = 0; v < nv_; ++v) point[v] = control[v], point[v + nv_] = last[v];
     for (int i = 1; i + 1 < terms_; ++i) {
       distance_from_chord(&control[i * nv_], control.data(), last, nv_, away.data());
       for (int v = 0; v < nv_; ++v) residual[v] = std::max(residual[v], std::abs(away[v]));
     }
+    // The chord leads to where the next piece begins.
+    for (auto [q, v] : plain_) residual[v] += loose_[static_cast<std::size_t>(p) * nv_ + v];
   }
 }
 
@@ -176,7 +215,9 @@ Segment Motion::half(const Segment& segment, int which) const {
 
 void Motion::enter(const Segment& segment, Strays& out) const {
   out.q.resize(nq_);
+  const double* loose = &loose_[static_cast<std::size_t>(segment.first) * nv_];
   out.residual.assign(nv_, 0);
+  if (segment.is_part()) out.residual.assign(loose, loose + nv_);
   out.block.assign(blocks_.size(), 0);
   segment.is_part() ? enter_part(segment, out) : enter_range(segment, out);
   out.num_rows = static_cast<int>(out.rows.size()) / nv_;

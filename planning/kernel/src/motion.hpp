@@ -4,7 +4,8 @@
 // "The Bernstein polynomial basis: a centennial retrospective", 2012, section 3). Points near a line need no
 // more than its ends: the coefficients of a piece become a chord and a residual per coordinate, and the
 // chords of a segment a polyline of few rows. So on a segment the displacement of the group's coordinates
-// from its centre is always a convex combination of the rows, and some residual.
+// from its centre is always a convex combination of the rows, and some residual. Where a piece ends elsewhere
+// than the next one begins, the residual of all its segments includes the way from the one to the other.
 #pragma once
 
 #include <utility>
@@ -63,6 +64,7 @@ class Motion {
     int position, column;
   };
 
+  void bound_loose();
   void bound_chords();
   Segment range(int first, int last) const;
   void plus(const double* base, const double* delta, double* q) const;
@@ -76,6 +78,7 @@ class Motion {
   std::vector<double> middles_, centers_;  // of each piece: delta and q at its middle
   std::vector<double> points_;       // where each piece begins, in v's coordinates; and where the last ends
   std::vector<double> residuals_;    // of each piece's chord, from its first point to the next piece's
+  std::vector<double> loose_;        // how far each piece is off: by rounding, and to where the next begins
   std::vector<double> ball_strays_;  // of each piece and ball
   std::vector<std::pair<int, int>> plain_;
   std::vector<Ball> balls_;
