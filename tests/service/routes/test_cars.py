@@ -26,7 +26,7 @@ def plan(client, scene):
             "scene": scene,
             "group": group,
             "goal": {"type": "joint", "positions": [list(positions)]},
-            "search": search,
+            "search": {"allowed_planning_time": 60.0, **search},
         }
         return client.post("/v1/plans?wait=60", json=request)
 

@@ -54,11 +54,13 @@ def test_own_paths_are_timed_and_own_trajectories_held_against_them(client, scen
         "waypoints": [[0, -1.57, 1.57, -1.57, -1.57, 0], [0.5, -1.4, 1.4, -1.57, -1.57, 0]],
         "retime": LIMITS,
         "polynomial": True,
+        "allowed_time": 60,
     }
     made = client.post("/v1/trajectories/retime", json=body).json()
     assert made["certificate"]["proven"], made["failure"]
     assert all(named(made["certificate"])[name]["passed"] for name in CHECKS)
     question = {"scene": scene, "group": "arm", "trajectory": made["trajectory"]}
+    question["allowed_time"] = 60
     again = client.post("/v1/trajectories/certify", json={**question, **LIMITS}).json()
     assert again["certificate"]["proven"], again["certificate"]["checks"]
     tighter = {"tool_limits": [{"frame": "arm::tcp", "speed": 0.05}]}
@@ -110,7 +112,7 @@ def test_a_frame_that_does_not_move_keeps_every_limit(client, scene, frame):
         "tool_limits": [{"frame": frame, "speed": 0.2, "acceleration": 1.0}],
         "speed_zones": [zone],
     }
-    path = {"scene": scene, "group": "arm"}
+    path = {"scene": scene, "group": "arm", "allowed_time": 60}
     body = {
         **path,
         "waypoints": [[0, -1.57, 1.57, -1.57, -1.57, 0], [0.5, -1.4, 1.4, -1.57, -1.57, 0]],

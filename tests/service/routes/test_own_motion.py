@@ -9,7 +9,8 @@ ACCELERATION = {"frame": "arm::tcp", "acceleration": 1.0}
 
 
 def post(client, scene, what, **body):
-    return client.post(f"/v1/trajectories/{what}", json={"scene": scene, "group": "arm", **body})
+    body = {"scene": scene, "group": "arm", "allowed_time": 60, **body}
+    return client.post(f"/v1/trajectories/{what}", json=body)
 
 
 @pytest.fixture(scope="module")

@@ -12,7 +12,8 @@ READY = {"type": "configuration", "name": "ready"}
 @pytest.fixture
 def request_of(scene):
     def build(**fields):
-        return {"scene": scene, "group": "arm", "goal": READY, **fields}
+        search = {"allowed_planning_time": 60.0}
+        return {"scene": scene, "group": "arm", "goal": READY, "search": search, **fields}
 
     return build
 
@@ -54,7 +55,7 @@ def test_the_motion_goes_from_start_to_goal_at_rest(client, scene, solved):
 
 
 def test_the_same_seed_gives_the_same_digest(client, request_of, solved):
-    request = request_of(seed=3, search={"allowed_planning_time": 60.0})
+    request = request_of(seed=3)
     again = client.post("/v1/plans?wait=60", json=request).json()
     assert again["id"] != solved["id"]
     assert again["digest"] == solved["digest"]

@@ -6,7 +6,8 @@ PAYLOAD = {"frame": "arm::tool0", "mass": 6.0, "center_of_mass": [0, 0, 0.1]}
 
 
 def post(client, scene, what, **body):
-    return client.post(f"/v1/trajectories/{what}", json={"scene": scene, "group": "arm", **body})
+    body = {"scene": scene, "group": "arm", "allowed_time": 60, **body}
+    return client.post(f"/v1/trajectories/{what}", json=body)
 
 
 def torque(certificate):
@@ -16,6 +17,7 @@ def torque(certificate):
 def test_a_plan_a_path_and_a_trajectory_are_proven_to_keep_torques(client, scene, solved):
     retime = {"effort": True, "payload": PAYLOAD}
     request = {"scene": scene, "group": "arm", "seed": 3, "retime": retime}
+    request["search"] = {"allowed_planning_time": 60.0}
     request["goal"] = {"type": "configuration", "name": "ready"}
     job = client.post("/v1/plans?wait=60", json=request).json()
     assert job["state"] == "succeeded", job["failure"]

@@ -91,6 +91,7 @@ def test_too_many_samples_are_refused(client, solved):
 
 def test_a_plan_is_as_slow_as_it_likes_if_its_samples_are_few(client, scene):
     request = {"scene": scene, "group": "arm", "goal": {"type": "configuration", "name": "ready"}}
+    request["search"] = {"allowed_planning_time": 60.0}
     retime = {"velocity_scale": 1e-9}
     job = client.post("/v1/plans?wait=60", json={**request, "retime": retime}).json()
     assert (job["state"], job["failure"]["code"]) == ("failed", "problem_invalid")
