@@ -3,12 +3,12 @@
 from typing import Any
 
 import numpy as np
-from pydrake.common import Parallelism
 from pydrake.multibody.tree import BodyIndex, JointIndex
-from pydrake.planning import CollisionCheckerParams, SceneGraphCollisionChecker
+from pydrake.planning import SceneGraphCollisionChecker
 
 from planning.domain.joints import JointGroup
 from planning.refine.buffers import Demands
+from planning.world.collision import distance_checker
 from planning.world.drake_model import DrakeModel
 
 
@@ -26,14 +26,7 @@ def group_checker(
         plant.get_joint(index).child_body().model_instance()
         for index in model.joint_indices.values()
     }
-    checker = SceneGraphCollisionChecker(
-        CollisionCheckerParams(
-            model=model.diagram,
-            robot_model_instances=sorted(instances, key=int),
-            edge_step_size=0.05,
-            implicit_context_parallelism=Parallelism(1),
-        )
-    )
+    checker = distance_checker(model, sorted(instances, key=int))
     carriers = _carriers(model, group)
     padding = np.array(checker.GetPaddingMatrix())
     filters = np.array(checker.GetNominalFilteredCollisionMatrix())
