@@ -1,8 +1,10 @@
 """A Drake collision checker that measures what a group's motion can change."""
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+from jaxtyping import Bool
 from pydrake.multibody.tree import BodyIndex, JointIndex
 from pydrake.planning import SceneGraphCollisionChecker
 
@@ -43,6 +45,15 @@ def group_checker(
     checker.SetPaddingMatrix(padding)
     checker.SetCollisionFilterMatrix(filters)
     return checker
+
+
+def moved_pairs(
+    model: DrakeModel, group: JointGroup, pairs: Sequence[tuple[str, str]]
+) -> Bool[np.ndarray, " n"]:
+    """Return which pairs of bodies, by full names, the group moves relative to each other."""
+    carriers = _carriers(model, group)
+    links = [[carriers.get(model.bodies[name]) for name in pair] for pair in pairs]
+    return np.array([a != b for a, b in links], dtype=bool)
 
 
 def _carriers(model: DrakeModel, group: JointGroup) -> dict[BodyIndex, JointIndex | None]:
