@@ -189,5 +189,5 @@ class PairDistances:
 
 def _may_rise(lower: Array, distances: Array, wanted: Array) -> np.ndarray[Any, np.dtype[np.bool_]]:
     """Return which bounds a better direction may lift to what is wanted, or at least by much."""
-    hopeful = (distances >= wanted) | (distances - lower > _MUCH)
+    hopeful = (distances >= wanted) | (distances > lower + _MUCH)
     return (lower < wanted) & (distances > _TOUCHING) & hopeful
