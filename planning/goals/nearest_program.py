@@ -105,9 +105,7 @@ def to_pose(world: World, query: GoalQuery, target: Target) -> Pull:
     return pull
 
 
-def _keep_apart(
-    program: GroupProgram, world: World, least: dict[tuple[Any, Any], float]
-) -> None:
+def _keep_apart(program: GroupProgram, world: World, least: dict[tuple[Any, Any], float]) -> None:
     """Keep pairs of geometries at least so far apart [m]."""
     rows = half_space_pairs_of(world.drake).index
     for pair, distance in least.items():

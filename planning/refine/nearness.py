@@ -115,7 +115,9 @@ class DrakeNearness:
             at.append(np.full(clearance.size() + len(heights), i))
         return Near(np.concatenate(at), np.concatenate(spare), np.vstack(gradients))
 
-    def _above(self, full: Float64[np.ndarray, " num_positions"], reach: float) -> tuple[Array, Array]:
+    def _above(
+        self, full: Float64[np.ndarray, " num_positions"], reach: float
+    ) -> tuple[Array, Array]:
         """Return what heights over half spaces have to spare, and their gradients by q."""
         if self._heights is None:
             return np.zeros(0), np.zeros((0, len(full)))

@@ -135,7 +135,9 @@ def leave_out_half_spaces(scene_graph: SceneGraph, context: Any) -> None:
 def _pairs(model: DrakeModel) -> HalfSpacePairs:
     inspector: Any = model.scene_graph.model_inspector()
     ids: list[Ids] = [
-        pair for pair in sorted(inspector.GetCollisionCandidates()) if has_half_space(inspector, pair)
+        pair
+        for pair in sorted(inspector.GetCollisionCandidates())
+        if has_half_space(inspector, pair)
     ]
     return HalfSpacePairs(
         ids=tuple(ids),

@@ -182,7 +182,7 @@ class _Replay:
         return animation
 
     def _aim_camera(self, group: JointGroup, states: Float64[np.ndarray, "n nx"]) -> Array:
-        """Show everything that moves, at the start, on the way and at the end; return its corners."""
+        """Show all that moves, at the start, on the way and at the end; return its corners."""
         points: list[Array] = []
         for state in states[[0, len(states) // 2, -1]]:
             self._plant.SetPositions(self._context, state)

@@ -30,9 +30,7 @@ def drake_shape(shape: Shape) -> geometry.Shape:  # noqa: C901, PLR0911  (one ca
         case Ellipsoid():
             return geometry.Ellipsoid(*shape.semi_axes)
         case Convex():
-            return geometry.Convex(
-                np.asfortranarray(np.asarray(shape.points).T), "convex"
-            )
+            return geometry.Convex(np.asfortranarray(np.asarray(shape.points).T), "convex")
         case Mesh():
             return geometry.Mesh(shape.uri, scale3=np.asarray(shape.scale))
         case HalfSpace():

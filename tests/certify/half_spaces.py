@@ -80,6 +80,13 @@ class Heights:
         return pose.rotation().matrix(), pose.translation()
 
 
+class PlainBuilder(Builder):
+    """Names without colons, which Drake's collision checker does not take here."""
+
+    def body(self, name: str, shape: Shape, x_bg: RigidTransform | None = None) -> Any:
+        return super().body(name.replace("::", "_"), shape, x_bg)
+
+
 @dataclass(frozen=True)
 class Place:
     """Where a random half space is.
@@ -97,7 +104,7 @@ class Place:
     def robot(self) -> Robot:
         """Return a tree of random joints of which only the pairs with a half space are checked."""
         rng = np.random.default_rng(self.seed)
-        builder = Builder()
+        builder = PlainBuilder()
         for i in range(3):
             pose = random_pose(rng, 0.05)
             axis = rng.normal(size=3)

@@ -22,7 +22,6 @@ from tests.certify.chains import (
     PLANAR,
     Builder,
     P,
-    R,
     Robot,
     fine_loop,
     random_robot,

@@ -1,7 +1,5 @@
 """Half spaces, at rest and on links that turn: what is proven is true, and what is free is."""
 
-from typing import Any
-
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -12,11 +10,13 @@ from pydrake.math import RigidTransform, RotationMatrix
 from planning.certify.certifier import certify
 from planning.certify.collision_shapes import collision_shapes
 from planning.certify.motion_bounds import MotionBounds
+from planning.certify.native_clearance import prover
 from planning.certify.pair_distances import PairDistances
 from planning.certify.robustness import robustness
 from planning.certify.segments import Segments
 from planning.domain.certificate import Certificate
 from planning.domain.curve import TimedTrajectory
+from planning.world.kernel_scene import kernel_scene
 from planning.world.margins import PairMargins
 from tests.certify.chains import PLANAR, Builder, P, R, Robot, random_trajectory
 from tests.certify.conftest import quintic
@@ -41,15 +41,15 @@ def test_what_stays_above_is_proven_and_what_does_not_is_refused(
     robot, motion = random_motion(Place(seed, is_carried))
     smallest = Heights(robot).along(motion)
     for gap in (3e-3, -1e-6):
-        robot, motion = random_motion(Place(seed, is_carried, smallest - gap))
+        robot, motion = random_motion(Place(seed, is_carried, gap - smallest))
         least = Heights(robot).along(motion)
         assert least == pytest.approx(gap, abs=1e-9)
         certificate = judge(robot, motion)
         assert certificate.proven is (gap > 0)
         if certificate.proven:
-            resolution = clearance_of(certificate).resolution
-            assert certificate.min_clearance - resolution <= least + 1e-9
-            assert certificate.min_clearance >= least - 1e-4
+            check = clearance_of(certificate)
+            assert check.value - check.resolution <= least + 1e-9
+            assert check.value >= least - 1e-4
 
 
 @given(seed=st.integers(0, 2**31), is_carried=st.booleans())
@@ -75,6 +75,30 @@ def test_nothing_comes_nearer_than_its_bound(seed: int, is_carried: bool) -> Non
         assert (here - there <= allowed + 1e-9).all()
 
 
+@given(seed=st.integers(0, 2**31), is_carried=st.booleans())
+@settings(max_examples=num_cases(6))
+def test_the_kernels_bounds_hold_on_every_segment(seed: int, is_carried: bool) -> None:
+    robot, motion = random_motion(Place(seed, is_carried))
+    scene = kernel_scene(robot.model)
+    if scene is None:
+        pytest.skip("the native kernel is not built")
+    heights, rng = Heights(robot), np.random.default_rng(seed + 2)
+    order = {pair: row for row, pair in enumerate(scene.pairs)}
+    rows = [order.get(pair, order.get(pair[::-1])) for pair in heights.pairs]
+    demands = scene.demands(NO_MARGIN)
+    proof = prover(scene, robot.model, robot.request(motion, NO_MARGIN), demands)
+    for depth in range(5):
+        begin, end, time, found = proof.bounds(rng.integers(2, size=depth).tolist())
+        approach, lower, along = found[rows].T
+        assert np.isfinite(approach).all()
+        here = heights.at(motion.positions(np.array([time]))[0])
+        np.testing.assert_allclose(lower, here - approach, atol=1e-9)
+        for instant in np.linspace(begin, end, 17)[:-1]:
+            there = heights.at(motion.positions(np.array([instant]))[0])
+            assert (there >= lower - 1e-9).all()
+            assert (there >= along - 1e-9).all()
+
+
 FAR_SHAPES = {
     "sphere": (Sphere(0.1), 0.1),
     "box": (Box(0.2, 0.4, 0.6), 0.3),
@@ -85,7 +109,9 @@ FAR_SHAPES = {
 @pytest.mark.parametrize("away", [0.0, 100.0, 1000.0])
 @pytest.mark.parametrize("name", FAR_SHAPES)
 @pytest.mark.parametrize("roll", [0.0, 0.4])
-def test_a_micrometre_decides_far_from_the_origin(away: float, name: str, roll: float) -> None:
+def test_a_micrometre_decides_far_from_the_origin(
+    implementation: str, away: float, name: str, roll: float
+) -> None:
     shape, below = FAR_SHAPES[name]
     turned = RotationMatrix.MakeXRotation(roll)
     for gap in (1e-6, -1e-6):
@@ -95,16 +121,20 @@ def test_a_micrometre_decides_far_from_the_origin(away: float, name: str, roll: 
         builder.link(PLANAR, shape, x_pf=RigidTransform(turned, at))
         builder.obstacle("ground", HalfSpace(), RigidTransform(turned, np.zeros(3)))
         robot = builder.build()
-        along = quintic(robot.group, np.array([-1.0, 0.0, 0.0]), np.array([1.0, 0.5, 0.3]), 1.0)
-        certificate = judge(robot, along)
+        # What slides and turns along the plane is proven by the second order, which Drake's way
+        # does not have: there it slides by a tenth of a millimetre.
+        ends = np.array([[-1.0, 0.0, 0.0], [1.0, 0.5, 0.3]])
+        if implementation == "drake":
+            ends = np.array([[0.0, 0.0, 0.0], [0.0, 1e-4, 0.0]])
+        certificate = judge(robot, quintic(robot.group, *ends, 1.0))
         assert certificate.proven is (gap > 0)
         assert clearance_of(certificate).value == pytest.approx(gap, abs=1e-8)
 
 
-def tilting(first: Any = HalfSpace()) -> Robot:
+def tilting() -> Robot:
     """Return a half space that turns about the x axis under a ball that stands still."""
     builder = Builder()
-    builder.link(R, first, axis=np.array([1.0, 0.0, 0.0]))
+    builder.link(R, HalfSpace(), axis=np.array([1.0, 0.0, 0.0]))
     builder.obstacle("ball", Sphere(0.1), RigidTransform(np.array([0.0, 0.5, 0.4])))
     return builder.build()
 
@@ -124,10 +154,10 @@ def test_a_half_space_that_turns_is_proven_up_to_touch(before: float, proven: bo
     assert certificate.proven is proven
     if proven:
         slope = 0.4 * np.sin(TOUCH) + 0.5 * np.cos(TOUCH)
-        assert certificate.min_clearance == pytest.approx(slope * before, rel=1e-3)
+        assert clearance_of(certificate).value == pytest.approx(slope * before, rel=1e-3)
     else:
         assert certificate.pair == ("robot::link0", "ball")
-        assert certificate.nearest_points.shape == (2, 3)
+        assert certificate.points.shape == (2, 3)
 
 
 def test_margins_hold_over_a_half_space_that_turns() -> None:
@@ -156,7 +186,7 @@ def test_robustness_under_a_half_space_that_turns() -> None:
     proven: Certificate = certify(robot.model, request, no_hurry(30.0))[0]
     assert proven.proven
     found = robustness(robot.model, request, no_hurry(30.0))
-    # The height at 0.1 rad, and the angle that is left to touch, less what bounds of first order cost.
+    # The height at 0.1 rad, and the angle left to touch, less what bounds of first order cost.
     height = 0.4 * np.cos(0.1) - 0.5 * np.sin(0.1) - 0.1
     assert found.obstacle_displacement <= height + 1e-9
     assert found.obstacle_displacement == pytest.approx(height, rel=0.02)
