@@ -86,7 +86,7 @@ def _pairs(model: DrakeModel) -> BoxPairs:
         boxes=tuple(boxes),
         rows=np.array([[place[a], place[b]] for a, b in pairs], dtype=np.intp).reshape(-1, 2),
         halves=np.array(halves, dtype=np.float64).reshape(-1, 3),
-        index={both: i for i, pair in enumerate(pairs) for both in (pair, pair[::-1])},
+        index={both: i for i, (a, b) in enumerate(pairs) for both in ((a, b), (b, a))},
     )
 
 

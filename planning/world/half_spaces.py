@@ -143,7 +143,7 @@ def _pairs(model: DrakeModel) -> HalfSpacePairs:
         ids=tuple(ids),
         bodies=tuple((_body(model, a), _body(model, b)) for a, b in ids),
         shapes=tuple((measurable(inspector, a), measurable(inspector, b)) for a, b in ids),
-        index={both: i for i, pair in enumerate(ids) for both in (pair, pair[::-1])},
+        index={both: i for i, (a, b) in enumerate(ids) for both in ((a, b), (b, a))},
     )
 
 

@@ -202,7 +202,8 @@ def test_planes_of_robots_are_half_spaces(tmp_path: Path) -> None:
     file.write_text("""<sdf version="1.9"><model name="m"><link name="base"/>
 <joint name="w" type="fixed"><parent>world</parent><child>base</child></joint>
 <link name="tray"><collision name="c"><geometry><plane><normal>0 0 1</normal>
-<size>1 1</size></plane></geometry></collision></link><joint name="j" type="revolute"><parent>base</parent>
+<size>1 1</size></plane></geometry></collision></link>
+<joint name="j" type="revolute"><parent>base</parent>
 <child>tray</child><axis><xyz>1 0 0</xyz><limit><lower>-1</lower><upper>1</upper></limit></axis>
 </joint></model></sdf>""")
     ball = {"name": "ball", "shape": {"sphere": 0.1}, "pose": {"position": [0, 0.5, 0.4]}}
