@@ -7,7 +7,7 @@ from pydrake.planning import RobotDiagram
 from pydrake.systems.framework import Context
 
 from planning.world.drake_model import DrakeModel
-from planning.world.half_spaces import leave_out_half_spaces
+from planning.world.half_spaces import half_space_pairs_of, leave_out_half_spaces
 
 _made: WeakKeyDictionary[RobotDiagram, Context] = WeakKeyDictionary()
 
@@ -18,8 +18,9 @@ def measuring_context(model: DrakeModel) -> Context:
     Pairs with half spaces are not among them (`half_spaces`).
     """
     context: Any = model.diagram.CreateDefaultContext()
-    graph_context = model.scene_graph.GetMyMutableContextFromRoot(context)
-    leave_out_half_spaces(model.scene_graph, graph_context)
+    if half_space_pairs_of(model).ids:
+        graph_context = model.scene_graph.GetMyMutableContextFromRoot(context)
+        leave_out_half_spaces(model.scene_graph, graph_context)
     return context
 
 

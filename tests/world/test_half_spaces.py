@@ -68,9 +68,12 @@ def test_a_floor_has_no_edge_and_no_underside(
     assert not certified(world, [x, 1.0], [x, -5.0])
     assert not certified(world, [x, -21.0], [x + 5.0, -21.0])
     assert certified(world, [x, 0.6], [x + 1.0, 5.0])
-    goal = planning.JointGoal(np.array([[x, -30.0]]))
+
+
+def test_no_plan_leads_below_a_floor(cart: Callable[..., World]) -> None:
+    goal = planning.JointGoal(np.array([[0.0, -30.0]]))
     with pytest.raises(GoalInCollision, match="floor-r::a"):
-        planning.plan(planning.PlanningProblem("r", goal), world, deadline=no_hurry(60.0))
+        planning.plan(planning.PlanningProblem("r", goal), cart(), deadline=no_hurry(60.0))
 
 
 @BOTH
