@@ -14,7 +14,10 @@ This is the bound of Schwarzer, Saha, Latombe, "Adaptive dynamic collision check
 multiple articulated robots" (IEEE T-RO 21:3, 2005), with lever arms taken at the present
 configuration instead of the worst one; the first term above, rotated by R(t) as a whole, is why no
 product of a_k and m_{k+1} is needed. The argument holds as well for a joint that Drake runs from
-child to parent: the inverse transform turns about the same axis by the same angle.
+child to parent: the inverse transform turns about the same axis by the same angle. So it holds in
+the frame of a half space that a chain carries: there the other shape moves, by that chain run
+backwards and then its own, and the lever arms of both are those of its points, where those of the
+half space would have no end.
 """
 
 from dataclasses import dataclass
@@ -100,6 +103,8 @@ class MotionBounds:
     ) -> Float64[np.ndarray, "num_shapes num_moving"]:
         """Return by how much each moving joint moves the points of each shape [m].
 
+        A joint that does not carry a shape moves it in the frame of what it carries.
+
         Args:
             R_WB: Orientations of all bodies at the reference instant.
             p_wb: Their positions [m].
@@ -112,7 +117,7 @@ class MotionBounds:
         chords = 2 * np.sin(np.minimum(turns, np.pi) / 2)
         arms = self._lever_arms(R_WB, p_wb)
         turned = np.where(chords > 0, arms, 0.0) * chords
-        return np.where(self.carries, turned + shifts, 0.0)
+        return turned + shifts
 
     def sensitivities(
         self, R_WB: Float64[np.ndarray, "num_bodies 3 3"], p_wb: Float64[np.ndarray, "num_bodies 3"]
@@ -124,7 +129,8 @@ class MotionBounds:
         """
         turns = np.einsum("kd,kd->k", self._to_turn, self._errors[self._members])
         shifts = np.einsum("kd,kd->k", self._to_shift, self._errors[self._members])
-        return np.where(self.carries, self._lever_arms(R_WB, p_wb) * turns + shifts, 0.0)
+        arms = np.where(turns > 0, self._lever_arms(R_WB, p_wb), 0.0)
+        return arms * turns + shifts
 
     def _lever_arms(self, R_WB: Array, p_wb: Array) -> Array:
         """Return the largest distance of each shape's points from each joint's axis or origin."""

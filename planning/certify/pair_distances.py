@@ -14,13 +14,13 @@ from typing import Any
 
 import numpy as np
 from jaxtyping import Float64, Int
-from pydrake.geometry import CollisionFilterDeclaration, GeometrySet
 
 from planning.certify.candidate_pairs import candidate_pairs, geometry_of
 from planning.certify.motion_bounds import MotionBounds
 from planning.certify.placed_shapes import PlacedShapes
 from planning.certify.request import CertifyRequest
 from planning.certify.segments import Segment
+from planning.world.contexts import measuring_context
 from planning.world.drake_model import DrakeModel
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
@@ -69,11 +69,10 @@ class PairDistances:
         self.pairs = candidate_pairs(model, geometry, self._bounds, request.margins)
         self._is_flat = self._shapes.is_half_space[self.pairs.rows].any(axis=1)
         self._directions = np.full((len(self.pairs.ids), 3), np.nan)
-        self._context = model.diagram.CreateDefaultContext()
+        self._context = measuring_context(model)
         self._plant_context = model.plant.GetMyMutableContextFromRoot(self._context)
         self._query_context = model.scene_graph.GetMyMutableContextFromRoot(self._context)
         self._port = model.scene_graph.get_query_output_port()
-        self._leave_out_half_spaces()
         self._placed = PlacedShapes(model, self._shapes, self._bounds)
         self.go_to(request.trajectory.start)
 
@@ -110,11 +109,15 @@ class PairDistances:
         return self._between(self._bounds.sensitivities(placed.rotations, placed.positions), pairs)
 
     def _between(self, moved: Array, pairs: Indices) -> Array:
-        """Return the sum over the joints that move one shape of a pair relative to the other."""
-        carries = self._bounds.carries
+        """Return the sum over the joints that move one shape of a pair relative to the other.
+
+        In the frame of a half space it is the other shape that they move.
+        """
+        carries, is_flat = self._bounds.carries, self._shapes.is_half_space
         a, b = self.pairs.rows[pairs].T
-        relative = carries[a] != carries[b]
-        return np.where(relative, moved[a] + moved[b], 0.0).sum(axis=1)
+        by_a = np.where(carries[a] & ~carries[b], moved[np.where(is_flat[a], b, a)], 0.0)
+        by_b = np.where(carries[b] & ~carries[a], moved[np.where(is_flat[b], a, b)], 0.0)
+        return (by_a + by_b).sum(axis=1)
 
     def measure(self, pairs: Indices, wanted: Float64[np.ndarray, " n"]) -> Measured:
         """Bound distances here until each bound is as large as wanted, or as good as can be.
@@ -183,16 +186,8 @@ class PairDistances:
                 directions[i] = found.nhat_BA_W if forwards else -found.nhat_BA_W
         return distances, directions
 
-    def _leave_out_half_spaces(self) -> None:
-        """Keep Drake, in our context, from measuring what it cannot."""
-        flat = [i for i, row in self._shapes.rows.items() if self._shapes.is_half_space[row]]
-        if flat:
-            rest = GeometrySet(list(self._shapes.rows))
-            filters = self._model.scene_graph.collision_filter_manager(self._query_context)
-            filters.Apply(CollisionFilterDeclaration().ExcludeBetween(GeometrySet(flat), rest))
-
 
 def _may_rise(lower: Array, distances: Array, wanted: Array) -> np.ndarray[Any, np.dtype[np.bool_]]:
     """Return which bounds a better direction may lift to what is wanted, or at least by much."""
-    hopeful = (distances >= wanted) | (distances - lower > _MUCH)
+    hopeful = (distances >= wanted) | (distances > lower + _MUCH)
     return (lower < wanted) & (distances > _TOUCHING) & hopeful

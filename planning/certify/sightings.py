@@ -63,7 +63,7 @@ class Sightings:
     def see(self, pairs: Indices, distances: Array, time: float) -> None:
         """Take note of distances [m], infinite where none was measured, at one configuration."""
         self.count += 1
-        seen = np.isfinite(distances)
+        seen = distances < np.inf
         if seen.any():
             pairs, distances = pairs[seen], distances[seen]
             self._note(self.nearest, pairs, distances, distances, time)

@@ -12,9 +12,11 @@ from planning.domain.pose import Pose
 from planning.goals.ball_target import BallTarget
 from planning.goals.goal_query import GoalQuery
 from planning.goals.group_program import GroupProgram
+from planning.goals.height_constraint import keep_above
 from planning.goals.region_target import RegionTarget
 from planning.goals.rule_program import keep_rules
 from planning.goals.tool_target import ToolTarget
+from planning.world.half_spaces import half_space_pairs_of
 from planning.world.world import World
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
@@ -70,8 +72,7 @@ def pulled(
         pull(program, q)
         if query.rules is not None:
             keep_rules(program, world, query.rules)
-        for pair, margin in pairs.items():
-            program.ik.AddDistanceConstraint(pair, margin + slack, np.inf)
+        _keep_apart(program, world, {pair: margin + slack for pair, margin in pairs.items()})
         moved = np.clip(program.solve(q), limits.lower, limits.upper)
         step = float(np.abs(moved - q).max())
         q = moved
@@ -104,6 +105,17 @@ def to_pose(world: World, query: GoalQuery, target: Target) -> Pull:
     return pull
 
 
+def _keep_apart(program: GroupProgram, world: World, least: dict[tuple[Any, Any], float]) -> None:
+    """Keep pairs of geometries at least so far apart [m]."""
+    rows = half_space_pairs_of(world.drake).index
+    for pair, distance in least.items():
+        if pair not in rows:
+            program.ik.AddDistanceConstraint(pair, distance, np.inf)
+    heights = {rows[pair]: distance for pair, distance in least.items() if pair in rows}
+    if heights:
+        keep_above(program, world.drake, heights)
+
+
 def _near_pairs(
     world: World, query: GoalQuery, q: Array
 ) -> tuple[dict[tuple[Any, Any], float], float]:
@@ -114,7 +126,7 @@ def _near_pairs(
     lacks = [margins.of(*bodies) - distance for _, bodies, distance in found]
     near = {
         pair: margins.of(*bodies)
-        for (pair, bodies, _), lack in zip(found, lacks, strict=True)
-        if lack > -_NEAR
+        for (pair, bodies, distance), lack in zip(found, lacks, strict=True)
+        if lack > -_NEAR and np.isfinite(distance)
     }
     return near, max(lacks, default=-np.inf)

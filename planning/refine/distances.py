@@ -1,14 +1,16 @@
 """A Drake collision checker that measures what a group's motion can change."""
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from pydrake.common import Parallelism
+from jaxtyping import Bool
 from pydrake.multibody.tree import BodyIndex, JointIndex
-from pydrake.planning import CollisionCheckerParams, SceneGraphCollisionChecker
+from pydrake.planning import SceneGraphCollisionChecker
 
 from planning.domain.joints import JointGroup
 from planning.refine.buffers import Demands
+from planning.world.collision import distance_checker
 from planning.world.drake_model import DrakeModel
 
 
@@ -26,14 +28,7 @@ def group_checker(
         plant.get_joint(index).child_body().model_instance()
         for index in model.joint_indices.values()
     }
-    checker = SceneGraphCollisionChecker(
-        CollisionCheckerParams(
-            model=model.diagram,
-            robot_model_instances=sorted(instances, key=int),
-            edge_step_size=0.05,
-            implicit_context_parallelism=Parallelism(1),
-        )
-    )
+    checker = distance_checker(model, sorted(instances, key=int))
     carriers = _carriers(model, group)
     padding = np.array(checker.GetPaddingMatrix())
     filters = np.array(checker.GetNominalFilteredCollisionMatrix())
@@ -50,6 +45,15 @@ def group_checker(
     checker.SetPaddingMatrix(padding)
     checker.SetCollisionFilterMatrix(filters)
     return checker
+
+
+def moved_pairs(
+    model: DrakeModel, group: JointGroup, pairs: Sequence[tuple[str, str]]
+) -> Bool[np.ndarray, " n"]:
+    """Return which pairs of bodies, by full names, the group moves relative to each other."""
+    carriers = _carriers(model, group)
+    links = [[carriers.get(model.bodies[name]) for name in pair] for pair in pairs]
+    return np.array([a != b for a, b in links], dtype=bool)
 
 
 def _carriers(model: DrakeModel, group: JointGroup) -> dict[BodyIndex, JointIndex | None]:

@@ -10,8 +10,10 @@ from planning.domain.joints import JointGroup
 from planning.domain.manifold import Manifold
 from planning.kernel.native import native
 from planning.refine.buffers import Demands
-from planning.refine.distances import group_checker
+from planning.refine.distances import group_checker, moved_pairs
 from planning.world.drake_model import DrakeModel
+from planning.world.half_space_heights import HalfSpaceHeights
+from planning.world.half_spaces import half_space_pairs_of
 from planning.world.kernel_scene import KernelScene, kernel_scene_of
 from planning.world.world import World
 
@@ -74,7 +76,10 @@ class KernelNearness:
 
 
 class DrakeNearness:
-    """The same by Drake's checker, one configuration after another."""
+    """The same by Drake's checker, one configuration after another.
+
+    Half spaces are not Drake's to measure.
+    """
 
     def __init__(
         self,
@@ -91,17 +96,34 @@ class DrakeNearness:
         self._context: Any = model.plant.CreateDefaultContext()
         self._is_flat = Manifold(group.joints).is_flat
         self._moved = self._rates(np.array(state))
+        bodies = half_space_pairs_of(model).bodies
+        self._is_raised = moved_pairs(model, group, bodies)
+        self._demanded = np.array([demands.demanded(*pair) for pair in bodies], dtype=np.float64)
+        self._heights = HalfSpaceHeights(model) if self._is_raised.any() else None
 
     def within(self, qs: Float64[np.ndarray, "m nq"], reach: float) -> Near:
         """Return the pairs with less than `reach` [m] beyond what is demanded."""
         at, spare, gradients = [], [], []
         for i, full in enumerate(self._model.embed(self._group, qs, self._state)):
             clearance: Any = self._checker.CalcRobotClearance(full, reach)
-            at.append(np.full(clearance.size(), i))
-            spare.append(np.array(clearance.distances()))
             moved = self._moved if self._is_flat else self._rates(full)
+            spare.append(np.array(clearance.distances()))
             gradients.append(np.array(clearance.jacobians()) @ moved)
+            heights, slopes = self._above(full, reach)
+            spare.append(heights)
+            gradients.append(slopes @ moved)
+            at.append(np.full(clearance.size() + len(heights), i))
         return Near(np.concatenate(at), np.concatenate(spare), np.vstack(gradients))
+
+    def _above(
+        self, full: Float64[np.ndarray, " num_positions"], reach: float
+    ) -> tuple[Array, Array]:
+        """Return what heights over half spaces have to spare, and their gradients by q."""
+        if self._heights is None:
+            return np.zeros(0), np.zeros((0, len(full)))
+        rows, heights, slopes = self._heights.at(full, self._demanded + reach)
+        kept = self._is_raised[rows]
+        return (heights - self._demanded[rows])[kept], slopes[kept]
 
     def _rates(self, full: Float64[np.ndarray, " num_positions"]) -> Array:
         """Return what the plant's positions change with the group's v, which Drake knows by q."""

@@ -12,9 +12,11 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
-from pydrake.geometry import Box, GeometryId, HalfSpace
+from pydrake.geometry import Box, GeometryId
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import BodyIndex
+
+from planning.world.half_spaces import has_half_space, height, measurable
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
@@ -177,6 +179,11 @@ def _is_open(joint: Any) -> Array:
 
 
 def _distance(query: Any, a: GeometryId, b: GeometryId) -> float:
+    inspector = query.inspector()
+    if has_half_space(inspector, (a, b)):
+        shapes = measurable(inspector, a), measurable(inspector, b)
+        poses = [query.GetPoseInWorld(i).GetAsMatrix4() for i in (a, b)]
+        return height(shapes, (poses[0], poses[1]))[0]
     return float(query.ComputeSignedDistancePairClosestPoints(a, b).distance)
 
 
@@ -195,9 +202,6 @@ def _adjacent_candidates(plant: MultibodyPlant, scene_graph: Any) -> dict[Any, l
     inspector = scene_graph.model_inspector()
     found: dict[Any, list[Any]] = {}
     for a, b in sorted(inspector.GetCollisionCandidates()):
-        # Drake does not measure half spaces; a link that is one is no neighbour's design.
-        if any(isinstance(inspector.GetShape(i), HalfSpace) for i in (a, b)):
-            continue
         bodies = frozenset(
             int(plant.GetBodyFromFrameId(inspector.GetFrameId(i)).index()) for i in (a, b)
         )

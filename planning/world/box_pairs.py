@@ -1,7 +1,6 @@
 """Distances of pairs of boxes, which Drake 1.58 overstates now and then (docs/decisions/0006)."""
 
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Any
 from weakref import WeakKeyDictionary
 
@@ -12,7 +11,6 @@ from pydrake.planning import RobotDiagram
 
 from planning.kernel.box_distance import box_distances
 from planning.world.drake_model import DrakeModel
-from planning.world.margins import PairMargins
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
@@ -60,45 +58,6 @@ class BoxPairs:
         kept = np.flatnonzero(distances <= np.broadcast_to(reach, len(self.ids))[near])
         return {int(near[i]): (float(distances[i]), points[i]) for i in kept}
 
-    def demands(self, margins: PairMargins) -> Float64[np.ndarray, " n"]:
-        """Return the margin of every pair [m]."""
-        return np.array([margins.of(*pair) for pair in self.bodies], dtype=np.float64)
-
-
-class BoxMargins:
-    """Says whether boxes keep their margins; one context, made when it is first needed.
-
-    Where no margin is demanded of boxes there is nothing to say: whether two of them overlap Drake
-    knows.
-    """
-
-    def __init__(self, model: DrakeModel, margins: PairMargins) -> None:
-        """Read what is demanded of every pair of boxes."""
-        self._model, self._pairs = model, box_pairs_of(model)
-        self._demands = self._pairs.demands(margins)
-        self.is_needed = bool((self._demands > 0).any())
-
-    def are_kept(self, full: Float64[np.ndarray, " num_positions"]) -> bool:
-        """Return whether all separate boxes are as far apart as demanded."""
-        if not self.is_needed:
-            return True
-        self._model.plant.SetPositions(self._plant_context, full)
-        query = self._model.scene_graph.get_query_output_port().Eval(self._query_context)
-        found = self._pairs.within(query, self._demands)
-        return all(distance >= self._demands[row] for row, (distance, _) in found.items())
-
-    @cached_property
-    def _context(self) -> Any:
-        return self._model.diagram.CreateDefaultContext()
-
-    @cached_property
-    def _plant_context(self) -> Any:
-        return self._model.plant.GetMyMutableContextFromRoot(self._context)
-
-    @cached_property
-    def _query_context(self) -> Any:
-        return self._model.scene_graph.GetMyContextFromRoot(self._context)
-
 
 _read: WeakKeyDictionary[RobotDiagram, BoxPairs] = WeakKeyDictionary()
 
@@ -127,7 +86,7 @@ def _pairs(model: DrakeModel) -> BoxPairs:
         boxes=tuple(boxes),
         rows=np.array([[place[a], place[b]] for a, b in pairs], dtype=np.intp).reshape(-1, 2),
         halves=np.array(halves, dtype=np.float64).reshape(-1, 3),
-        index={both: i for i, pair in enumerate(pairs) for both in (pair, pair[::-1])},
+        index={both: i for i, (a, b) in enumerate(pairs) for both in ((a, b), (b, a))},
     )
 
 

@@ -154,7 +154,7 @@ def _weld_base(build: Build, loaded: LoadedRobot) -> None:
 
 def _add_object(build: Build, thing: SceneObject, path: str) -> None:
     try:
-        shape, x_og = drake_shape(thing.shape)
+        shape, x_og = drake_shape(thing.shape), RigidTransform()
         instance = build.plant.AddModelInstance(thing.name)
         # What stands in the world burdens nobody.
         inertia = spatial_inertia(thing) if thing.attached else SpatialInertia.NaN()

@@ -14,9 +14,11 @@ from planning.domain import motion_samples
 from planning.domain.body_pair import BodyPair
 from planning.domain.joints import JointGroup
 from planning.domain.manifold import Manifold
-from planning.world.box_pairs import BoxMargins, box_pairs_of
+from planning.world.contexts import measuring_context
 from planning.world.drake_model import DrakeModel
+from planning.world.half_spaces import leave_out_half_spaces
 from planning.world.margins import PairMargins
+from planning.world.measured_pairs import MeasuredMargins, measured_pairs_of
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
@@ -38,7 +40,7 @@ class DrakeCollisionOracle:
         self._checker: Any = bare.Clone() if bare else bare_checker(model)
         if margins.largest > 0 or margins.by_pair:
             _apply_margins(self._checker, model, margins)
-        self._boxes = BoxMargins(model, margins)
+        self._measured = MeasuredMargins(model, margins)
         self._full = model.follow(np.array(state))
         self._indices = model.position_indices(group)
 
@@ -47,7 +49,7 @@ class DrakeCollisionOracle:
         self._full[self._indices] = q
         self._model.follow(self._full)
         free = bool(self._checker.CheckConfigCollisionFree(self._full))
-        return free and self._boxes.are_kept(self._full)
+        return free and self._measured.are_kept(self._full)
 
     def are_free(self, qs: Float64[np.ndarray, "m nq"]) -> Bool[np.ndarray, " m"]:
         """Return the same for each row."""
@@ -56,8 +58,8 @@ class DrakeCollisionOracle:
         self._model.follow(full)
         verdicts = self._checker.CheckConfigsCollisionFree(list(full), parallelize=Parallelism(1))
         free = np.array(verdicts, dtype=bool)
-        for i in np.flatnonzero(free) if self._boxes.is_needed else ():
-            free[i] = self._boxes.are_kept(full[i])
+        for i in np.flatnonzero(free) if self._measured.is_needed else ():
+            free[i] = self._measured.are_kept(full[i])
         return free
 
     def is_motion_free(
@@ -87,14 +89,14 @@ class DistanceProbe:
     def __init__(
         self, model: DrakeModel, margins: PairMargins, context: Context | None = None
     ) -> None:
-        """Use a context of the model's diagram, or make one, which takes longer than a query."""
+        """Use a `measuring_context` of the model, or make one, which takes longer than a query."""
         self._model = model
         self._margins = margins
-        self._context = model.diagram.CreateDefaultContext() if context is None else context
+        self._context = measuring_context(model) if context is None else context
         self._plant_context = model.plant.GetMyMutableContextFromRoot(self._context)
         self._query_port = model.scene_graph.get_query_output_port()
         self._query_context = model.scene_graph.GetMyContextFromRoot(self._context)
-        self._boxes = box_pairs_of(model)
+        self._ours = measured_pairs_of(model)
 
     def pairs_within(
         self, full: Float64[np.ndarray, " num_positions"], distance: float
@@ -131,22 +133,20 @@ class DistanceProbe:
     ) -> Iterator[tuple[tuple[Any, Any], tuple[str, str], float, Array]]:
         """Yield ids, bodies, distance and nearest points of all geometries at most so far apart.
 
-        Of separate boxes Drake's distance may be far too large, so they are measured here; that
-        boxes overlap Drake knows.
+        Pairs that are ours are measured here; that boxes overlap Drake knows.
         """
-        query, boxes = self._query(full), self._boxes
+        query = self._query(full)
         overlapping: set[tuple[Any, Any]] = set()
         for found in query.ComputeSignedDistancePairwiseClosestPoints(distance):
             ids = found.id_A, found.id_B
-            if found.distance <= 0 or ids not in boxes.index:
+            if self._ours.is_for_drake(ids, found.distance):
                 p_wa = query.GetPoseInWorld(found.id_A).multiply(found.p_ACa)
                 p_wb = query.GetPoseInWorld(found.id_B).multiply(found.p_BCb)
                 overlapping.add(ids)
                 yield ids, self._bodies(query, ids), float(found.distance), np.array([p_wa, p_wb])
-        for row, (length, points) in boxes.within(query, distance).items():
-            ids = boxes.ids[row]
-            if ids not in overlapping and ids[::-1] not in overlapping:
-                yield ids, boxes.bodies[row], length, points
+        for own in self._ours.within(query, distance):
+            if own.ids not in overlapping and own.ids[::-1] not in overlapping:
+                yield own.ids, own.bodies, own.length, own.points
 
     def _bodies(self, query: Any, ids: tuple[Any, Any]) -> tuple[str, str]:
         inspector = query.inspector()
@@ -166,7 +166,12 @@ def bare_checker(model: DrakeModel) -> SceneGraphCollisionChecker:
     movers = [plant.get_joint(index).child_body() for index in model.joint_indices.values()]
     held = [plant.get_body(model.bodies[name]) for name in model.owners]
     robots = sorted({body.model_instance() for body in [*movers, *held]}, key=int)
-    return SceneGraphCollisionChecker(
+    return distance_checker(model, robots)
+
+
+def distance_checker(model: DrakeModel, robots: list[Any]) -> SceneGraphCollisionChecker:
+    """Return Drake's checker of model instances; pairs with half spaces are left to us."""
+    checker = SceneGraphCollisionChecker(
         CollisionCheckerParams(
             model=model.diagram,
             robot_model_instances=robots,
@@ -174,6 +179,13 @@ def bare_checker(model: DrakeModel) -> SceneGraphCollisionChecker:
             implicit_context_parallelism=Parallelism(1),
         )
     )
+
+    def leave_out(diagram: Any, contexts: Any) -> None:
+        graph = diagram.scene_graph()
+        leave_out_half_spaces(graph, graph.GetMyMutableContextFromRoot(contexts.model_context()))
+
+    checker.PerformOperationAgainstAllModelContexts(leave_out)
+    return checker
 
 
 def _apply_margins(checker: Any, model: DrakeModel, margins: PairMargins) -> None:

@@ -1,13 +1,27 @@
-"""A context of Drake's for questions at one instant."""
+"""Contexts of Drake's for questions at one instant."""
 
+from typing import Any
 from weakref import WeakKeyDictionary
 
 from pydrake.planning import RobotDiagram
 from pydrake.systems.framework import Context
 
 from planning.world.drake_model import DrakeModel
+from planning.world.half_spaces import half_space_pairs_of, leave_out_half_spaces
 
 _made: WeakKeyDictionary[RobotDiagram, Context] = WeakKeyDictionary()
+
+
+def measuring_context(model: DrakeModel) -> Context:
+    """Return a new context in which Drake can be asked for all distances that it measures.
+
+    Pairs with half spaces are not among them (`half_spaces`).
+    """
+    context: Any = model.diagram.CreateDefaultContext()
+    if half_space_pairs_of(model).ids:
+        graph_context = model.scene_graph.GetMyMutableContextFromRoot(context)
+        leave_out_half_spaces(model.scene_graph, graph_context)
+    return context
 
 
 def shared_context(model: DrakeModel) -> Context:
@@ -17,5 +31,5 @@ def shared_context(model: DrakeModel) -> Context:
     """
     context = _made.get(model.diagram)
     if context is None:
-        context = _made[model.diagram] = model.diagram.CreateDefaultContext()
+        context = _made[model.diagram] = measuring_context(model)
     return context

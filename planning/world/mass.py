@@ -19,7 +19,7 @@ def spatial_inertia(thing: SceneObject) -> SpatialInertia:
     """
     if thing.mass is None:
         return SpatialInertia.Zero()
-    shape, _ = drake_shape(thing.shape)  # in the object's own frame, but for half spaces
+    shape = drake_shape(thing.shape)
     if isinstance(shape, Mesh):
         hull = shape.GetConvexHull()
         points = np.array([hull.vertex(i) for i in range(hull.num_vertices())])

@@ -7,6 +7,7 @@ from jaxtyping import Float64
 from pydrake.geometry import (
     Cylinder,
     GeometryId,
+    HalfSpace,
     Meshcat,
     MeshcatAnimation,
     MeshcatParams,
@@ -19,6 +20,7 @@ from pydrake.multibody.tree import Frame
 from planning.domain.curve import TimedTrajectory
 from planning.domain.joints import JointGroup, JointType
 from planning.world.camera import SolidBox, place_camera
+from planning.world.half_space_plate import plate_under
 from planning.world.world import World
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
@@ -70,6 +72,7 @@ class _Replay:
         self._context = self._plant.GetMyMutableContextFromRoot(self._root)
         fixed = self._plant.GetBodiesWeldedTo(self._plant.world_body())
         self._fixed = {body.index() for body in fixed}
+        self._flat: list[tuple[str, GeometryId, Any]] = []
 
     def page(self, group: JointGroup, trajectory: TimedTrajectory, rate: float) -> str:
         """Draw everything and return the page."""
@@ -78,7 +81,7 @@ class _Replay:
         drawn = {**self._draw_bodies(), **self._draw_frames()}
         for path, frame in drawn.items():
             self._meshcat.SetTransform(path, frame.CalcPoseInWorld(self._context))
-        self._aim_camera(group, states)
+        self._draw_half_spaces(self._aim_camera(group, states))
         self._draw_trace(group, self._states(group, trajectory, rate * _TRACE_POINTS_PER_FRAME))
         self._meshcat.SetAnimation(self._animation(drawn, states, rate))
         for path in ("/Grid", "/Axes"):
@@ -119,8 +122,22 @@ class _Replay:
         color: Any = _DEFAULT_COLOR
         if properties is not None and properties.HasProperty("phong", "diffuse"):
             color = properties.GetProperty("phong", "diffuse")
-        self._meshcat.SetObject(path, self._inspector.GetShape(geometry), color)
+        shape = self._inspector.GetShape(geometry)
+        if isinstance(shape, HalfSpace):  # drawn where the camera looks, once that is known
+            self._flat.append((path, geometry, color))
+            return
+        self._meshcat.SetObject(path, shape, color)
         self._meshcat.SetTransform(path, self._inspector.GetPoseInFrame(geometry))
+
+    def _draw_half_spaces(self, points: Array) -> None:
+        """Draw every half space as a plate under some points in world, shape (n, 3)."""
+        for path, geometry, color in self._flat:
+            x_bg = self._inspector.GetPoseInFrame(geometry)
+            body = self._plant.GetBodyFromFrameId(self._inspector.GetFrameId(geometry))
+            x_wg = body.EvalPoseInWorld(self._context) @ x_bg
+            plate, x_gp = plate_under(x_wg, points)
+            self._meshcat.SetObject(path, plate, color)
+            self._meshcat.SetTransform(path, x_bg @ x_gp)
 
     def _draw_frames(self) -> dict[str, Frame]:
         """Draw the scene's named frames as small triads and return them by path."""
@@ -164,8 +181,8 @@ class _Replay:
                 animation.SetTransform(i, path, frame.CalcPoseInWorld(self._context))
         return animation
 
-    def _aim_camera(self, group: JointGroup, states: Float64[np.ndarray, "n nx"]) -> None:
-        """Show everything that moves, at the start, on the way and at the end."""
+    def _aim_camera(self, group: JointGroup, states: Float64[np.ndarray, "n nx"]) -> Array:
+        """Show all that moves, at the start, on the way and at the end; return its corners."""
         points: list[Array] = []
         for state in states[[0, len(states) // 2, -1]]:
             self._plant.SetPositions(self._context, state)
@@ -175,6 +192,7 @@ class _Replay:
             around = self._boxes(moving=False)
             camera, target = place_camera(np.concatenate(points), around, from_above=in_plane)
             self._meshcat.SetCameraPose(camera, target)
+        return np.concatenate([np.zeros((0, 3)), *points])
 
     def _boxes(self, *, moving: bool) -> list[SolidBox]:
         """Return the boxes around what shows and moves, or around what shows and does not."""

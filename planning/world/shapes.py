@@ -2,7 +2,6 @@
 
 import numpy as np
 from pydrake import geometry
-from pydrake.math import RigidTransform
 
 from planning.domain.shapes import (
     Box,
@@ -16,32 +15,23 @@ from planning.domain.shapes import (
     Sphere,
 )
 
-# Drake measures no distance between a half space and most shapes; a box this large, with its top
-# where the half space ends, is measured against everything.
-_HALF_SPACE_WIDTH = 200.0
-_HALF_SPACE_DEPTH = 20.0
 
-
-def drake_shape(shape: Shape) -> tuple[geometry.Shape, RigidTransform]:  # noqa: C901, PLR0911  (one case per shape)
-    """Return Drake's shape G of the object O, and X_OG."""
-    identity = RigidTransform()
+def drake_shape(shape: Shape) -> geometry.Shape:  # noqa: C901, PLR0911  (one case per shape)
+    """Return Drake's shape; its frame is the object's."""
     match shape:
         case Box():
-            return geometry.Box(*shape.size), identity
+            return geometry.Box(*shape.size)
         case Sphere():
-            return geometry.Sphere(shape.radius), identity
+            return geometry.Sphere(shape.radius)
         case Cylinder():
-            return geometry.Cylinder(shape.radius, shape.length), identity
+            return geometry.Cylinder(shape.radius, shape.length)
         case Capsule():
-            return geometry.Capsule(shape.radius, shape.length), identity
+            return geometry.Capsule(shape.radius, shape.length)
         case Ellipsoid():
-            return geometry.Ellipsoid(*shape.semi_axes), identity
+            return geometry.Ellipsoid(*shape.semi_axes)
         case Convex():
-            return geometry.Convex(
-                np.asfortranarray(np.asarray(shape.points).T), "convex"
-            ), identity
+            return geometry.Convex(np.asfortranarray(np.asarray(shape.points).T), "convex")
         case Mesh():
-            return geometry.Mesh(shape.uri, scale3=np.asarray(shape.scale)), identity
+            return geometry.Mesh(shape.uri, scale3=np.asarray(shape.scale))
         case HalfSpace():
-            slab = geometry.Box(_HALF_SPACE_WIDTH, _HALF_SPACE_WIDTH, _HALF_SPACE_DEPTH)
-            return slab, RigidTransform(np.array([0.0, 0.0, -_HALF_SPACE_DEPTH / 2]))
+            return geometry.HalfSpace()

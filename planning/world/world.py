@@ -15,6 +15,7 @@ from planning.domain.summary import GroupSummary, SceneSummary
 from planning.errors import UnknownName
 from planning.world.builder import pose_of
 from planning.world.collision import DistanceProbe, DrakeCollisionOracle, bare_checker
+from planning.world.contexts import measuring_context
 from planning.world.drake_model import DrakeModel
 from planning.world.followers import followers_of
 from planning.world.groups import RobotGroups, group_limits, robot_groups
@@ -66,7 +67,7 @@ class World:
                 self._groups.setdefault(f"{own.robot}::{name}", group)
         self._configurations = named_configurations(scene, self._robot_groups, self.group)
         self._bare = bare_checker(drake)
-        self._context = drake.diagram.CreateDefaultContext()
+        self._context = measuring_context(drake)
         self._plant_context = drake.plant.GetMyMutableContextFromRoot(self._context)
         nominal = np.array(drake.plant.GetPositions(self._plant_context))
         self.state = placed_state(drake, robots, self._robot_groups, self._configurations, nominal)

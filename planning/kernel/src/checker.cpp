@@ -123,10 +123,12 @@ Checker::Checker(std::shared_ptr<const Scene> scene, Group group, std::vector<De
   for (int pair : lanes_.pair_of) judged[pair] = 1;
   for (std::size_t i = 0; i < judged.size(); ++i) {
     if (judged[i]) continue;
+    const int pair = static_cast<int>(i);
     Vec3 direction;
-    // The lanes know half spaces only as obstacles.
-    if (scene_->moves_half_space(group_, scene_->pairs[i]) || judge_pair(static_cast<int>(i), X_WL_.data(), direction) != Verdict::free)
-      doubtful_.push_back(static_cast<int>(i));
+    if (scene_->moves_half_space(group_, scene_->pairs[i]))
+      exact_.push_back(pair);
+    else if (judge_pair(pair, X_WL_.data(), direction) != Verdict::free)
+      doubtful_.push_back(pair);
   }
 }
 
@@ -145,17 +147,20 @@ Verdict Checker::judge_pair(int index, const Transform* X_WL, Vec3& direction) c
   return found.upper <= demand.touching - exact_slack ? Verdict::colliding : Verdict::unsure;
 }
 
-// Settles one lane by exact distances of the pairs of which nothing was sure.
+// Settles one lane by exact distances of the pairs of which nothing was sure, and of those that are left to it.
 Verdict Checker::judge_exactly(const double* q, unsigned lane, const LaneVerdict& v, Workspace& w) const {
   group_.embed(scene_->tree, q, w.full.data());
   group_.place(scene_->tree, w.full.data(), w.X_WL.data());
   Verdict all = Verdict::free;
-  for (int k = 0; k < v.num_unsure; ++k) {
-    if (!(v.lanes[k] & lane)) continue;
-    const Verdict one = judge_pair(lanes_.pair_of[v.pairs[k]], w.X_WL.data(), w.directions[lanes_.pair_of[v.pairs[k]]]);
-    if (one == Verdict::colliding) return one;
-    if (one == Verdict::unsure) all = one;
-  }
+  const auto collides = [&](int pair) {
+    const Verdict one = judge_pair(pair, w.X_WL.data(), w.directions[pair]);
+    if (one != Verdict::free) all = one;
+    return one == Verdict::colliding;
+  };
+  for (int k = 0; k < v.num_unsure; ++k)
+    if ((v.lanes[k] & lane) && collides(lanes_.pair_of[v.pairs[k]])) return all;
+  for (int pair : exact_)
+    if (collides(pair)) return all;
   return all;
 }
 
@@ -178,7 +183,7 @@ bool Checker::judge_block(const double* qs, int count, Verdict* verdicts, Worksp
     const unsigned bit = 1u << lane;
     verdicts[lane] = !(active & bit)  ? Verdict::unsure
                      : v.hit & bit    ? Verdict::colliding
-                     : unsure & bit   ? judge_exactly(qs + nq * lane, bit, v, w)
+                     : (unsure & bit) || !exact_.empty() ? judge_exactly(qs + nq * lane, bit, v, w)
                                       : Verdict::free;
     if (any_hit_decides && verdicts[lane] == Verdict::colliding) return true;
     if (verdicts[lane] == Verdict::free && !doubtful_.empty()) verdicts[lane] = Verdict::unsure;

@@ -50,8 +50,8 @@ class Checker {
   // One motion between two configurations, both ends included; sets how many samples it has.
   Verdict judge_edge(const double* from, const double* to, double resolution, std::int64_t& n) const;
 
-  // Pairs that are judged once, as the group does not move them (or moves a half space), and that are not
-  // surely free: no configuration is called free then.
+  // Pairs that are judged once, as the group does not move them, and that are not surely free: no configuration
+  // is called free then.
   const std::vector<int>& doubtful_fixed_pairs() const { return doubtful_; }
 
   const LaneKernel& kernel() const { return kernel_; }
@@ -82,6 +82,7 @@ class Checker {
   LaneModelStorage lanes_;
   std::vector<Transform> X_WL_;  // at the group's state
   std::vector<int> doubtful_;
+  std::vector<int> exact_;  // with half spaces that the group moves: the lanes know them only as obstacles
   mutable std::mutex idle_mutex_;
   mutable std::unique_ptr<Workspace> idle_;  // of the last call, for the next one
 };

@@ -150,6 +150,27 @@ Vec3 MotionBounds::center(int geometry) {
   return placed_[geometry].center;
 }
 
+double MotionBounds::approach(const Pair& pair, const Relative& relative) {
+  const auto is_flat = [this](int geometry) { return scene_.geometries[geometry].shape.kind == ShapeKind::half_space; };
+  if (is_flat(pair.b)) return reach(pair.a, relative.a) + swing(pair.b, relative.b, pair.a);
+  if (is_flat(pair.a)) return swing(pair.a, relative.a, pair.b) + reach(pair.b, relative.b);
+  return reach(pair.a, relative.a) + reach(pair.b, relative.b);
+}
+
+double MotionBounds::swing(int carrier, int from, int geometry) {
+  const auto& axes = chain(carrier);
+  const double radius = scene_.geometries[geometry].shape.core_radius();
+  double sum = 0;
+  for (std::size_t i = from; i < axes.size(); ++i) {
+    const int k = axes[i];
+    if (chords_[k] == 0) continue;
+    const Vec3 away = center(geometry) - origins_[k];
+    const double arm = radius + norm(axes_[k].ball ? away : cross(directions_[k], away));
+    sum += axes_[k].turns ? chords_[k] * arm : chords_[k];
+  }
+  return sum;
+}
+
 double MotionBounds::reach(int geometry, int from) {
   Placed& placed = placed_[geometry];
   double* sums = &reaches_[static_cast<std::size_t>(geometry) * width_];

@@ -6,7 +6,9 @@
 // within m_{k+1} of where it was. Then R(t) y(t) - R y = R(t) (y(t) - y) + (R(t) - R) y, so in the parent
 // frame it is within m_k = m_{k+1} + 2 sin(s_k / 2) rho_k, rho_k being the largest distance of the shape's
 // points from the axis. A joint that slides adds its stray. Summing from the tip to the common ancestor
-// bounds the approach. Of a shape that is a core with a ball about every point of it, the core's points are
+// bounds the approach. In the frame of a half space that turns, the other shape alone moves, by the same joints
+// run backwards, so that its lever arms count and not those of the half space, which have no end. Of a shape that
+// is a core with a ball about every point of it, the core's points are
 // meant, here and below: to turn a ball moves nothing.
 //
 // Second order, along one direction n (unit, from B to A, fixed in the common ancestor): a point x of A has
@@ -54,8 +56,8 @@ class MotionBounds {
 
   const Transform& pose(int geometry);
   Vec3 center(int geometry);
-  // How far any point of a shape moves against the frame before the axis `from` of its chain.
-  double reach(int geometry, int from);
+  // How much nearer the shapes of a pair can come.
+  double approach(const Pair& pair, const Relative& relative);
   // A lower bound, not below `enough` if it is finite, on the distance of a pair throughout: -inf if it
   // cannot be shown to be that large along n, from B to A. `width` is the slab across n at the centre.
   double along(const Pair& pair, const Relative& relative, Vec3 n, double width, double enough);
@@ -72,6 +74,10 @@ class MotionBounds {
   };
 
   const std::vector<int>& chain(int geometry) const;
+  // How far any point of a shape moves against the frame before the axis `from` of its chain.
+  double reach(int geometry, int from);
+  // The same against a carrier, of the axes from `from` on of the carrier's chain.
+  double swing(int carrier, int from, int geometry);
   double remainder(int geometry, int from);
   double lowest(int geometry, Vec3 n);
   double residual(int geometry, int from, const std::vector<Linear>& linear) const;

@@ -67,6 +67,8 @@ Nearness::Nearness(std::shared_ptr<const Scene> scene, Group group)
   }
   for (std::size_t i = 0; i < scene_->pairs.size(); ++i) {
     const Geometry &a = scene_->geometries[scene_->pairs[i].a], &b = scene_->geometries[scene_->pairs[i].b];
+    // Two half spaces overlap without end, whatever the group does.
+    if (a.shape.kind == ShapeKind::half_space && b.shape.kind == ShapeKind::half_space) continue;
     const auto of_a = rates_of(a.link), of_b = rates_of(b.link);
     MovedPair moved{static_cast<int>(i), {}, {}, a.shape.radius + b.shape.radius};
     std::set_difference(of_a.begin(), of_a.end(), of_b.begin(), of_b.end(), std::back_inserter(moved.of_a));

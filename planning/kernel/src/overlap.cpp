@@ -13,6 +13,10 @@ constexpr double apart = 1e-3;
 }  // namespace
 
 Overlap overlap(const Shape& a, const Transform& X_WA, const Shape& b, const Transform& X_WB) {
+  if (a.kind == ShapeKind::half_space || b.kind == ShapeKind::half_space) {
+    const Separation height = separation(a, X_WA, b, X_WB, inf, -inf, {});
+    return {height.lower, height.direction};
+  }
   double best = -inf;
   Vec3 n;
   const auto consider = [&](Vec3 direction) {

@@ -80,13 +80,12 @@ bool Prover::find_fixed_violation() {
     const Pair& pair = scene_->pairs[i];
     const Shape &a = scene_->geometries[pair.a].shape, &b = scene_->geometries[pair.b].shape;
     const double required = margins_[i] - slack_;
-    const bool flat = a.kind == ShapeKind::half_space && b.kind == ShapeKind::half_space;
     const Separation found =
-        flat ? Separation{-inf, -inf, {}}
-             : separation(a, bounds_.pose(pair.a), b, bounds_.pose(pair.b), required, -inf, {});
+        separation(a, bounds_.pose(pair.a), b, bounds_.pose(pair.b), required, -inf, {});
     if (found.lower - required < worst) {
       worst = found.lower - required;
-      refuse(Outcome::fixed, static_cast<int>(i), found.upper, std::max(found.upper - found.lower, 0.0), 0);
+      // Of two half spaces both are minus infinity, and their difference is no number.
+      refuse(Outcome::fixed, static_cast<int>(i), found.upper, std::max(0.0, found.upper - found.lower), 0);
     }
   }
   return proof_.outcome == Outcome::fixed;
@@ -150,13 +149,16 @@ Prover::Judged Prover::judge(Open& open, double required, double few, bool last_
   const Pair& pair = scene_->pairs[open.pair];
   const auto& relative = relatives_[open.pair];
   const Shape &a = scene_->geometries[pair.a].shape, &b = scene_->geometries[pair.b].shape;
-  const double approach = bounds_.reach(pair.a, relative.a) + bounds_.reach(pair.b, relative.b);
+  const bool flat_a = a.kind == ShapeKind::half_space, flat_b = b.kind == ShapeKind::half_space;
+  if (flat_a && flat_b) {
+    see(open.pair, -inf, time);
+    return {false, false, -inf, -inf};
+  }
+  const double approach = bounds_.approach(pair, relative);
   if (!(approach < inf)) return {false, true, -inf, inf};
   const double wanted = approach + required + 2 * rounding;
   const double gap = norm(bounds_.center(pair.a) - bounds_.center(pair.b)) - a.radius - b.radius;
   if (gap >= wanted) return {true, false, gap - approach, inf};
-  const bool flat_a = a.kind == ShapeKind::half_space, flat_b = b.kind == ShapeKind::half_space;
-  if (flat_a && flat_b) return {false, false, -inf, -inf};
   if (approach > wide && !last_resort && gap > -inf) return {false, false, gap - approach, inf};
   const Transform &X_WA = bounds_.pose(pair.a), &X_WB = bounds_.pose(pair.b);
   double lower = gap;
@@ -234,7 +236,7 @@ std::vector<PairBound> Prover::bounds(const Segment& segment) {
   std::vector<PairBound> found;
   for (std::size_t i = 0; i < scene_->pairs.size(); ++i) {
     const Pair& pair = scene_->pairs[i];
-    const double approach = bounds_.reach(pair.a, relatives_[i].a) + bounds_.reach(pair.b, relatives_[i].b);
+    const double approach = bounds_.approach(pair, relatives_[i]);
     const Separation exact =
         separation(scene_->geometries[pair.a].shape, bounds_.pose(pair.a), scene_->geometries[pair.b].shape,
                    bounds_.pose(pair.b), inf, -inf, {});

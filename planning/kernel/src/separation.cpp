@@ -152,9 +152,11 @@ Vec3 lowest(const Shape& a, const Transform& X_WA, const Transform& X_WB) {
   return X_WA * a.core_support(transposed_times(X_WA.R, -up(X_WB)));
 }
 
-// How high A lies above the half space B.
+// How high A lies above the half space B: another half space reaches infinitely far below it, unless they face
+// each other, which rounding decides.
 Separation above(const Shape& a, const Transform& X_WA, const Transform& X_WB, bool flip) {
   const Vec3 n = up(X_WB);
+  if (a.kind == ShapeKind::half_space) return {-inf, -inf, flip ? -n : n};
   const double height = dot(n, lowest(a, X_WA, X_WB) - X_WB.p) - a.ball;
   return {height, height, flip ? -n : n};
 }

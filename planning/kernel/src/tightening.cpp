@@ -63,7 +63,6 @@ void Prover::look(double time) {
   for (int i : moved_) {
     const Pair& pair = scene_->pairs[i];
     const Shape &a = scene_->geometries[pair.a].shape, &b = scene_->geometries[pair.b].shape;
-    if (a.kind == ShapeKind::half_space && b.kind == ShapeKind::half_space) continue;
     order.emplace_back(norm(bounds_.center(pair.a) - bounds_.center(pair.b)) - a.radius - b.radius, i);
   }
   std::sort(order.begin(), order.end());

@@ -1,0 +1,37 @@
+"""A plate that stands for a half space in pictures, which show nothing without end."""
+
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float64
+from pydrake.geometry import Box
+from pydrake.math import RigidTransform
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
+
+_THICKNESS = 0.01
+# Its sides, over the size of what is shown, and at least [m].
+_WIDTH_PER_SIZE = 4.0
+_LEAST_WIDTH = 4.0
+
+
+def plate_under(
+    x_wg: RigidTransform, points: Float64[np.ndarray, "n 3"]
+) -> tuple[Box, RigidTransform]:
+    """Return a plate P whose top is in the plane of a half space G, and X_GP.
+
+    It is as wide as needed to reach beyond what is shown, and below the middle of it, or about the
+    half space's origin if nothing is.
+
+    Args:
+        x_wg: Where the half space is.
+        points: The corners of what is shown, in world [m].
+    """
+    middle, width = np.zeros(3), _LEAST_WIDTH
+    if len(points):
+        local = (points - x_wg.translation()) @ x_wg.rotation().matrix()
+        lower, upper = local.min(axis=0), local.max(axis=0)
+        middle = (lower + upper) / 2
+        width = max(width, _WIDTH_PER_SIZE * float(np.linalg.norm(upper - lower)))
+    at = np.array([middle[0], middle[1], -_THICKNESS / 2])
+    return Box(width, width, _THICKNESS), RigidTransform(at)
