@@ -16,6 +16,7 @@ from planning.world.builder import pose_of
 from planning.world.collision import DistanceProbe, DrakeCollisionOracle, bare_checker
 from planning.world.drake_model import DrakeModel
 from planning.world.groups import RobotGroups, group_limits, robot_groups
+from planning.world.hull_warnings import hull_warnings
 from planning.world.kernel_oracle import KernelCollisionOracle
 from planning.world.kernel_scene import kernel_scene_of
 from planning.world.margins import PairMargins
@@ -219,6 +220,7 @@ class World:
             num_pairs=len(inspector.GetCollisionCandidates()),
             digest=self.digest,
             unchecked=self.drake.unchecked,
+            warnings=(*self.drake.warnings, *hull_warnings(self.drake)),
             assumed=tuple(
                 f"{own.robot}::{joint}" for own in self._robot_groups for joint in own.assumed
             ),
