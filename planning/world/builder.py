@@ -154,7 +154,7 @@ def _add_bodies(
 
 def _add_floating(build: Build, robot: str, joint: FloatingJoint) -> None:
     frame_p, frame_c = (build.frames[f"{robot}::{link}"] for link in (joint.parent, joint.child))
-    x_pf = RigidTransform(RollPitchYaw(*joint.rpy), joint.xyz)
+    x_pf = RigidTransform(RollPitchYaw(np.array(joint.rpy)), np.array(joint.xyz))
     if not x_pf.IsExactlyIdentity():
         frame_p = build.plant.AddFrame(FixedOffsetFrame(f"{robot}::{joint.name}", frame_p, x_pf))
     build.plant.AddJoint(QuaternionFloatingJoint(joint.name, frame_p, frame_c))
@@ -169,16 +169,19 @@ def _weld_base(build: Build, loaded: LoadedRobot) -> None:
     card = loaded.source.card
     link = card.base if card else loaded.file.root_link
     base = build.bodies.get(f"{loaded.scene_robot.name}::{link}")
-    if base is None:
-        if card:
-            links = [name.partition("::")[2] for name in build.bodies if "::" in name]
-            raise UnknownName.among("link", link, links)
-        return
-    body = build.plant.get_body(base)
+    if base is None and card:
+        links = [name.partition("::")[2] for name in build.bodies if "::" in name]
+        raise UnknownName.among("link", link, links)
+    x_wb = RigidTransform(loaded.scene_robot.base.matrix)
     joints = map(build.plant.get_joint, build.plant.GetJointIndices(loaded.instance))
-    if not any(joint.child_body().index() == base for joint in joints):
-        x_wb = RigidTransform(loaded.scene_robot.base.matrix)
+    if base is not None and not any(joint.child_body().index() == base for joint in joints):
+        body = build.plant.get_body(base)
         build.plant.WeldFrames(build.plant.world_frame(), body.body_frame(), x_wb)
+    elif not x_wb.IsNearlyIdentity(0.0):
+        path = f"robots.{len(build.robots) - 1}.base"
+        message = f"{path}: the description of {loaded.scene_robot.name!r} says itself how it is "
+        message += "fixed to the world, so the scene cannot place it: leave `base` out"
+        raise SceneInvalid(message, {"path": path})
 
 
 def _add_object(build: Build, thing: SceneObject, path: str) -> None:

@@ -14,8 +14,9 @@ from planning.world.mjcf_file import MjcfDefaults
 
 # Kinds that Drake reads in all formats: where a shape is missing, it is one of the others if any.
 _READ = {"box", "capsule", "cylinder", "ellipsoid", "mesh", "plane", "sphere"}
+# Of MJCF, whose ends Drake does not read.
+_NO_ENDS = ("box", "ellipsoid")
 _WORLD = "world"
-_DEEPEST = 20
 
 
 @dataclass(frozen=True)
@@ -33,11 +34,9 @@ class StatedShape:
     kind: str
 
 
-def stated_shapes(file: Path, root: ET.Element) -> list[StatedShape]:
-    """Return every collision shape that a description states, with those that it includes."""
-    if root.tag == "mujoco":
-        return list(_of_mjcf(root))
-    return list(_of_links(file, root, _DEEPEST))
+def stated_shapes(root: ET.Element) -> list[StatedShape]:
+    """Return every collision shape that a description itself states."""
+    return list(_of_mjcf(root) if root.tag == "mujoco" else _of_links(root))
 
 
 def collision_counts(plant: Any, bodies: Sequence[BodyIndex]) -> Counter[str]:
@@ -90,7 +89,7 @@ def _missing(file: Path, link: str, own: Sequence[StatedShape], count: int) -> M
     return ModelInvalid(f"{file.name}: {reason}", evidence)
 
 
-def _of_links(file: Path, root: ET.Element, depth: int) -> Iterator[StatedShape]:
+def _of_links(root: ET.Element) -> Iterator[StatedShape]:
     """Yield the shapes of URDF or SDF."""
     for link in root.iter("link"):
         if link.get("drake_ignore") == "true":
@@ -98,9 +97,6 @@ def _of_links(file: Path, root: ET.Element, depth: int) -> Iterator[StatedShape]
         for collision in link.findall("collision"):
             for kind in _kinds(collision.find("geometry")):
                 yield StatedShape(link.get("name", ""), collision.get("name", ""), kind)
-    for uri in root.iterfind(".//include/uri"):
-        for included in _included(file, (uri.text or "").strip()):
-            yield from _of_links(included[0], included[1], depth - 1) if depth else ()
 
 
 def _kinds(geometry: ET.Element | None) -> list[str]:
@@ -110,29 +106,14 @@ def _kinds(geometry: ET.Element | None) -> list[str]:
     return [tag.rpartition("}")[2].removeprefix("drake:") for tag in own or tags]
 
 
-def _included(file: Path, uri: str) -> list[tuple[Path, ET.Element]]:
-    """Return the description that an SDF includes; none if it is not found, as Drake says then."""
-    path = file.parent / uri.rpartition("://")[2]
-    places = [path, *(above / uri.rpartition("://")[2] for above in file.parents)]
-    for place in places:
-        models = sorted(place.glob("*.sdf")) if place.is_dir() else [place]
-        for model in models:
-            if model.is_file():
-                try:
-                    return [(model, ET.fromstring(model.read_bytes()))]  # noqa: S314
-                except ET.ParseError:
-                    return []
-    return []
-
-
 def _of_mjcf(root: ET.Element) -> Iterator[StatedShape]:
     defaults = MjcfDefaults(root)
     holders = [(body.get("name", ""), body) for body in root.iter("body")]
     holders += [(_WORLD, body) for body in root.findall("worldbody")]
     for link, holder in holders:
         for geom in holder.findall("geom"):
-            collides = any(
-                defaults.get(geom, mask, "1") != "0" for mask in ("contype", "conaffinity")
-            )
-            if collides:
-                yield StatedShape(link, geom.get("name", ""), defaults.get(geom, "type", "sphere"))
+            masks = [defaults.get(geom, mask, "1") for mask in ("contype", "conaffinity")]
+            if masks != ["0", "0"]:
+                kind = defaults.get(geom, "type", "sphere")
+                by_ends = " fromto" if defaults.get(geom, "fromto") and kind in _NO_ENDS else ""
+                yield StatedShape(link, geom.get("name", ""), kind + by_ends)

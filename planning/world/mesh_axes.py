@@ -31,12 +31,11 @@ def upright(content: bytes, suffix: str) -> Float64[np.ndarray, "4 4"]:
         ValueError: The COLLADA file states a unit or an axis that is none.
     """
     matrix = np.eye(4)
-    match suffix:
-        case ".glb" | ".gltf":
-            matrix[:3, :3] = _TO_Z_UP["Y_UP"]
-        case ".dae":
-            metres, axis = collada_asset(content)
-            matrix[:3, :3] = metres * _TO_Z_UP[axis]
+    if suffix in (".glb", ".gltf"):
+        matrix[:3, :3] = _TO_Z_UP["Y_UP"]
+    elif suffix == ".dae":
+        metres, axis = collada_asset(content)
+        matrix[:3, :3] = metres * _TO_Z_UP[axis]
     return matrix
 
 

@@ -16,6 +16,8 @@ _READ_IN_MJCF = (".obj",)
 _CONVERTED = (".stl", ".dae", ".ply", ".off", ".glb")
 # To be raised with every change of what a mesh becomes here: twins of another version are not read.
 _VERSION = 2
+_SHA256_DIGITS = 64
+_LONGEST_NAME = 100
 
 
 def with_readable_meshes(
@@ -86,7 +88,8 @@ def _readable(file: Path, mesh: Path, read: tuple[str, ...]) -> Path:
         message = f"{file.name}: mesh {mesh.name} is of no kind that is read: {known}"
         raise ModelInvalid(message, {"file": str(file), "reason": message})
     content = mesh.read_bytes()
-    target = twins_folder() / f"{hashlib.sha256(content).hexdigest()}{suffix}.obj"
+    named = f"{hashlib.sha256(content).hexdigest()}-{mesh.stem[:_LONGEST_NAME]}{suffix}.obj"
+    target = twins_folder() / named
     if not target.is_file():
         try:
             text = _as_obj(content, suffix)
@@ -95,6 +98,13 @@ def _readable(file: Path, mesh: Path, read: tuple[str, ...]) -> Path:
             raise ModelInvalid(message, {"file": str(file), "reason": str(fault)}) from fault
         write_whole(target, text)
     return target
+
+
+def name_of(mesh: Path) -> str:
+    """Return the name of a mesh's file, of a twin that of what it was made from."""
+    if mesh.is_relative_to(twins_folder()):
+        return mesh.stem[_SHA256_DIGITS + 1 :]
+    return mesh.name
 
 
 def twins_folder() -> Path:

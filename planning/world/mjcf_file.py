@@ -121,7 +121,12 @@ def joint_equalities(file: Path, root: ET.Element) -> list[JointEquality]:
         ModelInvalid: An active equality is of another kind, or of a degree other than 1.
     """
     defaults = MjcfDefaults(root)
-    joints = {joint.get("name", ""): joint for body in root.iter("body") for joint in body}
+    joints = {
+        joint.get("name", ""): joint
+        for body in root.iter("body")
+        for joint in body.findall("joint")
+        if joint.get("name")
+    }
     compiler = [c.get("angle", "") for c in root.iter("compiler") if c.get("angle")]
     degrees = (compiler or ["degree"])[-1] == "degree"
 
@@ -139,6 +144,10 @@ def joint_equalities(file: Path, root: ET.Element) -> list[JointEquality]:
             raise _invalid(file, f"{kind} is not read: only those of two joints are")
         if any(name not in joints for name in names):
             raise _invalid(file, f"{kind} joins {list(names)}, not both of them joints of it")
+        if names[0] in (other.follower for other in found):
+            raise _invalid(
+                file, f"{kind} moves joint {names[0]!r}, which has one: it follows twice"
+            )
         words = defaults.get(equality, "polycoef", "0 1 0 0 0").split()
         a = [*(_number(file, word) for word in words), *[0.0] * 5]
         if a[1] == 0 or any(a[2:]):

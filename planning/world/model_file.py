@@ -16,6 +16,7 @@ from planning.errors import AssetNotFound, ModelInvalid
 from planning.world.collision_count import StatedShape, stated_shapes
 from planning.world.mesh_files import with_readable_meshes
 from planning.world.mjcf_file import joint_equalities, refuse_unread, with_includes
+from planning.world.sdf_includes import included_models
 
 _MAX_BYTES = 20_000_000
 _POSITIVE = {
@@ -102,6 +103,9 @@ def inspect_model(file: Path) -> ModelFile:
             raise _invalid(file, "this is xacro source; expand it to URDF first")
         _refuse_bad_sizes(file, element)
     packages, meshes = _find_meshes(file, root)
+    models = [root, *included_models(file, root, packages)]
+    for element in (element for model in models[1:] for element in model.iter()):
+        _refuse_bad_sizes(file, element)
     is_nameless = is_mjcf and not root.get("model")
     if is_nameless:  # MuJoCo needs no name, Drake does
         root.set("model", file.stem)
@@ -116,12 +120,12 @@ def inspect_model(file: Path) -> ModelFile:
             for joint in root.iter("joint")
             if joint.get("type") == "floating" and root.tag == "robot"
         ),
-        mimics=tuple(_equalities(file, root) if is_mjcf else _mimics(file, root)),
+        mimics=tuple(_equalities(file, root) if is_mjcf else _mimics(file, models)),
         effort=_efforts(root),
         packages=packages,
         rewritten=with_readable_meshes(file, root, meshes, always=is_nameless or includes),
         disabled_pairs=tuple(_disabled_pairs(file)),
-        shapes=tuple(stated_shapes(file, root)),
+        shapes=tuple(shape for model in models for shape in stated_shapes(model)),
     )
 
 
@@ -224,10 +228,10 @@ def _equalities(file: Path, root: ET.Element) -> list[Mimic]:
     ]
 
 
-def _mimics(file: Path, root: ET.Element) -> list[Mimic]:
+def _mimics(file: Path, models: list[ET.Element]) -> list[Mimic]:
     """Read URDF's and SDF's; in SDF, q = multiplier (q_leader - reference) + offset."""
     found: list[Mimic] = []
-    for joint in root.iter("joint"):
+    for joint in (joint for model in models for joint in model.iter("joint")):
         mimic = next(joint.iter("mimic"), None)
         if mimic is None:
             continue

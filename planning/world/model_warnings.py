@@ -5,7 +5,7 @@ import re
 import threading
 from collections.abc import Generator, Sequence
 from contextlib import contextmanager
-from typing import Any
+from typing import Any, override
 
 from pydrake.geometry import Role
 from pydrake.multibody.tree import ModelInstanceIndex
@@ -29,6 +29,7 @@ class _Collector(logging.Handler):
         self.texts: list[str] = []
         self._thread = threading.get_ident()
 
+    @override
     def emit(self, record: logging.LogRecord) -> None:
         if record.thread == self._thread:
             self.texts.append(record.getMessage())
