@@ -1,6 +1,5 @@
 """Build a scene in Drake."""
 
-import logging
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -36,9 +35,6 @@ from planning.world.only_kept import require_kept
 from planning.world.scene_build import Build, LoadedRobot, refuse_second
 from planning.world.shapes import drake_shape
 from planning.world.unchecked_pairs import unchecked_pairs
-
-# What Drake's parser warns of becomes warnings of the scene (`parser_warnings`).
-logging.getLogger("drake").setLevel(logging.ERROR)
 
 DEFAULT_COLOR = np.array([0.72, 0.62, 0.48, 1.0])
 

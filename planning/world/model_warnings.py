@@ -11,7 +11,6 @@ from pydrake.geometry import Role
 from pydrake.multibody.tree import ModelInstanceIndex
 
 _DRAKE = logging.getLogger("drake")
-_LOCK = threading.RLock()
 _PLACE = re.compile(r"^.*?:(\d+): warning: ")
 # What is read by `planning` itself, or matters to neither motions nor collisions.
 _OURS = re.compile(
@@ -21,37 +20,54 @@ _OURS = re.compile(
 )
 
 
-class _Collector(logging.Handler):
-    """Keeps what Drake warns of in this thread."""
+class _Collector(logging.Filter):
+    """Keeps what Drake warns of, by the thread that asks for it; only errors go on.
+
+    Drake's level is that of errors while no thread asks: its own threads are not to wait for
+    Python's lock because of a warning.
+    """
 
     def __init__(self) -> None:
-        super().__init__(logging.WARNING)
-        self.texts: list[str] = []
-        self._thread = threading.get_ident()
+        super().__init__()
+        self.texts: dict[int, list[str]] = {}
+        self._lock = threading.Lock()
+        _DRAKE.setLevel(logging.ERROR)
+        _DRAKE.addFilter(self)
 
     @override
-    def emit(self, record: logging.LogRecord) -> None:
-        if record.thread == self._thread:
-            self.texts.append(record.getMessage())
+    def filter(self, record: logging.LogRecord) -> bool:
+        own = self.texts.get(threading.get_ident())
+        if own is not None and record.levelno == logging.WARNING:
+            own.append(record.getMessage())
+        return record.levelno >= logging.ERROR
+
+    @contextmanager
+    def collected(self) -> Generator[list[str]]:
+        """Give the list that this thread's warnings are added to."""
+        thread = threading.get_ident()
+        with self._lock:
+            own = self.texts[thread] = []
+            _DRAKE.setLevel(logging.WARNING)
+        try:
+            yield own
+        finally:
+            with self._lock:
+                del self.texts[thread]
+                _DRAKE.setLevel(logging.WARNING if self.texts else logging.ERROR)
+
+
+_COLLECTOR = _Collector()
 
 
 @contextmanager
 def parser_warnings(robot: str, warnings: list[str]) -> Generator[None]:
     """Add what Drake's parser warns of inside to `warnings`, each once."""
-    collector = _Collector()
-    with _LOCK:
-        level, propagates, handlers = _DRAKE.level, _DRAKE.propagate, _DRAKE.handlers
-        _DRAKE.setLevel(logging.WARNING)
-        _DRAKE.propagate, _DRAKE.handlers = False, [collector]
-        try:
-            yield
-        finally:
-            _DRAKE.setLevel(level)
-            _DRAKE.propagate, _DRAKE.handlers = propagates, handlers
+    with _COLLECTOR.collected() as texts:
+        yield
     warnings += [
         f"{robot}: {_PLACE.sub(r'line \1: ', text)}"
-        for text in dict.fromkeys(collector.texts)
-        if not _OURS.search(text)
+        for text in dict.fromkeys(texts)
+        if not _OURS.search(_PLACE.sub("", text))
     ]
 
 
