@@ -1,18 +1,24 @@
 """Build a scene in Drake."""
 
-import logging
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from pydrake.math import RigidTransform
+from pydrake.math import RigidTransform, RollPitchYaw
 from pydrake.multibody.plant import CoulombFriction
-from pydrake.multibody.tree import FixedOffsetFrame, QuaternionFloatingJoint, SpatialInertia
+from pydrake.multibody.tree import (
+    FixedOffsetFrame,
+    ModelInstanceIndex,
+    QuaternionFloatingJoint,
+    SpatialInertia,
+)
 from pydrake.planning import RobotDiagramBuilder
 
 from planning.domain.pose import Pose
 from planning.domain.scene import Scene, SceneFrame, SceneObject, SceneRobot
 from planning.errors import ModelInvalid, SceneInvalid, UnknownName
+from planning.world.collision_count import collision_counts, require_shapes
 from planning.world.collision_filters import (
     allow_collisions,
     allow_touch,
@@ -23,14 +29,12 @@ from planning.world.drake_model import DrakeModel
 from planning.world.holding import require_owners
 from planning.world.keep_files import KeptScene
 from planning.world.mass import spatial_inertia
-from planning.world.model_file import inspect_model
+from planning.world.model_file import FloatingJoint, inspect_model
+from planning.world.model_warnings import parser_warnings, visual_only
 from planning.world.only_kept import require_kept
 from planning.world.scene_build import Build, LoadedRobot, refuse_second
 from planning.world.shapes import drake_shape
 from planning.world.unchecked_pairs import unchecked_pairs
-
-# Drake warns of every URDF tag that it leaves to us (mimic, floating, transmissions).
-logging.getLogger("drake").setLevel(logging.ERROR)
 
 DEFAULT_COLOR = np.array([0.72, 0.62, 0.48, 1.0])
 
@@ -90,6 +94,7 @@ def build_diagram(
         owners=owners,
         uses_kernel=kernel,
         unchecked=unchecked_pairs(build.plant, scene_graph, names, build.unchecked),
+        warnings=tuple(dict.fromkeys(build.warnings)),
     )
     return model, tuple(build.robots)
 
@@ -104,31 +109,51 @@ def _add_robot(build: Build, robot: SceneRobot, kept: KeptScene) -> None:
         packages.Remove(package)
     for package, folder in file.packages.items():
         packages.Add(package, str(folder))
+    before = collision_counts(build.plant, [build.plant.world_body().index()])
     try:
-        instances = (
-            parser.AddModels(str(source.file))
-            if file.rewritten is None
-            else parser.AddModelsFromString(file.rewritten, _format_of(source.file))
-        )
+        with parser_warnings(robot.name, build.warnings):
+            instances = (
+                parser.AddModels(str(source.file))
+                if file.rewritten is None
+                else parser.AddModelsFromString(file.rewritten, _format_of(source.file))
+            )
     except (RuntimeError, ValueError) as fault:
         message = f"robot {robot.name!r}: {source.file.name} does not load: {fault}"
         raise ModelInvalid(message, {"file": str(source.file), "reason": str(fault)}) from fault
     if not instances:
         message = f"robot {robot.name!r}: {source.file.name} describes no model"
         raise ModelInvalid(message, {"file": str(source.file), "reason": "no model"})
-    for instance in instances:
-        for index in build.plant.GetBodyIndices(instance):
-            body = build.plant.get_body(index)
-            full = f"{robot.name}::{body.name()}"
-            build.bodies[full] = index
-            build.frames[full] = body.body_frame()
+    _add_bodies(build, robot, instances, source.file)
+    require_shapes(build.plant, instances, file.shapes, before, source.file)
+    build.warnings += visual_only(build.builder.scene_graph(), build.plant, instances, robot.name)
     loaded = LoadedRobot(robot, source, file, instances[0])
     build.robots.append(loaded)
     require_kept(build, instances, source.file, kept.folder(robot.name))
     _weld_base(build, loaded)
-    for name, parent, child in file.floating:
-        frame_p, frame_c = (build.frames[f"{robot.name}::{link}"] for link in (parent, child))
-        build.plant.AddJoint(QuaternionFloatingJoint(name, frame_p, frame_c))
+    for joint in file.floating:
+        _add_floating(build, robot.name, joint)
+
+
+def _add_bodies(
+    build: Build, robot: SceneRobot, instances: Sequence[ModelInstanceIndex], file: Path
+) -> None:
+    for index in (i for instance in instances for i in build.plant.GetBodyIndices(instance)):
+        body = build.plant.get_body(index)
+        full = f"{robot.name}::{body.name()}"
+        if full in build.bodies:
+            reason = f"two links, of models inside each other, have the name {body.name()!r}"
+            message = f"robot {robot.name!r}: {file.name}: {reason}"
+            raise ModelInvalid(message, {"file": str(file), "reason": reason})
+        build.bodies[full] = index
+        build.frames[full] = body.body_frame()
+
+
+def _add_floating(build: Build, robot: str, joint: FloatingJoint) -> None:
+    frame_p, frame_c = (build.frames[f"{robot}::{link}"] for link in (joint.parent, joint.child))
+    x_pf = RigidTransform(RollPitchYaw(np.array(joint.rpy)), np.array(joint.xyz))
+    if not x_pf.IsExactlyIdentity():
+        frame_p = build.plant.AddFrame(FixedOffsetFrame(f"{robot}::{joint.name}", frame_p, x_pf))
+    build.plant.AddJoint(QuaternionFloatingJoint(joint.name, frame_p, frame_c))
 
 
 def _format_of(file: Path) -> str:
@@ -140,16 +165,19 @@ def _weld_base(build: Build, loaded: LoadedRobot) -> None:
     card = loaded.source.card
     link = card.base if card else loaded.file.root_link
     base = build.bodies.get(f"{loaded.scene_robot.name}::{link}")
-    if base is None:
-        if card:
-            links = [name.partition("::")[2] for name in build.bodies if "::" in name]
-            raise UnknownName.among("link", link, links)
-        return
-    body = build.plant.get_body(base)
+    if base is None and card:
+        links = [name.partition("::")[2] for name in build.bodies if "::" in name]
+        raise UnknownName.among("link", link, links)
+    x_wb = RigidTransform(loaded.scene_robot.base.matrix)
     joints = map(build.plant.get_joint, build.plant.GetJointIndices(loaded.instance))
-    if not any(joint.child_body().index() == base for joint in joints):
-        x_wb = RigidTransform(loaded.scene_robot.base.matrix)
+    if base is not None and not any(joint.child_body().index() == base for joint in joints):
+        body = build.plant.get_body(base)
         build.plant.WeldFrames(build.plant.world_frame(), body.body_frame(), x_wb)
+    elif not x_wb.IsNearlyIdentity(0.0):
+        path = f"robots.{len(build.robots) - 1}.base"
+        message = f"{path}: the description of {loaded.scene_robot.name!r} says itself how it is "
+        message += "fixed to the world, so the scene cannot place it: leave `base` out"
+        raise SceneInvalid(message, {"path": path})
 
 
 def _add_object(build: Build, thing: SceneObject, path: str) -> None:

@@ -46,6 +46,7 @@ class DrakeModel:
         owners: The robot that holds an object, by the object's name.
         uses_kernel: Whether the native kernel may answer where it is sure, or Drake always does.
         unchecked: Pairs of bodies that no collision check looks at, with the reason for each.
+        warnings: What was found odd while the scene was built.
     """
 
     diagram: RobotDiagram
@@ -59,6 +60,7 @@ class DrakeModel:
     owners: Mapping[str, str] = field(default_factory=dict)
     uses_kernel: bool = True
     unchecked: tuple[UncheckedPair, ...] = ()
+    warnings: tuple[str, ...] = ()
 
     @property
     def mimics(self) -> tuple[tuple[int, int, float], ...]:

@@ -9,17 +9,23 @@ from xml.etree import ElementTree as ET
 
 from planning.errors import ModelInvalid
 from planning.whole_files import write_whole
+from planning.world.mesh_axes import upright
 
 _READ_BY_DRAKE = (".obj", ".vtk", ".gltf")
+_READ_IN_MJCF = (".obj",)
 _CONVERTED = (".stl", ".dae", ".ply", ".off", ".glb")
 # To be raised with every change of what a mesh becomes here: twins of another version are not read.
-_VERSION = 1
+_VERSION = 2
+_SHA256_DIGITS = 64
+_LONGEST_NAME = 100
 
 
 def with_readable_meshes(
     file: Path, root: ET.Element, meshes: dict[str, Path], *, always: bool = False
 ) -> str | None:
-    """Return the description with every mesh as the file:// address of one that Drake reads.
+    """Return the description with every mesh as the address of one that Drake reads.
+
+    Addresses are file:// ones, and in MJCF paths.
 
     None if Drake reads all of them as they are.
 
@@ -32,11 +38,16 @@ def with_readable_meshes(
     Raises:
         ModelInvalid: A mesh is of no known kind, or is broken.
     """
-    if not always and all(path.suffix.lower() in _READ_BY_DRAKE for path in meshes.values()):
+    is_mjcf = root.tag == "mujoco"
+    read = _READ_IN_MJCF if is_mjcf else _READ_BY_DRAKE
+    if not always and all(path.suffix.lower() in read for path in meshes.values()):
         return None
-    paths = {name: _readable(file, path).as_uri() for name, path in meshes.items()}
+    twins = {name: _readable(file, path, read) for name, path in meshes.items()}
+    paths = {name: str(twin) if is_mjcf else twin.as_uri() for name, twin in twins.items()}
     copy = ET.fromstring(ET.tostring(root))  # noqa: S314  (our own output)
     for element in copy.iter():
+        if is_mjcf and element.tag == "mesh" and element.get("file") and not element.get("name"):
+            element.set("name", Path(element.get("file", "")).stem)  # as MuJoCo does
         for attribute in ("filename", "file"):
             if element.get(attribute) in paths:
                 element.set(attribute, paths[element.get(attribute, "")])
@@ -67,17 +78,18 @@ def _tame_colors(root: ET.Element) -> None:
             known[material.get("name", "")] = color.get("rgba", "")
 
 
-def _readable(file: Path, mesh: Path) -> Path:
-    """Return the mesh itself, or its OBJ twin, made when it is first asked for."""
+def _readable(file: Path, mesh: Path, read: tuple[str, ...]) -> Path:
+    """Return the mesh itself if it is `read`, or its OBJ twin, made when it is first asked for."""
     suffix = mesh.suffix.lower()
-    if suffix in _READ_BY_DRAKE:
+    if suffix in read:
         return mesh
     if suffix not in _CONVERTED:
-        known = [*_READ_BY_DRAKE, *_CONVERTED]
+        known = [*read, *_CONVERTED]
         message = f"{file.name}: mesh {mesh.name} is of no kind that is read: {known}"
         raise ModelInvalid(message, {"file": str(file), "reason": message})
     content = mesh.read_bytes()
-    target = twins_folder() / f"{hashlib.sha256(content).hexdigest()}{suffix}.obj"
+    named = f"{hashlib.sha256(content).hexdigest()}-{mesh.stem[:_LONGEST_NAME]}{suffix}.obj"
+    target = twins_folder() / named
     if not target.is_file():
         try:
             text = _as_obj(content, suffix)
@@ -86,6 +98,13 @@ def _readable(file: Path, mesh: Path) -> Path:
             raise ModelInvalid(message, {"file": str(file), "reason": str(fault)}) from fault
         write_whole(target, text)
     return target
+
+
+def name_of(mesh: Path) -> str:
+    """Return the name of a mesh's file, of a twin that of what it was made from."""
+    if mesh.is_relative_to(twins_folder()):
+        return mesh.stem[_SHA256_DIGITS + 1 :]
+    return mesh.name
 
 
 def twins_folder() -> Path:
@@ -99,6 +118,7 @@ def _as_obj(content: bytes, suffix: str) -> str:
     from trimesh.exchange.obj import export_obj  # noqa: PLC0415
 
     loaded = trimesh.load(BytesIO(content), file_type=suffix[1:], force="mesh")
+    loaded.apply_transform(upright(content, suffix))
     text: str = export_obj(loaded, include_texture=False)
     return text
 

@@ -1,8 +1,8 @@
 """Look at a robot description before Drake does, and read what Drake's parser does not.
 
 Drake's parser ends the process (SystemExit) at a box of size zero, downloads some packages, and
-accepts negative masses; URDF's `floating` joints and `mimic` it passes over. A description is
-refused here for all of the former, and the latter are returned.
+accepts negative masses; URDF's `floating` joints, `mimic` and MJCF's equalities of joints it passes
+over. A description is refused here for all of the former, and the latter are returned.
 """
 
 import math
@@ -13,7 +13,10 @@ from pathlib import Path
 from xml.etree import ElementTree as ET
 
 from planning.errors import AssetNotFound, ModelInvalid
+from planning.world.collision_count import StatedShape, stated_shapes
 from planning.world.mesh_files import with_readable_meshes
+from planning.world.mjcf_file import joint_equalities, refuse_unread, with_includes
+from planning.world.sdf_includes import included_models
 
 _MAX_BYTES = 20_000_000
 _POSITIVE = {
@@ -37,45 +40,73 @@ class Mimic:
 
 
 @dataclass(frozen=True)
+class FloatingJoint:
+    """A URDF joint of type floating.
+
+    Attributes:
+        name: Of the joint.
+        parent: Its parent link P.
+        child: Its child link, at the joint's frame F where all coordinates are zero.
+        xyz: Origin of F in P [m], shape (3,).
+        rpy: Roll, pitch and yaw of F in P [rad], shape (3,).
+    """
+
+    name: str
+    parent: str
+    child: str
+    xyz: tuple[float, ...]
+    rpy: tuple[float, ...]
+
+
+@dataclass(frozen=True)
 class ModelFile:
     """What a description says beside what Drake reads.
 
     Attributes:
         file: The description.
         root_link: The link that is nobody's child, or "" where the format hides it.
-        floating: (name, parent link, child link) of every URDF joint of type floating.
+        floating: Every URDF joint of type floating.
         mimics: Joints that follow others.
         effort: Largest effort by joint, where the file says it [N m or N].
         packages: Folder of every package that the file names.
         rewritten: The description with meshes that Drake reads; None if it reads its own.
         disabled_pairs: Pairs of links that an SRDF of the same name lets touch.
+        shapes: Collision shapes that the description states.
     """
 
     file: Path
     root_link: str
-    floating: tuple[tuple[str, str, str], ...]
+    floating: tuple[FloatingJoint, ...]
     mimics: tuple[Mimic, ...]
     effort: dict[str, float]
     packages: dict[str, Path]
     rewritten: str | None
     disabled_pairs: tuple[tuple[str, str], ...]
+    shapes: tuple[StatedShape, ...]
 
 
 def inspect_model(file: Path) -> ModelFile:
     """Return what a description says, if it is safe to give to Drake.
 
     Raises:
-        AssetNotFound: A package or mesh that it names is not there.
+        AssetNotFound: A package, mesh or included MJCF file that it names is not there.
         ModelInvalid: It is not XML, too large, or has entities, sizes that are not positive, or
-            masses that are negative.
+            masses that are negative; or it is MJCF with what Drake leaves out.
     """
     root = _parse(file)
+    is_mjcf = root.tag == "mujoco"
+    includes = is_mjcf and with_includes(file, root)
+    if is_mjcf:
+        refuse_unread(file, root)
     for element in root.iter():
         if "xacro" in element.tag:
             raise _invalid(file, "this is xacro source; expand it to URDF first")
         _refuse_bad_sizes(file, element)
     packages, meshes = _find_meshes(file, root)
-    is_nameless = root.tag == "mujoco" and not root.get("model")
+    models = [root, *included_models(file, root, packages)]
+    for element in (element for model in models[1:] for element in model.iter()):
+        _refuse_bad_sizes(file, element)
+    is_nameless = is_mjcf and not root.get("model")
     if is_nameless:  # MuJoCo needs no name, Drake does
         root.set("model", file.stem)
     links = [link.get("name", "") for link in root.iter("link")]
@@ -85,15 +116,16 @@ def inspect_model(file: Path) -> ModelFile:
         file=file,
         root_link=roots[0] if roots else "",
         floating=tuple(
-            (joint.get("name", ""), _link(joint, "parent"), _link(joint, "child"))
+            _floating(file, joint)
             for joint in root.iter("joint")
-            if joint.get("type") == "floating"
+            if joint.get("type") == "floating" and root.tag == "robot"
         ),
-        mimics=tuple(_mimics(file, root)),
+        mimics=tuple(_equalities(file, root) if is_mjcf else _mimics(file, models)),
         effort=_efforts(root),
         packages=packages,
-        rewritten=with_readable_meshes(file, root, meshes, always=is_nameless),
+        rewritten=with_readable_meshes(file, root, meshes, always=is_nameless or includes),
         disabled_pairs=tuple(_disabled_pairs(file)),
+        shapes=tuple(shape for model in models for shape in stated_shapes(model)),
     )
 
 
@@ -147,8 +179,8 @@ def _find_meshes(file: Path, root: ET.Element) -> tuple[dict[str, Path], dict[st
     """Return the folder of each package, and the path of each mesh by the name it is given."""
     packages: dict[str, Path] = {}
     meshes: dict[str, Path] = {}
-    compiler = root.find("compiler")
-    mesh_folder = file.parent / (compiler.get("meshdir", "") if compiler is not None else "")
+    stated = [compiler.get("meshdir") for compiler in root.findall("compiler")]
+    mesh_folder = file.parent / ([folder for folder in stated if folder] or [""])[-1]
     for element in root.iter():
         child = element.find("uri")
         uri = element.get("filename") or element.get("file")
@@ -189,23 +221,49 @@ def package_folder(file: Path, name: str, uri: str) -> Path:
     raise AssetNotFound(message, {"uri": uri, "known": [str(p) for p in file.parents[:3]]})
 
 
-def _mimics(file: Path, root: ET.Element) -> list[Mimic]:
+def _equalities(file: Path, root: ET.Element) -> list[Mimic]:
+    return [
+        Mimic(equality.follower, equality.leader, equality.multiplier, equality.offset)
+        for equality in joint_equalities(file, root)
+    ]
+
+
+def _mimics(file: Path, models: list[ET.Element]) -> list[Mimic]:
+    """Read URDF's and SDF's; in SDF, q = multiplier (q_leader - reference) + offset."""
     found: list[Mimic] = []
-    for joint in root.iter("joint"):
+    for joint in (joint for model in models for joint in model.iter("joint")):
         mimic = next(joint.iter("mimic"), None)
         if mimic is None:
             continue
         offset = mimic.get("offset") or mimic.findtext("offset") or "0"
-        multiplier = mimic.get("multiplier") or mimic.findtext("multiplier") or "1"
+        word = mimic.get("multiplier") or mimic.findtext("multiplier") or "1"
+        multiplier = _number(file, "mimic", word)
+        reference = _number(file, "mimic", mimic.findtext("reference") or "0")
         found.append(
             Mimic(
                 joint.get("name", ""),
                 mimic.get("joint", ""),
-                _number(file, "mimic", multiplier),
-                _number(file, "mimic", offset),
+                multiplier,
+                _number(file, "mimic", offset) - multiplier * reference,
             )
         )
     return found
+
+
+def _floating(file: Path, joint: ET.Element) -> FloatingJoint:
+    """Read a joint with its `origin`."""
+    origin = joint.find("origin")
+    xyz, rpy = (
+        tuple(_number(file, "origin", word) for word in words.split())
+        for words in (
+            "0 0 0" if origin is None else origin.get(name, "0 0 0") for name in ("xyz", "rpy")
+        )
+    )
+    if len(xyz) != 3 or len(rpy) != 3:
+        raise _invalid(file, f"the origin of joint {joint.get('name')!r} is not of three numbers")
+    return FloatingJoint(
+        joint.get("name", ""), _link(joint, "parent"), _link(joint, "child"), xyz, rpy
+    )
 
 
 def _efforts(root: ET.Element) -> dict[str, float]:

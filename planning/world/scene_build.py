@@ -28,7 +28,7 @@ class Build:
     """What grows while the scene is built.
 
     `unchecked` has the reason and the evidence of every pair of bodies, by both full names, that
-    collision checks leave out.
+    collision checks leave out; `warnings` are those of the scene's summary.
     """
 
     builder: Any
@@ -37,6 +37,7 @@ class Build:
     bodies: dict[str, BodyIndex] = field(default_factory=dict)
     frames: dict[str, Frame] = field(default_factory=dict)
     unchecked: dict[frozenset[str], tuple[UncheckedReason, str]] = field(default_factory=dict)
+    warnings: list[str] = field(default_factory=list)
 
 
 def refuse_second(build: Build, name: str, path: str) -> None:

@@ -19,6 +19,7 @@ from planning.world.contexts import measuring_context
 from planning.world.drake_model import DrakeModel
 from planning.world.followers import followers_of
 from planning.world.groups import RobotGroups, group_limits, robot_groups
+from planning.world.hull_warnings import hull_warnings
 from planning.world.kernel_oracle import KernelCollisionOracle
 from planning.world.kernel_scene import kernel_scene_of
 from planning.world.margins import PairMargins
@@ -235,6 +236,7 @@ class World:
             num_pairs=len(inspector.GetCollisionCandidates()),
             digest=self.digest,
             unchecked=self.drake.unchecked,
+            warnings=(*self.drake.warnings, *hull_warnings(self.drake)),
             assumed=tuple(
                 f"{own.robot}::{joint}" for own in self._robot_groups for joint in own.assumed
             ),

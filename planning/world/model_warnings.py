@@ -1,0 +1,87 @@
+"""What is odd about a robot's description, for the scene's summary."""
+
+import logging
+import re
+import threading
+from collections.abc import Generator, Sequence
+from contextlib import contextmanager
+from typing import Any, override
+
+from pydrake.geometry import Role
+from pydrake.multibody.tree import ModelInstanceIndex
+
+_DRAKE = logging.getLogger("drake")
+_PLACE = re.compile(r"^.*?:(\d+): warning: ")
+# What is read by `planning` itself, or matters to neither motions nor collisions.
+_OURS = re.compile(
+    r"mimic|floating|transmission|equality|texture|actuat|effort|material|friction|damping|sensor"
+    r"|keyframe|gazebo|light|camera|site|plugin|statistic|visual",
+    re.IGNORECASE,
+)
+
+
+class _Collector(logging.Filter):
+    """Keeps what Drake warns of, by the thread that asks for it; only errors go on.
+
+    Drake's level is that of errors while no thread asks: its own threads are not to wait for
+    Python's lock because of a warning.
+    """
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.texts: dict[int, list[str]] = {}
+        self._lock = threading.Lock()
+        _DRAKE.setLevel(logging.ERROR)
+        _DRAKE.addFilter(self)
+
+    @override
+    def filter(self, record: logging.LogRecord) -> bool:
+        own = self.texts.get(threading.get_ident())
+        if own is not None and record.levelno == logging.WARNING:
+            own.append(record.getMessage())
+        return record.levelno >= logging.ERROR
+
+    @contextmanager
+    def collected(self) -> Generator[list[str]]:
+        """Give the list that this thread's warnings are added to."""
+        thread = threading.get_ident()
+        with self._lock:
+            own = self.texts[thread] = []
+            _DRAKE.setLevel(logging.WARNING)
+        try:
+            yield own
+        finally:
+            with self._lock:
+                del self.texts[thread]
+                _DRAKE.setLevel(logging.WARNING if self.texts else logging.ERROR)
+
+
+_COLLECTOR = _Collector()
+
+
+@contextmanager
+def parser_warnings(robot: str, warnings: list[str]) -> Generator[None]:
+    """Add what Drake's parser warns of inside to `warnings`, each once."""
+    with _COLLECTOR.collected() as texts:
+        yield
+    warnings += [
+        f"{robot}: {_PLACE.sub(r'line \1: ', text)}"
+        for text in dict.fromkeys(texts)
+        if not _OURS.search(_PLACE.sub("", text))
+    ]
+
+
+def visual_only(
+    scene_graph: Any, plant: Any, instances: Sequence[ModelInstanceIndex], robot: str
+) -> list[str]:
+    """Return a warning for every link that is seen and has no collision shape."""
+    inspector = scene_graph.model_inspector()
+    found: list[str] = []
+    for index in (i for instance in instances for i in plant.GetBodyIndices(instance)):
+        frame = plant.GetBodyFrameIdIfExists(index)
+        if frame is None or inspector.NumGeometriesForFrameWithRole(frame, Role.kProximity):
+            continue
+        if inspector.NumGeometriesForFrameWithRole(frame, Role.kIllustration):
+            name = f"{robot}::{plant.get_body(index).name()}"
+            found.append(f"{name} is seen but has no collision shape: it collides with nothing")
+    return found
