@@ -95,12 +95,14 @@ def _proven(
 
 
 def _clearance(certificate: dict[str, Any]) -> float:
-    """Return what the certificate of a plan says that no distance is below [m]."""
-    [check] = [check for check in certificate["checks"] if check["name"] == "clearance"]
-    nearest = certificate["min_clearance"]
-    if check["resolution"] is None:
+    """Return what the certificate of a plan says that no distance is below [m].
+
+    Plans of older versions have the smallest distance that was seen instead, and are told anew.
+    """
+    if "observed_clearance" not in certificate:
         return -math.inf
-    return math.inf if nearest is None else nearest - check["resolution"]
+    nearest = certificate["min_clearance"]
+    return math.inf if nearest is None else nearest
 
 
 def replay(payload: dict[str, Any], _: Channel) -> dict[str, Any]:
