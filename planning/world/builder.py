@@ -117,7 +117,7 @@ def _add_robot(build: Build, robot: SceneRobot, kept: KeptScene) -> None:
                 if file.rewritten is None
                 else parser.AddModelsFromString(file.rewritten, _format_of(source.file))
             )
-    except (RuntimeError, ValueError) as fault:
+    except (RuntimeError, ValueError, SystemExit) as fault:  # the last at sizes that are none
         message = f"robot {robot.name!r}: {source.file.name} does not load: {fault}"
         raise ModelInvalid(message, {"file": str(source.file), "reason": str(fault)}) from fault
     if not instances:

@@ -35,13 +35,19 @@ def couplings(
         mimics: Each with the name of its robot, in any order.
 
     Raises:
-        ModelInvalid: Joints follow each other in a circle, or one of several coordinates does.
+        ModelInvalid: Joints follow each other in a circle, or one of several coordinates does, or
+            one follows what does not move.
     """
     found: list[Coupling] = []
     for robot, mimic in _leaders_first(mimics):
         pair = [indices.get(f"{robot}::{name}") for name in (mimic.follower, mimic.leader)]
-        if None in pair:
+        if pair[0] is None:
             continue  # a fixed joint may carry a leftover mimic tag: nothing moves
+        if pair[1] is None:
+            joints = [mimic.follower, mimic.leader]
+            message = f"robot {robot!r}: joint {joints[0]!r} follows {joints[1]!r}, which is no "
+            message += "joint of it that moves"
+            raise ModelInvalid(message, {"joints": joints, "reason": message})
         follower, leader = (plant.get_joint(index) for index in pair if index)
         _require_single(robot, mimic, follower.num_velocities(), leader.num_velocities())
         found.append(

@@ -103,12 +103,23 @@ def refuse_unread(file: Path, root: ET.Element) -> None:
             if inner.tag in _UNREAD:
                 reason = f"<{inner.tag}> is not read: write out the bodies and geoms that it makes"
                 raise _invalid(file, reason)
+    _refuse_points(file, root)
     for mesh in root.iter("mesh"):
         for attribute, at_rest in _UNREAD_OF_MESHES.items():
             numbers = [_number(file, word) for word in mesh.get(attribute, "").split()]
             if numbers not in ([], at_rest):
                 reason = f"mesh {mesh.get('name') or mesh.get('file')!r} has {attribute!r}, which "
                 raise _invalid(file, reason + "is not read: move the mesh's vertices instead")
+
+
+def _refuse_points(file: Path, root: ET.Element) -> None:
+    """Go on only if every sphere has a radius: of others Drake makes points."""
+    defaults = MjcfDefaults(root)
+    for geom in (geom for world in root.findall("worldbody") for geom in world.iter("geom")):
+        radius = [_number(file, word) for word in defaults.get(geom, "size").split()][:1]
+        kind = defaults.get(geom, "type", "sphere")
+        if kind == "sphere" and not defaults.get(geom, "mesh") and radius in ([], [0.0]):
+            raise _invalid(file, f"geom {geom.get('name', '')!r} is a sphere without a radius")
 
 
 def joint_equalities(file: Path, root: ET.Element) -> list[JointEquality]:

@@ -3,6 +3,7 @@
 import re
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -23,7 +24,8 @@ X_UP = CORNERS @ np.array([[0.0, -1, 0], [0, 0, -1], [1, 0, 0]])  # (z, -x, -y)
 def write(file: Path, corners: np.ndarray, asset: str = "") -> Path:
     mesh = trimesh.Trimesh(corners, FACES, process=False)
     if file.suffix == ".gltf":
-        for name, content in trimesh.Scene(mesh).export(file_type="gltf").items():
+        files: Any = trimesh.Scene(mesh).export(file_type="gltf")
+        for name, content in files.items():
             (file if name == "model.gltf" else file.with_name(name)).write_bytes(content)
         return file
     mesh.export(file)

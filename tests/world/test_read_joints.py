@@ -111,3 +111,14 @@ def test_a_base_that_cannot_be_placed_is_refused(load: Callable[..., World]) -> 
     load("m.sdf", SDF, base={"position": [0, 0, 0]})
     with pytest.raises(SceneInvalid, match=r"robots\.0\.base"):
         load("m.sdf", SDF, base={"position": [1, 0, 0]})
+
+
+def test_a_joint_that_follows_what_does_not_move_is_refused(
+    urdf_world: Callable[..., World],
+) -> None:
+    joint = '<joint name="{0}" type="{1}"><parent link="base"/><child link="{0}_link"/>{2}</joint>'
+    still = joint.format("w", "fixed", "")
+    follows = joint.format("j", "continuous", '<axis xyz="0 0 1"/><mimic joint="w"/>')
+    links = "".join(f'<link name="{name}"/>' for name in ("base", "w_link", "j_link"))
+    with pytest.raises(ModelInvalid):
+        urdf_world(f'<robot name="r">{links}{still}{follows}</robot>')

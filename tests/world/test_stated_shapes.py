@@ -174,3 +174,21 @@ def test_links_of_one_name_in_nested_models_are_refused(load: Callable[..., Worl
     nested = '<model name="n"><link name="a"/></model>'
     with pytest.raises(ModelInvalid, match="have the name 'a'"):
         load("m.sdf", sdf(READ_IN_SDF["box"], nested))
+
+
+@pytest.mark.parametrize(
+    "geom",
+    [
+        'type="box" size="0 1 1"',
+        'type="box" size="-1 1 1"',
+        'type="sphere" size="nan"',
+        'type="sphere" size="0"',
+        'type="sphere"',
+        'type="capsule" size="-1 1"',
+        'type="capsule" fromto="0 0 0 0 0 0" size="0.1"',
+        'type="cylinder" size="0 1"',
+    ],
+)
+def test_a_geom_of_no_size_is_refused(load: Callable[..., World], geom: str) -> None:
+    with pytest.raises(ModelInvalid):
+        load("m.xml", mjcf(f"<geom {geom}/>"))
