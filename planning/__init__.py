@@ -83,7 +83,6 @@ if TYPE_CHECKING:
     from planning.roadmap_shelf import RoadmapShelf, RoadmapStore
     from planning.roadmaps import build_roadmap
     from planning.sampled_motion import (
-        proven_clearance,
         sample_motion,
         sample_plan,
         unproven_samples,
@@ -192,7 +191,6 @@ _DOORS = {
     "parse_scene": "planning.world.scene_file",
     "plan": "planning.pipeline",
     "polyline_through": "planning.domain.interpolation",
-    "proven_clearance": "planning.sampled_motion",
     "read_scene": "planning.world.scene_file",
     "replay_html": "planning.world.replay",
     "retime_path": "planning.own_path",
@@ -297,7 +295,6 @@ __all__ = [
     "parse_scene",
     "plan",
     "polyline_through",
-    "proven_clearance",
     "read_scene",
     "replay_html",
     "retime_path",

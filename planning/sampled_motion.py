@@ -64,7 +64,7 @@ def sample_motion(  # noqa: PLR0913  (a question in full)
         deadline: When to stop proving; what is not proven by then is told as not proven.
         options: Limits that it was proven to keep; `method` says whether jerk is one of them.
         clearance: What no distance is below along the motion, as its certificate says
-            (`proven_clearance`) [m]; by default unknown, which takes longer.
+            [m]; by default unknown, which takes longer.
         margin: Distance that it keeps [m]; None for the scene's.
         constraints: What it keeps.
         origin: Where the motion began that it goes on from, shape (nq,); None if it begins at rest.
@@ -148,8 +148,3 @@ def unproven_samples(trajectory: TimedTrajectory, sampling: Sampling, reason: st
         for kind in KINDS
     )
     return ProvenSamples(sampled(trajectory, sampling, nowhere), proofs)
-
-
-def proven_clearance(certificate: Certificate) -> float:
-    """Return what no distance is below along a motion [m]; minus infinity if it is not proven."""
-    return certificate.min_clearance if certificate.proven else -np.inf

@@ -79,3 +79,8 @@ class Certificate(Value):
     def failed(self) -> tuple[Check, ...]:
         """The checks that did not pass."""
         return tuple(check for check in self.checks if not check.passed)
+
+    @property
+    def proven_clearance(self) -> float:
+        """What no distance is below along the motion [m]; minus infinity if it is not proven."""
+        return self.min_clearance if self.proven else -np.inf

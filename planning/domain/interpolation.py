@@ -12,7 +12,8 @@ import numpy as np
 from jaxtyping import Float64
 
 from planning.domain.curve import TimedTrajectory
-from planning.domain.joints import Joint
+from planning.domain.joints import Joint, JointType
+from planning.domain.manifold import Manifold
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
@@ -69,17 +70,31 @@ def polyline_through(
     times: Float64[np.ndarray, " n"],
     positions: Float64[np.ndarray, "n nq"],
 ) -> TimedTrajectory:
-    """Return the motion that goes straight from sample to sample, the short way.
+    """Return the motion that goes straight from sample to sample: positions are numbers here too.
 
     Args:
         joints: Whose samples these are; those that float turn about one axis at a time.
         times: From 0, increasing [s], n >= 2.
         positions: [rad or m].
     """
-    steps = Manifold(joints).minus(positions[1:], positions[:-1])
+    steps = _displacements(joints, positions)
     rates = steps / np.diff(times)[:, None]
     coefficients = np.stack([np.zeros_like(rates), rates], axis=1)
     return TimedTrajectory(joints, times, positions[:-1], coefficients)
+
+
+def _displacements(joints: tuple[Joint, ...], positions: Array) -> Array:
+    """Return what takes each sample to the next, whole turns included, shape (n - 1, nv)."""
+    steps = Manifold(joints).minus(positions[1:], positions[:-1])
+    plain = np.diff(positions, axis=0)
+    at_q = at_v = 0
+    for joint in joints:
+        if joint.type is not JointType.FLOATING:
+            steps[:, at_v : at_v + joint.num_velocities] = plain[
+                :, at_q : at_q + joint.num_positions
+            ]
+        at_q, at_v = at_q + joint.num_positions, at_v + joint.num_velocities
+    return steps
 
 
 def _spline_slopes(

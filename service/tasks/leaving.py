@@ -12,7 +12,6 @@ from planning import (
     RetimeOptions,
     TimedTrajectory,
     World,
-    proven_clearance,
     sample_motion,
     splice_motion,
     stop_motion,
@@ -129,7 +128,7 @@ def _found(
         request.group,
         motion,
         request.sampling,
-        clearance=proven_clearance(found.certificate),
+        clearance=found.certificate.proven_clearance,
         origin=leaving.running.start,
         **leaving.held,
     )

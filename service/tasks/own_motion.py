@@ -11,7 +11,6 @@ from planning import (
     RetimeOptions,
     certify_positions,
     certify_trajectory,
-    proven_clearance,
     retime_path,
     sample_motion,
 )
@@ -62,7 +61,7 @@ def retime(payload: dict[str, Any], channel: Channel) -> dict[str, Any]:
             found.trajectory,
             sampling,
             deadline=deadline,
-            clearance=proven_clearance(found.certificate),
+            clearance=found.certificate.proven_clearance,
             **kept,
         )
     return {

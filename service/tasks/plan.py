@@ -4,7 +4,7 @@ import time
 from dataclasses import replace
 from typing import Any
 
-from planning import Deadline, PlanningProblem, World, plan, proven_clearance, sample_plan
+from planning import Deadline, PlanningProblem, World, plan, sample_plan
 from planning.domain.plan import MotionPlan, Progress
 from service.convert.goals import problem_value
 from service.convert.plans import plan_wire
@@ -80,7 +80,7 @@ def delivered(
         found.parts,
         sampling,
         deadline=Deadline.after(PROVING, time.monotonic, channel.is_canceled),
-        clearance=proven_clearance(found.certificate),
+        clearance=found.certificate.proven_clearance,
     )
     return {
         "result": plan_wire(found, sampled_wire(proven.samples, proven.interpolations)),

@@ -17,7 +17,6 @@ from planning.domain.manifold import Manifold
 from planning.domain.options import RetimeOptions
 from planning.domain.sampling import Sampling, sampled
 from planning.own_path import retime_path
-from planning.sampled_motion import proven_clearance
 from planning.world.world import World
 from tests.certify.conftest import quintic, request_for, world_from
 from tests.clocks import after_looks, no_hurry
@@ -37,7 +36,7 @@ def motion(method: str, seed: int = 0) -> tuple[World, CertifyRequest, float]:
     options = RetimeOptions(method)
     found = retime_path(world, "arm", path, deadline=no_hurry(60.0), options=options)
     request = replace(request_for(world, "arm", found.trajectory), jerk=method == "ruckig")
-    return world, request, proven_clearance(found.certificate)
+    return world, request, found.certificate.proven_clearance
 
 
 def of(request: CertifyRequest, sampling: Sampling):
@@ -136,7 +135,7 @@ def near_a_wall(gap: float) -> tuple[World, CertifyRequest, float]:
     world, request = over_a_wall(drop)
     certificate = certify(world.drake, request, no_hurry(60.0))[0]
     assert certificate.proven, certificate.failed
-    return world, request, proven_clearance(certificate)
+    return world, request, certificate.proven_clearance
 
 
 def _model(of_world):
