@@ -9,7 +9,6 @@ import numpy as np
 from planning.certify.hermite_errors import HermiteErrors
 from planning.certify.interpolants import KINDS, prove_interpolants
 from planning.certify.request import CertifyRequest
-from planning.domain.certificate import Certificate
 from planning.domain.constraint import PathConstraint
 from planning.domain.curve import TimedTrajectory
 from planning.domain.deadline import Deadline
