@@ -36,7 +36,8 @@ class ClearanceJudge:
         self._outcome.count("clearance proven", check.passed)
         if check.passed:
             self._outcome.wrong += overlooked(self._stage, self._motion, self._skip)
-        seen = self._worst(Look(self._margin, self._skip))
+        also = (certificate.time, check.time)
+        seen = self._worst(Look(self._margin, self._skip, also=also))
         if seen is None:
             return
         if check.passed:
@@ -67,7 +68,9 @@ class ClearanceJudge:
 
     def _hold_numbers(self, certificate: Any, seen: Seen) -> None:
         """Hold what is said of the smallest distance, which is not that with least to spare."""
-        least = seen if self._margin == 0 else self._worst(Look(0.0, self._skip))
+        also = (certificate.time,)
+        look = Look(0.0, self._skip, also=also)
+        least = seen if self._margin == 0 else self._worst(look)
         slack = 2e-7 + 10 * SHARE * self._stage.size
         if least is None:
             return

@@ -82,8 +82,23 @@ def distance(a: Solid, b: Solid, i: int, size: float) -> tuple[float, Array]:
         return gap, -normal
     found = coal.DistanceResult()
     places = [coal.Transform3s(s.poses[i, :3, :3], s.poses[i, :3, 3] / size) for s in (a, b)]
-    gap = coal.distance(a.geometry, places[0], b.geometry, places[1], _UNIT, found)
-    return float(gap) * size, -np.array(found.normal)
+    gap = coal.distance(a.geometry, places[0], b.geometry, places[1], _UNIT, found) * size
+    normal = -np.array(found.normal)
+    # Where coal's search for the depth fails it says minus infinity, or nearly.
+    if not (gap > -a.radius - b.radius and np.isfinite(normal).all()):
+        return _depth(a, b, i)
+    return gap, normal
+
+
+def _depth(a: Solid, b: Solid, i: int) -> tuple[float, Array]:
+    """Return a bound on how deep two shapes overlap, by many directions, as a distance [m]."""
+    normals = np.random.default_rng(0).normal(size=(2000, 3))
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    reach = heights(b.shape, normals @ b.poses[i, :3, :3])
+    reach += heights(a.shape, -normals @ a.poses[i, :3, :3])
+    overlap = reach - normals @ (a.poses[i, :3, 3] - b.poses[i, :3, 3])
+    least = int(np.argmin(overlap))
+    return -float(overlap[least]), normals[least]
 
 
 def _above(solid: Solid, ground: Solid, i: int) -> tuple[float, Array]:

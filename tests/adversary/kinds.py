@@ -1,5 +1,12 @@
 """All kinds of attacks, by name."""
 
-from tests.adversary import clearance
+from tests.adversary import cars, clearance, degrees, floats, jumps, rates
 
-KINDS = {"clearance": clearance}
+KINDS = {
+    "clearance": clearance,
+    "rates": rates,
+    "jumps": jumps,
+    "floats": floats,
+    "degrees": degrees,
+    "cars": cars,
+}

@@ -101,6 +101,16 @@ def hermite(h: float, step: Array, rates: Array, bends: Array, degree: int = 5) 
     return np.stack([np.zeros_like(step), v0, a0 / 2, *rest])
 
 
+def slowed(motion: Document, factor: float) -> Document:
+    """Return the same motion taking `factor` times as long."""
+    parts: Document = {}
+    for name, part in motion["joints"].items():
+        powers = np.array(part["coefficients"], dtype=np.float64)
+        powers /= (factor ** np.arange(powers.shape[1]))[None, :, None]
+        parts[name] = {**part, "coefficients": powers.tolist()}
+    return {"breaks": [factor * time for time in motion["breaks"]], "joints": parts}
+
+
 def sample_places(motion: Document, count: int) -> tuple[Array, Array, Array]:
     """Return pieces, times from their breaks and times, both ends of every piece included."""
     breaks = np.array(motion["breaks"])

@@ -46,9 +46,10 @@ def main() -> int:
         for seed in range(options.seed, options.seed + options.cases):
             try:
                 case, outcome = attack(kind, seed)
-            except Exception:
-                print(f"--kind {kind} --seed {seed}")
-                traceback.print_exc()
+            except Exception as fault:
+                where = traceback.extract_tb(fault.__traceback__)[-1]
+                print(f"--kind {kind} --seed {seed}: {where.filename}:{where.lineno} {fault!r}")
+                found[f"{kind}: {type(fault).__name__}", -1] += 1
                 continue
             for claim in outcome.wrong:
                 key = f"{kind}: {claim.what}", claim.issue

@@ -26,6 +26,7 @@ class Look:
         only: Bodies one of which is in every pair; empty for all.
         until: End of what is looked at [s].
         count: Instants at first.
+        also: Instants that are looked at besides [s].
         rounds: How often the neighbourhood of the nearest is looked at again, six times as finely.
     """
 
@@ -33,7 +34,8 @@ class Look:
     skip: AbstractSet[Pair] = field(default_factory=frozenset)
     only: AbstractSet[str] = field(default_factory=frozenset)
     until: float = np.inf
-    count: int = 120
+    count: int = 240
+    also: tuple[float, ...] = ()
     rounds: int = 3
 
 
@@ -147,7 +149,10 @@ class Stage:
     def worst(self, motion: Document, look: Look) -> Seen | None:
         """Return where a motion has the least to spare; None if nothing can touch."""
         until = min(look.until, motion["breaks"][-1])
-        best = self._least(motion, sample_places(motion, look.count), look, until)
+        places = [sample_places(motion, look.count)]
+        places += [around(motion, time, 0.0, 1) for time in look.also]
+        first = tuple(np.concatenate(parts) for parts in zip(*places, strict=True))
+        best = self._least(motion, first, look, until)
         width = until / look.count
         for _ in range(look.rounds):
             if best is None:
