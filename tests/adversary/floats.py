@@ -13,7 +13,7 @@ _WIDE = 0.02
 
 def draw(rng: np.random.Generator, _: Path) -> Document:
     """Return a body that turns by cx about x at rest while it turns about y, or anyhow."""
-    width, power = float(10 ** rng.uniform(-1, 3)), int(rng.integers(1, 11))
+    width, power = float(10 ** rng.uniform(-0.5, 3.3)), int(rng.integers(1, 11))
     bump = polynomial.polymul([0.0] * power + [1.0], [1.0, -2.0, 1.0])
     swing = polynomial.polyint(bump)
     swing *= float(10 ** rng.uniform(-1, 1.8)) / polynomial.polyval(1.0, swing)
@@ -26,8 +26,8 @@ def draw(rng: np.random.Generator, _: Path) -> Document:
     motion = {"breaks": [0.0, width], "joints": {"j0": part}}
     factor = float(rng.choice([0.1, 0.5, 0.9, 0.99, 1.05, 2.0]))
     jerk = bool(rng.random() < 0.4)
-    tops = {what: max(angular_peak(part, np.array([0, width]), order), 1e-9) for what, order in ORDERS.items()}
-    if max(tops.values()) > 900 or min(tops.values()) < 1e-8:
+    tops = {what: max(angular_peak(part, np.array([0, width]), order), 1e-15) for what, order in ORDERS.items()}
+    if max(tops.values()) > 900 or min(tops.values()) < 1e-12:
         return draw(rng, _)
     what = str(rng.choice(["velocity", "acceleration", "jerk"] if jerk else ["velocity", "acceleration"]))
     rates = {name: top * (factor if name == what else 10.0) for name, top in tops.items()}

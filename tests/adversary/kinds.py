@@ -1,6 +1,6 @@
 """All kinds of attacks, by name."""
 
-from tests.adversary import cars, clearance, degrees, floats, jumps, rates
+from tests.adversary import cars, clearance, constraints, degrees, floats, jumps, rates, winding
 
 KINDS = {
     "clearance": clearance,
@@ -9,4 +9,6 @@ KINDS = {
     "floats": floats,
     "degrees": degrees,
     "cars": cars,
+    "winding": winding,
+    "constraints": constraints,
 }

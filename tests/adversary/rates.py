@@ -51,7 +51,10 @@ def _in_reach(read: Robot, motion: Document) -> Document:
 def _card(rng: np.random.Generator, read: Robot, motion: Document, robot: Document) -> Document:
     """Write limits into the robot's file, of positions, and into a card, of rates."""
     tight = str(rng.choice(["position", "velocity", "acceleration", "jerk", "all"]))
-    victim = str(rng.choice([joint.name for joint in read.joints if joint.kind != "fixed"]))
+    moving = [joint for joint in read.joints if joint.kind != "fixed"]
+    followers = [joint for joint in moving if joint.leader]
+    of = followers if followers and rng.random() < 0.5 else moving
+    victim = of[int(rng.integers(len(of)))].name
 
     def near(what: str, joint: str) -> float:
         is_near = tight in {what, "all"} and (joint == victim or rng.random() < 0.2)
