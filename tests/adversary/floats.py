@@ -13,7 +13,9 @@ _WIDE = 0.02
 
 def draw(rng: np.random.Generator, _: Path) -> Document:
     """Return a body that turns by cx about x at rest while it turns about y, or anyhow."""
-    width, power = float(10 ** rng.uniform(-0.5, 3.3)), int(rng.integers(1, 11))
+    is_long = rng.random() < 0.4
+    width = float(10 ** rng.uniform(*((2.5, 3.5) if is_long else (-0.5, 2.5))))
+    power = int(rng.integers(5 if is_long else 1, 11))
     bump = polynomial.polymul([0.0] * power + [1.0], [1.0, -2.0, 1.0])
     swing = polynomial.polyint(bump)
     swing *= float(10 ** rng.uniform(-1, 1.8)) / polynomial.polyval(1.0, swing)
@@ -31,6 +33,9 @@ def draw(rng: np.random.Generator, _: Path) -> Document:
         return draw(rng, _)
     what = str(rng.choice(["velocity", "acceleration", "jerk"] if jerk else ["velocity", "acceleration"]))
     rates = {name: top * (factor if name == what else 10.0) for name, top in tops.items()}
+    # A card states no less than a millionth; a scale makes the rest of the way.
+    scale = min(1.0, min(rates["acceleration"], rates["jerk"]) / 1e-5)
+    rates |= {name: rates[name] / scale for name in ("acceleration", "jerk")}
     fast = {"velocity": 1e3, "acceleration": 1e3, "jerk": 1e3}
     card = {
         "name": "m", "file": "robot.urdf", "base": "base", "default_group": "all",
@@ -39,7 +44,7 @@ def draw(rng: np.random.Generator, _: Path) -> Document:
     joint = {"name": "j0", "type": "floating", "parent": "base", "child": "l0", "xyz": [0.0] * 3, "rpy": [0.0] * 3}
     shapes = [{"shape": {"box": [0.1, 0.1, 0.1]}, "xyz": [0.0] * 3, "rpy": [0.0] * 3}]
     links = [{"name": "base", "shapes": []}, {"name": "l0", "shapes": shapes}]
-    question = {"motion": motion, "options": {"method": "ruckig" if jerk else "toppra"}}
+    question = {"motion": motion, "options": {"method": "ruckig" if jerk else "toppra", "acceleration_scale": scale}}
     robot = {"size": 1.0, "links": links, "joints": [joint]}
     return {"kind": "floats", "robot": robot, "card": card, "questions": [question]}
 
@@ -59,7 +64,8 @@ def judge(case: Document, folder: Path) -> Outcome:
             continue
         check = check_of(answer[0], what)
         outcome.count(f"{what} passed", check.passed)
-        use = angular_peak(part, breaks, ORDERS[what]) / limit
+        scale = 1.0 if what == "velocity" else question["options"]["acceleration_scale"]
+        use = angular_peak(part, breaks, ORDERS[what]) / (limit * scale)
         told = f"{use:.6g} of the limit, says {check.value:.6g}"
         if check.passed and use > 1 + 1e-3:
             outcome.blame(f"{what} of a body that floats", told, 11)

@@ -1,6 +1,6 @@
 """All kinds of attacks, by name."""
 
-from tests.adversary import cars, clearance, constraints, degrees, floats, jumps, rates, winding
+from tests.adversary import cars, checks, clearance, constraints, degrees, floats, jumps, rates, torques, winding
 
 KINDS = {
     "clearance": clearance,
@@ -9,6 +9,8 @@ KINDS = {
     "floats": floats,
     "degrees": degrees,
     "cars": cars,
+    "checks": checks,
+    "torques": torques,
     "winding": winding,
     "constraints": constraints,
 }
