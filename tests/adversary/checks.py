@@ -12,7 +12,7 @@ from tests.adversary.motions import around, positions, random_motion
 from tests.adversary.robots import random_robot
 from tests.adversary.shapes import KINDS, random_shape
 from tests.adversary.surroundings import Look, Stage
-from tests.adversary.unlooked import adjacent, declared
+from tests.adversary.unlooked import declared
 
 _SLACK, _SHARE = 1e-6, 1e-7
 
@@ -69,7 +69,7 @@ def judge(case: Document, folder: Path) -> Outcome:
     """Ask about every configuration with a margin a little more or less than there is."""
     setting, outcome = Setting.lay_out(case, folder), Outcome()
     stage = Stage.of(setting)
-    look = Look(skip=adjacent(stage) | declared(setting))
+    look = Look(skip=declared(setting, stage))
     (question,) = case["questions"]
     curve = setting.curve(question["motion"])
     for time in question["times"]:

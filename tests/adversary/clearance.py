@@ -17,6 +17,7 @@ from tests.adversary.obstacles import random_obstacle
 from tests.adversary.robots import random_robot
 from tests.adversary.shapes import random_shape
 from tests.adversary.surroundings import Look, Stage
+from tests.adversary.unlooked import adjacent
 
 
 def draw(rng: np.random.Generator, folder: Path) -> Document:
@@ -59,10 +60,12 @@ def held_thing(rng: np.random.Generator, robot: Document) -> Document:
 def free_motion(rng: np.random.Generator, stage: Stage, **wanted: Any) -> Document | None:
     """Return a motion, most often a free one."""
     must = rng.random() < 0.85
+    neighbours = adjacent(stage) if rng.random() < 0.3 else frozenset()
     for reach in (1.0, 0.5, 0.2):
         how = {"size": stage.size, "reach": reach, **wanted}
         motion = random_motion(rng, stage.robot.leaders, **how)
-        seen = stage.worst(motion, Look(count=40, rounds=0))
+        look = Look(skip=neighbours, count=40, rounds=0)
+        seen = stage.worst(motion, look)
         if not must or seen is None or seen.spare > 0:
             return motion
     return None

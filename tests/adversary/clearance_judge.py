@@ -8,7 +8,7 @@ import numpy as np
 from tests.adversary.cases import Document, Outcome, Setting, check_of
 from tests.adversary.distances import Near
 from tests.adversary.surroundings import Look, Pair, Seen, Stage
-from tests.adversary.unlooked import adjacent, declared, overlooked
+from tests.adversary.unlooked import declared, overlooked
 from tests.adversary.witness import bracket
 
 # A margin is kept to a micrometre; rounding is a share of the size [m].
@@ -28,7 +28,7 @@ class ClearanceJudge:
 
     @cached_property
     def _skip(self) -> set[Pair]:
-        return adjacent(self._stage) | declared(self._setting)
+        return declared(self._setting, self._stage)
 
     def hold(self, certificate: Any, report: Any) -> None:
         """Hold a certificate, and a report of robustness, against what is so."""
@@ -74,17 +74,20 @@ class ClearanceJudge:
         slack = 2e-7 + 10 * SHARE * self._stage.size
         if least is None:
             return
-        said, check = certificate.min_clearance, check_of(certificate, "clearance")
+        seen_there = getattr(certificate, "observed_clearance", certificate.min_clearance)
+        check = check_of(certificate, "clearance")
+        bound = certificate.min_clearance
+        if not hasattr(certificate, "observed_clearance"):
+            bound -= check.resolution
         told = f"said of {certificate.pair} at {certificate.time:.6g} s, but {self._told(least)}"
-        bound = getattr(certificate, "clearance_bound", said)
-        if said - check.resolution > least.distance + slack and confirmed(least.near) < np.inf:
-            text = f"{said:.9g} - {check.resolution:.3g} m {told}"
-            self._outcome.blame("least clearance", text, self._defect)
-        if bound > 2 * max(least.distance, 0) + 1e-3 * self._stage.size:
-            self._outcome.blame("min_clearance", f"{bound:.6g} m {told}", 15)
+        if bound > least.distance + slack and confirmed(least.near) < np.inf:
+            self._outcome.blame("least clearance", f"{bound:.9g} m {told}", self._defect)
+        if certificate.min_clearance > 2 * max(least.distance, 0) + 1e-3 * self._stage.size:
+            text = f"{certificate.min_clearance:.6g} m {told}"
+            self._outcome.blame("min_clearance", text, 15)
         there = self._stage.at(self._motion, certificate.time, certificate.pair)
-        if np.isfinite(there) and abs(there - said) > slack + 1e-5 * abs(said):
-            text = f"{said:.9g} m {told}; then and there {there:.9g} m"
+        if np.isfinite(there) and abs(there - seen_there) > slack + 1e-5 * abs(there):
+            text = f"{seen_there:.9g} m {told}; then and there {there:.9g} m"
             self._outcome.blame("seen clearance", text, self._defect)
 
     def _hold_until(self, certificate: Any) -> None:

@@ -21,6 +21,7 @@ def draw(rng: np.random.Generator, _: Path) -> Document:
     swing *= float(10 ** rng.uniform(-1, 1.8)) / polynomial.polyval(1.0, swing)
     rows = np.zeros((len(swing), 6))
     rows[:, 1] = swing / width ** np.arange(len(swing))
+    rows[0, 1] -= rows[1:, 1] @ width ** np.arange(1, len(swing)) / 2 * (rng.random() < 0.6)
     rows[0, :3] += rng.uniform(-3, 3, size=3) * (rng.random(3) < 0.7)
     if rng.random() < 0.3:
         rows[1:, :3] = rows[1:, 1:2] * rng.normal(size=3)

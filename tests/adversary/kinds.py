@@ -1,6 +1,6 @@
 """All kinds of attacks, by name."""
 
-from tests.adversary import cars, checks, clearance, constraints, degrees, floats, jumps, rates, torques, winding
+from tests.adversary import cars, checks, clearance, constraints, degrees, floats, jumps, plans, rates, torques, winding
 
 KINDS = {
     "clearance": clearance,
@@ -9,6 +9,7 @@ KINDS = {
     "floats": floats,
     "degrees": degrees,
     "cars": cars,
+    "plans": plans,
     "checks": checks,
     "torques": torques,
     "winding": winding,

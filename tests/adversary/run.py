@@ -16,6 +16,7 @@ from pathlib import Path
 import numpy as np
 
 from tests.adversary.cases import Document, Outcome
+from tests.adversary import service
 from tests.adversary.kinds import KINDS
 
 
@@ -58,6 +59,7 @@ def main() -> int:
                     print(f"--kind {kind} --seed {seed}: {claim.what} (#{claim.issue}): {claim.said}")
             total.add(outcome)
         print(f"{kind}: {(time.process_time() - begin) / options.cases * 1000:.0f} ms a case")
+    service.close()
     print(total.counts)
     print(found)
     return 1 if found else 0

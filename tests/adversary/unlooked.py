@@ -1,7 +1,7 @@
-"""Pairs of bodies that a proof does not look at: links that a joint joins, and what is declared.
+"""Pairs of bodies that a proof does not look at: what is declared, and links that a joint joins.
 
-A proof that passes over two links that touch is one only if they cannot do otherwise: of two that
-are apart somewhere in the joint's range, the judge asks that they be held against each other.
+A proof that passes over two bodies which touch is one only if they cannot do otherwise: of two that
+are apart elsewhere, the judge asks that they be held against each other.
 """
 
 from collections.abc import Set as AbstractSet
@@ -11,9 +11,12 @@ import numpy as np
 from tests.adversary.cases import Claim, Document, Setting
 from tests.adversary.distances import Near, nearest
 from tests.adversary.kinematics import FileJoint
+from tests.adversary.motions import positions, sample_places
 from tests.adversary.surroundings import Look, Pair, Stage
 
 _SWEEP = 60
+# Overlaps and gaps that count, as a share of the size.
+_CLEAR = 1e-3
 
 
 def adjacent(stage: Stage) -> set[Pair]:
@@ -22,10 +25,16 @@ def adjacent(stage: Stage) -> set[Pair]:
     return {pair for pair in pairs if not stage.is_rigid(pair)}
 
 
-def declared(setting: Setting) -> set[Pair]:
-    """Return the pairs that the scene's summary says are not looked at."""
-    told = getattr(setting.world.summary, "unchecked_pairs", ())
-    return {frozenset(entry.bodies) for entry in told}
+def declared(setting: Setting, stage: Stage) -> set[Pair]:
+    """Return the pairs that move and that the product says it does not look at.
+
+    Where it says nothing of such pairs they are those that a joint joins.
+    """
+    summary = setting.world.summary
+    if not hasattr(summary, "unchecked"):
+        return adjacent(stage)
+    pairs = {frozenset(entry.bodies) for entry in summary.unchecked}
+    return {pair for pair in pairs if pair <= set(stage.bodies) and not stage.is_rigid(pair)}
 
 
 def overlooked(stage: Stage, motion: Document, pairs: AbstractSet[Pair]) -> list[Claim]:
@@ -34,39 +43,47 @@ def overlooked(stage: Stage, motion: Document, pairs: AbstractSet[Pair]) -> list
     for pair in sorted(pairs, key=sorted):
         others = {frozenset((a, b)) for a in stage.bodies for b in stage.bodies} - {pair}
         seen = stage.worst(motion, Look(skip=others, only=pair, count=60, rounds=1))
-        if seen is None or seen.distance > -1e-3 * stage.size:
+        if seen is None or seen.distance > -_CLEAR * stage.size:
             continue
-        gap = _largest_gap(stage, pair)
-        if gap > 1e-3 * stage.size:
+        gap = _largest_gap(stage, motion, pair)
+        if gap > _CLEAR * stage.size:
             said = f"{sorted(pair)} overlap by {-seen.distance:.4g} m at {seen.time:.4g} s, and are "
-            found.append(Claim("neighbours", f"{said}{gap:.4g} m apart elsewhere", 6))
+            what = "neighbours" if pair in adjacent(stage) else "what it holds"
+            number = 6 if what == "neighbours" else 0
+            found.append(Claim(what, f"{said}{gap:.4g} m apart elsewhere", number))
     return found
 
 
-def _largest_gap(stage: Stage, pair: Pair) -> float:
-    """Return how far apart two links that a joint joins are somewhere in its range [m]."""
-    joint = next(j for j in stage.robot.joints if {f"r::{j.parent}", f"r::{j.child}"} == pair)
+def _largest_gap(stage: Stage, motion: Document, pair: Pair) -> float:
+    """Return how far apart two bodies are at most, on the motion or in their joint's range [m]."""
+    pieces, local, _ = sample_places(motion, _SWEEP)
+    pieces, local = pieces[:_SWEEP], local[:_SWEEP]
+    places = [positions(motion, pieces, local)]
+    joints = [j for j in stage.robot.joints if {f"r::{j.parent}", f"r::{j.child}"} == pair]
+    places += [_sweep(stage, joint) for joint in joints if joint.kind not in {"planar", "floating"}]
+    largest = -np.inf
+    for q in places:
+        count = len(next(iter(q.values())))
+        solids = [solid for solid in stage.solids(q, count) if solid.body in pair]
+        for i in range(count):
+            last: Near | None = None
+            for last in nearest(stage.pairs([s.at(i) for s in solids], Look()), stage.size):  # noqa: B007
+                pass
+            largest = max(largest, np.inf if last is None else last.distance)
+    return largest
+
+
+def _sweep(stage: Stage, joint: FileJoint) -> dict[str, np.ndarray]:
+    """Return configurations that take a joint through all of its range."""
     q = {leader.name: _middle(leader) for leader in stage.robot.leaders}
     leader, factor = stage.robot.factor(joint.name)
-    if joint.kind in {"planar", "floating"}:
-        return np.inf
     low, high = (joint.lower, joint.upper) if np.isfinite(joint.lower) else (-np.pi, np.pi)
-    offset = stage.robot.value(joint.name, {leader: np.zeros(1), **{}})[0] if joint.leader else 0.0
-    values = np.linspace(low, high, _SWEEP)[:, None]
-    q[leader] = (values - offset) / factor if joint.leader else values
-    solids = [s for s in stage.solids(q, _SWEEP) if s.body in pair]
-    gaps = []
-    for i in range(_SWEEP):
-        chosen = [s.at(i) for s in solids]
-        last: Near | None = None
-        for last in nearest(stage.pairs(chosen, Look()), stage.size):  # noqa: B007
-            pass
-        gaps.append(np.inf if last is None else last.distance)
-    return max(gaps)
+    zero = stage.robot.value(joint.name, {leader: np.zeros(1)})[0]
+    q[leader] = (np.linspace(low, high, _SWEEP)[:, None] - zero) / factor
+    return q
 
 
 def _middle(joint: FileJoint) -> np.ndarray:
-    """Return some value of a joint, for all of the sweep."""
     match joint.kind:
         case "planar":
             return np.zeros((_SWEEP, 3))
