@@ -1,6 +1,6 @@
 """All kinds of attacks, by name."""
 
-from tests.adversary import cars, checks, clearance, constraints, degrees, floats, jumps, plans, rates, torques, winding
+from tests.adversary import cars, checks, clearance, constraints, degrees, floats, formats, identities, jumps, plans, rates, torques, winding, wire
 
 KINDS = {
     "clearance": clearance,
@@ -9,6 +9,9 @@ KINDS = {
     "floats": floats,
     "degrees": degrees,
     "cars": cars,
+    "wire": wire,
+    "formats": formats,
+    "identities": identities,
     "plans": plans,
     "checks": checks,
     "torques": torques,

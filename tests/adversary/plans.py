@@ -35,7 +35,7 @@ def draw(rng: np.random.Generator, folder: Path) -> Document:
     read = Setting.lay_out(case, folder).robot
     ends = [{j.name: _somewhere(rng, j) for j in read.leaders} for _ in range(2)]
     stage = Stage(read, case, np.eye(4))
-    straight = _straight(ends)
+    straight = straight(ends)
     for i in range(int(rng.integers(0, 3))):
         case["objects"].append(random_obstacle(rng, stage, straight, f"o{i}"))
         stage.add(case["objects"][-1])
@@ -52,13 +52,14 @@ def _somewhere(rng: np.random.Generator, joint: Any) -> float:
     return float((low + high) / 2 + 0.4 * (high - low) * rng.uniform(-1, 1))
 
 
-def _straight(ends: list[Document]) -> Document:
+def straight(ends: list[Document], duration: float = 1.0) -> Document:
+    """Return the motion from the one configuration to the other, from rest to rest."""
     zero = np.zeros((2, 1))
     parts = {
-        name: {"bases": [[start]], "coefficients": [hermite(1.0, np.array([ends[1][name] - start]), zero, zero).tolist()]}
+        name: {"bases": [[start]], "coefficients": [hermite(duration, np.array([ends[1][name] - start]), zero, zero).tolist()]}
         for name, start in ends[0].items()
     }
-    return {"breaks": [0.0, 1.0], "joints": parts}
+    return {"breaks": [0.0, duration], "joints": parts}
 
 
 def judge(case: Document, folder: Path) -> Outcome:

@@ -1,7 +1,12 @@
-"""Attack from a shell: `python -m tests.adversary.run --kind clearance --seed 17 [--cases 100]`.
+"""Attack from a shell, and the same attacks for the tests.
 
-One integer makes a case again. `--case FILE` takes a case that was printed, `--shrink` cuts a
-failing one down, `--kind all` goes through all kinds.
+    python -m tests.adversary.run --kind clearance --seed 17             # one case again
+    python -m tests.adversary.run --kind all --seed 0 --cases 500        # many
+    python -m tests.adversary.run --kind clearance --seed 17 --shrink    # cut down, and printed
+    python -m tests.adversary.run --case FILE                            # one that was printed
+
+One integer makes a case again. What is wrong is told with the number of the defect that it is
+likely to be, 0 for one that is not known.
 """
 
 import argparse
@@ -15,22 +20,73 @@ from pathlib import Path
 
 import numpy as np
 
-from tests.adversary.cases import Document, Outcome
 from tests.adversary import service
+from tests.adversary.cases import Claim, Document, Outcome
 from tests.adversary.kinds import KINDS
+from tests.adversary.shrink import shrunk
+
+# Claims of one sort that are told in full.
+_TOLD = 5
 
 
 def attack(kind: str, seed: int) -> tuple[Document, Outcome]:
     """Draw a case of a kind and judge it."""
-    with tempfile.TemporaryDirectory() as folder:
-        case = KINDS[kind].draw(np.random.default_rng(seed), Path(folder))
+    case = draw(kind, seed)
     return case, judge(case)
 
 
-def judge(case: Document) -> Outcome:
-    """Judge a case, in a folder of its own."""
+def draw(kind: str, seed: int) -> Document:
+    """Return the case of a kind that a seed makes."""
     with tempfile.TemporaryDirectory() as folder:
-        return KINDS[case["kind"]].judge(case, Path(folder))
+        return KINDS[kind].draw(np.random.default_rng(seed), Path(folder))
+
+
+def judge(case: Document) -> Outcome:
+    """Judge a case in a folder of its own; what nobody foresaw is wrong as well."""
+    with tempfile.TemporaryDirectory() as folder:
+        try:
+            return KINDS[case["kind"]].judge(case, Path(folder))
+        except Exception as fault:  # noqa: BLE001  (an answer that is none is a finding)
+            where = traceback.extract_tb(fault.__traceback__)[-1]
+            said = f"{Path(where.filename).name}:{where.lineno} {fault!r}"
+            return Outcome([Claim(type(fault).__name__, said)])
+
+
+def cut_down(case: Document, what: str) -> Document:
+    """Return the case without all that its failure does not need."""
+    return shrunk(case, lambda smaller: what in {claim.what for claim in judge(smaller).wrong})
+
+
+def command(kind: str, seed: int) -> str:
+    """Return the command that makes a case again."""
+    return f"python -m tests.adversary.run --kind {kind} --seed {seed}"
+
+
+def _campaign(kinds: list[str], seed: int, cases: int) -> tuple[Outcome, Counter[tuple[str, int]]]:
+    total = Outcome()
+    found: Counter[tuple[str, int]] = Counter()
+    for kind in kinds:
+        begin, asked = time.process_time(), total.counts.get("asked", 0)
+        for number in range(seed, seed + cases):
+            _, outcome = attack(kind, number)
+            total.add(outcome)
+            for claim in outcome.wrong:
+                key = f"{kind}: {claim.what}", claim.issue
+                found[key] += 1
+                if found[key] <= _TOLD:
+                    print(f"{command(kind, number)}: {claim.what} (#{claim.issue}): {claim.said}")
+        spent, questions = time.process_time() - begin, total.counts.get("asked", 0) - asked
+        print(f"{kind}: {cases} cases, {questions} questions, {spent:.1f} s", flush=True)
+    return total, found
+
+
+def _one(case: Document, *, shrink: bool) -> int:
+    outcome = judge(case)
+    for claim in outcome.wrong:
+        print(f"{claim.what} (#{claim.issue}): {claim.said}")
+    if shrink and outcome.wrong:
+        print(json.dumps(cut_down(case, outcome.wrong[0].what)))
+    return 1 if outcome.wrong else 0
 
 
 def main() -> int:
@@ -39,30 +95,23 @@ def main() -> int:
     parser.add_argument("--kind", default="all", choices=["all", *KINDS])
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--cases", type=int, default=1)
+    parser.add_argument("--shrink", action="store_true")
+    parser.add_argument("--case", type=Path)
     options = parser.parse_args()
-    total = Outcome()
-    found: Counter[tuple[str, int]] = Counter()
-    for kind in KINDS if options.kind == "all" else [options.kind]:
-        begin = time.process_time()
-        for seed in range(options.seed, options.seed + options.cases):
-            try:
-                case, outcome = attack(kind, seed)
-            except Exception as fault:
-                where = traceback.extract_tb(fault.__traceback__)[-1]
-                print(f"--kind {kind} --seed {seed}: {where.filename}:{where.lineno} {fault!r}")
-                found[f"{kind}: {type(fault).__name__}", -1] += 1
-                continue
-            for claim in outcome.wrong:
-                key = f"{kind}: {claim.what}", claim.issue
-                found[key] += 1
-                if found[key] <= 5:
-                    print(f"--kind {kind} --seed {seed}: {claim.what} (#{claim.issue}): {claim.said}")
-            total.add(outcome)
-        print(f"{kind}: {(time.process_time() - begin) / options.cases * 1000:.0f} ms a case")
-    service.close()
-    print(total.counts)
-    print(found)
-    return 1 if found else 0
+    try:
+        if options.case is not None:
+            return _one(json.loads(options.case.read_text()), shrink=options.shrink)
+        if options.shrink:
+            return _one(draw(options.kind, options.seed), shrink=True)
+        kinds = list(KINDS) if options.kind == "all" else [options.kind]
+        total, found = _campaign(kinds, options.seed, options.cases)
+        print(json.dumps(total.counts, indent=1))
+        print("nothing is wrong" if not found else "wrong:")
+        for (what, issue), count in found.most_common():
+            print(f"  {count:5d} {what} (#{issue})")
+        return 1 if found else 0
+    finally:
+        service.close()
 
 
 if __name__ == "__main__":

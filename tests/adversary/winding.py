@@ -13,7 +13,7 @@ import numpy as np
 import planning
 from planning.errors import WayproofError
 from tests.adversary.cases import PATIENCE, Document, Outcome, Setting
-from tests.adversary.kinematics import Robot, read_robot
+from tests.adversary.kinematics import Robot
 from tests.adversary.motions import hermite, positions
 from tests.adversary.robots import random_robot
 from tests.adversary.surroundings import Look, Stage
@@ -121,7 +121,7 @@ def _by_samples(setting: Setting, question: Document, outcome: Outcome) -> None:
     joints = setting.group.joints
     names = [joint.name.removeprefix("r::") for joint in joints]
     rows = np.array([question["samples"][name] for name in names]).T
-    deadline = planning.Deadline.after(PATIENCE, time.monotonic)
+    deadline = planning.Deadline.after(PATIENCE, time.process_time)
     try:
         curve = planning.trajectory_through(joints, np.array(motion["breaks"]), rows, np.zeros_like(rows))
         certificate, _ = planning.certify_trajectory(setting.world, "r", curve, deadline=deadline, goal=rows[-1])
@@ -145,6 +145,3 @@ def _by_samples(setting: Setting, question: Document, outcome: Outcome) -> None:
 
 def _neighbours(robot: Robot) -> frozenset[frozenset[str]]:
     return frozenset(frozenset((f"r::{j.parent}", f"r::{j.child}")) for j in robot.joints)
-
-
-__all__ = ["draw", "judge", "read_robot"]
