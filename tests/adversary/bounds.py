@@ -8,6 +8,7 @@ import numpy as np
 
 import planning
 from tests.adversary.cases import Document
+from tests.adversary.distances import nearest
 from tests.adversary.kinematics import pose_matrix
 from tests.adversary.motions import positions, sample_places
 from tests.adversary.peaks import all_ranges
@@ -46,35 +47,41 @@ def frame_poses(stage: Stage, motion: Document, frame: str, count: int = _SAMPLE
 
 def build(entry: Document) -> Document:
     """Return the arguments of `certify_trajectory` that ask for a constraint."""
-    kind = entry["type"]
-    if kind in {"keep_in", "keep_out", "position", "speed_zone"}:
-        size = np.array([np.inf if x is None else x for x in entry["size"]])
-        box = planning.PlacedBox(size, planning.Pose.from_parts(entry["xyz"], rpy=entry["rpy"]))
-    match kind:
+    if entry["type"] == "tool_limit":
+        limit = planning.ToolLimit(entry["frame"], entry.get("speed"), entry.get("acceleration"))
+        return {"options": planning.RetimeOptions(tool_limits=(limit,))}
+    if entry["type"] == "speed_zone":
+        zone = planning.SpeedZone("zone", entry["frame"], _box(entry), entry["speed"])
+        return {"options": planning.RetimeOptions(speed_zones=(zone,))}
+    return {"constraints": (_made(entry),)}
+
+
+def _box(entry: Document) -> planning.PlacedBox:
+    size = np.array([np.inf if x is None else x for x in entry["size"]])
+    return planning.PlacedBox(size, planning.Pose.from_parts(entry["xyz"], rpy=entry["rpy"]))
+
+
+def _made(entry: Document) -> Any:
+    """Return the path constraint."""
+    match entry["type"]:
         case "keep_in":
-            made: Any = planning.KeepIn(entry["frame"], box)
+            return planning.KeepIn(entry["frame"], _box(entry))
         case "keep_out":
-            made = planning.KeepOut(entry["frame"], box)
+            return planning.KeepOut(entry["frame"], _box(entry))
         case "position":
-            made = planning.PositionBand(entry["frame"], box)
+            return planning.PositionBand(entry["frame"], _box(entry))
         case "orientation":
-            axis, direction = (np.array(entry[name]) for name in ("axis", "direction"))
-            made = planning.OrientationCone(entry["frame"], axis, direction, entry["tolerance"])
+            along = (np.array(entry[name]) for name in ("axis", "direction"))
+            return planning.OrientationCone(entry["frame"], *along, entry["tolerance"])
         case "distance_band":
-            sides = (tuple(entry[name]) if entry[name] else None for name in ("bodies", "to"))
+            sides = (tuple(entry[name]) for name in ("bodies", "to"))
             top = np.inf if entry["max"] is None else entry["max"]
-            made = planning.DistanceBand(*sides, entry["min"], top)
+            return planning.DistanceBand(*sides, entry["min"], top)
         case "locked_joints":
-            made = planning.LockedJoints(tuple(entry["joints"]))
-        case "joint_limits":
-            made = planning.TightLimits({k: tuple(v) for k, v in entry["limits"].items()})
-        case "speed_zone":
-            zone = planning.SpeedZone("zone", entry["frame"], box, entry["speed"])
-            return {"options": planning.RetimeOptions(speed_zones=(zone,))}
+            made: Any = planning.LockedJoints(tuple(entry["joints"]))
         case _:
-            limit = planning.ToolLimit(entry["frame"], entry.get("speed"), entry.get("acceleration"))
-            return {"options": planning.RetimeOptions(tool_limits=(limit,))}
-    return {"constraints": (made,)}
+            made = planning.TightLimits({k: tuple(v) for k, v in entry["limits"].items()})
+    return made
 
 
 def _frame(rng: np.random.Generator, stage: Stage) -> str:
@@ -124,7 +131,9 @@ def _excess_in(stage: Stage, motion: Document, entry: Document) -> float:
     return float((np.abs(_in_box(stage, motion, entry)) - half).max())
 
 
-def _draw_keep_out(rng: np.random.Generator, stage: Stage, motion: Document, off: float) -> Document:
+def _draw_keep_out(
+    rng: np.random.Generator, stage: Stage, motion: Document, off: float
+) -> Document:
     entry = _draw_box(rng, stage, motion)
     shape = rng.uniform(0.1, 1.0, size=3)
     nearest = float((np.abs(_in_box(stage, motion, entry)) / shape).max(axis=1).min())
@@ -141,7 +150,12 @@ def _draw_cone(rng: np.random.Generator, stage: Stage, motion: Document, off: fl
     axis, frame = rng.normal(size=3), _frame(rng, stage)
     poses, _, _ = frame_poses(stage, motion, frame, 50)
     direction = poses[0, :3, :3] @ axis + 0.3 * rng.normal(size=3)
-    entry = {"frame": frame, "axis": axis.tolist(), "direction": direction.tolist(), "tolerance": 0.0}
+    entry = {
+        "frame": frame,
+        "axis": axis.tolist(),
+        "direction": direction.tolist(),
+        "tolerance": 0.0,
+    }
     return {**entry, "tolerance": max(_excess_cone(stage, motion, entry) + off, 1e-3)}
 
 
@@ -153,7 +167,9 @@ def _excess_cone(stage: Stage, motion: Document, entry: Document) -> float:
     return float(np.arctan2(across, axis @ direction).max()) - entry["tolerance"]
 
 
-def _draw_distance(rng: np.random.Generator, stage: Stage, motion: Document, off: float) -> Document | None:
+def _draw_distance(
+    rng: np.random.Generator, stage: Stage, motion: Document, off: float
+) -> Document | None:
     bodies = stage.bodies
     if len(bodies) < 3:
         return None
@@ -183,9 +199,10 @@ def _band(stage: Stage, motion: Document, entry: Document) -> tuple[float, float
     q = positions(motion, pieces, local)
     solids = stage.solids(q, len(local))
     for i in range(len(local)):
-        from tests.adversary.distances import nearest
-
-        gaps = [near.distance for near in nearest(stage.pairs([s.at(i) for s in solids], look), stage.size)]
+        gaps = [
+            near.distance
+            for near in nearest(stage.pairs([s.at(i) for s in solids], look), stage.size)
+        ]
         highest = max(highest, min(gaps))
     return seen.distance, highest
 
@@ -213,8 +230,14 @@ def _excess_locked(stage: Stage, motion: Document, entry: Document) -> float:
     return float(np.abs(values - values[0]).max())
 
 
-def _draw_tight(rng: np.random.Generator, stage: Stage, motion: Document, off: float) -> Document | None:
-    ranges = {j.name: all_ranges(stage.robot, motion)[j.name] for j in stage.robot.leaders if j.kind == "revolute"}
+def _draw_tight(
+    rng: np.random.Generator, stage: Stage, motion: Document, off: float
+) -> Document | None:
+    ranges = {
+        j.name: all_ranges(stage.robot, motion)[j.name]
+        for j in stage.robot.leaders
+        if j.kind == "revolute"
+    }
     if not ranges:
         return None
     name = str(rng.choice(list(ranges)))
@@ -262,8 +285,14 @@ def _excess_tool(stage: Stage, motion: Document, entry: Document) -> float:
 
 
 def _draw_zone(rng: np.random.Generator, stage: Stage, motion: Document, off: float) -> Document:
-    entry = {**_draw_box(rng, stage, motion), "size": (stage.size * rng.uniform(0.1, 1, size=3)).tolist()}
-    return {**entry, "speed": max((_fastest_in(stage, motion, entry)) * (1 + off), 1e-3 * stage.size)}
+    entry = {
+        **_draw_box(rng, stage, motion),
+        "size": (stage.size * rng.uniform(0.1, 1, size=3)).tolist(),
+    }
+    return {
+        **entry,
+        "speed": max((_fastest_in(stage, motion, entry)) * (1 + off), 1e-3 * stage.size),
+    }
 
 
 def _fastest_in(stage: Stage, motion: Document, entry: Document) -> float:
@@ -303,5 +332,7 @@ BOUNDS = {
         share=1e-4,
         unit=_bound,
     ),
-    "speed_zone": Bound(_draw_zone, _excess_zone, lambda _: "speed_zone zone", share=1e-4, unit=_bound),
+    "speed_zone": Bound(
+        _draw_zone, _excess_zone, lambda _: "speed_zone zone", share=1e-4, unit=_bound
+    ),
 }

@@ -1,4 +1,4 @@
-"""Attack on cars: slow, sideways, on the spot, in small jumps; the bundled car of 0.3 m turning radius.
+"""Attack on cars: slow, sideways, on the spot, and in small jumps, with the bundled car.
 
 However slow it is, a car's way is along its own x axis, and it turns by no more than its way over
 its turning radius.
@@ -52,7 +52,9 @@ def judge(case: Document, _: Path) -> Outcome:
     outcome = Outcome()
     (question,) = case["questions"]
     motion = question["motion"]
-    world = planning.load_world(planning.parse_scene({"name": "s", "robots": [{"name": "r", "model": "car"}]}))
+    world = planning.load_world(
+        planning.parse_scene({"name": "s", "robots": [{"name": "r", "model": "car"}]})
+    )
     part = motion["joints"]["base_joint"]
     arrays = (np.array(motion["breaks"]), np.array(part["bases"]), np.array(part["coefficients"]))
     curve = planning.TimedTrajectory(world.group("r").joints, *arrays)

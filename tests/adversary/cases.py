@@ -80,7 +80,9 @@ class Setting:
         files = urdf_files(case["robot"])
         for thing in case.get("objects", []):
             if "convex" in thing["shape"] and thing.get("as_mesh"):
-                files[f"{thing['name']}.obj"] = obj_text(np.array(thing["shape"]["convex"]["points"]))
+                files[f"{thing['name']}.obj"] = obj_text(
+                    np.array(thing["shape"]["convex"]["points"])
+                )
         if case.get("card"):
             files["robot.yaml"] = yaml.safe_dump(case["card"])
         for name, text in files.items():
@@ -105,7 +107,12 @@ class Setting:
         if self.case.get("positions"):
             robot["positions"] = self.case["positions"]
         objects = [self._object(thing) for thing in self.case.get("objects", [])]
-        return {"name": "attack", "robots": [robot], "objects": objects, **self.case.get("more", {})}
+        return {
+            "name": "attack",
+            "robots": [robot],
+            "objects": objects,
+            **self.case.get("more", {}),
+        }
 
     def _object(self, thing: Document) -> Document:
         shape = thing["shape"]
@@ -131,7 +138,9 @@ class Setting:
         names = [joint.name.removeprefix("r::") for joint in self.group.joints]
         parts = [motion["joints"][name] for name in names]
         bases = np.concatenate([np.array(part["bases"], dtype=float) for part in parts], axis=1)
-        powers = np.concatenate([np.array(part["coefficients"], dtype=float) for part in parts], axis=2)
+        powers = np.concatenate(
+            [np.array(part["coefficients"], dtype=float) for part in parts], axis=2
+        )
         breaks = np.array(motion["breaks"], dtype=float)
         return planning.TimedTrajectory(self.group.joints, breaks, bases, powers)
 

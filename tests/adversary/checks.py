@@ -22,7 +22,9 @@ def draw(rng: np.random.Generator, folder: Path) -> Document:
     if rng.random() < 0.4:
         return _flat(rng, folder)
     boxes = rng.random() < 0.6
-    robot = random_robot(rng, kinds=("revolute", "prismatic", "planar"), **({"shapes": ("box",)} if boxes else {}))
+    robot = random_robot(
+        rng, kinds=("revolute", "prismatic", "planar"), **({"shapes": ("box",)} if boxes else {})
+    )
     size = robot["size"]
     case: Document = {"kind": "checks", "robot": robot, "objects": []}
     if rng.random() < 0.2:
@@ -31,7 +33,12 @@ def draw(rng: np.random.Generator, folder: Path) -> Document:
         kinds = ("box",) if boxes else KINDS
         xyz, rpy = size * rng.normal(size=3), rng.uniform(-3, 3, size=3) * (rng.random() < 0.5)
         shape = random_shape(rng, size * 10 ** rng.uniform(-0.7, 0.3), kinds)
-        case["objects"].append({"name": f"o{i}", "shape": shape, "xyz": xyz.tolist(), "rpy": rpy.tolist()})
+        case["objects"].append({
+            "name": f"o{i}",
+            "shape": shape,
+            "xyz": xyz.tolist(),
+            "rpy": rpy.tolist(),
+        })
     return _asked(rng, case, folder)
 
 
@@ -40,12 +47,20 @@ def _flat(rng: np.random.Generator, folder: Path) -> Document:
     size = float(10.0 ** rng.choice([-1, 0, 0, 1]))
 
     def box(z: float) -> Document:
-        return {"shape": {"box": (size * rng.uniform(0.02, 0.3, size=3)).tolist()}, "xyz": [0.0, 0.0, z], "rpy": [0.0] * 3}
+        return {
+            "shape": {"box": (size * rng.uniform(0.02, 0.3, size=3)).tolist()},
+            "xyz": [0.0, 0.0, z],
+            "rpy": [0.0] * 3,
+        }
 
     links = [{"name": "base", "shapes": []}, {"name": "l0", "shapes": [box(0.1 * size)]}]
     joint = {"name": "j0", "type": "planar", "parent": "base", "child": "l0", "xyz": [0.0] * 3}
     joint |= {"rpy": [0.0] * 3, "axis": [0.0, 0.0, 1.0]}
-    case: Document = {"kind": "checks", "robot": {"size": size, "links": links, "joints": [joint]}, "objects": []}
+    case: Document = {
+        "kind": "checks",
+        "robot": {"size": size, "links": links, "joints": [joint]},
+        "objects": [],
+    }
     for i in range(3):
         thing = box(0.1 * size)
         thing["xyz"][:2] = (0.6 * size * rng.normal(size=2)).tolist()
@@ -85,8 +100,12 @@ def judge(case: Document, folder: Path) -> Outcome:
         (said,) = planning.check_configurations(setting.world, "r", rows, margin)
         outcome.count("asked")
         slack = _SLACK + _SHARE * stage.size
-        if last.distance > 0 and said.nearest is not None and said.nearest.distance > last.distance + slack:
-            told = f"nearest {said.nearest.distance:.9g} m, {last.pair} are {last.distance:.9g} m apart"
+        if (
+            last.distance > 0
+            and said.nearest is not None
+            and said.nearest.distance > last.distance + slack
+        ):
+            told = f"nearest {said.nearest.distance:.9g} m, {last.pair} {last.distance:.9g} m"
             outcome.blame("check: distance", told, 9)
         own = stage.pairs(solids, Look(margin, look.skip))
         least = min(near.spare for near in nearest(own, stage.size))

@@ -1,4 +1,4 @@
-"""Attack on clearance: random and grazing motions, with margins a little less or more than there is.
+"""Attack on clearance: random and grazing motions, with margins near the distance that there is.
 
 Obstacles are pushed until the first motion passes them by a chosen distance; the other motions are
 asked about with a margin near the distance that they truly keep.

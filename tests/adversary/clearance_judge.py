@@ -21,7 +21,9 @@ WIDE = 1e-3
 class ClearanceJudge:
     """Judges the answers to one question."""
 
-    def __init__(self, setting: Setting, stage: Stage, question: Document, outcome: Outcome) -> None:
+    def __init__(
+        self, setting: Setting, stage: Stage, question: Document, outcome: Outcome
+    ) -> None:
         self._setting, self._stage, self._outcome = setting, stage, outcome
         self._motion, self._margin = question["motion"], question.get("margin", 0.0)
         self._slack = SLACK + SHARE * stage.size
@@ -62,7 +64,9 @@ class ClearanceJudge:
 
     def _hold_refusal(self, check: Any, seen: Seen) -> None:
         if seen.spare > max(WIDE, 1e-3 * self._stage.size):
-            said = f"{check.where} {check.value:.6g} +- {check.resolution:.3g} m at {check.time:.6g} s"
+            said = (
+                f"{check.where} {check.value:.6g} +- {check.resolution:.3g} m at {check.time:.6g} s"
+            )
             told = f"refused for {said}, but {self._told(seen)}, margin {self._margin:.9g} m"
             self._outcome.blame("refused", told, self._defect)
 

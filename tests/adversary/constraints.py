@@ -1,4 +1,4 @@
-"""Attack on path constraints and limits of frames, with bounds just above or below what is reached."""
+"""Attack on path constraints and limits of frames: bounds just above or below what is reached."""
 
 import time
 from pathlib import Path
@@ -30,7 +30,12 @@ def draw(rng: np.random.Generator, folder: Path) -> Document:
     for i in range(2):
         xyz = 3 * robot["size"] * rng.normal(size=3)
         box = {"box": (robot["size"] * rng.uniform(0.1, 1, size=3)).tolist()}
-        case["objects"].append({"name": f"o{i}", "shape": box, "xyz": xyz.tolist(), "rpy": [0.0] * 3})
+        case["objects"].append({
+            "name": f"o{i}",
+            "shape": box,
+            "xyz": xyz.tolist(),
+            "rpy": [0.0] * 3,
+        })
     setting = Setting.lay_out(case, folder)
     stage = Stage.of(setting)
     case["questions"] = []
@@ -72,7 +77,8 @@ def _hold(outcome: Outcome, stage: Stage, question: Document, certificate: Any) 
     check = check_of(certificate, kind.check(entry))
     excess = kind.excess(stage, question["motion"], entry)
     outcome.count(f"{entry['type']} passed", check.passed)
-    told = f"beyond its bound by {excess:.6g} {check.unit}; says {check.value:.9g} of {check.bound:.9g} +- {check.resolution:.3g}"
+    said = f"says {check.value:.9g} of {check.bound:.9g} +- {check.resolution:.3g}"
+    told = f"beyond its bound by {excess:.6g} {check.unit}; {said}"
     if check.passed and excess > _SLACK + 1e-8 * stage.size + kind.share * abs(check.bound):
         outcome.blame(entry["type"], told)
     if excess < 0:

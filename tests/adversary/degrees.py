@@ -1,4 +1,4 @@
-"""Attack on rounding: polynomials of a high degree, given in Bernstein's form and exactly turned."""
+"""Attack on rounding: polynomials of a high degree, made in Bernstein's form and turned exactly."""
 
 from fractions import Fraction
 from math import comb
@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from tests.adversary.cases import Document, Outcome, Setting, check_of
+from tests.adversary.cases import Document, Outcome, Setting
 from tests.adversary.motions import exact_tangent
 
 _LOOKS = 120
@@ -51,6 +51,8 @@ def judge(case: Document, folder: Path) -> Outcome:
         outcome.count("position passed", check.passed)
         if excess > check.value + check.resolution + 1e-9:
             degree = len(part["coefficients"][0]) - 1
-            said = f"at most {check.value:.9g} beyond the limit, it is {excess:.9g}, degree {degree}"
+            said = (
+                f"at most {check.value:.9g} beyond the limit, it is {excess:.9g}, degree {degree}"
+            )
             outcome.blame("position of high degree", said, 12)
     return outcome

@@ -45,7 +45,9 @@ class Solid:
         return self.poses[:, :3, 3]
 
 
-def make_geometry(shape: Shape, size: float) -> Any:
+def make_geometry(  # noqa: PLR0911  (one return per shape)
+    shape: Shape, size: float
+) -> Any:
     """Return coal's shape in units of `size`; None for a half space, which needs none."""
     if "half_space" in shape:
         return None
@@ -65,7 +67,7 @@ def make_geometry(shape: Shape, size: float) -> Any:
         case _:
             points = coal.StdVec_Vec3s()
             points.extend(list(np.array(value["points"])))
-            return coal.ConvexBase.convexHull(points, False, "Qt")  # noqa: FBT003
+            return coal.ConvexBase.convexHull(points, False, "Qt")
 
 
 def make_solid(body: str, shape: Shape, poses: Array, size: float) -> Solid:
@@ -74,7 +76,7 @@ def make_solid(body: str, shape: Shape, poses: Array, size: float) -> Solid:
 
 
 def distance(a: Solid, b: Solid, i: int, size: float) -> tuple[float, Array]:
-    """Return the signed distance [m] at instant i, and the direction from b to a that parts them."""
+    """Return the signed distance [m] at instant i, and the direction from b to a along it."""
     if b.is_half_space:
         return _above(a, b, i)
     if a.is_half_space:

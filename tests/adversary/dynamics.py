@@ -29,9 +29,15 @@ def torques(robot: Robot, base: Array, motion: Document, count: int = 300) -> di
         return robot.place(q, base, len(local))
 
     frames = {shift: placed(shift) for shift in (-2, -1, 0, 1, 2)}
-    wanted = [joint.name for joint in robot.leaders if joint.kind in {"revolute", "continuous", "prismatic"}]
+    wanted = [
+        joint.name
+        for joint in robot.leaders
+        if joint.kind in {"revolute", "continuous", "prismatic"}
+    ]
     total = {name: np.zeros(len(local)) for name in wanted}
-    nudged = {name: (placed(0, name), _back(robot, base, motion, pieces, local, name)) for name in wanted}
+    nudged = {
+        name: (placed(0, name), _back(robot, base, motion, pieces, local, name)) for name in wanted
+    }
     for link, weight in robot.inertias.items():
         force, moment = _effort(weight, {s: f[link] for s, f in frames.items()}, step)
         for name, (ahead, behind) in nudged.items():
@@ -43,7 +49,9 @@ def torques(robot: Robot, base: Array, motion: Document, count: int = 300) -> di
 _NUDGE = 1e-5
 
 
-def _back(robot: Robot, base: Array, motion: Document, pieces: Array, local: Array, name: str) -> dict[str, Array]:
+def _back(
+    robot: Robot, base: Array, motion: Document, pieces: Array, local: Array, name: str
+) -> dict[str, Array]:
     q = positions(motion, pieces, local)
     q[name] = q[name] - _NUDGE
     return robot.place(q, base, len(local))
@@ -65,7 +73,17 @@ def _spin(at: dict[int, Array], s: int, weight: Any, h: Array) -> Array:
     skew = (after - before) @ here.transpose(0, 2, 1) / (2 * h[:, :, None])
     if abs(s) == 1:
         skew = (after - before) @ here.transpose(0, 2, 1) / (2 * h[:, :, None])
-    omega = np.stack([skew[:, 2, 1] - skew[:, 1, 2], skew[:, 0, 2] - skew[:, 2, 0], skew[:, 1, 0] - skew[:, 0, 1]], axis=1) / 2
+    omega = (
+        np.stack(
+            [
+                skew[:, 2, 1] - skew[:, 1, 2],
+                skew[:, 0, 2] - skew[:, 2, 0],
+                skew[:, 1, 0] - skew[:, 0, 1],
+            ],
+            axis=1,
+        )
+        / 2
+    )
     inertia = here @ weight.matrix @ here.transpose(0, 2, 1)
     return np.einsum("nij,nj->ni", inertia, omega)
 
@@ -76,7 +94,19 @@ def _three(s: int) -> tuple[int, int, int]:
 
 def _moved(weight: Any, ahead: Array, behind: Array, here: Array) -> tuple[Array, Array]:
     """Return how a link's centre of mass and turn change with a joint, per unit of it."""
-    shift = ((ahead - behind)[:, :3, :3] @ weight.center + (ahead - behind)[:, :3, 3]) / (2 * _NUDGE)
+    shift = ((ahead - behind)[:, :3, :3] @ weight.center + (ahead - behind)[:, :3, 3]) / (
+        2 * _NUDGE
+    )
     skew = (ahead - behind)[:, :3, :3] @ here[:, :3, :3].transpose(0, 2, 1) / (2 * _NUDGE)
-    turn = np.stack([skew[:, 2, 1] - skew[:, 1, 2], skew[:, 0, 2] - skew[:, 2, 0], skew[:, 1, 0] - skew[:, 0, 1]], axis=1) / 2
+    turn = (
+        np.stack(
+            [
+                skew[:, 2, 1] - skew[:, 1, 2],
+                skew[:, 0, 2] - skew[:, 2, 0],
+                skew[:, 1, 0] - skew[:, 0, 1],
+            ],
+            axis=1,
+        )
+        / 2
+    )
     return shift, turn

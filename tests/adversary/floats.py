@@ -1,4 +1,4 @@
-"""Attack on bodies that float and turn: axes that move, over pieces long and short, of high powers."""
+"""Attack on bodies that float and turn: axes that move, over long and short pieces."""
 
 from pathlib import Path
 
@@ -29,23 +29,42 @@ def draw(rng: np.random.Generator, _: Path) -> Document:
     motion = {"breaks": [0.0, width], "joints": {"j0": part}}
     factor = float(rng.choice([0.1, 0.5, 0.9, 0.99, 1.05, 2.0]))
     jerk = bool(rng.random() < 0.4)
-    tops = {what: max(angular_peak(part, np.array([0, width]), order), 1e-15) for what, order in ORDERS.items()}
+    tops = {
+        what: max(angular_peak(part, np.array([0, width]), order), 1e-15)
+        for what, order in ORDERS.items()
+    }
     if max(tops.values()) > 900 or min(tops.values()) < 1e-12:
         return draw(rng, _)
-    what = str(rng.choice(["velocity", "acceleration", "jerk"] if jerk else ["velocity", "acceleration"]))
+    what = str(
+        rng.choice(["velocity", "acceleration", "jerk"] if jerk else ["velocity", "acceleration"])
+    )
     rates = {name: top * (factor if name == what else 10.0) for name, top in tops.items()}
     # A card states no less than a millionth; a scale makes the rest of the way.
     scale = min(1.0, min(rates["acceleration"], rates["jerk"]) / 1e-5)
     rates |= {name: rates[name] / scale for name in ("acceleration", "jerk")}
     fast = {"velocity": 1e3, "acceleration": 1e3, "jerk": 1e3}
     card = {
-        "name": "m", "file": "robot.urdf", "base": "base", "default_group": "all",
-        "groups": {"all": {"joints": ["j0"]}}, "limits": {"j0": {"linear": fast, "angular": rates}},
+        "name": "m",
+        "file": "robot.urdf",
+        "base": "base",
+        "default_group": "all",
+        "groups": {"all": {"joints": ["j0"]}},
+        "limits": {"j0": {"linear": fast, "angular": rates}},
     }
-    joint = {"name": "j0", "type": "floating", "parent": "base", "child": "l0", "xyz": [0.0] * 3, "rpy": [0.0] * 3}
+    joint = {
+        "name": "j0",
+        "type": "floating",
+        "parent": "base",
+        "child": "l0",
+        "xyz": [0.0] * 3,
+        "rpy": [0.0] * 3,
+    }
     shapes = [{"shape": {"box": [0.1, 0.1, 0.1]}, "xyz": [0.0] * 3, "rpy": [0.0] * 3}]
     links = [{"name": "base", "shapes": []}, {"name": "l0", "shapes": shapes}]
-    question = {"motion": motion, "options": {"method": "ruckig" if jerk else "toppra", "acceleration_scale": scale}}
+    question = {
+        "motion": motion,
+        "options": {"method": "ruckig" if jerk else "toppra", "acceleration_scale": scale},
+    }
     robot = {"size": 1.0, "links": links, "joints": [joint]}
     return {"kind": "floats", "robot": robot, "card": card, "questions": [question]}
 

@@ -24,7 +24,7 @@ def _sdf(geometry: str, more: str = "") -> str:
     return (
         '<sdf version="1.9"><model name="m"><link name="base"/><joint name="w" type="fixed">'
         '<parent>world</parent><child>base</child></joint><link name="a"><collision name="c">'
-        f"<geometry>{geometry}</geometry></collision></link><joint name=\"j\" type=\"revolute\">"
+        f'<geometry>{geometry}</geometry></collision></link><joint name="j" type="revolute">'
         f"<parent>base</parent><child>a</child><axis><xyz>0 0 1</xyz>{limit}</axis></joint>{more}"
         "</model></sdf>"
     )
@@ -41,7 +41,10 @@ def _mjcf(geom: str, more: str = "", bodies: str = "") -> str:
 def _shape(rng: np.random.Generator, name: str) -> Document:
     size = float(rng.uniform(0.3, 1.0))
     texts = {
-        "polyline.sdf": _sdf(f"<polyline><point>0 0</point><point>{size} 0</point><point>0 {size}</point><height>{size}</height></polyline>"),
+        "polyline.sdf": _sdf(
+            f"<polyline><point>0 0</point><point>{size} 0</point><point>0 {size}</point>"
+            f"<height>{size}</height></polyline>"
+        ),
         "heightmap.sdf": _sdf(f"<heightmap><uri>x.png</uri><size>{size} 1 1</size></heightmap>"),
         "cone.sdf": _sdf(f"<cone><radius>{size}</radius><length>1</length></cone>"),
         "plane.sdf": _sdf("<plane><normal>0 0 1</normal><size>1 1</size></plane>"),
@@ -55,9 +58,15 @@ def _shape(rng: np.random.Generator, name: str) -> Document:
 def _reference(rng: np.random.Generator, _: str) -> Document:
     """SDF: follower = multiplier (leader - reference) + offset."""
     multiplier, offset, reference = 2.0, float(rng.uniform(-0.5, 0.5)), float(rng.uniform(0.3, 0.9))
-    arm = '<link name="b"><collision name="c"><pose>0.55 0 0 0 0 0</pose><geometry><box><size>0.9 0.02 0.02</size></box></geometry></collision></link>'
-    follow = f"<mimic joint=\"j\"><multiplier>{multiplier}</multiplier><offset>{offset}</offset><reference>{reference}</reference></mimic>"
-    joint = f'<joint name="k" type="revolute"><parent>base</parent><child>b</child><axis><xyz>0 0 1</xyz><limit><lower>-3</lower><upper>3</upper></limit>{follow}</axis></joint>'
+    box = "<geometry><box><size>0.9 0.02 0.02</size></box></geometry>"
+    arm = f'<link name="b"><collision name="c"><pose>0.55 0 0 0 0 0</pose>{box}</collision></link>'
+    numbers = f"<multiplier>{multiplier}</multiplier><offset>{offset}</offset>"
+    follow = f'<mimic joint="j">{numbers}<reference>{reference}</reference></mimic>'
+    limit = "<limit><lower>-3</lower><upper>3</upper></limit>"
+    joint = (
+        '<joint name="k" type="revolute"><parent>base</parent><child>b</child>'
+        f"<axis><xyz>0 0 1</xyz>{limit}{follow}</axis></joint>"
+    )
     angle = multiplier * (0.0 - reference) + offset
     text = _sdf("<box><size>0.01 0.01 0.01</size></box>", arm + joint)
     return {"files": {"ref.sdf": text}, "objects": [_post(angle)], "q": [[0.0], [0.1]]}
@@ -71,10 +80,17 @@ def _post(angle: float) -> Document:
 def _equality(rng: np.random.Generator, _: str) -> Document:
     """MJCF: joint1 - joint1_0 = c0 + c1 (joint2 - joint2_0)."""
     offset, factor = float(rng.uniform(0.5, 1.0)), float(rng.uniform(0.5, 1.5))
-    arm = '<body name="b"><joint name="k" type="hinge" axis="0 0 1" range="-3 3" limited="true"/><geom type="box" pos="0.55 0 0" size="0.45 0.01 0.01"/></body>'
+    hinge = '<joint name="k" type="hinge" axis="0 0 1" range="-3 3" limited="true"/>'
+    box = '<geom type="box" pos="0.55 0 0" size="0.45 0.01 0.01"/>'
+    arm = f'<body name="b">{hinge}{box}</body>'
     tie = f'<equality><joint joint1="k" joint2="j" polycoef="{offset} {factor} 0 0 0"/></equality>'
     text = _mjcf('<geom type="box" size="0.005 0.005 0.005"/>', tie, arm)
-    return {"files": {"tie.xml": text}, "objects": [_post(offset)], "q": [[0.0], [0.1]], "only": "r::j"}
+    return {
+        "files": {"tie.xml": text},
+        "objects": [_post(offset)],
+        "q": [[0.0], [0.1]],
+        "only": "r::j",
+    }
 
 
 def _coded(content: bytes) -> Document:
@@ -82,10 +98,12 @@ def _coded(content: bytes) -> Document:
 
 
 def _arm(mesh: str) -> str:
+    """Return a URDF of a link of one mesh that turns about z."""
+    shape = f'<collision><geometry><mesh filename="{mesh}"/></geometry></collision>'
     return (
-        f'<robot name="m"><link name="base"/><link name="a"><collision><geometry><mesh filename="{mesh}"/></geometry>'
-        '</collision></link><joint name="j" type="revolute"><parent link="base"/><child link="a"/><axis xyz="0 0 1"/>'
-        '<limit lower="-1" upper="1" velocity="1" effort="1"/></joint></robot>'
+        f'<robot name="m"><link name="base"/><link name="a">{shape}</link>'
+        '<joint name="j" type="revolute"><parent link="base"/><child link="a"/>'
+        '<axis xyz="0 0 1"/><limit lower="-1" upper="1" velocity="1" effort="1"/></joint></robot>'
     )
 
 
@@ -127,11 +145,27 @@ def _concave(rng: np.random.Generator, _: str) -> Document:
     rim = [(1, 5), (5, 7), (7, 3), (3, 1)]
     triangles = np.array(top + [[a, b, 8] for a, b in rim])
     content = meshes.obj(np.concatenate([corners, dent[None]]), triangles)
-    return {"files": {"r.urdf": _arm("m.obj"), "m.obj": _coded(content)}, "objects": [], "q": [[-0.1], [0.1]], "warned": True}
+    return {
+        "files": {"r.urdf": _arm("m.obj"), "m.obj": _coded(content)},
+        "objects": [],
+        "q": [[-0.1], [0.1]],
+        "warned": True,
+    }
 
 
 _ATTACKS = {
-    **dict.fromkeys(("polyline.sdf", "heightmap.sdf", "cone.sdf", "plane.sdf", "hfield.xml", "fromto.xml", "missing.xml"), _shape),
+    **dict.fromkeys(
+        (
+            "polyline.sdf",
+            "heightmap.sdf",
+            "cone.sdf",
+            "plane.sdf",
+            "hfield.xml",
+            "fromto.xml",
+            "missing.xml",
+        ),
+        _shape,
+    ),
     "reference": _reference,
     "equality": _equality,
     "collada": _collada,
@@ -178,14 +212,21 @@ def _judge(case: Document, folder: Path, world: Any, outcome: Outcome) -> None:
         return
     if "twin" in case:
         other = _world(case, folder / case["twin"])
-        gaps = [planning.check_configurations(w, "r", np.zeros((1, 1)))[0].nearest.distance for w in (world, other)]
+        gaps = [
+            planning.check_configurations(w, "r", np.zeros((1, 1)))[0].nearest.distance
+            for w in (world, other)
+        ]
         if abs(gaps[0] - gaps[1]) > 1e-6:
             outcome.blame(case["attack"], f"{gaps[0]:.6g} m as .glb, {gaps[1]:.6g} m as .gltf", 8)
         return
     group = world.group("r")
     names = [joint.name for joint in group.joints]
-    start, end = (np.array([row[0] if name == "r::j" else 0.0 for name in names]) for row in case["q"])
-    curve = planning.trajectory_through(group.joints, np.array([0.0, 4.0]), np.stack([start, end]), np.zeros((2, len(names))))
+    start, end = (
+        np.array([row[0] if name == "r::j" else 0.0 for name in names]) for row in case["q"]
+    )
+    curve = planning.trajectory_through(
+        group.joints, np.array([0.0, 4.0]), np.stack([start, end]), np.zeros((2, len(names)))
+    )
     deadline = planning.Deadline.after(PATIENCE, time.process_time)
     certificate, _ = planning.certify_trajectory(world, "r", curve, deadline=deadline)
     if certificate.proven:

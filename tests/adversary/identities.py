@@ -14,9 +14,8 @@ from tests.adversary import clearance
 from tests.adversary.cases import Document, Outcome, Setting, check_of
 from tests.adversary.robots import SCALARS
 
-
 # Without the kernel a proof may take long; then nothing is compared [s].
-_PATIENCE = 2.0
+_PATIENCE = 1.0
 
 
 def draw(rng: np.random.Generator, folder: Path) -> Document:
@@ -37,7 +36,9 @@ def judge(case: Document, folder: Path) -> Outcome:
     (question,) = case["questions"]
     answers = {}
     for kernel in (True, False):
-        setting.__dict__["world"] = planning.load_world(planning.parse_scene(setting.document), kernel=kernel)
+        setting.__dict__["world"] = planning.load_world(
+            planning.parse_scene(setting.document), kernel=kernel
+        )
         answers[kernel] = setting.ask(question, _PATIENCE)
     if not any(isinstance(answer, Exception) for answer in answers.values()):
         _alike(answers[True][0], answers[False][0], outcome)
@@ -47,7 +48,9 @@ def judge(case: Document, folder: Path) -> Outcome:
         return outcome
     again = Setting.lay_out(edited, folder)
     if again.world.digest == before:
-        outcome.blame("digest", f"the same after an edit of a {case['edit']} in the robot's file", 1)
+        outcome.blame(
+            "digest", f"the same after an edit of a {case['edit']} in the robot's file", 1
+        )
     return outcome
 
 
@@ -62,7 +65,9 @@ def _numbers(number: int, outcome: Outcome) -> None:
 def _alike(with_kernel: Any, without: Any, outcome: Outcome) -> None:
     """With and without the kernel the verdict is the same; whether the bytes are is counted."""
     if with_kernel.proven != without.proven:
-        said = f"{with_kernel.proven} {with_kernel.failed}, without {without.proven} {without.failed}"
+        said = (
+            f"{with_kernel.proven} {with_kernel.failed}, without {without.proven} {without.failed}"
+        )
         outcome.blame("kernel", said)
     outcome.count("verdicts alike", with_kernel.proven == without.proven)
     if all(check_of(certificate, "clearance").passed for certificate in (with_kernel, without)):
@@ -73,7 +78,9 @@ def _alike(with_kernel: Any, without: Any, outcome: Outcome) -> None:
 def _edited(case: Document) -> Document | None:
     """Return the case with one number of the robot's file changed; None if there is none."""
     joints = [dict(joint) for joint in case["robot"]["joints"]]
-    links = [{**link, "shapes": [dict(s) for s in link["shapes"]]} for link in case["robot"]["links"]]
+    links = [
+        {**link, "shapes": [dict(s) for s in link["shapes"]]} for link in case["robot"]["links"]
+    ]
     if case["edit"] == "limit":
         found = next((joint for joint in joints if joint["type"] in SCALARS), None)
         if found is not None:
@@ -82,4 +89,8 @@ def _edited(case: Document) -> Document | None:
         found = next((shape for link in links for shape in link["shapes"]), None)
         if found is not None:
             found["xyz"] = [2 * x + 1e-3 for x in found["xyz"]]
-    return None if found is None else {**case, "robot": {**case["robot"], "joints": joints, "links": links}}
+    return (
+        None
+        if found is None
+        else {**case, "robot": {**case["robot"], "joints": joints, "links": links}}
+    )

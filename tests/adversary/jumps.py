@@ -29,7 +29,7 @@ def draw(rng: np.random.Generator, _: Path) -> Document:
     width = float(10 ** rng.uniform(-8, -2))
     levels, widths = _stairs(order, count, step, width)
     if order == 0 and rng.random() < 0.3:
-        levels, widths = levels * np.resize([1, -1], len(levels)), widths
+        levels = levels * np.resize([1, -1], len(levels))
     joint = {"name": "j0", "type": "prismatic", "parent": "base", "child": "l0", "xyz": [0.0] * 3}
     joint |= {"rpy": [0.0] * 3, "axis": [1.0, 0.0, 0.0], "lower": -9.0, "upper": 9.0}
     joint |= {"velocity": 1.0, "effort": 1.0}
@@ -37,10 +37,12 @@ def draw(rng: np.random.Generator, _: Path) -> Document:
     return {
         "kind": "jumps",
         "robot": {"size": 1.0, "links": links, "joints": [joint]},
-        "questions": [{
-            "motion": _motion(order, levels, widths),
-            "options": {"method": "ruckig" if order == 2 else "toppra"},
-        }],
+        "questions": [
+            {
+                "motion": _motion(order, levels, widths),
+                "options": {"method": "ruckig" if order == 2 else "toppra"},
+            }
+        ],
     }
 
 
@@ -66,10 +68,11 @@ def _motion(order: int, levels: Array, widths: Array) -> Document:
                 rows.append(([level], [0.0, 0.0, 0.0]))
             case 1:
                 rows.append(([place[0]], [0.0, level, 0.0]))
-                place = place + [level * width, 0.0]
+                place = place + np.array([level * width, 0.0])
             case _:
                 rows.append(([place[0]], [0.0, place[1], level / 2]))
-                place = place + [place[1] * width + level * width**2 / 2, level * width]
+                gone = place[1] * width + level * width**2 / 2
+                place = place + np.array([gone, level * width])
     part = {
         "bases": [[float(x) for x in base] for base, _ in rows],
         "coefficients": [[[float(c)] for c in powers] for _, powers in rows],

@@ -1,6 +1,21 @@
 """All kinds of attacks, by name."""
 
-from tests.adversary import cars, checks, clearance, constraints, degrees, floats, formats, identities, jumps, plans, rates, torques, winding, wire
+from tests.adversary import (
+    cars,
+    checks,
+    clearance,
+    constraints,
+    degrees,
+    floats,
+    formats,
+    identities,
+    jumps,
+    plans,
+    rates,
+    torques,
+    winding,
+    wire,
+)
 
 KINDS = {
     "clearance": clearance,

@@ -226,7 +226,8 @@ def _shape(file: Path, collision: Any) -> Shape:
 def _inertia(element: Any) -> Inertia:
     pose, mass = _origin(element), float(element.find("mass").get("value"))
     xx, xy, xz, yy, yz, zz = (
-        float(element.find("inertia").get(name)) for name in ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
+        float(element.find("inertia").get(name))
+        for name in ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
     )
     about = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
     return Inertia(mass, pose[:3, 3], pose[:3, :3] @ about @ pose[:3, :3].T)

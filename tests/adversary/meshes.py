@@ -7,15 +7,27 @@ import struct
 import numpy as np
 
 TRIANGLES = np.array([
-    [0, 1, 3], [0, 3, 2], [4, 6, 7], [4, 7, 5], [0, 4, 5], [0, 5, 1],
-    [2, 3, 7], [2, 7, 6], [0, 2, 6], [0, 6, 4], [1, 5, 7], [1, 7, 3],
+    [0, 1, 3],
+    [0, 3, 2],
+    [4, 6, 7],
+    [4, 7, 5],
+    [0, 4, 5],
+    [0, 5, 1],
+    [2, 3, 7],
+    [2, 7, 6],
+    [0, 2, 6],
+    [0, 6, 4],
+    [1, 5, 7],
+    [1, 7, 3],
 ])
 
 
 def box_corners(low: np.ndarray, high: np.ndarray) -> np.ndarray:
     """Return the corners of a box, shape (8, 3)."""
     ends = np.array([low, high])
-    return np.array([[ends[i, 0], ends[j, 1], ends[k, 2]] for i in (0, 1) for j in (0, 1) for k in (0, 1)])
+    return np.array([
+        [ends[i, 0], ends[j, 1], ends[k, 2]] for i in (0, 1) for j in (0, 1) for k in (0, 1)
+    ])
 
 
 def obj(corners: np.ndarray, triangles: np.ndarray = TRIANGLES) -> bytes:
@@ -27,8 +39,7 @@ def obj(corners: np.ndarray, triangles: np.ndarray = TRIANGLES) -> bytes:
 def stl(corners: np.ndarray) -> bytes:
     """Return a binary STL."""
     rows = [bytes(80), struct.pack("<I", len(TRIANGLES))]
-    for triangle in corners[TRIANGLES]:
-        rows.append(struct.pack("<12fH", 0, 0, 0, *triangle.reshape(-1), 0))
+    rows += [struct.pack("<12fH", 0, 0, 0, *t.reshape(-1), 0) for t in corners[TRIANGLES]]
     return b"".join(rows)
 
 
@@ -42,7 +53,8 @@ def dae(corners: np.ndarray, unit: float, up: str) -> bytes:
 <unit name="own" meter="{unit!r}"/><up_axis>{up}</up_axis></asset>
 <library_geometries><geometry id="g"><mesh>
 <source id="p"><float_array id="pa" count="24">{numbers}</float_array><technique_common>
-<accessor source="#pa" count="8" stride="3"><param name="X" type="float"/><param name="Y" type="float"/>
+<accessor source="#pa" count="8" stride="3"><param name="X" type="float"/>
+<param name="Y" type="float"/>
 <param name="Z" type="float"/></accessor></technique_common></source>
 <vertices id="v"><input semantic="POSITION" source="#p"/></vertices>
 <triangles count="12"><input semantic="VERTEX" source="#v" offset="0"/><p>{faces}</p></triangles>
@@ -69,8 +81,12 @@ def _gltf_document(corners: np.ndarray) -> tuple[dict, bytes]:
         ],
         "accessors": [
             {
-                "bufferView": 0, "componentType": 5126, "count": 8, "type": "VEC3",
-                "min": points.min(axis=0).tolist(), "max": points.max(axis=0).tolist(),
+                "bufferView": 0,
+                "componentType": 5126,
+                "count": 8,
+                "type": "VEC3",
+                "min": points.min(axis=0).tolist(),
+                "max": points.max(axis=0).tolist(),
             },
             {"bufferView": 1, "componentType": 5123, "count": 36, "type": "SCALAR"},
         ],

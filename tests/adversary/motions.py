@@ -58,7 +58,9 @@ def _joint_motion(rng: np.random.Generator, joint: FileJoint, how: Any) -> Docum
     return {"bases": places[:-1].tolist(), "coefficients": [p.tolist() for p in pieces]}
 
 
-def _places(rng: np.random.Generator, joint: FileJoint, count: int, reach: float, size: float) -> Array:
+def _places(
+    rng: np.random.Generator, joint: FileJoint, count: int, reach: float, size: float
+) -> Array:
     if joint.kind == "planar":
         return rng.normal(size=(count, 3)) * [size * reach, size * reach, 2.0 * reach]
     low, high = (joint.lower, joint.upper) if np.isfinite(joint.lower) else (-4.0, 4.0)
@@ -81,7 +83,11 @@ def _floating_motion(rng: np.random.Generator, how: Any, reach: float, size: flo
         bases.append([*quaternion, *place])
         # The turn's own rate is seen the same from both sides: it lies along the turn.
         quaternion = times(quaternion, exponential(step[None, :3])[0])
-        quaternion, place, rate = quaternion / np.linalg.norm(quaternion), place + step[3:], rates[1]
+        quaternion, place, rate = (
+            quaternion / np.linalg.norm(quaternion),
+            place + step[3:],
+            rates[1],
+        )
     return {
         "bases": [[float(x) for x in row] for row in bases],
         "coefficients": [piece.tolist() for piece in pieces],

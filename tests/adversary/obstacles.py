@@ -53,7 +53,11 @@ def push(stage: Stage, motion: Document, thing: Document, gap: float) -> None:
     """Move an obstacle along the normal until what moves passes it by `gap` [m]."""
     for _ in range(6):
         seen = approach(stage, motion, thing)
-        if seen is None or not np.isfinite(seen.near.normal).all() or abs(seen.distance - gap) < 0.05 * abs(gap):
+        if (
+            seen is None
+            or not np.isfinite(seen.near.normal).all()
+            or abs(seen.distance - gap) < 0.05 * abs(gap)
+        ):
             return
         # The normal leads from the second of the pair to the first.
         towards = seen.near.normal * (1.0 if seen.near.pair[1] == thing["name"] else -1.0)

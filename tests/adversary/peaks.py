@@ -24,7 +24,9 @@ def extremes(part: Document, breaks: Array, column: int, order: int) -> tuple[fl
         powers[:, 0] += np.array(part["bases"])[:, column]
     lowest, highest = np.inf, -np.inf
     for row, width in zip(powers, np.diff(breaks), strict=True):
-        curve = np.polynomial.Polynomial(row).deriv(order) if order else np.polynomial.Polynomial(row)
+        curve = (
+            np.polynomial.Polynomial(row).deriv(order) if order else np.polynomial.Polynomial(row)
+        )
         turns = curve.deriv().roots() if curve.degree() > 1 else np.zeros(0)
         turns = turns[np.abs(turns.imag) <= 1e-9 * width].real
         places = np.concatenate([[0.0, width], turns[(turns > 0) & (turns < width)]])
@@ -53,7 +55,9 @@ def angular_peak(part: Document, breaks: Array, order: int) -> float:
 
     def omega(shift: float) -> Array:
         at = local + shift * step[:, 0]
-        return angular_velocity(tangents(part, pieces, at)[:, :3], tangents(part, pieces, at, 1)[:, :3])
+        return angular_velocity(
+            tangents(part, pieces, at)[:, :3], tangents(part, pieces, at, 1)[:, :3]
+        )
 
     match order:
         case 1:
@@ -98,7 +102,9 @@ def all_peaks(robot: Robot, motion: Document, order: int) -> dict[tuple[str, str
         part = motion["joints"][leader]
         for block, columns in blocks_of(joint.kind).items():
             is_spin = joint.kind == "floating" and block == "angular"
-            top = angular_peak(part, breaks, order) if is_spin else peak(part, breaks, columns, order)
+            top = (
+                angular_peak(part, breaks, order) if is_spin else peak(part, breaks, columns, order)
+            )
             found[joint.name, block] = abs(factor) * top
     return found
 

@@ -35,15 +35,17 @@ def draw(rng: np.random.Generator, folder: Path) -> Document:
     read = Setting.lay_out(case, folder).robot
     ends = [{j.name: _somewhere(rng, j) for j in read.leaders} for _ in range(2)]
     stage = Stage(read, case, np.eye(4))
-    straight = straight(ends)
+    direct = straight(ends)
     for i in range(int(rng.integers(0, 3))):
-        case["objects"].append(random_obstacle(rng, stage, straight, f"o{i}"))
+        case["objects"].append(random_obstacle(rng, stage, direct, f"o{i}"))
         stage.add(case["objects"][-1])
     case["positions"] = ends[0]
     method = str(rng.choice(["toppra", "ruckig"]))
     sampling = [{}, {}, {"num_points": 2}, {"sample_period": 0.2}, {"num_points": 9}]
     chosen = dict(sampling[int(rng.integers(len(sampling)))])
-    case["questions"] = [{"goal": ends[1], "retime": {"method": method, **chosen}, "seed": int(rng.integers(100))}]
+    case["questions"] = [
+        {"goal": ends[1], "retime": {"method": method, **chosen}, "seed": int(rng.integers(100))}
+    ]
     return case
 
 
@@ -56,7 +58,12 @@ def straight(ends: list[Document], duration: float = 1.0) -> Document:
     """Return the motion from the one configuration to the other, from rest to rest."""
     zero = np.zeros((2, 1))
     parts = {
-        name: {"bases": [[start]], "coefficients": [hermite(duration, np.array([ends[1][name] - start]), zero, zero).tolist()]}
+        name: {
+            "bases": [[start]],
+            "coefficients": [
+                hermite(duration, np.array([ends[1][name] - start]), zero, zero).tolist()
+            ],
+        }
         for name, start in ends[0].items()
     }
     return {"breaks": [0.0, duration], "joints": parts}
@@ -107,7 +114,10 @@ def judge(case: Document, folder: Path) -> Outcome:
 def _of_polynomial(names: list[str], polynomial: Document) -> Document:
     bases, powers = np.array(polynomial["bases"]), np.array(polynomial["coefficients"])
     parts = {
-        name.removeprefix("r::"): {"bases": bases[:, [i]].tolist(), "coefficients": powers[:, :, [i]].tolist()}
+        name.removeprefix("r::"): {
+            "bases": bases[:, [i]].tolist(),
+            "coefficients": powers[:, :, [i]].tolist(),
+        }
         for i, name in enumerate(names)
     }
     return {"breaks": polynomial["breaks"], "joints": parts}
@@ -138,7 +148,9 @@ def _read(names: list[str], told: Document, kind: str) -> Document:
     return {"breaks": times.tolist(), "joints": parts}
 
 
-def _hold(outcome: Outcome, setting: Setting, stage: Stage, what: tuple[str, int], motion: Document) -> None:
+def _hold(
+    outcome: Outcome, setting: Setting, stage: Stage, what: tuple[str, int], motion: Document
+) -> None:
     """Hold a motion against limits as the file has them, and against obstacles."""
     label, number = what
     robot = setting.robot
@@ -146,7 +158,9 @@ def _hold(outcome: Outcome, setting: Setting, stage: Stage, what: tuple[str, int
         joint = robot.by_name[name]
         excess = max(joint.lower - low, high - joint.upper)
         if np.isfinite(joint.lower) and excess > 2e-6:
-            outcome.blame(label, f"{name} {excess:.4g} beyond its position", 5 if joint.leader else number)
+            outcome.blame(
+                label, f"{name} {excess:.4g} beyond its position", 5 if joint.leader else number
+            )
     orders = ["velocity"] if "linear" in label else ["velocity", "acceleration"]
     for rate in orders:
         for (name, _), top in all_peaks(robot, motion, ORDERS[rate]).items():
@@ -154,7 +168,15 @@ def _hold(outcome: Outcome, setting: Setting, stage: Stage, what: tuple[str, int
             # Where a file states no acceleration, it is two times the velocity.
             limit = joint.velocity * (1.0 if rate == "velocity" else 2.0)
             if top > limit * (1 + _RATE) and not (joint.leader and rate != "velocity"):
-                outcome.blame(label, f"{name} at {top / limit:.4g} of its {rate}", 5 if joint.leader else number)
+                outcome.blame(
+                    label,
+                    f"{name} at {top / limit:.4g} of its {rate}",
+                    5 if joint.leader else number,
+                )
     seen = stage.worst(motion, Look(skip=declared(setting, stage)))
     if seen is not None and seen.distance < -SLACK - SHARE * stage.size:
-        outcome.blame(label, f"{seen.near.pair} {seen.distance:.6g} m apart at {seen.time:.4g} s", number or stage.suspect)
+        outcome.blame(
+            label,
+            f"{seen.near.pair} {seen.distance:.6g} m apart at {seen.time:.4g} s",
+            number or stage.suspect,
+        )

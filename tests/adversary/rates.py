@@ -1,4 +1,4 @@
-"""Attack on the limits of joints, of those that follow others too: limits just above or below peaks.
+"""Attack on the limits of joints, of followers too: limits just above or below peaks.
 
 The motion comes first; then each limit is put a little above or a little below what it reaches.
 """
@@ -98,12 +98,15 @@ def _judged(question: Document) -> list[str]:
     return rates if question["options"]["method"] == "ruckig" else rates[:3]
 
 
-def _hold(outcome: Outcome, setting: Setting, question: Document, what: str, certificate: Any) -> None:
+def _hold(
+    outcome: Outcome, setting: Setting, question: Document, what: str, certificate: Any
+) -> None:
     check = check_of(certificate, what)
     uses = excesses(setting, question["motion"], what)
     outcome.count(f"{what} passed", check.passed)
     (joint, block, own), excess = max(uses.items(), key=lambda item: item[1] - item[0][2])
-    told = f"{joint} {block} is beyond its {what} by {excess:.6g} ({'rad or m' if what == 'position' else 'of it'})"
+    unit = "rad or m" if what == "position" else "of it"
+    told = f"{joint} {block} is beyond its {what} by {excess:.6g} ({unit})"
     if check.passed and excess > own:
         is_follower = bool(setting.robot.by_name[joint].leader)
         outcome.blame(f"{what}, follower" if is_follower else what, told, 5 if is_follower else 0)

@@ -91,7 +91,7 @@ def _joint(
 
 
 def _follow(rng: np.random.Generator, joints: list[Document], share: float) -> None:
-    """Let some joints follow others, also such as follow themselves, wherever both have one axis."""
+    """Let some joints of one coordinate follow others, also such as follow themselves."""
     scalar = [joint for joint in joints if joint["type"] in SCALARS]
     for i, joint in enumerate(scalar[1:], start=1):
         if rng.random() >= share:

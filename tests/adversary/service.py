@@ -1,4 +1,4 @@
-"""The service in this process, for what only it does: scenes that are posted, samples that are sent."""
+"""The service in this process, for what only it does: keep scenes and send samples."""
 
 import tempfile
 import warnings

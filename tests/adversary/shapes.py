@@ -58,7 +58,7 @@ def support(shape: Shape, n: Array) -> Array:
             return np.array(size) * stretched / np.linalg.norm(stretched)
         case "capsule":
             ball = size["radius"] * n / length
-            return ball + [0.0, 0.0, np.copysign(size["length"] / 2, n[2])]
+            return ball + np.array([0.0, 0.0, np.copysign(size["length"] / 2, n[2])])
         case "cylinder":
             across = float(np.hypot(n[0], n[1]))
             rim = size["radius"] * n[:2] / across if across > 0 else np.zeros(2)

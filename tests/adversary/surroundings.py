@@ -94,7 +94,10 @@ class Stage:
     @property
     def suspect(self) -> int:
         """The number of the defect that what is wrong here is likely to be; 0 for a new one."""
-        if any(joint.kind == "floating" and not np.array_equal(joint.origin, np.eye(4)) for joint in self.robot.joints):
+        if any(
+            joint.kind == "floating" and not np.array_equal(joint.origin, np.eye(4))
+            for joint in self.robot.joints
+        ):
             return 8
         return 7 if any("half_space" in thing["shape"] for thing, _ in self._things) else 0
 

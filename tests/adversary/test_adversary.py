@@ -15,7 +15,7 @@ from tests.profiles import PROFILE, num_cases
 
 # Cases in `make test`; in the campaign there are 40 times as many of each.
 CASES = {
-    "clearance": 8,
+    "clearance": 6,
     "rates": 8,
     "jumps": 6,
     "floats": 6,

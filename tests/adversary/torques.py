@@ -17,17 +17,27 @@ _SHARE, _WIDE = 1e-3, 1e-2
 def draw(rng: np.random.Generator, folder: Path) -> Document:
     """Return a robot that weighs something and whose motors are just strong enough, or not."""
     size = float(rng.choice([0.1, 1.0, 1.0, 10.0]))
-    robot = random_robot(rng, kinds=(*SCALARS, *SCALARS, "fixed"), inertias=True, mimics=0.15, size=size)
+    robot = random_robot(
+        rng, kinds=(*SCALARS, *SCALARS, "fixed"), inertias=True, mimics=0.15, size=size
+    )
     for link in robot["links"]:
         link["shapes"] = []
     case: Document = {"kind": "torques", "robot": robot, "objects": []}
     setting = Setting.lay_out(case, folder)
-    motion = random_motion(rng, setting.robot.leaders, size=size, duration=float(10 ** rng.uniform(-0.3, 1)))
-    peaks = {k: float(np.abs(v).max()) for k, v in torques(setting.robot, setting.base, motion).items()}
+    motion = random_motion(
+        rng, setting.robot.leaders, size=size, duration=float(10 ** rng.uniform(-0.3, 1))
+    )
+    peaks = {
+        k: float(np.abs(v).max()) for k, v in torques(setting.robot, setting.base, motion).items()
+    }
     victim = str(rng.choice(list(peaks)))
     for joint in robot["joints"]:
         if joint["name"] in peaks:
-            factor = float(rng.choice(_FACTORS)) if joint["name"] == victim or rng.random() < 0.2 else 10.0
+            factor = (
+                float(rng.choice(_FACTORS))
+                if joint["name"] == victim or rng.random() < 0.2
+                else 10.0
+            )
             joint["effort"] = max(peaks[joint["name"]] * factor, 1e-6 * size)
     case["questions"] = [{"motion": motion, "options": {"effort": True}}]
     return case
@@ -44,7 +54,9 @@ def judge(case: Document, folder: Path) -> Outcome:
         return outcome
     robot = setting.robot
     own = torques(robot, setting.base, question["motion"])
-    uses = {name: float(np.abs(row).max()) / robot.by_name[name].effort for name, row in own.items()}
+    uses = {
+        name: float(np.abs(row).max()) / robot.by_name[name].effort for name, row in own.items()
+    }
     name, use = max(uses.items(), key=lambda item: item[1])
     check = check_of(answer[0], "torque")
     outcome.count("torque passed", check.passed)

@@ -47,7 +47,9 @@ def overlooked(stage: Stage, motion: Document, pairs: AbstractSet[Pair]) -> list
             continue
         gap = _largest_gap(stage, motion, pair)
         if gap > _CLEAR * stage.size:
-            said = f"{sorted(pair)} overlap by {-seen.distance:.4g} m at {seen.time:.4g} s, and are "
+            said = (
+                f"{sorted(pair)} overlap by {-seen.distance:.4g} m at {seen.time:.4g} s, and are "
+            )
             what = "neighbours" if pair in adjacent(stage) else "what it holds"
             number = 6 if what == "neighbours" else 0
             found.append(Claim(what, f"{said}{gap:.4g} m apart elsewhere", number))

@@ -27,12 +27,18 @@ def draw(rng: np.random.Generator, folder: Path) -> Document:
     robot = random_robot(rng, kinds=kinds, mimics=0.6, size=1.0, shapes=("box", "sphere"))
     for joint in robot["joints"]:
         if "mimic" in joint:
-            joint["mimic"] = {**joint["mimic"], "multiplier": float(rng.choice([0.5, -1.5, 2.0, 1 / 3, 1.0]))}
+            joint["mimic"] = {
+                **joint["mimic"],
+                "multiplier": float(rng.choice([0.5, -1.5, 2.0, 1 / 3, 1.0])),
+            }
             joint.update(type="continuous")
     case: Document = {"kind": "winding", "robot": robot, "objects": []}
     read = Setting.lay_out(case, folder).robot
     rows = 2 if rng.random() < 0.5 else 3
-    places = {j.name: rng.uniform(-0.4, 0.4, size=rows) * (8 if j.kind == "continuous" else 1) for j in read.leaders}
+    places = {
+        j.name: rng.uniform(-0.4, 0.4, size=rows) * (8 if j.kind == "continuous" else 1)
+        for j in read.leaders
+    }
     for joint in read.leaders:
         if joint.kind != "continuous":
             places[joint.name] = np.clip(places[joint.name], joint.lower * 0.9, joint.upper * 0.9)
@@ -40,7 +46,11 @@ def draw(rng: np.random.Generator, folder: Path) -> Document:
         "samples": {name: row.tolist() for name, row in places.items()},
         "turns": {j.name: _turns(rng, j.kind, rows) for j in read.leaders},
         "by_samples": bool(rng.random() < 0.5),
-        "ends": {j.name: [int(x) for x in rng.integers(-1, 2, size=2)] for j in read.leaders if j.kind == "continuous"},
+        "ends": {
+            j.name: [int(x) for x in rng.integers(-1, 2, size=2)]
+            for j in read.leaders
+            if j.kind == "continuous"
+        },
     }
     case["questions"] = [question]
     return case
@@ -101,9 +111,13 @@ def _by_pieces(setting: Setting, question: Document, outcome: Outcome) -> None:
     for piece, _ in sides:
         width = motion["breaks"][piece] - motion["breaks"][piece - 1]
         places = [(piece - 1, width), (piece, 0.0)]
-        gap = _apart(robot, base, [positions(motion, np.array([p]), np.array([t])) for p, t in places])
+        gap = _apart(
+            robot, base, [positions(motion, np.array([p]), np.array([t])) for p, t in places]
+        )
         if gap > _SAME:
-            outcome.blame("links jump", f"{gap:.4g} m where pieces meet, at {motion['breaks'][piece]} s", 5)
+            outcome.blame(
+                "links jump", f"{gap:.4g} m where pieces meet, at {motion['breaks'][piece]} s", 5
+            )
     asked = {name: np.array([[x]]) for name, x in zip(names, start, strict=True)}
     gap = _apart(robot, base, [asked, positions(motion, np.array([0]), np.array([0.0]))])
     if gap > _SAME:
@@ -123,8 +137,12 @@ def _by_samples(setting: Setting, question: Document, outcome: Outcome) -> None:
     rows = np.array([question["samples"][name] for name in names]).T
     deadline = planning.Deadline.after(PATIENCE, time.process_time)
     try:
-        curve = planning.trajectory_through(joints, np.array(motion["breaks"]), rows, np.zeros_like(rows))
-        certificate, _ = planning.certify_trajectory(setting.world, "r", curve, deadline=deadline, goal=rows[-1])
+        curve = planning.trajectory_through(
+            joints, np.array(motion["breaks"]), rows, np.zeros_like(rows)
+        )
+        certificate, _ = planning.certify_trajectory(
+            setting.world, "r", curve, deadline=deadline, goal=rows[-1]
+        )
     except WayproofError as fault:
         outcome.count(f"answered by {type(fault).__name__}")
         return
@@ -133,12 +151,16 @@ def _by_samples(setting: Setting, question: Document, outcome: Outcome) -> None:
     outcome.count("proven")
     seen = Stage.of(setting).worst(motion, Look(rounds=1, skip=_neighbours(setting.robot)))
     if seen is not None and seen.distance < -1e-5:
-        said = f"samples {question['samples']}: {seen.near.pair} {seen.distance:.4g} m apart at {seen.time:.4g} s"
-        outcome.blame("samples the short way", said, 5)
-    gap = _apart(setting.robot, setting.base, [
-        positions(motion, np.array([len(rows) - 2]), np.array([4.0])),
-        {name: curve.end[None, [i]] for i, name in enumerate(names)},
-    ])
+        said = f"{seen.near.pair} {seen.distance:.4g} m apart at {seen.time:.4g} s"
+        outcome.blame("samples the short way", f"samples {question['samples']}: {said}", 5)
+    gap = _apart(
+        setting.robot,
+        setting.base,
+        [
+            positions(motion, np.array([len(rows) - 2]), np.array([4.0])),
+            {name: curve.end[None, [i]] for i, name in enumerate(names)},
+        ],
+    )
     if gap > _SAME:
         outcome.blame("samples the short way", f"ends {gap:.4g} m from the last sample", 5)
 

@@ -1,4 +1,4 @@
-"""Attack on what only the service says: columns by their names, kept scenes, motions that are stale."""
+"""Attack on what only the service says: columns by names, kept scenes, motions that are stale."""
 
 from pathlib import Path
 from typing import Any
@@ -20,7 +20,9 @@ def draw(rng: np.random.Generator, folder: Path) -> Document:
     attack = str(rng.choice(_ATTACKS))
     links = int(rng.integers(2, 5))
     robot = random_robot(rng, kinds=("revolute", "prismatic"), size=1.0, links=links, mimics=0.0)
-    robot["links"][-1]["shapes"] = [{"shape": {"box": [0.1, 0.1, 0.1]}, "xyz": [0.3, 0.0, 0.0], "rpy": [0.0] * 3}]
+    robot["links"][-1]["shapes"] = [
+        {"shape": {"box": [0.1, 0.1, 0.1]}, "xyz": [0.3, 0.0, 0.0], "rpy": [0.0] * 3}
+    ]
     case: Document = {"kind": "wire", "attack": attack, "robot": robot, "objects": []}
     read = Setting.lay_out(case, folder).robot
     ends = [
@@ -28,7 +30,9 @@ def draw(rng: np.random.Generator, folder: Path) -> Document:
         for _ in range(2)
     ]
     case["positions"] = ends[0]
-    case["questions"] = [{"ends": ends, "order": [int(i) for i in rng.permutation(len(read.leaders))]}]
+    case["questions"] = [
+        {"ends": ends, "order": [int(i) for i in rng.permutation(len(read.leaders))]}
+    ]
     return case
 
 
@@ -74,12 +78,12 @@ def _columns(setting: Setting, scene: str, question: Document, outcome: Outcome)
     both = [{c["name"]: c["value"] for c in answer["checks"]} for answer in (plain, other)]
     for rate in ("velocity", "acceleration"):
         if abs(both[0][rate] - both[1][rate]) > 1e-6 * max(1.0, abs(both[0][rate])):
-            said = f"{rate} {both[1][rate]:.6g} with columns in the order {order}, {both[0][rate]:.6g} without"
-            outcome.blame("columns", said, 4)
+            said = f"{rate} {both[1][rate]:.6g}, but {both[0][rate]:.6g} in the group's order"
+            outcome.blame("columns", f"columns in the order {order}: {said}", 4)
 
 
 def _edited(setting: Setting, scene: str, question: Document, outcome: Outcome) -> None:
-    """After an edit of the file an accepted scene stays, and one posted anew is what the file says."""
+    """After an edit an accepted scene stays, and one that is posted anew is what the file says."""
     _, rows = _rows(setting, question)
     motion = {"times": [0.0, 100.0], "positions": rows.tolist(), "velocities": (0 * rows).tolist()}
     before = _certify(scene, motion)
@@ -87,7 +91,9 @@ def _edited(setting: Setting, scene: str, question: Document, outcome: Outcome) 
     case["robot"]["links"] = [dict(link) for link in case["robot"]["links"]]
     shapes = [{"shape": {"box": [9.0, 9.0, 9.0]}, "xyz": [0.0] * 3, "rpy": [0.0] * 3}]
     case["robot"]["links"][-1]["shapes"] = shapes
-    case["objects"] = [{"name": "near", "shape": {"sphere": 0.05}, "xyz": [0.0] * 3, "rpy": [0.0] * 3}]
+    case["objects"] = [
+        {"name": "near", "shape": {"sphere": 0.05}, "xyz": [0.0] * 3, "rpy": [0.0] * 3}
+    ]
     bare = {**case, "robot": setting.case["robot"]}
     first = Setting.lay_out(bare, setting.folder)
     _, posted = ask("POST", "/v1/scenes", first.document)
@@ -108,7 +114,11 @@ def _edited(setting: Setting, scene: str, question: Document, outcome: Outcome) 
 def _obstructed(setting: Setting, scene: str, question: Document, outcome: Outcome) -> None:
     """A motion is not carried out through what was put in its way since."""
     _, rows = _rows(setting, question)
-    body = {"scene": scene, "group": "r", "goal": {"type": "joint", "positions": [rows[1].tolist()]}}
+    body = {
+        "scene": scene,
+        "group": "r",
+        "goal": {"type": "joint", "positions": [rows[1].tolist()]},
+    }
     body |= {"search": {"allowed_planning_time": 4.0}, "refine": {"method": "none"}}
     _, job = ask("POST", "/v1/plans?wait=50", body)
     if job.get("state") != "succeeded":
@@ -117,12 +127,18 @@ def _obstructed(setting: Setting, scene: str, question: Document, outcome: Outco
     told = job["result"]["trajectory"]
     names = [joint.name.removeprefix("r::") for joint in setting.group.joints]
     middle = told["positions"][len(told["positions"]) // 2]
-    placed = setting.robot.place({n: np.array([[x]]) for n, x in zip(names, middle, strict=True)}, setting.base, 1)
+    placed = setting.robot.place(
+        {n: np.array([[x]]) for n, x in zip(names, middle, strict=True)}, setting.base, 1
+    )
     link = setting.case["robot"]["links"][-1]["name"]
     place = (placed[link][0] @ pose_matrix([0.3, 0.0, 0.0]))[:3, 3]
     thing = {"name": "late", "shape": {"sphere": 0.02}, "pose": {"position": place.tolist()}}
     ask("PATCH", f"/v1/scenes/{scene}", {"operations": [{"op": "add", "object": thing}]})
-    status, answer = ask("POST", "/v1/executions", {"plan": job["id"], "driver": "simulated", "speed": 1.0})
+    status, answer = ask(
+        "POST", "/v1/executions", {"plan": job["id"], "driver": "simulated", "speed": 1.0}
+    )
     if status < 300:
-        outcome.blame("stale motion", f"{status}: carried out through an obstacle at {place.round(3)}", 2)
+        outcome.blame(
+            "stale motion", f"{status}: carried out through an obstacle at {place.round(3)}", 2
+        )
         ask("POST", f"/v1/executions/{answer['id']}/cancel", None)
