@@ -189,8 +189,7 @@ def _band(stage: Stage, motion: Document, entry: Document) -> tuple[float, float
     """Return the smallest and the largest, over time, of the distance of two sets of bodies."""
     among = set(entry["to"])
     inside = {frozenset((a, b)) for a in stage.bodies for b in stage.bodies if {a, b} <= among}
-    joined = {frozenset((f"r::{j.parent}", f"r::{j.child}")) for j in stage.robot.joints}
-    look = Look(skip=inside | joined, only=frozenset(entry["bodies"]))
+    look = Look(skip=inside | stage.unlooked, only=frozenset(entry["bodies"]))
     seen = stage.worst(motion, look)
     if seen is None:
         return np.inf, np.inf

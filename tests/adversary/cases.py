@@ -48,10 +48,12 @@ class Outcome:
 
     Attributes:
         wrong: Everything that was said and is not so.
+        refused: What was kept by far and not proven: that is no lie, but is told.
         counts: How many questions were asked, proven, refused though there was room, and so on.
     """
 
     wrong: list[Claim] = field(default_factory=list)
+    refused: list[Claim] = field(default_factory=list)
     counts: dict[str, float] = field(default_factory=dict)
 
     def count(self, what: str, by: float = 1) -> None:
@@ -60,8 +62,12 @@ class Outcome:
     def blame(self, what: str, said: str, issue: int = 0) -> None:
         self.wrong.append(Claim(what, said, issue))
 
+    def refuse(self, what: str, said: str, issue: int = 0) -> None:
+        self.refused.append(Claim(f"{what} refused", said, issue))
+
     def add(self, other: "Outcome") -> None:
         self.wrong += other.wrong
+        self.refused += other.refused
         for name, number in other.counts.items():
             keep = max if name.startswith("longest") else sum
             self.counts[name] = keep([self.counts.get(name, 0), number])

@@ -88,7 +88,7 @@ class ClearanceJudge:
             self._outcome.blame("least clearance", f"{bound:.9g} m {told}", self._defect)
         if certificate.min_clearance > 2 * max(least.distance, 0) + 1e-3 * self._stage.size:
             text = f"{certificate.min_clearance:.6g} m {told}"
-            self._outcome.blame("min_clearance", text, 15)
+            self._outcome.blame("min_clearance", text, self._defect or 15)
         there = self._stage.at(self._motion, certificate.time, certificate.pair)
         if np.isfinite(there) and abs(there - seen_there) > slack + 1e-5 * abs(there):
             text = f"{seen_there:.9g} m {told}; then and there {there:.9g} m"

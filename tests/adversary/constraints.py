@@ -13,6 +13,7 @@ from tests.adversary.clearance import free_motion
 from tests.adversary.motions import random_motion
 from tests.adversary.robots import random_robot
 from tests.adversary.surroundings import Stage
+from tests.adversary.unlooked import declared
 
 _SLACK = 2e-6
 _OFFS = (-1e-1, -1e-2, -1e-3, -1e-4, -1e-5, 1e-5, 1e-4, 1e-3, 1e-2, 1e-1)
@@ -52,6 +53,7 @@ def judge(case: Document, folder: Path) -> Outcome:
     """Ask about every constraint and hold the answers against samples."""
     setting, outcome = Setting.lay_out(case, folder), Outcome()
     stage = Stage.of(setting)
+    stage.unlooked = declared(setting, stage)
     for question in case["questions"]:
         entry = question["constraint"]
         outcome.count("asked")
@@ -84,4 +86,4 @@ def _hold(outcome: Outcome, stage: Stage, question: Document, certificate: Any) 
     if excess < 0:
         outcome.count(f"{entry['type']} kept")
     if not check.passed and excess < -_WIDE * kind.unit(stage, check):
-        outcome.blame(f"{entry['type']} refused", told, 16)
+        outcome.refuse(entry["type"], told, 16)

@@ -90,5 +90,5 @@ def judge(case: Document, folder: Path) -> Outcome:
         if check.passed and use > 1 + 1e-3:
             outcome.blame(f"{what} of a body that floats", told, 11)
         if not check.passed and use < 1 - _WIDE:
-            outcome.blame(f"{what} of a body that floats refused", told, 16)
+            outcome.refuse(f"{what} of a body that floats", told, 16)
     return outcome

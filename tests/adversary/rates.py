@@ -112,7 +112,7 @@ def _hold(
         outcome.blame(f"{what}, follower" if is_follower else what, told, 5 if is_follower else 0)
     if not check.passed and excess < -WIDE:
         told += f"; says {check.where} {check.value:.9g} of {check.bound:.9g}"
-        outcome.blame(f"{what} refused", told)
+        outcome.refuse(what, told)
 
 
 def excesses(setting: Setting, motion: Document, what: str) -> dict[tuple[str, str, float], float]:

@@ -56,7 +56,12 @@ class Seen:
 
 
 class Stage:
-    """The bodies of a case, placed by the judge's own kinematics, to be looked at again."""
+    """The bodies of a case, placed by the judge's own kinematics, to be looked at again.
+
+    Attributes:
+        unlooked: Pairs that the product does not look at: links that a joint joins, unless it says
+            otherwise.
+    """
 
     def __init__(self, robot: Robot, case: Document, base: Array) -> None:
         self.robot, self.base, self.size = robot, base, float(case["robot"]["size"])
@@ -65,6 +70,7 @@ class Stage:
             for link, shapes in robot.shapes.items()
             for shape, pose in shapes
         ]
+        self.unlooked = {frozenset((f"r::{j.parent}", f"r::{j.child}")) for j in robot.joints}
         self._things: list[tuple[Document, Any]] = []
         for thing in case.get("objects", []):
             self.add(thing)

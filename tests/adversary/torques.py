@@ -64,5 +64,5 @@ def judge(case: Document, folder: Path) -> Outcome:
     if check.passed and use > 1 + _SHARE:
         outcome.blame("torque", told)
     if not check.passed and use < 1 - _WIDE:
-        outcome.blame("torque refused", told)
+        outcome.refuse("torque", told)
     return outcome

@@ -1,4 +1,4 @@
-"""A second opinion on two shapes: two points of theirs, which nobody can deny.
+"""A second opinion on two shapes: two points of theirs, at a distance that is plain.
 
 The point of least length of the difference A - B is looked for by Wolfe's algorithm (Mathematical
 Programming 11, 1976) with nothing but support functions. The two points that it is made of belong
