@@ -87,7 +87,7 @@ def judge(case: Document, folder: Path) -> Outcome:
         "goal": {"type": "joint", "positions": [goal]},
         "retime": question["retime"],
         "seed": question["seed"],
-        "search": {"allowed_planning_time": 4.0},
+        "search": {"allowed_planning_time": 2.0},
     }
     status, job = ask("POST", "/v1/plans?wait=50", body)
     if status >= 300:

@@ -27,7 +27,7 @@ CASES = {
     "torques": 4,
     "formats": 14,
     "identities": 1,
-    "plans": 3,
+    "plans": 2,
     "wire": 4,
 }
 # Seeds of one test in the campaign.

@@ -119,7 +119,7 @@ def _obstructed(setting: Setting, scene: str, question: Document, outcome: Outco
         "group": "r",
         "goal": {"type": "joint", "positions": [rows[1].tolist()]},
     }
-    body |= {"search": {"allowed_planning_time": 4.0}, "refine": {"method": "none"}}
+    body |= {"search": {"allowed_planning_time": 2.0}, "refine": {"method": "none"}}
     _, job = ask("POST", "/v1/plans?wait=50", body)
     if job.get("state") != "succeeded":
         outcome.count("no plan")
