@@ -1,0 +1,35 @@
+"""All kinds of attacks, by name."""
+
+from tests.adversary import (
+    cars,
+    checks,
+    clearance,
+    constraints,
+    degrees,
+    floats,
+    formats,
+    identities,
+    jumps,
+    plans,
+    rates,
+    torques,
+    winding,
+    wire,
+)
+
+KINDS = {
+    "clearance": clearance,
+    "rates": rates,
+    "jumps": jumps,
+    "floats": floats,
+    "degrees": degrees,
+    "cars": cars,
+    "wire": wire,
+    "formats": formats,
+    "identities": identities,
+    "plans": plans,
+    "checks": checks,
+    "torques": torques,
+    "winding": winding,
+    "constraints": constraints,
+}

@@ -1,0 +1,120 @@
+"""The attacker sees what is there: planted lies are found, cut down, and found again from JSON."""
+
+import json
+
+import numpy as np
+import pytest
+
+import planning
+from tests.adversary.cases import Outcome, Setting
+from tests.adversary.clearance_judge import ClearanceJudge
+from tests.adversary.distances import distance, make_solid
+from tests.adversary.kinematics import pose_matrix
+from tests.adversary.motions import around, positions, random_motion, sample_places
+from tests.adversary.peaks import all_peaks, rise
+from tests.adversary.robots import random_robot
+from tests.adversary.run import draw, judge
+from tests.adversary.shapes import random_shape
+from tests.adversary.shrink import shrunk
+from tests.adversary.surroundings import Stage
+from tests.adversary.witness import bracket
+from tests.profiles import num_cases, rng_of
+
+
+@pytest.mark.campaign
+def test_coal_and_support_functions_measure_the_same() -> None:
+    rng = rng_of(1)
+    for _ in range(num_cases(40)):
+        size = float(10.0 ** rng.integers(-3, 3))
+        a, b = (
+            make_solid("", random_shape(rng, size), _somewhere(rng, size)[None], size)
+            for _ in range(2)
+        )
+        gap, _ = distance(a, b, 0, size)
+        low, high = bracket(a, b, 0)
+        assert low - 1e-8 * size <= max(gap, 0.0) <= high + 1e-8 * size
+
+
+def _somewhere(rng: np.random.Generator, size: float) -> np.ndarray:
+    return pose_matrix(size * rng.normal(size=3), rng.uniform(-3, 3, size=3))
+
+
+@pytest.mark.campaign
+def test_links_are_where_the_product_has_them(tmp_path) -> None:
+    kinds = ("revolute", "continuous", "prismatic", "planar", "fixed")
+    for seed in range(num_cases(2)):
+        rng = rng_of(seed)
+        case = {
+            "robot": random_robot(rng, kinds=kinds, mimics=0.5),
+            "base": [[1, 2, 3], [0.3, 2, 1]],
+        }
+        setting = Setting.lay_out(case, tmp_path)
+        motion = random_motion(rng, setting.robot.leaders)
+        curve, stage = setting.curve(motion), Stage.of(setting)
+        frames = [f"r::{link}" for link in setting.robot.shapes]
+        q = curve.positions(np.array([0.7 * curve.duration]))
+        (poses,) = planning.forward_kinematics(setting.world, "r", q, tuple(frames))
+        placed = _placed(stage, motion, 0.7 * curve.duration)
+        for frame in frames:
+            assert np.allclose(
+                poses[frame].matrix, placed[frame[3:]], atol=1e-9 * stage.size + 1e-9
+            )
+
+
+def _placed(stage: Stage, motion: dict, time: float) -> dict[str, np.ndarray]:
+    pieces, local, _ = around(motion, time, 0.0, 1)
+    placed = stage.robot.place(positions(motion, pieces, local), stage.base, 1)
+    return {link: pose[0] for link, pose in placed.items()}
+
+
+def test_an_obstacle_that_is_kept_from_the_product_is_found(tmp_path) -> None:
+    found = 0
+    for seed in range(6):
+        case = draw("clearance", seed)
+        bare = Setting.lay_out({**case, "objects": []}, tmp_path)
+        setting = Setting.lay_out(case, tmp_path)
+        answer = bare.ask({**case["questions"][0], "margin": 0.0})
+        outcome = Outcome()
+        question = {**case["questions"][0], "margin": 0.0}
+        ClearanceJudge(setting, Stage.of(setting), question, outcome).hold(*answer)
+        found += bool(outcome.wrong)
+    assert found >= 2
+
+
+def test_rates_are_those_of_differences() -> None:
+    rng = np.random.default_rng(3)
+    times = np.linspace(0, 1, 200)
+    values = 0.3 * times + 0.2 * (times > 0.5)
+    assert rise(times, values, 0.3) == pytest.approx(0.2, abs=1e-9)
+    assert rise(times, -values, 0.3) == pytest.approx(0.2, abs=1e-9)
+    case = draw("rates", int(rng.integers(1000)))
+    motion = case["questions"][0]["motion"]
+    name, part = next(iter(motion["joints"].items()))
+    assert len(part["bases"]) == len(motion["breaks"]) - 1
+    assert name in case["card"]["limits"]
+    pieces, local, at = sample_places(motion, 50)
+    assert np.allclose(np.array(motion["breaks"])[pieces] + local, at)
+
+
+def test_a_failure_is_cut_down_and_comes_back_from_json() -> None:
+    case = draw("clearance", 1)
+
+    def fails(smaller: dict) -> bool:
+        return any(link["shapes"] for link in smaller["robot"]["links"])
+
+    least = json.loads(json.dumps(shrunk(case, fails)))
+    assert len(least["robot"]["joints"]) == 1
+    assert sum(len(link["shapes"]) for link in least["robot"]["links"]) == 1
+    assert not least["objects"]
+    assert judge(least).counts["asked"] == 1
+
+
+def test_peaks_count_what_follows(tmp_path) -> None:
+    rng = np.random.default_rng(0)
+    robot = random_robot(rng, kinds=("revolute",), links=3, mimics=1.0)
+    setting = Setting.lay_out({"robot": robot}, tmp_path)
+    motion = random_motion(rng, setting.robot.leaders)
+    peaks = all_peaks(setting.robot, motion, 1)
+    for joint in setting.robot.joints:
+        leader, factor = setting.robot.factor(joint.name)
+        assert peaks[joint.name, ""] == pytest.approx(abs(factor) * peaks[leader, ""])
