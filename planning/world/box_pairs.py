@@ -48,15 +48,20 @@ class BoxPairs:
             return {}
         poses = np.array([query.GetPoseInWorld(i).GetAsMatrix4() for i in self.boxes])
         a, b = self.rows.T
-        sizes = np.linalg.norm(self.halves, axis=1)
-        gaps = np.linalg.norm(poses[a, :3, 3] - poses[b, :3, 3], axis=1) - sizes[a] - sizes[b]
-        near = np.flatnonzero(gaps <= reach)
+        near = np.flatnonzero(np.maximum(self._gaps(poses, a, b), self._gaps(poses, b, a)) <= reach)
         if len(near) == 0:
             return {}
         a, b = self.rows[near].T
         distances, points = box_distances(self.halves[a], poses[a], self.halves[b], poses[b])
         kept = np.flatnonzero(distances <= np.broadcast_to(reach, len(self.ids))[near])
         return {int(near[i]): (float(distances[i]), points[i]) for i in kept}
+
+    def _gaps(self, poses: Array, a: Any, b: Any) -> Array:
+        """Return how far boxes b are from the balls around boxes a at least [m]."""
+        away = poses[a, :3, 3] - poses[b, :3, 3]
+        local = np.einsum("nji,nj->ni", poses[b, :3, :3], away)
+        beyond = np.maximum(np.abs(local) - self.halves[b], 0.0)
+        return np.linalg.norm(beyond, axis=1) - np.linalg.norm(self.halves[a], axis=1)
 
 
 _read: WeakKeyDictionary[RobotDiagram, BoxPairs] = WeakKeyDictionary()

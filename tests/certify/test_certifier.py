@@ -58,8 +58,8 @@ def test_a_sound_motion_is_proven_with_every_check_named() -> None:
     assert not certificate.failed
     reference = smallest_distance(world, request.trajectory, "arm", 0.002)
     resolution = certificate.checks[-1].resolution
-    assert certificate.min_clearance - resolution - 1e-6 <= reference
-    assert certificate.min_clearance >= reference - 1e-4
+    assert certificate.observed_clearance - resolution - 1e-6 <= reference
+    assert certificate.observed_clearance >= reference - 1e-4
     assert resolution < 0.01
 
 
@@ -69,7 +69,7 @@ def test_minimum_clearance_is_the_analytic_one() -> None:
     certificate = judged(world, slide(world))
     gap = 0.52 - (0.3 + 0.125)
     assert certificate.proven
-    assert certificate.min_clearance == pytest.approx(gap, abs=1e-6)
+    assert certificate.observed_clearance == pytest.approx(gap, abs=1e-6)
     assert certificate.time == pytest.approx(4.0)
     assert set(certificate.pair) == {"body::body", "wall"}
 
@@ -80,7 +80,7 @@ def test_a_graze_is_proven_and_a_touch_is_not(gap: float) -> None:
     near = flat_world(x=0.0, y=-0.05 - 0.1 - gap)
     certificate = judged(near, slide(near))
     assert certificate.proven
-    assert certificate.min_clearance == pytest.approx(gap, abs=1e-6)
+    assert certificate.observed_clearance == pytest.approx(gap, abs=1e-6)
     touching = flat_world(x=0.0, y=-0.05 - 0.1 + gap)
     assert not judged(touching, slide(touching)).proven
 
@@ -196,8 +196,10 @@ def test_nothing_proven_is_found_in_collision_by_a_fine_loop(seed: int) -> None:
     reference = smallest_distance(world, trajectory, "arm", 0.004)
     if certificate.proven:
         assert reference > 0
-        assert certificate.min_clearance >= reference - 1e-3
-        assert certificate.min_clearance - certificate.checks[-1].resolution <= reference + 1e-6
+        assert certificate.observed_clearance >= reference - 1e-3
+        assert (
+            certificate.observed_clearance - certificate.checks[-1].resolution <= reference + 1e-6
+        )
     elif certificate.failed[0].name == "clearance":
         # Refusals are not wanton: the loop comes as near to contact as the refusal says.
         assert reference <= max(certificate.failed[0].value, 0) + 1e-3

@@ -71,10 +71,10 @@ def test_random_robots_are_judged_as_a_fine_loop_judges_them(seed: int, margin: 
     check = clearance_of(certificate)
     if check.passed:
         assert smallest > 0
-        assert certificate.min_clearance - check.resolution <= smallest + 1e-6
+        assert certificate.observed_clearance - check.resolution <= smallest + 1e-6
         if smallest < 0.2:
-            assert certificate.min_clearance >= smallest - 0.003
-            assert certificate.min_clearance <= smallest + max(2e-3, 0.011 * smallest)
+            assert certificate.observed_clearance >= smallest - 0.003
+            assert certificate.observed_clearance <= smallest + max(2e-3, 0.011 * smallest)
     else:
         assert smallest <= margin + 0.003
 
@@ -89,11 +89,11 @@ def test_a_sphere_that_passes_a_sphere(at: float, beside: float, length: float) 
     assert certificate.proven == (smallest > 0)
     if certificate.proven:
         resolution = clearance_of(certificate).resolution
-        assert smallest - 1e-9 <= certificate.min_clearance <= smallest + resolution + 1e-9
-        assert resolution <= 1e-3 + 0.01 * certificate.min_clearance + 1e-9
+        assert smallest - 1e-9 <= certificate.observed_clearance <= smallest + resolution + 1e-9
+        assert resolution <= 1e-3 + 0.01 * certificate.observed_clearance + 1e-9
         nearest = quintic(robot.group, q0, q1, 1.0).positions(np.array([certificate.time]))[0, 0]
         measured = float(np.hypot(beside, at - nearest)) - 0.15
-        assert measured == pytest.approx(certificate.min_clearance, abs=1e-9)
+        assert measured == pytest.approx(certificate.observed_clearance, abs=1e-9)
 
 
 @pytest.mark.parametrize("gap", [1e-4, 1e-5])
@@ -103,7 +103,7 @@ def test_a_head_on_approach_to_a_graze_is_proven(shape: Shape, gap: float) -> No
     q0, touch = np.array([0.0]), np.array([0.4])
     certificate = judge(robot, quintic(robot.group, q0, touch - gap, 1.0))
     assert certificate.proven
-    assert certificate.min_clearance == pytest.approx(gap, abs=1e-6)
+    assert certificate.observed_clearance == pytest.approx(gap, abs=1e-6)
     for beyond in (0.0, gap):
         refused = judge(robot, quintic(robot.group, q0, touch + beyond, 1.0))
         assert not refused.proven
@@ -144,7 +144,7 @@ def test_half_spaces_are_measured_against_every_shape(name: str) -> None:
     down = quintic(robot.group, np.zeros(1), np.array([-0.5]), 1.0)
     certificate = judge(robot, down)
     assert certificate.proven
-    assert certificate.min_clearance == pytest.approx(0.5 - below, abs=1e-9)
+    assert certificate.observed_clearance == pytest.approx(0.5 - below, abs=1e-9)
     deep = quintic(robot.group, np.zeros(1), np.array([-1.0]), 1.0)
     assert clearance_of(judge(robot, deep)).value == pytest.approx(-below, abs=1e-9)
 
@@ -226,7 +226,7 @@ def test_a_bar_that_turns_beside_a_wall(kind: Any) -> None:
         certificate = judge(robot, replace(turning, coefficients=turning.coefficients * 1.4))
         assert certificate.proven is proven
         if proven:
-            assert certificate.min_clearance == pytest.approx(gap, abs=1e-3)
+            assert certificate.observed_clearance == pytest.approx(gap, abs=1e-3)
 
 
 def test_no_time_is_no_verdict() -> None:
@@ -259,7 +259,7 @@ def test_nothing_to_hit_is_infinitely_clear() -> None:
     robot = builder.build()
     certificate = judge(robot, quintic(robot.group, np.zeros(1), np.ones(1), 1.0))
     assert certificate.proven
-    assert certificate.min_clearance == np.inf
+    assert certificate.observed_clearance == np.inf
     assert certificate.pair == ("", "")
 
 

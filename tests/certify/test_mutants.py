@@ -164,7 +164,7 @@ def moving_at_an_end(sound: Sound, rng: Rng, speed: float) -> Question:
 def margin_broken(sound: Sound, _: Rng, lack: float) -> Question:
     clear = judge((sound.world.drake, sound.request))
     low, high = sorted(clear.pair)
-    margins = PairMargins(0.0, {(low, high): clear.min_clearance + lack})
+    margins = PairMargins(0.0, {(low, high): clear.observed_clearance + lack})
     return sound.world.drake, replace(sound.request, margins=margins)
 
 
@@ -257,7 +257,7 @@ def test_mutants_are_refused_by_the_one_check_that_is_meant(name: str) -> None:
 
 def margin_kept(sound: Sound, _: Rng) -> Question:
     clear = judge((sound.world.drake, sound.request))
-    floor = clear.min_clearance - clear.checks[-1].resolution
+    floor = clear.min_clearance
     low, high = sorted(clear.pair)
     margins = PairMargins(0.0, {(low, high): floor - 1e-6})
     return sound.world.drake, replace(sound.request, margins=margins)

@@ -20,7 +20,7 @@ from planning.domain.certificate import Check
 from planning.domain.curve import TimedTrajectory
 from planning.domain.joints import JointType
 from planning.kernel.native import native
-from planning.world.kernel_scene import kernel_scene_of
+from planning.world.kernel_scene import kernel_scene
 from planning.world.margins import PairMargins
 from tests.certify.chains import Builder, R, Robot
 from tests.clocks import no_hurry
@@ -170,7 +170,7 @@ def test_the_kernel_makes_room_for_rounding(degree: int) -> None:
     powers = wild(np.random.default_rng(degree), degree)
     motion = moving(robot, powers)
     proving = prover(
-        kernel_scene_of(robot.model), robot.model, robot.request(motion, MARGINS), np.zeros(1)
+        kernel_scene(robot.model), robot.model, robot.request(motion, MARGINS), np.zeros(1)
     )
     size = float(np.abs(powers).sum())
     approach = proving.bounds([0, 1] * 20)[3][0, 0]

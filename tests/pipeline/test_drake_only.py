@@ -4,6 +4,7 @@ Here the worlds do without the native kernel; `make drake-only` takes it away fr
 as well, from refining and certifying.
 """
 
+import sys
 from functools import cache
 from typing import Any
 
@@ -15,6 +16,7 @@ from planning.world.collision import DrakeCollisionOracle
 from planning.world.world import World
 from tests.certify.conftest import smallest_distance
 from tests.clocks import no_hurry
+from tests.profiles import PROFILE
 
 pytestmark = pytest.mark.drake_only
 
@@ -68,6 +70,10 @@ PLANS: dict[str, tuple[str, Any, dict[str, Any]]] = {
 }
 
 
+# Drake alone takes 5 to 40 s for some: `make drake-only` and the campaign have all of them.
+QUICK = ["a pose", "a band", "a grasp", "unrefined", "jerk"]
+
+
 @cache
 def world_without_kernel(name: str) -> World:
     path = planning.bundled_folder("scenes") / f"{name}.scene.yaml"
@@ -80,7 +86,9 @@ def test_every_bundled_scene_is_planned_in() -> None:
     assert {scene for scene, _, _ in PLANS.values()} == set(GROUPS)
 
 
-@pytest.mark.parametrize("name", PLANS)
+@pytest.mark.parametrize(
+    "name", PLANS if PROFILE.is_campaign or "--no-kernel" in sys.argv else QUICK
+)
 def test_what_is_delivered_is_proven_and_free(name: str) -> None:
     scene, goal, options = PLANS[name]
     world = world_without_kernel(scene)
@@ -94,4 +102,4 @@ def test_what_is_delivered_is_proven_and_free(name: str) -> None:
     free = smallest_distance(world, found.trajectory, group.name, 0.01)
     assert free > 0
     # What was proven on the whole interval holds at samples.
-    assert free >= found.certificate.min_clearance - found.certificate.checks[-1].resolution - 1e-6
+    assert free >= found.certificate.min_clearance - 1e-6

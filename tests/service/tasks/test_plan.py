@@ -5,8 +5,8 @@ import json
 import pytest
 
 from service.plans.admission import SLACK
-from service.tasks.decode import decode_scene
 from service.tasks.plan import plan_motion
+from service.tasks.scenes import load_scene
 from tests.service.conftest import BLOCK_SCENE
 
 ALLOWED = 60.0
@@ -31,14 +31,17 @@ class Channel:
 
 @pytest.fixture
 def payload(tmp_path):
-    scene, document = decode_scene(json.dumps(BLOCK_SCENE), "json")
+    library = {"model_roots": [], "allow_paths": False, "copies": str(tmp_path / "files")}
+    posted = {"library": library, "text": json.dumps(BLOCK_SCENE), "media": "json"}
+    loaded = load_scene(posted, Channel())
     file = tmp_path / "scene.json"
-    file.write_text(json.dumps(document))
+    kept = {"document": loaded["document"], "files": loaded["summary"]["files"]}
+    file.write_text(json.dumps(kept))
     request = {"scene": "s", "group": "arm", "goal": {"type": "configuration", "name": "ready"}}
     request["search"] = {"allowed_planning_time": ALLOWED}
     return {
-        "scene": {"digest": scene.digest, "document": str(file)},
-        "library": {"model_roots": [], "allow_paths": False},
+        "scene": {"digest": loaded["digest"], "document": str(file)},
+        "library": library,
         "request": request,
     }
 
