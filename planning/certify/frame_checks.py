@@ -1,7 +1,7 @@
 """Boxes and cones: where the origin of a frame is, and where one of its axes points."""
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, override
 
 import numpy as np
 
@@ -140,9 +140,11 @@ class _Excess:
 class _Depth(_Excess):
     """How far a frame's origin is within a box, negative beyond it [m]."""
 
+    @override
     def values(self, points: Array) -> Array:
         return -self.box.signed_distances(points)[0]
 
+    @override
     def on_chords(self, begin: Array, end: Array) -> Array:
         """A convex function is nowhere below its tangent plane at either end."""
         lowest: list[Array] = []
