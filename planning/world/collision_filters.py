@@ -8,7 +8,7 @@ from planning.domain.scene import Scene
 from planning.errors import SceneInvalid, UnknownName
 from planning.world.adjacent_links import unchecked_neighbours
 from planning.world.holding import may_touch
-from planning.world.scene_build import Build
+from planning.world.scene_build import Build, LoadedRobot
 
 
 def allow_collisions(build: Build, scene: Scene) -> None:
@@ -43,13 +43,8 @@ def allow_touch(build: Build, scene: Scene) -> None:
     Raises:
         SceneInvalid: A list names a body that does not exist.
     """
-    arm = [
-        joint
-        for robot in build.robots
-        if (card := robot.source.card) is not None
-        for joint in card.groups[card.default_group].joints
-    ]
     names = {index: name for name, index in build.bodies.items()}
+    arm = [joint for robot in build.robots for joint in _arm(build, robot)]
     for i, thing in enumerate(scene.objects):
         if thing.attached is None:
             continue
@@ -66,6 +61,20 @@ def allow_touch(build: Build, scene: Scene) -> None:
                 _exclude(build, (name, thing.name))
                 evidence = f"{thing.name} is attached to {thing.attached.frame} and may touch it"
                 build.unchecked[frozenset((name, thing.name))] = ("held", evidence)
+
+
+def _arm(build: Build, robot: LoadedRobot) -> list[str]:
+    """Return the joints of a robot beyond which nothing is meant to be touched: of its arm.
+
+    Without a `robot.yaml` it is every joint: a description does not say which links are fingers.
+    """
+    card = robot.source.card
+    if card is not None:
+        return list(card.groups[card.default_group].joints)
+    prefix = f"{robot.scene_robot.name}::"
+    own = {int(index) for name, index in build.bodies.items() if name.startswith(prefix)}
+    joints = map(build.plant.get_joint, build.plant.GetJointIndices())
+    return [joint.name() for joint in joints if int(joint.child_body().index()) in own]
 
 
 def leave_out_neighbours(

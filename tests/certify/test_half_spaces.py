@@ -34,7 +34,7 @@ def random_motion(place: Place) -> tuple[Robot, TimedTrajectory]:
 
 
 @given(seed=st.integers(0, 2**31), is_carried=st.booleans())
-@settings(max_examples=num_cases(6))
+@settings(max_examples=num_cases(3))
 def test_what_stays_above_is_proven_and_what_does_not_is_refused(
     seed: int, is_carried: bool
 ) -> None:

@@ -135,3 +135,26 @@ def test_what_stands_is_no_part_of_a_robot() -> None:
     assert not world.drake.owners
     assert not world.margins(0.1).are_of_one_robot("can", "arm::tcp")
     assert WORLD.margins(0.1).are_of_one_robot("can", "arm::tcp")
+
+
+CHAIN = """<robot name="m"><link name="base"/>
+<link name="a"><collision><origin xyz="0.2 0 0"/><geometry><sphere radius="0.05"/></geometry>
+</collision></link>
+<link name="b"><collision><origin xyz="0.2 0 0"/><geometry><sphere radius="0.05"/></geometry>
+</collision></link>
+<link name="c"><collision><origin xyz="0.2 0 0"/><geometry><sphere radius="0.05"/></geometry>
+</collision></link>
+<joint name="j0" type="revolute"><parent link="base"/><child link="a"/><axis xyz="0 0 1"/>
+<limit lower="-3" upper="3" velocity="1" effort="1"/></joint>
+<joint name="j1" type="revolute"><parent link="a"/><child link="b"/><origin xyz="0.4 0 0"/>
+<axis xyz="0 0 1"/><limit lower="-3" upper="3" velocity="1" effort="1"/></joint>
+<joint name="j2" type="revolute"><parent link="b"/><child link="c"/><origin xyz="0.4 0 0"/>
+<axis xyz="0 0 1"/><limit lower="-3" upper="3" velocity="1" effort="1"/></joint></robot>"""
+
+
+def test_what_a_robot_without_a_card_holds_may_touch_nothing_that_it_carries(urdf_world) -> None:
+    """Held by the first link, it was never held against the second and the third."""
+    attached = {"name": "t", "shape": {"sphere": 0.05}, "attached": {"frame": "r::a"}}
+    world = urdf_world(CHAIN, objects=[attached])
+    held = {pair.bodies for pair in world.summary.unchecked if pair.reason == "held"}
+    assert held == {("r::a", "t")}
