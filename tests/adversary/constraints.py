@@ -66,6 +66,9 @@ def judge(case: Document, folder: Path) -> Outcome:
         outcome.count(f"longest {entry['type']} [s]", time.process_time() - begin)
         if isinstance(answer, planning.errors.DeadlineExceeded):
             outcome.blame("no answer", f"{entry['type']}: {answer}", 16)
+        elif isinstance(answer, planning.errors.ProblemInvalid) and "no two" in str(answer):
+            # The right answer to a band between bodies none of which can come nearer to another.
+            outcome.count(f"{entry['type']} without a pair")
         elif isinstance(answer, Exception):
             outcome.blame("error", f"{entry['type']}: {answer!r}")
         else:
