@@ -71,7 +71,7 @@ def sample_motion(  # noqa: PLR0913  (a question in full)
     Raises:
         UnknownName: There is no such group, body, frame or joint.
         ProblemInvalid: The trajectory is of other joints, or a limit makes no sense.
-        Canceled: Somebody asked for the end.
+        Canceled: The caller canceled.
     """
     joints = world.group(group)
     require_joints(joints, trajectory, "trajectory")
@@ -111,7 +111,7 @@ def sample_plan(  # noqa: PLR0913  (a question in full)
         UnknownName: The scene has no such group.
         ProblemInvalid: The problem's cars or limits make no sense in this scene, or the trajectory
             is of other joints.
-        Canceled: Somebody asked for the end.
+        Canceled: The caller canceled.
     """
     group = driven(world.group(problem.group), problem.search.spaces)
     require_joints(group, trajectory, "trajectory")

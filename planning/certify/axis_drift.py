@@ -26,7 +26,7 @@ from planning.certify import bernstein
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
-# So many terms are exact to rounding up to this angle [rad].
+# The number of terms of the series, and the angle up to which they are exact to rounding [rad].
 _TERMS, _LARGEST_ANGLE = 100, 20.0
 # What rounding may do to a product of coefficients, as a share of their sizes.
 _ROUNDING = 1e-15

@@ -63,7 +63,7 @@ def prove_interpolants(
         errors: What interpolation misses of the motion, if that is bounded.
 
     Raises:
-        Canceled: Somebody asked for the end.
+        Canceled: The caller canceled.
         ModelInvalid: The scene has a shape or joint of a kind that cannot be certified.
     """
     judge = _Judge(model, request, samples, clearance, deadline, errors)

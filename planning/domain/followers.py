@@ -29,9 +29,9 @@ class Follower(Value):
         offset: Where it is if the leader is at 0 [rad or m].
         lower: Smallest position [rad or m].
         upper: Largest position [rad or m].
-        velocity: [rad/s or m/s], infinite if nobody limits it.
-        acceleration: [rad/s^2 or m/s^2], infinite if nobody limits it.
-        jerk: [rad/s^3 or m/s^3], infinite if nobody limits it.
+        velocity: [rad/s or m/s], infinite where no limit is stated.
+        acceleration: [rad/s^2 or m/s^2], infinite where no limit is stated.
+        jerk: [rad/s^3 or m/s^3], infinite where no limit is stated.
     """
 
     name: str

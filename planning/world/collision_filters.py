@@ -12,7 +12,7 @@ from planning.world.scene_build import Build, LoadedRobot
 
 
 def allow_collisions(build: Build, scene: Scene) -> None:
-    """Let the pairs touch that the scene or a robot's own description allows; note who said so.
+    """Let the pairs touch that the scene or a robot's own description allows; note the source.
 
     Raises:
         SceneInvalid: The scene names a body that does not exist.
