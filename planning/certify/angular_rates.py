@@ -10,6 +10,9 @@ vector by a bound on its length, x by the product and every sign by plus, the sa
 lengths of omega's Taylor coefficients, since |a x b| <= |a| |b|: a majorant. So on |t - t_m| <= h
 a derivative of omega is its Taylor polynomial, whose length Bernstein coefficients bound, plus a
 remainder of at most the majorant's next coefficient times h to its power (Lagrange).
+
+The majorant says what rounding does, too: where no coefficient of delta is off by more than e_k,
+those of omega are off by no more than the majorant of sizes that are larger by e_k has more.
 """
 
 from math import factorial
@@ -19,6 +22,7 @@ import numpy as np
 from jaxtyping import Float64
 
 from planning.certify import bernstein
+from planning.certify.rounding import UNIT, rounding
 from planning.certify.taylor import skew
 from planning.certify.turn_bounds import turn_bounds
 
@@ -30,6 +34,8 @@ _MAX_HALVINGS = 8
 _LARGEST_ANGLE = 12.0
 _COARSE_HALVINGS = 5
 _TERMS = 60
+# What the rounding of so many sums and products is less than, as a share of their sizes.
+_ROUNDED = 2 * (_TERMS + 2 * _ORDER) * UNIT
 
 
 def angular_peak(
@@ -51,36 +57,40 @@ def angular_peak(
         farther than the series can be trusted is bounded more coarsely, by sizes alone.
     """
     tangents = _derivatives(coefficients, widths, _ORDER + order + 2)
+    hidden = _hidden(tangents, coefficients, widths)
     is_far = np.linalg.norm(tangents[0], axis=2).max(axis=1) > _LARGEST_ANGLE
     found: list[tuple[float, int, float]] = []
     if is_far.any():
         pieces = np.flatnonzero(is_far)
-        tops = _coarse_peaks([part[pieces] for part in tangents], order)
+        tops = _coarse_peaks([part[pieces] for part in tangents], hidden[pieces], order)
         row = int(np.argmax(tops))
         found.append((float(tops[row]), int(pieces[row]), 0.5))
     if not is_far.all():
         pieces = np.flatnonzero(~is_far)
-        near = [part[pieces] for part in tangents]
+        near = [part[pieces] for part in tangents], hidden[pieces]
         top, row, fraction = _series_peak(near, widths[pieces], order, tolerance)
         found.append((top, int(pieces[row]), fraction))
     return max(found, key=lambda entry: entry[0])
 
 
-def _coarse_peaks(tangents: list[Array], order: int) -> Array:
+def _coarse_peaks(tangents: list[Array], hidden: Array, order: int) -> Array:
     """Bound every piece by the sizes of the tangent's derivatives on parts of it."""
     parts = [part * factorial(k) for k, part in enumerate(tangents[: order + 1])][1:]
     for _ in range(_COARSE_HALVINGS):
         parts = [np.stack(bernstein.halves(part), axis=1) for part in parts]
         parts = [part.reshape(-1, *part.shape[2:]) for part in parts]
     sizes = np.stack([np.linalg.norm(part, axis=2).max(axis=1) for part in parts])
+    off = [hidden[:, k] * factorial(k) for k in range(1, order + 1)]
+    sizes += np.repeat(off, 2**_COARSE_HALVINGS, axis=1)
     return turn_bounds(sizes)[order - 1].reshape(len(tangents[0]), -1).max(axis=1)
 
 
 def _series_peak(
-    tangents: list[Array], widths: Array, order: int, tolerance: float
+    near: tuple[list[Array], Array], widths: Array, order: int, tolerance: float
 ) -> tuple[float, int, float]:
+    tangents, hidden = near
     rows, low, half = np.arange(len(widths)), np.zeros(len(widths)), widths / 2
-    taylor, remainder = _model(tangents, half, order)
+    taylor, remainder, errors = _model(tangents, hidden, half, order)
     for _ in range(_MAX_HALVINGS):
         coarse = remainder > tolerance / 2
         if not coarse.any():
@@ -92,12 +102,13 @@ def _series_peak(
         low = np.concatenate([low[~coarse], start, start + step])
         half = np.concatenate([half[~coarse], step / 2, step / 2])
         rows = np.concatenate([rows[~coarse], rows[coarse], rows[coarse]])
-        taylor, remainder = _model(tangents, half, order)
+        taylor, remainder, errors = _model(tangents, hidden[rows], half, order)
     squares = bernstein.square_norm(bernstein.about_middle(taylor, half))
     scale = float(np.sqrt(max(squares[:, [0, -1]].max(), 0.0)))
     top, at, fraction = bernstein.peak(squares, tolerance * max(scale, tolerance) / 2)
     time = (low[at] + fraction * 2 * half[at]) / widths[rows[at]]
-    return float(np.sqrt(max(top, 0.0)) + remainder.max()), int(rows[at]), min(float(time), 1.0)
+    missed = float((remainder + errors).max())
+    return float(np.sqrt(max(top, 0.0))) + missed, int(rows[at]), min(float(time), 1.0)
 
 
 def _derivatives(coefficients: Array, widths: Array, count: int) -> list[Array]:
@@ -111,18 +122,35 @@ def _derivatives(coefficients: Array, widths: Array, count: int) -> list[Array]:
     ]
 
 
-def _model(tangents: list[Array], half: Array, order: int) -> tuple[Array, Array]:
-    """Return the derivative's Taylor polynomial about the middle, and its remainder's bound."""
+def _hidden(tangents: list[Array], coefficients: Array, widths: Array) -> Array:
+    """Bound how far each piece's vectors in `tangents` are off, shape (n, k)."""
+    off = [
+        rounding(np.abs(part).max(axis=1) * factorial(k), coefficients, widths, k) / factorial(k)
+        for k, part in enumerate(tangents)
+    ]
+    return np.linalg.norm(np.stack(off, axis=1), axis=2)
+
+
+def _model(
+    tangents: list[Array], hidden: Array, half: Array, order: int
+) -> tuple[Array, Array, Array]:
+    """Return the derivative's Taylor polynomial about the middle, and what it misses at most.
+
+    That is, beyond its last power, and by rounding.
+    """
     middle = np.stack([bernstein.halves(part)[0][:, -1] for part in tangents], axis=1)
     lengths = [np.linalg.norm(part, axis=2).max(axis=1) for part in tangents]
-    bounds = np.stack(lengths, axis=1)[:, :, None]
+    bounds = (np.stack(lengths, axis=1) + hidden)[:, :, None]
+    wider = bounds + hidden[:, :, None]
     omega = velocity_series(skew(middle), middle, -1.0)
-    majorant = velocity_series(bounds[..., None], bounds, 1.0)
+    majorant, wide = (velocity_series(part[..., None], part, 1.0) for part in (bounds, wider))
     lag = order - 1
     falling = np.array([factorial(j + lag) / factorial(j) for j in range(_ORDER + 2)])
     taylor = omega[:, lag : lag + _ORDER + 1] * falling[None, : _ORDER + 1, None]
     beyond = majorant[:, lag + _ORDER + 1, 0] * falling[_ORDER + 1]
-    return taylor, beyond * half ** (_ORDER + 1)
+    off = (wide - majorant + _ROUNDED * wide)[:, lag : lag + _ORDER + 1, 0] * falling[:-1]
+    errors = (off * half[:, None] ** np.arange(_ORDER + 1)).sum(axis=1)
+    return taylor, beyond * half ** (_ORDER + 1), errors
 
 
 def velocity_series(adjoint: Array, delta: Array, sign: float) -> Array:

@@ -12,7 +12,7 @@ derivative of ad(delta)^(k - 1) brings one factor |delta'| for one factor x,
     |omega'  - delta''|  <= f |D'| + f' a |D|,
     |omega'' - delta'''| <= f |D''| + 2 f' a |D'| + (f'' a^2 + f' b) |D|,
 
-with bounds a, b on |delta'| and |delta''|.
+with bounds a, b on |delta'| and |delta''|. What rounding hides (`rounding`) is added to all sizes.
 """
 
 from math import factorial
@@ -23,13 +23,12 @@ from jaxtyping import Float64
 from numpy.polynomial.polynomial import polyder, polyval
 
 from planning.certify import bernstein
+from planning.certify.rounding import UNIT, rounding
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # The number of terms of the series, and the angle up to which they are exact to rounding [rad].
 _TERMS, _LARGEST_ANGLE = 100, 20.0
-# What rounding may do to a product of coefficients, as a share of their sizes.
-_ROUNDING = 1e-15
 
 
 def axis_drift(
@@ -44,10 +43,9 @@ def axis_drift(
     """
     # In the piece's own time u = t / width: what is large there is large on the piece.
     scaled = coefficients * (widths[:, None] ** np.arange(coefficients.shape[1]))[:, :, None]
-    ones = np.ones(len(widths))
-    x, a, b = (_size(bernstein.derivative(scaled, k), ones) for k in range(3))
+    x, a, b = (_size(scaled, k) for k in range(3))
     moments = _moment(scaled)
-    drift = [_size(bernstein.derivative(moments, k), ones) + _rounding(scaled, k) for k in range(3)]
+    drift = [_size(moments, k) + _rounding(scaled, k) for k in range(3)]
     with np.errstate(over="ignore", invalid="ignore"):
         f, slope, bend = _series(x)
         bounds = (
@@ -59,9 +57,12 @@ def axis_drift(
     return np.where(np.isfinite(found), found, np.inf)
 
 
-def _size(power: Array, widths: Array) -> Array:
-    """Return the largest length of a vector's polynomial on each piece."""
-    return np.linalg.norm(bernstein.from_power(power, widths), axis=2).max(axis=1)
+def _size(power: Array, order: int) -> Array:
+    """Return the largest length of the derivative of a vector's polynomial on each piece."""
+    ones = np.ones(len(power))
+    form = bernstein.from_power(bernstein.derivative(power, order), ones)
+    off = rounding(np.abs(form).max(axis=1), power, ones, order)
+    return np.linalg.norm(form, axis=2).max(axis=1) + np.linalg.norm(off, axis=1)
 
 
 def _moment(scaled: Array) -> Array:
@@ -76,9 +77,14 @@ def _moment(scaled: Array) -> Array:
 
 
 def _rounding(scaled: Array, order: int) -> Array:
-    """Return what rounding may hide of the order-th derivative of delta x delta'."""
-    degree = 2 * scaled.shape[1]
-    return _ROUNDING * np.abs(scaled).sum(axis=(1, 2)) ** 2 * float(degree) ** (order + 1)
+    """Return what rounding may hide of the order-th derivative of delta x delta'.
+
+    Each power of it is a sum of products, no more than delta has powers, of three roundings each.
+    """
+    terms = scaled.shape[1]
+    sizes = np.linalg.norm(scaled, axis=2)
+    sums = sizes.sum(axis=1) * (sizes * np.arange(terms)).sum(axis=1)
+    return (terms + 4) * UNIT * (2.0 * terms) ** order * sums
 
 
 def _series(x: Array) -> tuple[Array, Array, Array]:

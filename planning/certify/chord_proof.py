@@ -62,17 +62,23 @@ class ChordProof:
     """One proof: the largest value of a quantity, held against a bound."""
 
     def __init__(
-        self, quantity: Quantity, bends: Array, request: CertifyRequest, deadline: Deadline
+        self,
+        quantity: Quantity,
+        bends: tuple[Array, Array],
+        request: CertifyRequest,
+        deadline: Deadline,
     ) -> None:
         """Prepare.
 
         Args:
             quantity: What to bound.
-            bends: Bounds on the point's acceleration on every piece, shape (n,).
+            bends: Bounds on the point's acceleration on every piece, shape (n,), and on what
+                rounding makes of its place, the same.
             request: Has the trajectory.
             deadline: When to stop.
         """
-        self._quantity, self._bends, self._deadline = quantity, bends, deadline
+        self._quantity, self._deadline = quantity, deadline
+        self._bends, self._errors = bends
         self._breaks = request.trajectory.breaks
         self._widths = np.diff(self._breaks)
         self._seen, self._time, self._count, self._settled = -np.inf, 0.0, 0, -np.inf
@@ -123,7 +129,7 @@ class ChordProof:
 
     def _uppers(self, intervals: _Intervals, width: float) -> Array:
         steps = width * self._widths[intervals.pieces]
-        strays = steps**2 / 8 * self._bends[intervals.pieces]
+        strays = steps**2 / 8 * self._bends[intervals.pieces] + self._errors[intervals.pieces]
         return self._quantity.on_chords(intervals.begin, intervals.end) + strays
 
     def _halved(self, intervals: _Intervals, width: float) -> _Intervals:

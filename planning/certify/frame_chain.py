@@ -9,6 +9,12 @@ piece (a majorant): a joint that turns by q has R(t + h) = R(t) exp([a] (q(t + h
 
 with Q_k(h) = sum_m>0 max |q_k^(m)| h^m / m!. Where the axis moves, R = R_0 exp(delta), Q is the
 integral of a majorant of the angular velocity, which `turn_bounds` has.
+
+The same series says what rounding does. Let no q_k^(m) be off by more than e_km. What is computed
+of the frame is then off by no more than the series with |q_k^(m)| + e_km has more than without, the
+constant terms e_k0 included: each power of each difference is a sum of products in which lengths
+count as above. Of a rotation in space J is off by no more than e_0 / 2, and its derivative by no
+more than e_1 / 2 + e_0 |delta'| / 3, both of which factors 1 + e_0 on all sizes make up for.
 """
 
 from dataclasses import dataclass
@@ -27,6 +33,7 @@ from pydrake.multibody.tree import (
 from planning.certify import bernstein
 from planning.certify.motion_bounds import MovingJoint, joint_chains, moving_joints
 from planning.certify.request import CertifyRequest
+from planning.certify.rounding import UNIT, rounding
 from planning.certify.turn_bounds import turn_bounds
 from planning.errors import ModelInvalid
 from planning.world.drake_model import DrakeModel
@@ -35,6 +42,8 @@ type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 _ORDER = 4
 _FACTORIALS = np.array([float(factorial(m)) for m in range(_ORDER + 1)])
+# What the rounding of sums and products here, and of kinematics, is less than, as a share.
+_ROUNDED = 64 * UNIT
 
 
 def derivative_bounds(
@@ -45,18 +54,7 @@ def derivative_bounds(
     Raises:
         ModelInvalid: A joint moves in a way that cannot be bounded here.
     """
-    links = _links(model, request, frame)
-    count = request.trajectory.num_pieces
-    total, turned = np.zeros((count, _ORDER + 1)), np.zeros((count, _ORDER + 1))
-    with np.errstate(over="ignore", invalid="ignore"):
-        for link in links:
-            turn, shift = _series(model, request, link.moving)
-            turned += turn
-            reach = np.array(shift)
-            reach[:, 0] += link.length
-            total += _product(_exponential(turned), reach)
-    # Not a number is what overflow leaves behind: no bound.
-    return np.where(np.isnan(total), np.inf, total * _FACTORIALS)[:, 1:]
+    return _origin(model, request, frame, 1)[:, 1:]
 
 
 def direction_bounds(
@@ -69,12 +67,60 @@ def direction_bounds(
     Raises:
         ModelInvalid: A joint moves in a way that cannot be bounded here.
     """
+    return _direction(model, request, frame, 1)[:, 1:]
+
+
+def origin_errors(
+    model: DrakeModel, request: CertifyRequest, frame: str
+) -> Float64[np.ndarray, "n 3"]:
+    """Bound what rounding makes of a frame's origin, its velocity and its acceleration, by piece.
+
+    Raises:
+        ModelInvalid: A joint moves in a way that cannot be bounded here.
+    """
+    return _more([_origin(model, request, frame, times) for times in (1, 2)])[:, :3]
+
+
+def direction_errors(
+    model: DrakeModel, request: CertifyRequest, frame: str
+) -> Float64[np.ndarray, " n"]:
+    """Bound what rounding makes of a unit vector that turns with a frame, on every piece.
+
+    Raises:
+        ModelInvalid: A joint moves in a way that cannot be bounded here.
+    """
+    return _more([_direction(model, request, frame, times) for times in (1, 2)])[:, 0]
+
+
+def _more(bounds: list[Array]) -> Array:
+    """Return by how much the second is more than the first, rounding of both included."""
+    less, more = bounds
+    with np.errstate(invalid="ignore"):
+        return np.nan_to_num(more - less + _ROUNDED * more, nan=np.inf, posinf=np.inf)
+
+
+def _origin(model: DrakeModel, request: CertifyRequest, frame: str, times: int) -> Array:
+    """Bound the origin and its derivatives with what rounding hides taken so many times, (n, 5)."""
+    count = request.trajectory.num_pieces
+    total, turned = np.zeros((count, _ORDER + 1)), np.zeros((count, _ORDER + 1))
+    with np.errstate(over="ignore", invalid="ignore"):
+        for link in _links(model, request, frame):
+            turn, shift = _series(model, request, link.moving, times)
+            turned += turn
+            reach = np.array(shift)
+            reach[:, 0] += link.length
+            total += _product(_exponential(turned), reach)
+    # Not a number is what overflow leaves behind: no bound.
+    return np.where(np.isnan(total), np.inf, total * _FACTORIALS)
+
+
+def _direction(model: DrakeModel, request: CertifyRequest, frame: str, times: int) -> Array:
     turned = np.zeros((request.trajectory.num_pieces, _ORDER + 1))
     with np.errstate(over="ignore", invalid="ignore"):
         for link in _links(model, request, frame):
-            turned += _series(model, request, link.moving)[0]
+            turned += _series(model, request, link.moving, times)[0]
         total = _exponential(turned) * _FACTORIALS
-    return np.where(np.isnan(total), np.inf, total)[:, 1:]
+    return np.where(np.isnan(total), np.inf, total)
 
 
 @dataclass(frozen=True)
@@ -113,47 +159,56 @@ def _links(model: DrakeModel, request: CertifyRequest, name: str) -> list[_Link]
     ]
 
 
-def _series(model: DrakeModel, request: CertifyRequest, moving: MovingJoint) -> tuple[Array, Array]:
-    """Return majorants of a joint's turn, without constant, and of its shift, shape (n, 5)."""
+def _series(
+    model: DrakeModel, request: CertifyRequest, moving: MovingJoint, times: int
+) -> tuple[Array, Array]:
+    """Return majorants of a joint's turn, without constant, and of its shift, shape (n, 5).
+
+    The constant of the turn is what rounding hides, but for the first time.
+    """
     nothing = np.zeros((request.trajectory.num_pieces, _ORDER + 1))
-    sizes = _sizes(request, moving)
+    sizes = _sizes(request, moving, times)
     joint = moving.joint
     match joint:
         case RevoluteJoint():
-            return _without_constant(sizes[0]), nothing
+            return _about_axis(*sizes[0]), nothing
         case PrismaticJoint():
-            return nothing, _placed(sizes[0], _shifts(model, request, joint, 0))
+            return nothing, _placed(sizes[0][0], _shifts(model, request, joint, 0))
         case PlanarJoint():
-            return _without_constant(sizes[1]), _placed(
-                sizes[0], _shifts(model, request, joint, 0, 2)
+            return _about_axis(*sizes[1]), _placed(
+                sizes[0][0], _shifts(model, request, joint, 0, 2)
             )
         case QuaternionFloatingJoint():
-            return _turn(sizes[0]), _placed(sizes[1], _shifts(model, request, joint, 4, 7))
+            return _turn(*sizes[0]), _placed(sizes[1][0], _shifts(model, request, joint, 4, 7))
         case _:
             message = f"joint {joint.name()!r} of kind {joint.type_name()!r} cannot be certified"
             raise ModelInvalid(message, {"joint": joint.name(), "reason": message})
 
 
-def _sizes(request: CertifyRequest, moving: MovingJoint) -> list[Array]:
+def _sizes(request: CertifyRequest, moving: MovingJoint, times: int) -> list[tuple[Array, Array]]:
     """Return majorants of the member's blocks, |c^(m)| / m! on every piece, each shape (n, 5).
 
-    The constant is how far the block is from where the piece begins.
+    The constant is how far the block is from where the piece begins. What rounding hides is added
+    so many times; what it hides of the block itself, but for the first time, comes besides (n,).
     """
     curve, widths = request.trajectory, np.diff(request.trajectory.breaks)
     joints = request.group.joints
     begin = sum(joint.num_velocities for joint in joints[: moving.member])
     member = joints[moving.member]
-    found: list[Array] = []
+    found: list[tuple[Array, Array]] = []
     for _, indices in member.blocks:
         columns = [begin + i for i in indices]
         coefficients = curve.coefficients[:, :, columns]
-        series = np.empty((curve.num_pieces, _ORDER + 1))
+        series, hidden = np.empty((2, curve.num_pieces, _ORDER + 1))
         for m in range(_ORDER + 1):
             form = bernstein.from_power(bernstein.derivative(coefficients, m), widths)
+            off = rounding(np.abs(form).max(axis=1), coefficients, widths, m)
+            hidden[:, m] = np.linalg.norm(off, axis=1)
             if m == 0:
                 form = form - form[:, :1]
             series[:, m] = np.linalg.norm(form, axis=2).max(axis=1)
-        found.append(moving.scale * series / _FACTORIALS)
+        series = moving.scale * (series + times * hidden) / _FACTORIALS
+        found.append((series, moving.scale * (times - 1) * hidden[:, 0]))
     return found
 
 
@@ -173,26 +228,27 @@ def _placed(sizes: Array, shifts: Array) -> Array:
     return placed
 
 
-def _without_constant(series: Array) -> Array:
+def _about_axis(series: Array, constant: Array) -> Array:
     found = np.array(series)
-    found[:, 0] = 0.0
+    found[:, 0] = constant
     return found
 
 
-def _turn(sizes: Array) -> Array:
-    """Return the majorant of a turn in space from that of its tangent, without constant."""
-    rates = turn_bounds((sizes * _FACTORIALS)[:, 1:].T)
-    return np.column_stack([np.zeros(len(sizes)), rates.T]) / _FACTORIALS
+def _turn(sizes: Array, constant: Array) -> Array:
+    """Return the majorant of a turn in space from that of its tangent."""
+    rates = turn_bounds((sizes * _FACTORIALS)[:, 1:].T * (1 + constant))
+    return np.column_stack([constant, rates.T]) / _FACTORIALS
 
 
 def _exponential(series: Array) -> Array:
-    """Return exp of series without constant."""
+    """Return exp of series."""
+    powers = _about_axis(series, np.zeros(len(series)))
     total = term = np.zeros_like(series)
     total[:, 0] = 1.0
     for j in range(1, _ORDER + 1):
-        term = _product(term, series) / j
+        term = _product(term, powers) / j
         total = total + term
-    return total
+    return total * np.exp(series[:, :1])
 
 
 def _product(a: Array, b: Array) -> Array:

@@ -6,7 +6,12 @@ from typing import Any, override
 import numpy as np
 
 from planning.certify.chord_proof import SLACK, ChordProof
-from planning.certify.frame_chain import derivative_bounds, direction_bounds
+from planning.certify.frame_chain import (
+    derivative_bounds,
+    direction_bounds,
+    direction_errors,
+    origin_errors,
+)
 from planning.certify.frame_poses import FramePoses
 from planning.certify.request import CertifyRequest
 from planning.domain import rotation
@@ -43,7 +48,8 @@ def box_check(
     )
     poses = FramePoses(model, request, constraint.frame)
     kind = _Depth if isinstance(constraint, KeepOut) else _Excess
-    bends = derivative_bounds(model, request, constraint.frame)[:, 1]
+    moving = model, request, constraint.frame
+    bends = derivative_bounds(*moving)[:, 1], origin_errors(*moving)[:, 0]
     found = ChordProof(kind(poses, placed), bends, request, deadline).run(0.0)
     return Check(
         name=name,
@@ -79,7 +85,8 @@ def cone_check(
         constraint.axis / np.linalg.norm(constraint.axis),
         direction / np.linalg.norm(direction),
     )
-    bends = direction_bounds(model, request, constraint.frame)[:, 1]
+    moving = model, request, constraint.frame
+    bends = direction_bounds(*moving)[:, 1], direction_errors(*moving)
     # What is forgiven is an angle: near half a turn its chord changes less.
     largest = constraint.tolerance + SLACK
     bound = 2 * np.sin(largest / 2) - SLACK if largest < np.pi else np.inf

@@ -3,7 +3,7 @@
 On an interval of width h the velocity is within h^2 / 8 max |p'''| of the chord between its ends,
 and no point of a chord is longer than both its ends; so is the acceleration, with max |p''''|, and
 the origin with max |p''|. `derivative_bounds` has the maxima. Intervals on which that decides
-nothing are halved.
+nothing are halved. What rounding makes of what is looked at (`origin_errors`) is added.
 """
 
 from dataclasses import dataclass
@@ -11,7 +11,7 @@ from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 
-from planning.certify.frame_chain import derivative_bounds
+from planning.certify.frame_chain import derivative_bounds, origin_errors
 from planning.certify.frame_states import FrameStates, Sighting
 from planning.certify.limit_checks import MAX_UTILISATION
 from planning.certify.request import CertifyRequest
@@ -36,7 +36,8 @@ class Spans:
         low: Where each begins, as a fraction of its piece.
         begin: The frame there.
         end: And at its end.
-        strays: How far position, velocity and acceleration can be from their chords, shape (3, n).
+        strays: How far position, velocity and acceleration can be from the chords between what was
+            looked at, shape (3, n).
     """
 
     pieces: Any
@@ -83,6 +84,7 @@ class FrameProof:
         """
         self._states = FrameStates(model, request, frame)
         self._bounds = derivative_bounds(model, request, frame)[:, 1:].T
+        self._errors = origin_errors(model, request, frame).T
         self._breaks = request.trajectory.breaks
         self._widths = np.diff(self._breaks)
         self._quantities, self._frame = quantities, frame
@@ -157,7 +159,8 @@ class FrameProof:
         self, pieces: Any, low: Array, width: float, begin: Sighting, end: Sighting
     ) -> Spans:
         steps = width * self._widths[pieces]
-        return Spans(pieces, low, begin, end, steps**2 / 8 * self._bounds[:, pieces])
+        strays = steps**2 / 8 * self._bounds[:, pieces] + self._errors[:, pieces]
+        return Spans(pieces, low, begin, end, strays)
 
     def _time(self, spans: Spans, row: int, beyond: float) -> float:
         piece = int(spans.pieces[row])

@@ -9,7 +9,7 @@ from a segment is convex; so is a norm. Hence on every interval between samples
 
 The bounds of second derivatives are `ToolRates`' and hold on whole cells. Lines that hardly shift
 have no fraction to go by: of them the axis of the turn is held against the line's instead, where
-R n - n_W plays the part of R - S.
+R n - n_W plays the part of R - S. What rounding makes of where the tool is, is added to both.
 """
 
 from dataclasses import dataclass
@@ -19,6 +19,7 @@ import numpy as np
 from jaxtyping import Float64
 
 from planning.certify.equal_parts import equal_parts
+from planning.certify.frame_chain import direction_errors, origin_errors
 from planning.certify.request import CertifyRequest
 from planning.certify.tool_rates import Cells, ToolRates
 from planning.domain import rotation
@@ -106,10 +107,20 @@ def _bounds(
     times = np.append(cells.begins[owners] + within * steps, section.end)
     R_WT, p_wt = rates.poses(times, deadline)
     gaps = steps**2 / 8
-    shift = _between(_distances(section.line, p_wt)) + gaps * cells.acceleration[owners]
-    matrix = _between(_misturns(section.line, R_WT, p_wt)) + gaps * turning[owners]
+    off_shift, off_turn = _errors(model, request, section.line)
+    shift = _between(_distances(section.line, p_wt)) + gaps * cells.acceleration[owners] + off_shift
+    matrix = _between(_misturns(section.line, R_WT, p_wt)) + gaps * turning[owners] + off_turn
     angles = 2 * np.arcsin(np.minimum(matrix / (2 * np.sqrt(2)), 1.0))
     return _largest(shift, times), _largest(angles, times)
+
+
+def _errors(model: DrakeModel, request: CertifyRequest, line: ToolLine) -> tuple[float, float]:
+    """Bound what rounding makes of the distances [m], and of the norms of what is misturned."""
+    moving = model, request, line.frame
+    shift, turn = origin_errors(*moving)[:, 0].max(), np.sqrt(3) * direction_errors(*moving).max()
+    if _has_way(line):
+        turn += np.sqrt(2) * float(np.linalg.norm(line.turn)) * shift / line.length
+    return float(shift), float(turn)
 
 
 def _between(at_samples: Array) -> Array:

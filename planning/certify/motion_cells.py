@@ -1,7 +1,9 @@
 """MotionCells: a trajectory in short cells, with bounds on its rates that hold all over each.
 
 Rates are Bernstein coefficients of one degree: what a convex bound says of all coefficients of a
-sum, it says of the sum itself at every instant of the cell.
+sum, it says of the sum itself at every instant of the cell. They come from the trajectory's powers
+in two steps, each of which rounds by no more than `rounding` says: twice that is taken from limits,
+and added to sizes.
 """
 
 from dataclasses import dataclass
@@ -126,8 +128,13 @@ def _form(taylor: Array, order: int, widths: Array) -> Array:
 
 def _by_size(request: CertifyRequest, forms: list[Array]) -> list[BlockRates]:
     """Return the rates of all scalar blocks together, and of each other block."""
-    limits = [getattr(request.shared_limits, name) for name in RATES[: len(forms) - 1]]
     blocks = [(name, list(indices)) for name, indices in request.group.blocks]
+    hidden = [
+        np.array([2 * np.linalg.norm(off[indices]) for _, indices in blocks])
+        for off in request.rounding[1 : len(forms)]
+    ]
+    shared = request.shared_limits
+    limits = [getattr(shared, name) - off for name, off in zip(RATES, hidden, strict=False)]
     scalar = [i for i, (_, indices) in enumerate(blocks) if len(indices) == 1]
     found: list[BlockRates] = []
     if scalar:
@@ -150,7 +157,7 @@ def _by_size(request: CertifyRequest, forms: list[Array]) -> list[BlockRates]:
             bounds = tuple(limit[i : i + 1] for limit in limits)
             largest = [float(bound[0]) for bound in bounds]
             is_turning = name in turning and not has_fixed_axes(request, indices, largest)
-            rates = _turning(own) if is_turning else own[1:]
+            rates = _turning(own, [off[i] for off in hidden]) if is_turning else own[1:]
             found.append(BlockRates((name,), tuple(rates), bounds, np.zeros(1), is_turning))
     return found
 
@@ -167,7 +174,10 @@ def _by_sign(request: CertifyRequest, names: tuple[str, ...], limits: Array) -> 
     return (highest + lowest) / 2, (highest - lowest) / 2
 
 
-def _turning(forms: list[Array]) -> list[Array]:
+def _turning(forms: list[Array], hidden: list[float]) -> list[Array]:
     """Return bounds on the size of an angular velocity and its derivatives."""
-    sizes = np.stack([np.linalg.norm(form, axis=3).max(axis=1) for form in forms[1:]])
+    sizes = np.stack([
+        np.linalg.norm(form, axis=3).max(axis=1) + off
+        for form, off in zip(forms[1:], hidden, strict=True)
+    ])
     return [size[:, None, :, None] for size in turn_bounds(sizes)]

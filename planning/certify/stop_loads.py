@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from planning.certify import bernstein
-from planning.certify.frame_chain import derivative_bounds
+from planning.certify.frame_chain import derivative_bounds, origin_errors
 from planning.certify.frame_states import FrameStates
 from planning.certify.limit_checks import MAX_UTILISATION
 from planning.certify.links import Link, links_of
@@ -67,6 +67,7 @@ def _of_frame(
     with np.errstate(over="ignore", invalid="ignore"):
         beyond = derivative_bounds(model, request, frame)[pieces, 2:]
         off = (cells.widths[:, None] / _LOOKS) ** 2 / 8 * beyond
+        off += origin_errors(model, request, frame)[pieces, 1:]
         bounds = most * MAX_UTILISATION - off[:, 1:]
     load = StopLoad(
         (f"tool_acceleration {frame}",),

@@ -152,12 +152,18 @@ def _joint_rates(request: CertifyRequest, pieces: Any) -> tuple[Array, Array]:
     Of a joint that floats, omega = J_r(delta) delta' is no longer than delta'.
     """
     forms = [form[:, pieces] for form in request.forms[:3]]
-    rates, changes = (np.abs(form).max(axis=2).T for form in forms[1:])
+    hidden = request.rounding[1:3]
+    rates, changes = (
+        np.abs(form).max(axis=2).T + off for form, off in zip(forms[1:], hidden, strict=True)
+    )
     begin = 0
     for joint in request.group.joints:
         if joint.type is JointType.FLOATING:
             turn = slice(begin, begin + 3)
-            sizes = [np.linalg.norm(form[turn], axis=0).max(axis=1) for form in forms[1:]]
+            sizes = [
+                np.linalg.norm(form[turn], axis=0).max(axis=1) + np.linalg.norm(off[turn])
+                for form, off in zip(forms[1:], hidden, strict=True)
+            ]
             rate, change = turn_bounds(np.stack(sizes))
             rates[:, turn], changes[:, turn] = rate[:, None], change[:, None]
         begin += joint.num_velocities

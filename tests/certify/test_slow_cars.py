@@ -4,10 +4,12 @@ import numpy as np
 import pytest
 
 import planning
-from planning.certify.steering_check import SLIP, TIGHT
+from planning.certify.steering_check import SLIP, TIGHT, steering_checks
 from planning.domain.certificate import Check
 from planning.domain.curve import TimedTrajectory
 from planning.world.world import World
+from tests.certify.conftest import request_for
+from tests.certify.test_rounded_rates import growing, slopes, value
 from tests.clocks import no_hurry
 from tests.drivers import assert_driven
 
@@ -79,3 +81,18 @@ def test_a_planned_drive_is_proven_however_slowed(world: World, slowness: float)
     bases[:, 2] *= 1.002
     broken = TimedTrajectory(slow.joints, slow.breaks, bases, tighter)
     assert not steering(world, broken).passed
+
+
+def test_a_drive_whose_speed_rounding_hides_is_not_proven(world: World) -> None:
+    """Straight on, by powers that cancel: the speed is off by more than counts as nothing."""
+    powers = growing(np.random.default_rng(3), 30, 1.0)
+    joints = world.group("c").joints
+    coefficients = powers[None, :, None] * np.array([1.0, 0.0, 0.0])
+    motion = TimedTrajectory(joints, np.array([0.0, 1.0]), np.zeros((1, 3)), coefficients)
+    times = np.linspace(0.5, 1.0, 20)
+    seen = motion.tangents(times, 1)[:, 0]
+    true = [value(slopes(powers), t) for t in times.tolist()]
+    assert np.abs(seen - true).max() > 1e-9
+    (check,) = steering_checks(request_for(world, "c", motion))
+    assert not check.passed
+    assert check.where == "unproven"

@@ -84,6 +84,6 @@ def test_what_is_missed_falls_with_the_fifth_power_of_the_width() -> None:
         torque_series(
             links, GRAVITY, trajectory, (np.array([0]), np.array([0.1]), np.array([half]))
         ).missed.max()
-        for half in (2e-4, 1e-4)
+        for half in (2e-3, 1e-3)
     ]
     assert missed[0] / missed[1] == np.clip(missed[0] / missed[1], 30, 34)
