@@ -15,7 +15,7 @@ from planning.certify.candidate_pairs import geometry_of
 from planning.certify.collision_shapes import CollisionShapes
 from planning.certify.proof_parts import Spot
 from planning.certify.request import CertifyRequest
-from planning.certify.separation import nearest_point
+from planning.kernel.separation import nearest_point
 from planning.world.contexts import shared_context
 from planning.world.drake_model import DrakeModel
 

@@ -7,7 +7,7 @@ from pydrake.multibody.tree import BodyIndex
 
 from planning.certify.collision_shapes import CollisionShapes
 from planning.certify.motion_bounds import MotionBounds
-from planning.certify.separation import Separation, separation
+from planning.kernel.separation import Separation, separation
 from planning.world.drake_model import DrakeModel
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]

@@ -5,6 +5,10 @@ such a pair would forbid the robot to be anywhere. A pair is left out if its sha
 joint's default position, or at half of the joint's range or more; and if they are shown never to
 touch, however far the joint turns. Every other pair is checked like any other
 (docs/decisions/0031).
+
+Drake's distances of separate shapes are never too small, but can be too large
+(docs/decisions/0006): what it calls touching touches, and that shapes are apart is shown by slabs
+of our own.
 """
 
 from dataclasses import dataclass
@@ -12,21 +16,25 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
-from pydrake.geometry import Box, GeometryId
+from pydrake.geometry import GeometryId
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import BodyIndex
 
+from planning.kernel.shape import ConvexShape
+from planning.kernel.shape_distance import distance_bounds, slab
 from planning.world.half_spaces import has_half_space, height, measurable
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
+type Ids = tuple[GeometryId, GeometryId]
 
 _NUM_SAMPLES = 17
 _MOST_OVERLAPPING = 0.5
 # Faces that meet without a gap touch, whatever rounding says [m].
 _FLUSH = 1e-4
 # Positions of a turning joint at which its bodies are measured at most, to show that they never
-# touch; what Drake's distances may be wrong by [m].
-_MOST_LOOKS, _TRUSTED = 600, 1e-4
+# touch; what distances are trusted to [m], and the share of Drake's that a slab need not show.
+_MOST_LOOKS, _TRUSTED = 600, 1e-7
+_SHOWN = 0.02
 # How far a point may move within an interval, as a share of the distance, to begin with.
 _MOST_STRAY = 0.8
 # What stands for a range without end: a whole turn, or a metre either way.
@@ -77,7 +85,7 @@ def unchecked_neighbours(diagram: Any, plant: MultibodyPlant, scene_graph: Any) 
             found.append(Neighbours(_ends(plant, joint), evidence))
         elif count == 0 and (least := probe.least_distance(joint)) > 0:
             name = plant.get_joint(joint).name()
-            evidence = f"at least {least:.2g} m apart wherever joint {name} turns to"
+            evidence = f"at least {_floored(least):g} m apart wherever joint {name} turns to"
             found.append(Neighbours(_ends(plant, joint), evidence))
     return found
 
@@ -90,6 +98,7 @@ class _Probe:
         self._plant_context = plant.GetMyMutableContextFromRoot(context)
         self._query_context = scene_graph.GetMyContextFromRoot(context)
         self._port = scene_graph.get_query_output_port()
+        self._shapes: dict[GeometryId, ConvexShape] = {}
 
     def go_to(self, share: float) -> None:
         """Put every joint at a share of its range; those of several coordinates stay."""
@@ -111,7 +120,7 @@ class _Probe:
         point of the child at a distance r from the axis moves farther than r a.
         """
         joint = self._plant.get_joint(index)
-        if joint.type_name() != "revolute" or self._are_boxes(self._pairs[index]):
+        if joint.type_name() != "revolute":
             return 0.0
         reach, least = self._reach(joint), np.inf
         first = self._distance_at(joint, 0.0)
@@ -137,12 +146,12 @@ class _Probe:
         """Return what the joint's bodies are surely apart at an angle of it [m]."""
         joint.set_angle(self._plant_context, angle)
         query = self._port.Eval(self._query_context)
-        return min(_distance(query, a, b) for a, b in self._pairs[joint.index()]) - _TRUSTED
-
-    def _are_boxes(self, geometries: list[Any]) -> bool:
-        """Whether some are two boxes, whose distance Drake may overstate."""
-        shapes = [[self._inspector.GetShape(i) for i in pair] for pair in geometries]
-        return any(all(isinstance(shape, Box) for shape in pair) for pair in shapes)
+        found = [(pair, self._measured(query, pair)) for pair in self._pairs[joint.index()]]
+        least = np.inf
+        # The nearest first: of the others a slab as wide as theirs is enough.
+        for pair, seen in sorted(found, key=lambda entry: entry[1][0]):
+            least = min(least, self._bounds(query, pair, seen, least)[0])
+        return float(least) - _TRUSTED
 
     def _reach(self, joint: Any) -> float:
         """Return how far any point of the child's shapes is from the joint's axis at most [m]."""
@@ -168,23 +177,63 @@ class _Probe:
         return {
             joint
             for joint, geometries in self._pairs.items()
-            if any(_distance(query, a, b) <= _FLUSH for a, b in geometries)
+            if any(self._touch(query, pair) for pair in geometries)
         }
+
+    def _touch(self, query: Any, pair: Ids) -> bool:
+        seen = self._measured(query, pair)
+        return seen[0] <= _FLUSH or self._bounds(query, pair, seen, _FLUSH)[1] <= _FLUSH
+
+    def _measured(self, query: Any, pair: Ids) -> tuple[float, Array]:
+        """Return a distance that is not too small [m], and a direction from B to A."""
+        if has_half_space(self._inspector, pair):
+            return height(self._convex(pair), self._poses(query, pair))[0], np.zeros(3)
+        found = query.ComputeSignedDistancePairClosestPoints(*pair)
+        return float(found.distance), np.array(found.nhat_BA_W)
+
+    def _bounds(
+        self, query: Any, pair: Ids, seen: tuple[float, Array], enough: float
+    ) -> tuple[float, float]:
+        """Bound the distance of two geometries where they are [m].
+
+        Args:
+            query: Drake's, with the plant where it shall be.
+            pair: Both.
+            seen: What `_measured` says of them.
+            enough: The lower bound need not be larger; nor than nearly all of what was measured.
+        """
+        distance, normal = seen
+        if distance <= 0 or has_half_space(self._inspector, pair):
+            return distance, distance
+        shapes, poses = self._convex(pair), self._poses(query, pair)
+        enough = min(enough, (1 - _SHOWN) * distance)
+        if (shown := slab(shapes, poses, normal)) >= enough:
+            return shown, distance
+        found = distance_bounds(shapes, poses, normal, enough)
+        return found.lower, min(found.upper, distance)
+
+    def _convex(self, pair: Ids) -> tuple[ConvexShape, ConvexShape]:
+        for i in pair:
+            if i not in self._shapes:
+                self._shapes[i] = measurable(self._inspector, i)
+        return self._shapes[pair[0]], self._shapes[pair[1]]
+
+    @staticmethod
+    def _poses(query: Any, pair: Ids) -> tuple[Array, Array]:
+        a, b = (np.array(query.GetPoseInWorld(i).GetAsMatrix4()) for i in pair)
+        return a, b
+
+
+def _floored(length: float) -> float:
+    """Return a positive length with two digits, never more than it is."""
+    unit = 10.0 ** (np.floor(np.log10(length)) - 1)
+    return float(np.floor(length / unit) * unit)
 
 
 def _is_open(joint: Any) -> Array:
     """Return 1 for coordinates without end, infinity for those with limits of their own."""
     low, high = joint.position_lower_limits(), joint.position_upper_limits()
     return np.where(np.isfinite(low) & np.isfinite(high), np.inf, 1.0)
-
-
-def _distance(query: Any, a: GeometryId, b: GeometryId) -> float:
-    inspector = query.inspector()
-    if has_half_space(inspector, (a, b)):
-        shapes = measurable(inspector, a), measurable(inspector, b)
-        poses = [query.GetPoseInWorld(i).GetAsMatrix4() for i in (a, b)]
-        return height(shapes, (poses[0], poses[1]))[0]
-    return float(query.ComputeSignedDistancePairClosestPoints(a, b).distance)
 
 
 def _ends(plant: MultibodyPlant, joint: Any) -> tuple[BodyIndex, BodyIndex]:

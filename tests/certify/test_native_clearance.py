@@ -15,7 +15,7 @@ from planning.certify.clearance import check_clearance
 from planning.certify.collision_shapes import CollisionShapes, collision_shapes
 from planning.certify.native_clearance import native_clearance, prover
 from planning.certify.proof_parts import Clearance
-from planning.certify.separation import separation
+from planning.kernel.separation import separation
 from planning.domain.curve import TimedTrajectory
 from planning.domain.deadline import Deadline
 from planning.domain.joints import JointType

@@ -8,7 +8,7 @@ from pydrake.geometry import Box, HalfSpace, Sphere
 
 from planning.certify.certifier import certify
 from planning.certify.collision_shapes import collision_shapes
-from planning.certify.separation import nearest_point
+from planning.kernel.separation import nearest_point
 from planning.domain.certificate import Certificate
 from planning.domain.curve import TimedTrajectory
 from planning.world.margins import PairMargins

@@ -11,7 +11,7 @@ from pydrake.math import RigidTransform
 
 from planning.certify.certifier import certify
 from planning.certify.collision_shapes import collision_shapes
-from planning.certify.separation import Separation, separation
+from planning.kernel.separation import Separation, separation
 from planning.world.margins import PairMargins
 from tests.certify.chains import FLOATING, PLANAR, Builder, Robot, random_pose, random_shape
 from tests.certify.conftest import quintic

@@ -1,13 +1,18 @@
 """Every pair of bodies is looked at, or listed with the reason why it is not."""
 
+import re
 from itertools import combinations
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 from pydrake.multibody.tree import BodyIndex
 
 import planning
+from planning.kernel.shape_distance import distance_bounds
+from planning.world.adjacent_links import _Probe
+from planning.world.convex_shapes import convex_shape
 from planning.world.world import World
 from tests.clocks import no_hurry
 from tests.conftest import bundled_world
@@ -137,3 +142,65 @@ def test_what_is_held_may_touch_its_holder_and_says_so() -> None:
     held = [pair for pair in world.summary.unchecked if pair.reason == "held"]
     assert held
     assert all("can" in pair.bodies for pair in held)
+
+
+NEAR = """<robot name="m">
+<link name="base"><collision><geometry>{base}</geometry></collision></link>
+<link name="a"><collision><origin xyz="{gap} 0 {up}" rpy="0.3 1.2 0.4"/><geometry>{arm}</geometry>
+</collision></link><joint name="j" type="continuous"><parent link="base"/><child link="a"/>
+<axis xyz="0 0 1"/><limit velocity="1" effort="1"/></joint></robot>"""
+SHAPES = [
+    '<box size="0.2 0.1 0.1"/>',
+    '<cylinder radius="0.1" length="0.1"/>',
+    '<capsule radius="0.05" length="0.1"/>',
+    '<sphere radius="0.1"/>',
+]
+
+
+def least_shown(folder: Path, text: str) -> tuple[float, World]:
+    """Return how far apart the two links are said to be at least, and the world."""
+    file = folder / "near.urdf"
+    file.write_text(text)
+    scene = {"robots": [{"name": "r", "model": str(file)}]}
+    world = planning.load_world(planning.parse_scene(scene))
+    (pair,) = world.summary.unchecked
+    said = re.match(r"at least ([^ ]+) m apart wherever joint j turns to", pair.evidence)
+    assert said, pair.evidence
+    return float(said[1]), world
+
+
+@pytest.mark.parametrize("base", SHAPES)
+@pytest.mark.parametrize("arm", SHAPES)
+@pytest.mark.parametrize("factor", [1.0, 3.0])
+def test_links_shown_never_to_touch_are_so_far_apart_whatever_drake_measures(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, base: str, arm: str, factor: float
+) -> None:
+    """Drake's distances of separate shapes are too large now and then: here they all are."""
+    measured = _Probe._measured
+
+    def enlarged(*args: Any) -> tuple[float, np.ndarray]:
+        distance, normal = measured(*args)
+        return factor * distance if distance > 0 else distance, normal
+
+    monkeypatch.setattr(_Probe, "_measured", enlarged)
+    said, world = least_shown(tmp_path, NEAR.format(base=base, arm=arm, gap=0.3, up=0.02))
+    model = world.drake
+    inspector = model.scene_graph.model_inspector()
+    ids = [
+        i
+        for name in ("r::base", "r::a")
+        for i in model.plant.GetCollisionGeometriesForBody(model.plant.get_body(model.bodies[name]))
+    ]
+    shapes = convex_shape(inspector.GetShape(ids[0])), convex_shape(inspector.GetShape(ids[1]))
+    context = model.diagram.CreateDefaultContext()
+    plant_context = model.plant.GetMyMutableContextFromRoot(context)
+    query_context = model.scene_graph.GetMyContextFromRoot(context)
+    least = np.inf
+    for angle in np.linspace(-np.pi, np.pi, 61):
+        model.plant.SetPositions(plant_context, np.array([angle]))
+        query = model.scene_graph.get_query_output_port().Eval(query_context)
+        poses = [np.array(query.GetPoseInWorld(i).GetAsMatrix4()) for i in ids]
+        found = distance_bounds(shapes, (poses[0], poses[1]), np.zeros(3))
+        assert found.upper - found.lower < 1e-8
+        least = min(least, found.upper)
+    assert 0 < said <= least

@@ -42,7 +42,10 @@ class Separation:
 
 
 def separation(
-    support: Callable[[Array], Array], guess: Float64[np.ndarray, "3"], enough: float
+    support: Callable[[Array], Array],
+    guess: Float64[np.ndarray, "3"],
+    enough: float,
+    close: float = _CLOSE,
 ) -> Separation:
     """Bound the distance of the origin from a convex set.
 
@@ -50,6 +53,7 @@ def separation(
         support: Returns the point of the set that lies farthest along a vector.
         guess: A vector to begin with, for example from B's middle to A's.
         enough: A lower bound as large as this ends the search [m].
+        close: Bounds as near to each other end it where the upper one is not `enough` [m].
     """
     corners = np.zeros((0, 3))
     v = guess if np.linalg.norm(guess) > _TOLERANCE else np.array([1.0, 0.0, 0.0])
@@ -61,7 +65,7 @@ def separation(
         slab = float(n @ w)
         if slab > lower:
             lower, direction = slab, n
-        if lower >= enough or upper - lower <= (_TOLERANCE if upper > enough else _CLOSE):
+        if lower >= enough or upper - lower <= max(_TOLERANCE, 0.0 if upper > enough else close):
             break
         v, simplex = _nearest(np.vstack([simplex, w]))
         length = float(np.linalg.norm(v))

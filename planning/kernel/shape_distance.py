@@ -1,0 +1,77 @@
+"""The distance of two convex shapes between two bounds, whichever they are.
+
+Balls are taken off: a sphere is a point, and a capsule a line segment, with a ball around each of
+its points. What is left, the core, has corners more often than not, and `separation` finds the
+distance of cores with corners exactly.
+"""
+
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float64
+
+from planning.kernel.separation import Separation, separation
+from planning.kernel.shape import ConvexShape, ShapeKind
+from planning.kernel.support import farthest_point
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
+
+
+def distance_bounds(
+    shapes: tuple[ConvexShape, ConvexShape],
+    poses: tuple[Float64[np.ndarray, "4 4"], Float64[np.ndarray, "4 4"]],
+    guess: Float64[np.ndarray, "3"],
+    enough: float = np.inf,
+) -> Separation:
+    """Bound the distance of two shapes from both sides [m].
+
+    Args:
+        shapes: A and B; half spaces are none of them.
+        poses: X_WA and X_WB.
+        guess: A vector from B to A to begin with; zero or not a number for none.
+        enough: A lower bound as large as this ends the search [m].
+    """
+    away = poses[0][:3, 3] - poses[1][:3, 3]
+    balls = _ball(shapes[0]) + _ball(shapes[1])
+    R_WA, R_WB = poses[0][:3, :3], poses[1][:3, :3]
+
+    def support(n: Array) -> Array:
+        ahead = R_WA @ _farthest_of_core(shapes[0], n @ R_WA)
+        return away + ahead - R_WB @ _farthest_of_core(shapes[1], -n @ R_WB)
+
+    begin = guess if np.isfinite(guess).all() and guess.any() else away
+    found = separation(support, begin, enough + balls, close=0.0)
+    return Separation(found.lower - balls, found.upper - balls, found.direction, found.corners)
+
+
+def slab(
+    shapes: tuple[ConvexShape, ConvexShape],
+    poses: tuple[Float64[np.ndarray, "4 4"], Float64[np.ndarray, "4 4"]],
+    n: Float64[np.ndarray, "3"],
+) -> float:
+    """Return how wide a slab across the unit vector n separates two shapes: no more than they are.
+
+    Args:
+        shapes: A and B.
+        poses: X_WA and X_WB.
+        n: From B to A.
+    """
+    (a, b), (X_WA, X_WB) = shapes, poses
+    behind = X_WA[:3, :3] @ farthest_point(a, -n @ X_WA[:3, :3])
+    ahead = X_WB[:3, :3] @ farthest_point(b, n @ X_WB[:3, :3])
+    return float(n @ (X_WA[:3, 3] - X_WB[:3, 3] + behind - ahead))
+
+
+def _ball(shape: ConvexShape) -> float:
+    """Return the radius of the ball that is taken off [m]."""
+    return float(shape.size[0]) if shape.kind in {ShapeKind.SPHERE, ShapeKind.CAPSULE} else 0.0
+
+
+def _farthest_of_core(shape: ConvexShape, n: Array) -> Array:
+    match shape.kind:
+        case ShapeKind.SPHERE:
+            return np.zeros(3)
+        case ShapeKind.CAPSULE:
+            return np.array([0.0, 0.0, np.copysign(shape.size[1], n[2])])
+        case _:
+            return farthest_point(shape, n)
