@@ -176,7 +176,7 @@ def _distances(
     for i, full in enumerate(states):
         near = ()
         for horizon in _HORIZONS:
-            near = probe.pairs_within(full, horizon + largest)
+            near = probe.pairs_within(full, horizon + largest, exactly=True)
             least = min((p.distance - margins.of(*p.bodies) for p in near), default=np.inf)
             # What is beyond the horizon has more than that to spare.
             if least <= horizon:

@@ -18,6 +18,8 @@ _EDGES = np.array([
     (i, j) for i in range(8) for j in range(i) if np.abs(_SIGNS[i] - _SIGNS[j]).sum() == 2
 ])
 _TINY = 1e-30
+# The sine of the angle between edges up to which they are parallel.
+_PARALLEL = 1e-6
 
 
 def box_distances(
@@ -29,7 +31,7 @@ def box_distances(
     """Return the distances of pairs of boxes, and the nearest points of both in world.
 
     Not promised: how deep boxes are that overlap. Their distance is the smallest that was met
-    between corners and edges: zero if a corner of one is in the other.
+    between corners and edges: zero if a corner of one is in the other. `box_gaps` knows.
 
     Args:
         half_a: Half sizes of the first boxes [m].
@@ -45,6 +47,35 @@ def box_distances(
     lengths = np.linalg.norm(ahead - behind, axis=2)
     best, rows = np.argmin(lengths, axis=1), np.arange(len(lengths))
     return lengths[rows, best], np.stack([ahead[rows, best], behind[rows, best]], axis=1)
+
+
+def box_gaps(
+    half_a: Float64[np.ndarray, "n 3"],
+    X_WA: Float64[np.ndarray, "n 4 4"],
+    half_b: Float64[np.ndarray, "n 3"],
+    X_WB: Float64[np.ndarray, "n 4 4"],
+) -> Float64[np.ndarray, " n"]:
+    """Return the widest slabs between pairs of boxes [m]; negative is how deep they overlap.
+
+    Two boxes are separate if a slab across an axis of one, or across an edge of each, separates
+    them (Gottschalk, Lin, Manocha, "OBBTree", 1996).
+
+    Args:
+        half_a: Half sizes of the first boxes [m].
+        X_WA: Their poses.
+        half_b: Half sizes of the second [m].
+        X_WB: Their poses.
+    """
+    R_WA, R_WB = X_WA[:, :3, :3], X_WB[:, :3, :3]
+    across = np.cross(R_WA[:, :, :, None], R_WB[:, :, None, :], axis=1).reshape(len(half_a), 3, 9)
+    axes = np.concatenate([R_WA, R_WB, across], axis=2)
+    lengths = np.linalg.norm(axes, axis=1)
+    away = np.abs(np.einsum("ni,nik->nk", X_WA[:, :3, 3] - X_WB[:, :3, 3], axes))
+    for half, R_WG in ((half_a, R_WA), (half_b, R_WB)):
+        away -= np.einsum("nj,njk->nk", half, np.abs(np.einsum("nij,nik->njk", R_WG, axes)))
+    # Edges that are all but parallel have no axis of their own.
+    is_axis = lengths > _PARALLEL
+    return np.where(is_axis, away / np.where(is_axis, lengths, 1.0), -np.inf).max(axis=1)
 
 
 def _corners(half: Array, X_WB: Array) -> Array:

@@ -9,7 +9,7 @@ from jaxtyping import Float64, Int
 from pydrake.geometry import Box, GeometryId
 from pydrake.planning import RobotDiagram
 
-from planning.kernel.box_distance import box_distances
+from planning.kernel.box_distance import box_distances, box_gaps
 from planning.world.drake_model import DrakeModel
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
@@ -40,6 +40,9 @@ class BoxPairs:
     ) -> dict[int, tuple[float, Array]]:
         """Return distance and nearest points of the pairs that are at most `reach` apart [m].
 
+        Distances of boxes that overlap are negative, or zero if they touch; their points mean
+        nothing.
+
         Args:
             query: Drake's query object, with the model where it shall be.
             reach: One distance, or one a pair.
@@ -52,7 +55,10 @@ class BoxPairs:
         if len(near) == 0:
             return {}
         a, b = self.rows[near].T
-        distances, points = box_distances(self.halves[a], poses[a], self.halves[b], poses[b])
+        placed = self.halves[a], poses[a], self.halves[b], poses[b]
+        distances, points = box_distances(*placed)
+        gaps = box_gaps(*placed)
+        distances = np.where(gaps <= 0, gaps, distances)
         kept = np.flatnonzero(distances <= np.broadcast_to(reach, len(self.ids))[near])
         return {int(near[i]): (float(distances[i]), points[i]) for i in kept}
 

@@ -19,6 +19,7 @@ from planning.world.drake_model import DrakeModel
 from planning.world.half_spaces import leave_out_half_spaces
 from planning.world.margins import PairMargins
 from planning.world.measured_pairs import MeasuredMargins, measured_pairs_of
+from planning.world.true_lengths import TrueLengths, farther
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
@@ -97,16 +98,27 @@ class DistanceProbe:
         self._query_port = model.scene_graph.get_query_output_port()
         self._query_context = model.scene_graph.GetMyContextFromRoot(self._context)
         self._ours = measured_pairs_of(model)
+        self._lengths = TrueLengths(model.scene_graph)
 
     def pairs_within(
-        self, full: Float64[np.ndarray, " num_positions"], distance: float
+        self,
+        full: Float64[np.ndarray, " num_positions"],
+        distance: float,
+        *,
+        exactly: bool = False,
     ) -> tuple[BodyPair, ...]:
         """Return every pair of bodies at most `distance` [m] apart, nearest first.
 
         One entry per pair of bodies: that of its two nearest geometries.
+
+        Args:
+            full: Where the plant is.
+            distance: How far to look [m].
+            exactly: Whether no distance may be larger than the true one: Drake's of round shapes
+                are, by up to 0.1 mm. That takes longer.
         """
         nearest: dict[tuple[str, str], BodyPair] = {}
-        for _, (body_a, body_b), length, points in self._measured(full, distance):
+        for _, (body_a, body_b), length, points in self._measured(full, distance, exactly=exactly):
             names = (body_a, body_b) if body_a < body_b else (body_b, body_a)
             if names in nearest and nearest[names].distance <= length:
                 continue
@@ -121,7 +133,7 @@ class DistanceProbe:
 
     def violations(self, full: Float64[np.ndarray, " num_positions"]) -> tuple[BodyPair, ...]:
         """Return every pair of bodies that is nearer than its margin, nearest first."""
-        found = self.pairs_within(full, max(self._margins.largest, 1e-9))
+        found = self.pairs_within(full, max(self._margins.largest, 1e-9), exactly=True)
         return tuple(pair for pair in found if pair.distance < self._margins.of(*pair.bodies))
 
     def _query(self, full: Array) -> Any:
@@ -129,7 +141,7 @@ class DistanceProbe:
         return self._query_port.Eval(self._query_context)
 
     def _measured(
-        self, full: Array, distance: float
+        self, full: Array, distance: float, *, exactly: bool = False
     ) -> Iterator[tuple[tuple[Any, Any], tuple[str, str], float, Array]]:
         """Yield ids, bodies, distance and nearest points of all geometries at most so far apart.
 
@@ -137,13 +149,17 @@ class DistanceProbe:
         """
         query = self._query(full)
         overlapping: set[tuple[Any, Any]] = set()
-        for found in query.ComputeSignedDistancePairwiseClosestPoints(distance):
+        reach = farther(distance) if exactly else distance
+        for found in query.ComputeSignedDistancePairwiseClosestPoints(reach):
             ids = found.id_A, found.id_B
             if self._ours.is_for_drake(ids, found.distance):
+                overlapping.add(ids)
+                length = self._lengths.of(found, query) if exactly else float(found.distance)
+                if length > distance:
+                    continue
                 p_wa = query.GetPoseInWorld(found.id_A).multiply(found.p_ACa)
                 p_wb = query.GetPoseInWorld(found.id_B).multiply(found.p_BCb)
-                overlapping.add(ids)
-                yield ids, self._bodies(query, ids), float(found.distance), np.array([p_wa, p_wb])
+                yield ids, self._bodies(query, ids), length, np.array([p_wa, p_wb])
         for own in self._ours.within(query, distance):
             if own.ids not in overlapping and own.ids[::-1] not in overlapping:
                 yield own.ids, own.bodies, own.length, own.points

@@ -28,8 +28,7 @@ class Distance:
     Attributes:
         ids: Drake's names of both geometries.
         bodies: Full names of their bodies.
-        length: The signed distance [m]; of boxes that overlap some number that is not positive, or
-            a small one.
+        length: The signed distance [m].
         points: p_WA and p_WB of the nearest points [m], shape (2, 3).
     """
 
@@ -47,7 +46,7 @@ class MeasuredPairs:
     half_spaces: HalfSpacePairs
 
     def is_for_drake(self, ids: tuple[GeometryId, GeometryId], distance: float) -> bool:
-        """Return whether a distance that Drake found [m] counts: that boxes overlap it knows."""
+        """Return whether a distance that Drake found [m] counts: how deep boxes overlap."""
         return distance <= 0 or ids not in self.boxes.index
 
     def within(self, query: Any, distance: float) -> Iterator[Distance]:

@@ -14,8 +14,8 @@ from tests.adversary.shapes import KINDS, random_shape
 from tests.adversary.surroundings import Look, Stage
 from tests.adversary.unlooked import declared
 
-# Of a verdict, and of a distance that is told [m].
-_SLACK, _SHARE, _TOLD = 1.2e-6, 1e-7, 1e-5
+# Of a verdict [m], as a share of the size, and of a distance that is told.
+_SLACK, _SHARE, _TOLD = 1.2e-6, 1e-7, 1e-8
 
 
 def draw(rng: np.random.Generator, folder: Path) -> Document:
@@ -104,7 +104,7 @@ def judge(case: Document, folder: Path) -> Outcome:
         if (
             last.distance > 0
             and said.nearest is not None
-            and said.nearest.distance > last.distance + _TOLD + slack
+            and said.nearest.distance > last.distance + _TOLD * (1 + stage.size)
         ):
             told = f"nearest {said.nearest.distance:.9g} m, {last.pair} {last.distance:.9g} m"
             outcome.blame("check: distance", told, 9)

@@ -158,10 +158,11 @@ class Stage:
     def worst(self, motion: Document, look: Look) -> Seen | None:
         """Return where a motion has the least to spare; None if nothing can touch."""
         until = min(look.until, motion["breaks"][-1])
+        # By themselves: of many instants at once only the likeliest are measured.
         places = [sample_places(motion, look.count)]
         places += [around(motion, time, 0.0, 1) for time in look.also]
-        first = tuple(np.concatenate(parts) for parts in zip(*places, strict=True))
-        best = self._least(motion, first, look, until)
+        seen = [self._least(motion, part, look, until) for part in places]
+        best = min((s for s in seen if s is not None), key=lambda s: s.spare, default=None)
         width = until / look.count
         for _ in range(look.rounds):
             if best is None:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import planning
-from tests.adversary.cases import Outcome, Setting
+from tests.adversary.cases import Outcome, Setting, check_of
 from tests.adversary.clearance_judge import ClearanceJudge
 from tests.adversary.distances import distance, make_solid
 from tests.adversary.kinematics import pose_matrix
@@ -16,7 +16,8 @@ from tests.adversary.robots import random_robot
 from tests.adversary.run import draw, judge
 from tests.adversary.shapes import random_shape
 from tests.adversary.shrink import shrunk
-from tests.adversary.surroundings import Stage
+from tests.adversary.surroundings import Look, Stage
+from tests.adversary.unlooked import declared
 from tests.adversary.witness import bracket
 from tests.profiles import num_cases, rng_of
 
@@ -79,6 +80,19 @@ def test_an_obstacle_that_is_kept_from_the_product_is_found(tmp_path) -> None:
         ClearanceJudge(setting, Stage.of(setting), question, outcome).hold(*answer)
         found += bool(outcome.wrong)
     assert found >= 2
+
+
+def test_an_instant_that_an_answer_names_is_measured_among_many_that_seem_nearer(tmp_path) -> None:
+    """Of all instants at once only some are measured; there two links overlapped by 0.1 m."""
+    case = draw("clearance", 910024)
+    setting = Setting.lay_out(case, tmp_path)
+    stage, question = Stage.of(setting), case["questions"][2]
+    certificate, _ = setting.ask(question)
+    check = check_of(certificate, "clearance")
+    there = stage.at(question["motion"], check.time, certificate.pair)
+    assert there < -0.1
+    look = Look(question["margin"], declared(setting, stage), also=(check.time,))
+    assert stage.worst(question["motion"], look).spare <= there
 
 
 def test_rates_are_those_of_differences() -> None:

@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from pydrake.common.eigen_geometry import Quaternion
 from pydrake.math import RollPitchYaw
 
 import planning
-from planning.kernel.box_distance import box_distances
+from planning.kernel.box_distance import box_distances, box_gaps
 from planning.world.collision import DrakeCollisionOracle
 from planning.world.kernel_oracle import KernelCollisionOracle
 from planning.world.kernel_scene import kernel_scene
@@ -56,6 +57,53 @@ def test_distances_of_boxes_are_exact(seed: int, kind: str) -> None:
     if truth > 1e-4:
         assert distance == pytest.approx(truth, abs=1e-6)
         assert np.linalg.norm(points[0] - points[1]) == pytest.approx(distance)
+
+
+@given(seed=st.integers(0, 10_000), kind=st.sampled_from(["parallel", "nearly", "any"]))
+@settings(max_examples=num_cases(20))
+def test_gaps_say_whether_boxes_overlap_and_how_deeply(seed: int, kind: str) -> None:
+    """Bars that cross have no corner in each other."""
+    rng = np.random.default_rng(seed)
+    half_a, half_b = 10.0 ** rng.uniform(-2, 0, (2, 3))
+    X_A, X_B = pose(rng, kind), np.eye(4)
+    (gap,) = box_gaps(half_a[None], X_A[None], half_b[None], X_B[None])
+    truth = least_distance(half_a, X_A, half_b, X_B)
+    if truth > 1e-4:
+        assert 0 < gap <= truth + 1e-9
+        return
+    assert gap <= 2e-4
+    # No direction parts them by less.
+    ways = rng.normal(size=(200, 3))
+    ways /= np.linalg.norm(ways, axis=1)[:, None]
+    reach = np.abs(ways @ X_A[:3, :3]) @ half_a + np.abs(ways) @ half_b - ways @ X_A[:3, 3]
+    assert -gap <= reach.min() + 1e-12
+
+
+TINY = """<robot name="m"><link name="base"/><link name="a"><collision><geometry>
+<box size="8.8e-5 1.6e-4 1.6e-4"/></geometry></collision></link>
+<joint name="j" type="floating"><parent link="base"/><child link="a"/></joint></robot>"""
+
+
+def test_tiny_boxes_that_overlap_are_not_valid(tmp_path: Path) -> None:
+    """Of boxes of a tenth of a millimetre Drake does not always know that they overlap."""
+    file = tmp_path / "tiny.urdf"
+    file.write_text(TINY)
+    still = {"name": "still", "shape": {"box": [4e-5, 1e-4, 1.4e-4]}}
+    scene = {"robots": [{"name": "r", "model": str(file)}], "objects": [still]}
+    world = planning.load_world(planning.parse_scene(scene))
+    rng, deep = np.random.default_rng(0), 0
+    for _ in range(60):
+        turn = rng.normal(size=4)
+        q = np.concatenate([turn / np.linalg.norm(turn), rng.normal(0, 6e-5, 3)])
+        (verdict,) = planning.check_configurations(world, "r", q[None])
+        X_A = np.eye(4)
+        X_A[:3, :3] = Quaternion(wxyz=q[:4] / np.linalg.norm(q[:4])).rotation()
+        X_A[:3, 3] = q[4:]
+        halves = np.array([[4.4e-5, 8e-5, 8e-5]]), np.array([[2e-5, 5e-5, 7e-5]])
+        (gap,) = box_gaps(halves[0], X_A[None], halves[1], np.eye(4)[None])
+        assert verdict.valid == (gap > 0)
+        deep += gap < -1e-6
+    assert deep > 10
 
 
 def block_world(folder: Path, margin: float) -> World:
