@@ -67,7 +67,8 @@ class World:
             for name, group in own.groups.items():
                 self._groups.setdefault(f"{own.robot}::{name}", group)
         self._configurations = named_configurations(scene, self._robot_groups, self.group)
-        self._bare = bare_checker(drake)
+        # Where nothing moves nothing is judged, and Drake's checker would end the process.
+        self._bare = bare_checker(drake) if self._groups else None
         self._context = measuring_context(drake)
         self._plant_context = drake.plant.GetMyMutableContextFromRoot(self._context)
         nominal = np.array(drake.plant.GetPositions(self._plant_context))

@@ -262,3 +262,26 @@ def test_sdf_and_mjcf_load_as_well(tmp_path: Path) -> None:
     for file in (sdf, mjcf):
         world = load(f"robots: [{{name: a, model: {file}}}]")
         assert "a::j" in world.group("a").position_names
+
+
+STILL = """<robot name="s"><link name="base"><collision><geometry><box size="0.2 0.2 0.2"/></geometry>
+</collision></link><link name="top"><collision><geometry><sphere radius="0.1"/></geometry>
+</collision></link><joint name="f" type="fixed"><parent link="base"/><child link="top"/>
+<origin xyz="0 0 1"/></joint></robot>"""
+
+
+def test_robots_that_cannot_move_are_what_others_may_not_hit(tmp_path: Path) -> None:
+    """Alone in a scene they ended the process."""
+    file = tmp_path / "still.urdf"
+    file.write_text(STILL)
+    still = {"name": "s", "model": str(file), "base": {"position": [0.5, 0.0, 0.0]}}
+    alone = planning.load_world(planning.parse_scene({"robots": [still]}))
+    assert alone.summary.groups == {}
+    assert "s::top" in alone.summary.bodies
+    with pytest.raises(UnknownName, match="'s'"):
+        planning.check_configurations(alone, "s", np.zeros((1, 0)))
+    scene = {"robots": [still, {"name": "a", "model": "ur5e", "positions": "home"}]}
+    world = planning.load_world(planning.parse_scene(scene))
+    reaching = world.positions(world.group("a")) * [1.0, 0.3, 0.8, 1.0, 1.0, 1.0]
+    (verdict,) = planning.check_configurations(world, "a", reaching[None])
+    assert any("s::" in name for pair in verdict.violations for name in pair.bodies)
