@@ -1,18 +1,24 @@
 """Rigorous bounds on angular velocity and its derivatives along R(t) = R_0 exp(delta(t)).
 
-In the body's frame omega = J_r(delta) delta', with the series of the right Jacobian (Sola et al.
-2018, eq. 143)
+In the body's frame omega = J_r(delta) delta', with the right Jacobian as a series and as a mean of
+rotations (Sola et al. 2018, eq. 143)
 
-    omega = sum_{k >= 0} (-1)^k / (k + 1)! ad(delta)^k delta',   ad(a) b = a x b.
+    J_r(delta) = sum_{k >= 0} (-1)^k / (k + 1)! ad(delta)^k = int_0^1 exp(-s ad(delta)) ds.
 
-Taylor coefficients of delta give those of omega by multiplying the series out. Replacing every
-vector by a bound on its length, x by the product and every sign by plus, the same sum bounds the
-lengths of omega's Taylor coefficients, since |a x b| <= |a| |b|: a majorant. So on |t - t_m| <= h
-a derivative of omega is its Taylor polynomial, whose length Bernstein coefficients bound, plus a
-remainder of at most the majorant's next coefficient times h to its power (Lagrange).
+Taylor coefficients of delta about an instant give those of omega: by multiplying the series out
+where delta is small, else from the unit quaternion of exp(delta) (`turn_series`).
 
-The majorant says what rounding does, too: where no coefficient of delta is off by more than e_k,
-those of omega are off by no more than the majorant of sizes that are larger by e_k has more.
+How large they are does not depend on delta itself. With delta(t + h) = delta(t) + e(h) Duhamel's
+formula makes of exp(-s ad(delta + e)) a sum of integrals over products of rotations and of ad(e),
+so that coefficients of it are bounded by those of exp(s E), E(h) = sum_{k >= 1} |delta^(k)| h^k /
+k!, and those of omega by those of the majorant
+
+    int_0^1 exp(s E) ds E' = sum_{k >= 0} E^k E' / (k + 1)!.
+
+So on |t - t_m| <= h a derivative of omega is its Taylor polynomial, whose length Bernstein
+coefficients bound, plus a remainder of at most the majorant's next coefficient times h to its power
+(Lagrange). The majorant says what rounding does, too: where no coefficient of delta is off by more
+than e_k, those of omega are off by no more than it has more if E has e_k more, e_0 included.
 """
 
 from math import factorial
@@ -24,15 +30,15 @@ from jaxtyping import Float64
 from planning.certify import bernstein
 from planning.certify.rounding import UNIT, rounding
 from planning.certify.taylor import skew
-from planning.certify.turn_bounds import turn_bounds
+from planning.certify.turn_series import spun_rates
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 _ORDER = 6
-_MAX_HALVINGS = 8
-# Beyond this the series loses too many digits to say anything [rad].
-_LARGEST_ANGLE = 12.0
-_COARSE_HALVINGS = 5
+_MAX_HALVINGS = 14
+_MAX_PARTS = 20_000
+# Up to this the powers of delta are summed: beyond it that loses digits [rad].
+_LARGEST_ANGLE = 3.0
 _TERMS = 60
 # What the rounding of so many sums and products is less than, as a share of their sizes.
 _ROUNDED = 2 * (_TERMS + 2 * _ORDER) * UNIT
@@ -53,47 +59,16 @@ def angular_peak(
         tolerance: How far above the true peak the bound should lie at most [rad/s^order].
 
     Returns:
-        The bound, the piece where it is, and the fraction of that piece. A piece that turns
-        farther than the series can be trusted is bounded more coarsely, by sizes alone.
+        The bound, the piece where it is, and the fraction of that piece. It lies farther above
+        where pieces turn so far that they would have to be cut into too many parts.
     """
     tangents = _derivatives(coefficients, widths, _ORDER + order + 2)
     hidden = _hidden(tangents, coefficients, widths)
-    is_far = np.linalg.norm(tangents[0], axis=2).max(axis=1) > _LARGEST_ANGLE
-    found: list[tuple[float, int, float]] = []
-    if is_far.any():
-        pieces = np.flatnonzero(is_far)
-        tops = _coarse_peaks([part[pieces] for part in tangents], hidden[pieces], order)
-        row = int(np.argmax(tops))
-        found.append((float(tops[row]), int(pieces[row]), 0.5))
-    if not is_far.all():
-        pieces = np.flatnonzero(~is_far)
-        near = [part[pieces] for part in tangents], hidden[pieces]
-        top, row, fraction = _series_peak(near, widths[pieces], order, tolerance)
-        found.append((top, int(pieces[row]), fraction))
-    return max(found, key=lambda entry: entry[0])
-
-
-def _coarse_peaks(tangents: list[Array], hidden: Array, order: int) -> Array:
-    """Bound every piece by the sizes of the tangent's derivatives on parts of it."""
-    parts = [part * factorial(k) for k, part in enumerate(tangents[: order + 1])][1:]
-    for _ in range(_COARSE_HALVINGS):
-        parts = [np.stack(bernstein.halves(part), axis=1) for part in parts]
-        parts = [part.reshape(-1, *part.shape[2:]) for part in parts]
-    sizes = np.stack([np.linalg.norm(part, axis=2).max(axis=1) for part in parts])
-    off = [hidden[:, k] * factorial(k) for k in range(1, order + 1)]
-    sizes += np.repeat(off, 2**_COARSE_HALVINGS, axis=1)
-    return turn_bounds(sizes)[order - 1].reshape(len(tangents[0]), -1).max(axis=1)
-
-
-def _series_peak(
-    near: tuple[list[Array], Array], widths: Array, order: int, tolerance: float
-) -> tuple[float, int, float]:
-    tangents, hidden = near
     rows, low, half = np.arange(len(widths)), np.zeros(len(widths)), widths / 2
     taylor, remainder, errors = _model(tangents, hidden, half, order)
     for _ in range(_MAX_HALVINGS):
-        coarse = remainder > tolerance / 2
-        if not coarse.any():
+        coarse = ~(remainder <= tolerance / 2)
+        if not coarse.any() or len(rows) + coarse.sum() > _MAX_PARTS:
             break
         tangents = [
             np.concatenate([part[~coarse], *bernstein.halves(part[coarse])]) for part in tangents
@@ -141,16 +116,30 @@ def _model(
     middle = np.stack([bernstein.halves(part)[0][:, -1] for part in tangents], axis=1)
     lengths = [np.linalg.norm(part, axis=2).max(axis=1) for part in tangents]
     bounds = (np.stack(lengths, axis=1) + hidden)[:, :, None]
+    bounds[:, 0] = 0.0
     wider = bounds + hidden[:, :, None]
-    omega = velocity_series(skew(middle), middle, -1.0)
     majorant, wide = (velocity_series(part[..., None], part, 1.0) for part in (bounds, wider))
     lag = order - 1
     falling = np.array([factorial(j + lag) / factorial(j) for j in range(_ORDER + 2)])
-    taylor = omega[:, lag : lag + _ORDER + 1] * falling[None, : _ORDER + 1, None]
+    taylor = turn_rates(middle)[:, lag : lag + _ORDER + 1] * falling[None, : _ORDER + 1, None]
     beyond = majorant[:, lag + _ORDER + 1, 0] * falling[_ORDER + 1]
-    off = (wide - majorant + _ROUNDED * wide)[:, lag : lag + _ORDER + 1, 0] * falling[:-1]
+    angle = np.linalg.norm(middle[:, 0], axis=1)[:, None, None]
+    rounded = _ROUNDED * (np.exp(_LARGEST_ANGLE) + angle) * wide
+    off = (wide - majorant + rounded)[:, lag : lag + _ORDER + 1, 0] * falling[:-1]
     errors = (off * half[:, None] ** np.arange(_ORDER + 1)).sum(axis=1)
     return taylor, beyond * half ** (_ORDER + 1), errors
+
+
+def turn_rates(delta: Float64[np.ndarray, "n k 3"]) -> Float64[np.ndarray, "n m 3"]:
+    """Return Taylor coefficients of omega from those of delta, one less."""
+    is_small = np.linalg.norm(delta[:, 0], axis=1) <= _LARGEST_ANGLE
+    found = np.empty_like(delta[:, 1:])
+    if is_small.any():
+        small = delta[is_small]
+        found[is_small] = velocity_series(skew(small), small, -1.0)
+    if not is_small.all():
+        found[~is_small] = spun_rates(delta[~is_small])
+    return found
 
 
 def velocity_series(adjoint: Array, delta: Array, sign: float) -> Array:

@@ -25,7 +25,7 @@ type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 
 # What the rounding of sums and products is less than, as a share of their sizes.
-_ROUNDED = 256 * UNIT
+_ROUNDED = 2**13 * UNIT
 
 
 def missed(
@@ -128,7 +128,10 @@ class TorqueMajorant:
             case Kind.TURN:
                 rate = rate + derivative(bound, 1)
             case Kind.SPIN:
-                rate = rate + velocity_series(bound[..., None, None], bound[..., None], 1.0)[..., 0]
+                # How far it is turned counts for nothing; see `angular_rates`.
+                spin = np.array(bound)
+                spin[:, 0] = self._constants[:, motion.rate]
+                rate = rate + velocity_series(spin[..., None, None], spin[..., None], 1.0)[..., 0]
         constant = 0.0 * bound[:, 0]
         if motion.kind is not Kind.SLIDE:
             constant = abs(motion.scale) * self._constants[:, motion.rate]

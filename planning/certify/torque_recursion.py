@@ -19,7 +19,7 @@ from typing import Any
 
 import numpy as np
 
-from planning.certify.angular_rates import velocity_series
+from planning.certify.angular_rates import turn_rates
 from planning.certify.link_motion import Kind
 from planning.certify.links import Link
 from planning.certify.taylor import cross, derivative, dot, product, scaled, sine_and_cosine, skew
@@ -104,7 +104,7 @@ class TorqueRecursion:
         """Return R_0 exp(delta(t)) from R' = R [omega], omega as `angular_rates` has it."""
         rate, at = link.motion.rate, link.motion.position
         delta = self._tangents[:, :, rate : rate + 3]
-        omega = skew(velocity_series(skew(delta), delta, -1.0))
+        omega = skew(turn_rates(delta))
         base = multiply(self._bases[:, at : at + 4], exp(delta[:, 0]))
         spun = np.zeros((*delta.shape, 3))
         spun[:, 0] = matrix(base)

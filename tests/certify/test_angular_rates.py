@@ -6,7 +6,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from planning.certify import bernstein
-from planning.certify.angular_rates import angular_peak
+from planning.certify.angular_rates import angular_peak, velocity_series
+from planning.certify.taylor import skew
+from planning.certify.turn_series import spun_rates
 from planning.domain import rotation
 
 pytestmark = pytest.mark.drake_only
@@ -59,6 +61,42 @@ def test_a_turn_about_one_axis_has_the_tangents_rates() -> None:
     assert bound == pytest.approx(1.0 + 2 * 0.5 * (5 / 6) - 0.6 * (5 / 6) ** 2, abs=1e-6)
 
 
-def test_too_far_a_turn_for_the_series_is_bounded_by_sizes() -> None:
+def test_an_even_turn_of_many_rounds_does_not_speed_up() -> None:
     coefficients = np.array([[[0.0, 0.0, 0.0], [40.0, 1.0, 0.0]]])
-    assert angular_peak(coefficients, np.ones(1), 2, 1e-6)[0] == pytest.approx(1601 / 2)
+    assert angular_peak(coefficients, np.ones(1), 2, 1e-6)[0] == pytest.approx(0, abs=1e-5)
+
+
+@given(seed=st.integers(0, 10_000), far=st.floats(3.0, 60.0))
+def test_far_turns_are_bounded_closely(seed: int, far: float) -> None:
+    """About an axis that moves, from one angle of many rounds to another."""
+    rng = np.random.default_rng(seed)
+    coefficients = rng.normal(0.0, 1.0, (5, 3))
+    coefficients[0] *= far / np.linalg.norm(coefficients[0])
+    coefficients[1] *= rng.uniform(0.1, 1.0) * far / np.linalg.norm(coefficients[1])
+    for order, rates in enumerate(exact_rates(coefficients), start=1):
+        bound, _, fraction = angular_peak(coefficients[None], np.ones(1), order, tolerance=1e-6)
+        assert bound >= rates.max() * (1 - 1e-9)
+        assert bound <= rates.max() * 1.01
+        assert 0 <= fraction <= 1
+
+
+def exact_rates(coefficients: np.ndarray) -> list[np.ndarray]:
+    """Return |omega| and |alpha| on a grid, by the formulas of the right Jacobian."""
+    t = np.linspace(0, 1, 4001)
+    powers = [bernstein.derivative(coefficients[None], order)[0] for order in range(3)]
+    delta, rate, change = ((t[:, None] ** np.arange(len(power))) @ power for power in powers)
+    omega = rotation.right_jacobian(delta, rate)
+    alpha = rotation.body_acceleration(delta, rate, change)
+    return [np.linalg.norm(found, axis=1) for found in (omega, alpha)]
+
+
+@given(seed=st.integers(0, 10_000), angle=st.floats(1.5, 4.5))
+def test_both_series_of_angular_velocity_are_one(seed: int, angle: float) -> None:
+    delta = np.random.default_rng(seed).normal(size=(1, 9, 3))
+    delta[:, 0] *= angle / np.linalg.norm(delta[:, 0])
+    summed = velocity_series(skew(delta), delta, -1.0)
+    np.testing.assert_allclose(spun_rates(delta), summed, rtol=0, atol=1e-9 * np.abs(summed).max())
+    sizes = np.linalg.norm(delta, axis=2)[:, :, None]
+    sizes[:, 0] = 0.0
+    most = velocity_series(sizes[..., None], sizes, 1.0)[..., 0]
+    assert (np.linalg.norm(summed, axis=2) <= most * (1 + 1e-12)).all()

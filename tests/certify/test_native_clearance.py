@@ -15,12 +15,12 @@ from planning.certify.clearance import check_clearance
 from planning.certify.collision_shapes import CollisionShapes, collision_shapes
 from planning.certify.native_clearance import native_clearance, prover
 from planning.certify.proof_parts import Clearance
-from planning.kernel.separation import separation
 from planning.domain.curve import TimedTrajectory
 from planning.domain.deadline import Deadline
 from planning.domain.joints import JointType
 from planning.domain.value import digest
 from planning.kernel.native import native
+from planning.kernel.separation import separation
 from planning.world.kernel_scene import KernelScene, kernel_scene_of
 from planning.world.margins import PairMargins
 from tests.certify.chains import (

@@ -8,9 +8,9 @@ from pydrake.geometry import Box, HalfSpace, Sphere
 
 from planning.certify.certifier import certify
 from planning.certify.collision_shapes import collision_shapes
-from planning.kernel.separation import nearest_point
 from planning.domain.certificate import Certificate
 from planning.domain.curve import TimedTrajectory
+from planning.kernel.separation import nearest_point
 from planning.world.margins import PairMargins
 from tests.certify.chains import Robot, random_robot, random_trajectory
 from tests.certify.conftest import quintic
