@@ -21,7 +21,6 @@ from planning.domain.curve import TimedTrajectory
 from tests.certify.chains import KINDS, Builder, Robot, random_pose, random_shape
 from tests.profiles import num_cases
 
-
 # Of a motion.
 _SAMPLES = num_cases(400, 2000)
 
