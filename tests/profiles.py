@@ -6,7 +6,9 @@ back as `make campaign SEED=...`.
 """
 
 import os
+from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import product
 
 import numpy as np
 from hypothesis import Phase, settings
@@ -62,6 +64,14 @@ def num_cases(test: int, campaign: int | None = None) -> int:
 def seeds(test: int, campaign: int | None = None) -> range:
     """Return seeds, one a case: 0, 1, ... in `make test`, fresh ones in `make campaign`."""
     return range(PROFILE.seed, PROFILE.seed + num_cases(test, campaign))
+
+
+def pairs[A, B](first: Sequence[A], second: Sequence[B]) -> list[tuple[A, B]]:
+    """Return each of both in some pair: as few as there can be, in `make campaign` all of them."""
+    if PROFILE.is_campaign:
+        return list(product(first, second))
+    count = max(len(first), len(second))
+    return [(first[i % len(first)], second[i % len(second)]) for i in range(count)]
 
 
 def rng_of(seed: int) -> np.random.Generator:

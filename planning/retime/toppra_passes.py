@@ -7,8 +7,6 @@ sets begin at zero, and half of toppra's own programs need not be solved. Its cl
 that around every program; only its solver is used here.
 """
 
-import logging
-import warnings
 from math import isfinite, isnan
 from typing import Any, override
 
@@ -16,13 +14,12 @@ import numpy as np
 from jaxtyping import Float64
 
 from planning.errors import RetimingFailed
-
-with warnings.catch_warnings():
-    warnings.simplefilter("ignore")
-    from toppra.constraint import ConstraintType, DiscretizationType, LinearConstraint
-    from toppra.solverwrapper.cy_seidel_solverwrapper import seidelWrapper
-
-logging.getLogger("toppra").setLevel(logging.CRITICAL)
+from planning.retime.toppra_solver import (
+    ConstraintType,
+    DiscretizationType,
+    LinearConstraint,
+    seidelWrapper,
+)
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 

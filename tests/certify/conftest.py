@@ -82,7 +82,8 @@ def smallest_distance(world: World, trajectory: TimedTrajectory, name: str, step
     for q in trajectory.positions(np.linspace(0, trajectory.duration, count)):
         plant.SetPositions(plant_context, world.embed(group, q))
         query = scene_graph.get_query_output_port().Eval(scene_graph.GetMyContextFromRoot(context))
-        pairs = query.ComputeSignedDistancePairwiseClosestPoints(0.5)
+        # What is farther than the nearest so far need not be measured: Drake culls it.
+        pairs = query.ComputeSignedDistancePairwiseClosestPoints(min(0.5, max(0.0, smallest)))
         smallest = min([smallest, *(pair.distance for pair in pairs)])
         if query.HasCollisions():  # distances may be too large, this verdict is not (ADR 6)
             smallest = min(smallest, -1e-9)

@@ -19,6 +19,10 @@ from pydrake.math import RigidTransform
 
 from planning.domain.curve import TimedTrajectory
 from tests.certify.chains import KINDS, Builder, Robot, random_pose, random_shape
+from tests.profiles import num_cases
+
+# Of a motion.
+_SAMPLES = num_cases(400, 2000)
 
 
 def depth_of(shape: Shape, n: np.ndarray) -> float:
@@ -63,7 +67,7 @@ class Heights:
         model.plant.SetPositions(self._context, full)
         return np.array([self._height(*pair) for pair in self.pairs])
 
-    def along(self, trajectory: TimedTrajectory, count: int = 2000) -> float:
+    def along(self, trajectory: TimedTrajectory, count: int = _SAMPLES) -> float:
         """Return the smallest one at many samples of a motion."""
         times = np.linspace(0.0, trajectory.duration, count)
         return min(float(self.at(q).min()) for q in trajectory.positions(times))

@@ -25,7 +25,7 @@ from tests.certify.test_clearance import NO_MARGIN, clearance_of, judge
 from tests.clocks import no_hurry
 from tests.profiles import num_cases
 
-pytestmark = pytest.mark.usefixtures("implementation")
+JUDGED = pytest.mark.usefixtures("implementation")
 
 
 def random_motion(place: Place) -> tuple[Robot, TimedTrajectory]:
@@ -33,6 +33,7 @@ def random_motion(place: Place) -> tuple[Robot, TimedTrajectory]:
     return robot, random_trajectory(np.random.default_rng(place.seed + 1), robot.group, 1, 0.1)
 
 
+@JUDGED
 @given(seed=st.integers(0, 2**31), is_carried=st.booleans())
 @settings(max_examples=num_cases(3))
 def test_what_stays_above_is_proven_and_what_does_not_is_refused(
@@ -147,6 +148,7 @@ def tilted(robot: Robot, angle: float) -> TimedTrajectory:
 TOUCH = float(np.arccos(0.1 / np.hypot(0.4, 0.5)) - np.arctan2(0.5, 0.4))
 
 
+@JUDGED
 @pytest.mark.parametrize(("before", "proven"), [(1e-4, True), (-1e-6, False), (-0.3, False)])
 def test_a_half_space_that_turns_is_proven_up_to_touch(before: float, proven: bool) -> None:
     robot = tilting()
@@ -160,6 +162,7 @@ def test_a_half_space_that_turns_is_proven_up_to_touch(before: float, proven: bo
         assert certificate.points.shape == (2, 3)
 
 
+@JUDGED
 def test_margins_hold_over_a_half_space_that_turns() -> None:
     robot = tilting()
     angle = TOUCH - 0.05
@@ -168,6 +171,7 @@ def test_margins_hold_over_a_half_space_that_turns() -> None:
     assert not judge(robot, tilted(robot, angle), PairMargins(height + 1e-5)).proven
 
 
+@JUDGED
 def test_two_half_spaces_always_overlap() -> None:
     builder = Builder()
     builder.link(P, HalfSpace())
@@ -179,6 +183,7 @@ def test_two_half_spaces_always_overlap() -> None:
     assert clearance_of(certificate).where == "robot::link0-ground"
 
 
+@JUDGED
 def test_robustness_under_a_half_space_that_turns() -> None:
     robot = tilting()
     motion = tilted(robot, 0.1)

@@ -16,6 +16,7 @@ from planning.goals.sampler import GoalQuery, find_goals
 from planning.kernel.native import native
 from planning.world.world import World
 from tests.clocks import after_looks, no_hurry
+from tests.conftest import bundled_world
 
 EXACT = np.zeros(3)
 ENGINES = pytest.mark.parametrize("engine", ["kernel", "drake"])
@@ -32,6 +33,8 @@ def with_engine(world: World, engine: str) -> World:
 @cache
 def world_by(name: str, engine: str) -> World:
     """Return a bundled scene whose inverse kinematics is the kernel's or Drake's."""
+    if engine == "kernel" and native() is not None:
+        return bundled_world(name)
     path: Path = planning.bundled_folder("scenes") / f"{name}.scene.yaml"
     return with_engine(planning.load_world(planning.read_scene(path)), engine)
 

@@ -36,12 +36,14 @@ METRED = [
     *product(PLACES, [PLAIN]),
     *product(PLACES[::-1], [PoseMetric(1.0, 0.5)]),
 ]
+# The first is asked by other tests too; of a tilted tool the tolerances have other axes.
 BY_ENGINE = [
-    ("kernel", PLACES[0]),
-    ("drake", PLACES[1]),
+    ("kernel", PLACES[0], 0.0),
+    ("drake", PLACES[1], 0.1),
     # In a campaign only:
-    ("kernel", PLACES[1]),
-    ("drake", PLACES[0]),
+    ("kernel", PLACES[0], 0.1),
+    ("kernel", PLACES[1], 0.1),
+    ("drake", PLACES[0], 0.1),
 ]
 
 
@@ -51,14 +53,21 @@ def refused(world: World, goal: PoseGoal | RegionGoal, **options: Any) -> dict[s
     return refusal.value.evidence
 
 
-@cache
-def refused_at(place: tuple[float, ...], metric: PoseMetric = PLAIN) -> dict[str, Any]:
+def refused_at(
+    place: tuple[float, ...], metric: PoseMetric = PLAIN, engine: str = "kernel", tilt: float = 0.0
+) -> dict[str, Any]:
     """Return what is said of a pose that looks down at a place, asking once only."""
-    return refused(world_by(NAME, "kernel"), at(looking_down(place)), pose_metric=metric)
+    return _refused_at(place, metric, engine, tilt)
 
 
-def looking_down(place: tuple[float, ...]) -> Pose:
-    return Pose.from_parts(place, rpy=[np.pi, 0, 0.3])
+@cache
+def _refused_at(*case: Any) -> dict[str, Any]:
+    place, metric, engine, tilt = case
+    return refused(world_by(NAME, engine), at(looking_down(place, tilt)), pose_metric=metric)
+
+
+def looking_down(place: tuple[float, ...], tilt: float = 0.0) -> Pose:
+    return Pose.from_parts(place, rpy=[np.pi, tilt, 0.3])
 
 
 def cost_of(pose: Pose, target: Pose, metric: PoseMetric) -> float:
@@ -71,13 +80,9 @@ def nearer_tries(target: Pose, cost: float, metric: PoseMetric, seed: int) -> li
     rng = np.random.default_rng(seed)
     aside = rng.normal(size=(2000, 6))
     aside *= (cost * rng.uniform(size=2000) ** (1 / 6) / np.linalg.norm(aside, axis=1))[:, None]
-    return [
-        Pose.from_parts(
-            target.position + row[:3] / metric.translation,
-            rotation.multiply(target.quaternion, rotation.exp(row[3:] / metric.rotation)),
-        )
-        for row in aside
-    ]
+    turned = rotation.multiply(target.quaternion, rotation.exp(aside[:, 3:] / metric.rotation))
+    shifted = target.position + aside[:, :3] / metric.translation
+    return [Pose(*parts) for parts in zip(shifted, turned, strict=True)]
 
 
 @pytest.mark.campaign
@@ -114,13 +119,13 @@ def test_the_nearest_pose_is_feasible_and_2000_tries_find_no_nearer_one(
 
 
 @pytest.mark.campaign
-@pytest.mark.parametrize(("engine", "place"), BY_ENGINE[: num_cases(2, 4)])
-def test_what_would_do_does(engine: str, place: tuple[float, ...]) -> None:
+@pytest.mark.parametrize(("engine", "place", "tilt"), BY_ENGINE[: num_cases(2, 5)])
+def test_what_would_do_does(engine: str, place: tuple[float, ...], tilt: float) -> None:
     """The nearest pose is within the tolerance that is told, and nothing else is in the way."""
     world = world_by(NAME, engine)
     group, margins = world.group("arm"), world.margins()
-    pose = Pose.from_parts(place, rpy=[np.pi, 0.1, 0.3])
-    evidence = refused(world, at(pose))
+    pose = looking_down(place, tilt)
+    evidence = refused_at(place, PLAIN, engine, tilt)
     near, relaxation = evidence["nearest"], evidence["relaxation"]
     tolerance = [np.array(relaxation["tolerance"][name]) for name in ("position", "rotation")]
     reached = Pose.from_parts(near["position"], near["quaternion"])
@@ -284,7 +289,7 @@ def test_what_time_cuts_short_says_so_and_not_what_binds() -> None:
     settled = refused_at(PLACES[1])["nearest"]
     assert not settled["cut_short"]
     are_cut: list[bool] = []
-    for looks in (*np.linspace(4, 90, num_cases(5, 87)).astype(int), 10_000):
+    for looks in (*np.linspace(4, 90, num_cases(3, 87)).astype(int), 10_000):
         refusal = refused_after(int(looks))
         nearest, relaxation = refusal.evidence["nearest"], refusal.evidence["relaxation"]
         are_cut.append(nearest["cut_short"])

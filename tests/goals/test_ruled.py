@@ -1,5 +1,6 @@
 """Inverse kinematics under path constraints."""
 
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -22,7 +23,7 @@ from planning.domain.options import IkOptions
 from planning.domain.pose import Pose
 from planning.errors import GoalInCollision, GoalViolatesConstraint
 from planning.world.world import World
-from tests.clocks import no_hurry
+from tests.clocks import after_looks, no_hurry
 from tests.goals.conftest import ENGINES, EXACT, at, world_by
 
 GOAL = PoseGoal((PoseTarget(Pose.identity(), "upper"),), "", EXACT, EXACT)
@@ -31,7 +32,7 @@ UP = np.array([0.0, 0.0, 1.0])
 
 def solve(world: World, *constraints: PathConstraint, **arguments: Any) -> GoalConfigurations:
     goal = arguments.pop("goal", GOAL)
-    deadline = no_hurry(60)
+    deadline = arguments.pop("deadline", None) or no_hurry(60)
     name = world.groups[0].name
     return planning.solve_ik(
         world, name, goal, deadline=deadline, constraints=constraints, **arguments
@@ -126,11 +127,11 @@ def test_a_predicate_goal_says_what_its_configurations_violate() -> None:
 def test_a_goal_that_fails_without_constraints_fails_as_it_does_without() -> None:
     world = world_by("ur5e_pickup", "kernel")
     goal = at(Pose.from_parts([0.45, 0.25, 0.0], rpy=[np.pi, 0, 0.3]))
-    options = IkOptions(5, 60)
+    options, soon = IkOptions(5, 60), partial(after_looks, 100)
     with pytest.raises(GoalInCollision) as plain:
-        solve(world, goal=goal, options=options)
+        solve(world, goal=goal, options=options, deadline=soon())
     with pytest.raises(GoalInCollision) as ruled:
-        solve(world, TightLimits({}), goal=goal, options=options)
+        solve(world, TightLimits({}), goal=goal, options=options, deadline=soon())
     assert ruled.value.evidence.keys() == plain.value.evidence.keys()
 
 

@@ -19,6 +19,7 @@ from planning.retime.path_limits import path_limits
 from planning.retime.retimer import retime
 from planning.world.world import World
 from tests.clocks import no_hurry
+from tests.profiles import pairs
 from tests.refine.arms import ARMS, KINDS, arm_of, limits_of, request_of
 
 # Two bars of 1 m in a vertical plane, with a weight at the end; stretched out ahead the shoulder
@@ -69,7 +70,7 @@ def seconds(world: World, path: JointPath, curve: JointSpline, others: MotionLim
     return retime(curve, world.limits(path.group), options, limits)[0].duration
 
 
-CASES = [(name, kind) for name in ARMS for kind in (*KINDS, "signed")]
+CASES = pairs(list(ARMS), [*KINDS, "signed"])
 
 
 def others_of(name: str, kind: str) -> MotionLimits:
@@ -80,6 +81,7 @@ def others_of(name: str, kind: str) -> MotionLimits:
     return MotionLimits(acceleration_bounds={names[1]: (-0.5, 3.0), names[3]: (-4.0, 0.8)})
 
 
+@pytest.mark.campaign
 @pytest.mark.parametrize(("name", "kind"), CASES)
 def test_refined_curves_are_quicker_than_the_path_and_than_without_knowing(name, kind):
     (world, _), path, others = arm_of(name), path_of(name, kind), others_of(name, kind)
@@ -95,6 +97,7 @@ def test_refined_curves_are_quicker_than_the_path_and_than_without_knowing(name,
     assert refined < 0.995 * min(seconds(world, path, other, others) for other in known)
 
 
+@pytest.mark.campaign
 @pytest.mark.parametrize(("name", "kind"), CASES)
 def test_small_steps_bring_what_they_promise(name, kind):
     """Together: a single one may end at a kink, where other limits bind beyond."""

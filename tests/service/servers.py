@@ -97,7 +97,7 @@ def endless(client):
     """A plan that takes minutes: there is no way through the wall, which no planner knows."""
     scene = client.add_scene(WALLED)
     goal = {"type": "joint", "positions": [0.3, -0.3, 0.0]}
-    search = {"allowed_planning_time": 600.0, "attempts": 100, "solve_time": 4.0}
+    search = {"allowed_planning_time": 600.0, "attempts": 100, "solve_time": 2.0}
     return request_of(scene, group="body", goal=goal, search=search)
 
 

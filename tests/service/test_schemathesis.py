@@ -13,7 +13,7 @@ from tests.service.api_routes import api_routes, takes_data
 # Replays are megabytes.
 NOT_CALLED = {"getReplay"}
 RULES = settings(
-    max_examples=num_cases(3, 60),
+    max_examples=num_cases(2, 60),
     deadline=None,
     derandomize=not PROFILE.is_campaign,
     database=None,

@@ -80,7 +80,10 @@ def test_no_plan_leads_below_a_floor(cart: Callable[..., World]) -> None:
 def test_a_plan_over_a_floor_is_proven(cart: Callable[..., World], kernel: bool) -> None:
     world = cart(kernel)
     goal = planning.JointGoal(np.array([[150.0, 0.51]]))
-    found = planning.plan(planning.PlanningProblem("r", goal), world, deadline=no_hurry(60.0))
+    # The floor is what this is about: as few configurations on the way as will do.
+    search = planning.SearchOptions(resolution=1.0)
+    problem = planning.PlanningProblem("r", goal, search=search)
+    found = planning.plan(problem, world, deadline=no_hurry(60.0))
     assert found.certificate.proven
     assert found.certificate.observed_clearance <= 0.01 + 1e-6
 

@@ -60,8 +60,7 @@ def test_json_that_is_no_scene_is_invalid(text):
 
 
 def noise():
-    picked = random.Random(1)
-    return "".join(picked.choice('abc{}[]:,"1 \n-') for _ in range(1_900_000))
+    return "".join(random.Random(1).choices('abc{}[]:,"1 \n-', k=1_900_000))
 
 
 def keys(count):
@@ -76,8 +75,8 @@ HOSTILE = {
     "balanced and deep": (
         "json", lambda: '{"a":' * (MAX_DEPTH + 1) + "1" + "}" * (MAX_DEPTH + 1),
     ),
-    "many keys": ("json", lambda: json.dumps(keys(400_000))),
-    "the last key twice": ("json", lambda: json.dumps(keys(300_000))[:-1] + ', "key299999": 1}'),
+    "many keys": ("json", lambda: json.dumps(keys(200_000))),
+    "the last key twice": ("json", lambda: json.dumps(keys(200_000))[:-1] + ', "key199999": 1}'),
     "many objects": ("json", lambda: json.dumps({"robots": [ROBOT], "objects": [1] * 3_000_000})),
     "many positions": (
         "json", lambda: json.dumps({"robots": [{**ROBOT, "positions": [""] * 800_000}]}),
