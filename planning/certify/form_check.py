@@ -86,9 +86,10 @@ def _number_faults(request: CertifyRequest) -> list[str]:
 def _size_faults(request: CertifyRequest) -> list[str]:
     curve = request.trajectory
     faults: list[str] = []
-    if not (curve.breaks[0] == 0 and (np.diff(curve.breaks) > 0).all()):
+    if not (curve.breaks[0] == 0 and (curve.widths > 0).all()):
         return ["times do not increase from 0"]
-    places = [curve.bases, request.start, request.reference, request.goals]
+    origin = [] if request.origin is None else [request.origin]
+    places = [curve.bases, request.start, *origin, request.goals]
     everything = [*map(np.abs, places), *request.sizes]
     if not all(array.max() <= _LARGEST for array in everything):
         faults.append(f"a position or rate is beyond {_LARGEST:g}")

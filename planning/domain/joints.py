@@ -145,6 +145,20 @@ class JointGroup(Value):
         return len(self.velocity_names)
 
     @cached_property
+    def plain(self) -> tuple[list[int], list[int]]:
+        """The indices in q, and in v, of all that simply adds: of everything but rotations."""
+        in_q: list[int] = []
+        in_v: list[int] = []
+        iq = iv = 0
+        for joint in self.joints:
+            after_q, after_v = iq + joint.num_positions, iv + joint.num_velocities
+            skipped = (4, 3) if joint.type is JointType.FLOATING else (0, 0)
+            in_q += range(iq + skipped[0], after_q)
+            in_v += range(iv + skipped[1], after_v)
+            iq, iv = after_q, after_v
+        return in_q, in_v
+
+    @cached_property
     def blocks(self) -> tuple[tuple[str, tuple[int, ...]], ...]:
         """The joints' blocks, with indices into the group's v."""
         stacked: list[tuple[str, tuple[int, ...]]] = []
