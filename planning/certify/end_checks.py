@@ -53,18 +53,19 @@ def continuity_checks(request: CertifyRequest) -> list[Check]:
     curve, limits = request.trajectory, request.shared_limits
     between = curve.breaks[1:-1]
     jumps = position_jumps(curve, _at_begins(request, 0), _at_ends(request, 0))
-    sums = Sums.of(jumps * request.leverage)
-    apart = float(np.linalg.norm(sums.sizes))
-    time = _time(between, sums, int(np.argmax(sums.sizes)))
-    checks = [_jump("continuity", apart, SAME, "rad or m", time)]
     steps = _at_begins(request, 1)[1:] - _at_ends(request, 1)[:-1]
+    both = np.concatenate([jumps * request.leverage, steps], axis=1)
+    places, rates = Sums.of(both).parted(steps.shape[1])
+    apart = float(np.linalg.norm(places.sizes))
+    time = _time(between, places, int(np.argmax(places.sizes)))
+    checks = [_jump("continuity", apart, SAME, "rad or m", time)]
     name = "velocity continuity"
-    checks.append(_rate_jump(request, name, (steps, limits.velocity), _RATE_JUMP, between))
+    checks.append(_rate_jump(request, name, (rates, limits.velocity), _RATE_JUMP, between))
     if request.jerk:
         after, before = _at_begins(request, 2), _at_ends(request, 2)
         first = after[:1] if request.origin is None else np.zeros_like(after[:1])
         steps = np.concatenate([first, after[1:] - before[:-1], -before[-1:]])
-        what, name = (steps, limits.acceleration), "acceleration continuity"
+        what, name = (Sums.of(steps), limits.acceleration), "acceleration continuity"
         checks.append(_rate_jump(request, name, what, _ACCELERATION_JUMP, curve.breaks))
     return checks
 
@@ -95,11 +96,10 @@ def _states(request: CertifyRequest, order: int, which: int, rows: slice = slice
 
 
 def _rate_jump(
-    request: CertifyRequest, name: str, what: tuple[Array, Array], bound: float, times: Array
+    request: CertifyRequest, name: str, what: tuple[Sums, Array], bound: float, times: Array
 ) -> Check:
     """Return the largest sum of any block's steps over its limit; without one it counts as is."""
-    steps, limits = what
-    sums = Sums.of(steps)
+    sums, limits = what
     blocks, sizes = request.group.blocks, sums.sizes
     if len(blocks) < len(sizes):
         sizes = np.array([np.linalg.norm(sizes[list(block)]) for _, block in blocks])

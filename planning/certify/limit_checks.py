@@ -50,7 +50,7 @@ def position_check(request: CertifyRequest) -> Check:
 def _own_excesses(request: CertifyRequest) -> tuple[list[str], Array]:
     """Return by how much the group leaves its bounds: whose, and coefficients for each piece."""
     limits, names = request.limits, request.group.position_names
-    iq, iv = (np.array(indices, dtype=np.intp) for indices in request.group.plain)
+    iq, iv = request.group.plain
     bases = request.trajectory.bases.T[iq]
     values = request.forms[0][iv] + bases[:, :, None]
     hidden = request.rounding[0][iv] + 2 * UNIT * np.abs(bases).max(axis=1)

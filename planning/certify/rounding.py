@@ -43,11 +43,11 @@ def rounding(
         order: Of the derivative that is meant.
     """
     terms = max(coefficients.shape[1] - order, 1)
+    unit = (terms + 1) * UNIT
     if terms <= LOW_DEGREE + 1:
         # c_k w^k is C(degree, k) times a k-th difference of the b_i: S is at most 3^degree of them.
-        sizes = 3.0 ** (terms - 1) * largest
-    else:
-        powers = widths[:, None] ** np.arange(terms)
-        sizes = np.einsum("nk,nkv->nv", powers, np.abs(derivative(coefficients, order)))
-        sizes = sizes if largest.ndim > 1 else sizes.max(axis=0)
-    return (terms + 1) * UNIT * (_CONVERSION * sizes + _HALVINGS * largest)
+        return unit * (_CONVERSION * 3.0 ** (terms - 1) + _HALVINGS) * largest
+    powers = widths[:, None] ** np.arange(terms)
+    sizes = np.einsum("nk,nkv->nv", powers, np.abs(derivative(coefficients, order)))
+    sizes = sizes if largest.ndim > 1 else sizes.max(axis=0)
+    return unit * (_CONVERSION * sizes + _HALVINGS * largest)

@@ -88,12 +88,21 @@ class Curve(Value):
     @cached_property
     def start(self) -> Array:
         """The first configuration, shape (nq,)."""
-        return frozen(self.positions(self.breaks[:1])[0])
+        return self._position_at(0, self.breaks[:1])
 
     @cached_property
     def end(self) -> Array:
         """The last configuration, shape (nq,)."""
-        return frozen(self.positions(self.breaks[-1:])[0])
+        return self._position_at(self.num_pieces - 1, self.breaks[-1:])
+
+    def _position_at(self, piece: int, x: Float64[np.ndarray, "1"]) -> Array:
+        """Return q(x) of a piece, as `positions` does where to look for the piece; shape (nq,)."""
+        rows = slice(piece, piece + 1)
+        local = x - self.breaks[rows]
+        delta = np.zeros((1, self.coefficients.shape[2]))
+        for k in range(self.coefficients.shape[1] - 1, -1, -1):
+            delta = delta * local + self.coefficients[rows, k]
+        return frozen(self.manifold.plus(self.bases[rows], delta)[0])
 
 
 @dataclass(frozen=True, eq=False)
