@@ -34,8 +34,24 @@ def rows_from_power(
     coefficients: Float64[np.ndarray, "n k nv"], widths: Float64[np.ndarray, " n"]
 ) -> Float64[np.ndarray, "nv n k"]:
     """Return the same, a row of k coefficients for every coordinate and piece."""
+    return _rows(coefficients, widths[:, None] ** np.arange(coefficients.shape[1]))
+
+
+def derivative_rows(
+    coefficients: Float64[np.ndarray, "n k nv"], widths: Float64[np.ndarray, " n"], count: int
+) -> tuple[Array, ...]:
+    """Return such rows of polynomials and of their derivatives, so many in all."""
+    powers = widths[:, None] ** np.arange(coefficients.shape[1])
+    found = [_rows(coefficients, powers)]
+    for _ in range(1, count):
+        coefficients = derivative(coefficients, 1)
+        found.append(_rows(coefficients, powers[:, : coefficients.shape[1]]))
+    return tuple(found)
+
+
+def _rows(coefficients: Array, powers: Array) -> Array:
     count, terms, width = coefficients.shape
-    scaled = coefficients.transpose(2, 0, 1) * widths[:, None] ** np.arange(terms)
+    scaled = coefficients.transpose(2, 0, 1) * powers
     rows = scaled.reshape(-1, terms) @ _power_to_bernstein(terms - 1).T
     return rows.reshape(width, count, terms)
 

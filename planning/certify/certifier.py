@@ -118,8 +118,7 @@ def _certify(
         stop, report = _findings(model, request, report, deadline)
         checks += stop
     points = nearest_points(model, request, clearance.nearest)
-    verdict = _verdict(request, checks, clearance, points)
-    return replace(verdict, unchecked=model.unchecked), report
+    return _verdict(model, request, checks, clearance, points), report
 
 
 def _malformed(form: Check) -> Certificate:
@@ -189,7 +188,11 @@ def special_checks(
 
 
 def _verdict(
-    request: CertifyRequest, checks: tuple[Check, ...], clearance: Clearance, points: Array
+    model: DrakeModel,
+    request: CertifyRequest,
+    checks: tuple[Check, ...],
+    clearance: Clearance,
+    points: Array,
 ) -> Certificate:
     nearest, check = clearance.nearest, clearance.check
     return Certificate(
@@ -201,4 +204,5 @@ def _verdict(
         checks=checks,
         points=points,
         proven_until=request.trajectory.duration if clearance.check.passed else 0.0,
+        unchecked=model.unchecked,
     )

@@ -22,13 +22,13 @@ _ACCELERATION_JUMP = 1e-3
 
 def start_check(request: CertifyRequest) -> Check:
     """Return how far from the wanted start the motion begins."""
-    distance = _distance(request, _at_begins(request, 0)[0], request.start)
+    distance = _distance(request, _states(request, 0, 0, slice(1))[0], request.start)
     return Check("start", distance, SAME, "rad or m", 0.0, distance <= SAME)
 
 
 def goal_check(request: CertifyRequest) -> Check:
     """Return how far from the nearest goal configuration the motion ends."""
-    end = _at_ends(request, 0)[-1]
+    end = _states(request, 0, -1, slice(-1, None))[0]
     distance = min(_distance(request, end, goal) for goal in request.goals)
     time = request.trajectory.duration
     return Check("goal", distance, SAME, "rad or m", 0.0, distance <= SAME, "", time)
@@ -53,18 +53,19 @@ def continuity_checks(request: CertifyRequest) -> list[Check]:
     curve, limits = request.trajectory, request.shared_limits
     between = curve.breaks[1:-1]
     jumps = position_jumps(curve, _at_begins(request, 0), _at_ends(request, 0))
-    sums = Sums.of(jumps * request.leverage)
-    apart = float(np.linalg.norm(sums.sizes))
-    time = _time(between, sums, int(np.argmax(sums.sizes)))
-    checks = [_jump("continuity", apart, SAME, "rad or m", time)]
     steps = _at_begins(request, 1)[1:] - _at_ends(request, 1)[:-1]
+    both = np.concatenate([jumps * request.leverage, steps], axis=1)
+    places, rates = Sums.of(both).parted(steps.shape[1])
+    apart = float(np.linalg.norm(places.sizes))
+    time = _time(between, places, int(np.argmax(places.sizes)))
+    checks = [_jump("continuity", apart, SAME, "rad or m", time)]
     name = "velocity continuity"
-    checks.append(_rate_jump(request, name, (steps, limits.velocity), _RATE_JUMP, between))
+    checks.append(_rate_jump(request, name, (rates, limits.velocity), _RATE_JUMP, between))
     if request.jerk:
         after, before = _at_begins(request, 2), _at_ends(request, 2)
         first = after[:1] if request.origin is None else np.zeros_like(after[:1])
         steps = np.concatenate([first, after[1:] - before[:-1], -before[-1:]])
-        what, name = (steps, limits.acceleration), "acceleration continuity"
+        what, name = (Sums.of(steps), limits.acceleration), "acceleration continuity"
         checks.append(_rate_jump(request, name, what, _ACCELERATION_JUMP, curve.breaks))
     return checks
 
@@ -79,10 +80,12 @@ def _at_ends(request: CertifyRequest, order: int) -> Array:
     return _states(request, order, -1)
 
 
-def _states(request: CertifyRequest, order: int, which: int) -> Array:
+def _states(request: CertifyRequest, order: int, which: int, rows: slice = slice(None)) -> Array:
     curve = request.trajectory
-    values = [form[:, :, which].T for form in request.forms[: order + 1]]
-    q = curve.manifold.plus(curve.bases, values[0])
+    values = [form[:, rows, which].T for form in request.forms[: order + 1]]
+    if order and curve.manifold.is_flat:
+        return values[order]
+    q = curve.manifold.plus(curve.bases[rows], values[0])
     match order:
         case 0:
             return q
@@ -93,18 +96,17 @@ def _states(request: CertifyRequest, order: int, which: int) -> Array:
 
 
 def _rate_jump(
-    request: CertifyRequest, name: str, what: tuple[Array, Array], bound: float, times: Array
+    request: CertifyRequest, name: str, what: tuple[Sums, Array], bound: float, times: Array
 ) -> Check:
     """Return the largest sum of any block's steps over its limit; without one it counts as is."""
-    steps, limits = what
-    sums = Sums.of(steps)
-    blocks = [list(indices) for _, indices in request.group.blocks]
-    sizes = sums.sizes
+    sums, limits = what
+    blocks, sizes = request.group.blocks, sums.sizes
     if len(blocks) < len(sizes):
-        sizes = np.array([np.linalg.norm(sizes[block]) for block in blocks])
+        sizes = np.array([np.linalg.norm(sizes[list(block)]) for _, block in blocks])
     shares = sizes / np.where(np.isfinite(limits), limits, 1.0)
     worst = int(np.argmax(shares))
-    column = blocks[worst][int(np.argmax(sums.sizes[blocks[worst]]))]
+    columns = blocks[worst][1]
+    column = max(columns, key=lambda i: sums.sizes[i])
     return _jump(name, float(shares[worst]), bound, "1", _time(times, sums, column))
 
 

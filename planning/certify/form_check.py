@@ -1,5 +1,6 @@
 """Whether the numbers are a trajectory, and a question about it, at all."""
 
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
@@ -72,7 +73,9 @@ def _number_faults(request: CertifyRequest) -> list[str]:
         ("goals", request.goals),
         ("state", request.state),
     ]
-    faults = [f"{name} are not all finite" for name, array in finite if not _are_finite(array)]
+    faults: list[str] = []
+    if not _are_finite(_together(array for _, array in finite)):
+        faults += [f"{name} are not all finite" for name, array in finite if not _are_finite(array)]
     if np.isnan(limits.lower).any() or np.isnan(limits.upper).any():
         faults.append("a position limit is no number")
     faults += [
@@ -86,11 +89,11 @@ def _number_faults(request: CertifyRequest) -> list[str]:
 def _size_faults(request: CertifyRequest) -> list[str]:
     curve = request.trajectory
     faults: list[str] = []
-    if not (curve.breaks[0] == 0 and (np.diff(curve.breaks) > 0).all()):
+    if not (curve.breaks[0] == 0 and (curve.widths > 0).all()):
         return ["times do not increase from 0"]
-    places = [curve.bases, request.start, request.reference, request.goals]
-    everything = [*map(np.abs, places), *request.sizes]
-    if not all(array.max() <= _LARGEST for array in everything):
+    origin = [] if request.origin is None else [request.origin]
+    places = [curve.bases, request.start, *origin, request.goals]
+    if not np.abs(_together([*places, *request.sizes])).max() <= _LARGEST:
         faults.append(f"a position or rate is beyond {_LARGEST:g}")
     if any(_unit_fault(request, q) for q in places):
         faults.append("a quaternion is not of unit length")
@@ -131,6 +134,11 @@ def _scales(request: CertifyRequest, order: int) -> Array:
 def _rates(request: CertifyRequest) -> tuple[str, ...]:
     """Return the names of the rate limits that are asked for."""
     return ("velocity", "acceleration", "jerk") if request.jerk else ("velocity", "acceleration")
+
+
+def _together(arrays: Iterable[Array]) -> Array:
+    """Return all numbers of some arrays in one."""
+    return np.concatenate([array.ravel() for array in arrays])
 
 
 def _are_finite(array: Array) -> bool:

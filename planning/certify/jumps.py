@@ -41,6 +41,11 @@ class Sums:
         partial = np.cumsum(jumps, axis=0)
         return cls(partial, partial.max(axis=0, initial=0.0) - partial.min(axis=0, initial=0.0))
 
+    def parted(self, count: int) -> tuple["Sums", "Sums"]:
+        """Return the sums of the first so many coordinates, and those of the others."""
+        partial, sizes = self.partial, self.sizes
+        return Sums(partial[:, :count], sizes[:count]), Sums(partial[:, count:], sizes[count:])
+
     def last_of(self, column: int) -> int:
         """Return the jump with which the largest sum of a coordinate is complete."""
         partial = self.partial[:, column]

@@ -4,6 +4,7 @@ What rounding may hide (`rounding`) is added to what is found.
 """
 
 from collections.abc import Iterator
+from math import isfinite
 from typing import Any
 
 import numpy as np
@@ -48,19 +49,18 @@ def position_check(request: CertifyRequest) -> Check:
 
 def _own_excesses(request: CertifyRequest) -> tuple[list[str], Array]:
     """Return by how much the group leaves its bounds: whose, and coefficients for each piece."""
-    curve, limits = request.trajectory, request.limits
-    iq, iv = (np.array(indices) for indices in zip(*_plain_coordinates(request), strict=True))
-    bases = curve.bases.T[iq]
+    limits, names = request.limits, request.group.position_names
+    iq, iv = request.group.plain
+    bases = request.trajectory.bases.T[iq]
     values = request.forms[0][iv] + bases[:, :, None]
     hidden = request.rounding[0][iv] + 2 * UNIT * np.abs(bases).max(axis=1)
-    above, below = np.isfinite(limits.upper[iq]), np.isfinite(limits.lower[iq])
-    upper, lower = limits.upper[iq] - hidden, limits.lower[iq] + hidden
-    excesses = np.concatenate([
-        values[above] - upper[above][:, None, None],
-        lower[below][:, None, None] - values[below],
-    ])
-    names = request.group.position_names
-    return [names[i] for i in np.concatenate([iq[above], iq[below]])], excesses
+    upper, lower = limits.upper[iq], limits.lower[iq]
+    above, below = np.flatnonzero(np.isfinite(upper)), np.flatnonzero(np.isfinite(lower))
+    excesses = np.empty((len(above) + len(below), *values.shape[1:]))
+    most, least = (upper - hidden)[above], (lower + hidden)[below]
+    np.subtract(values[above], most[:, None, None], out=excesses[: len(above)])
+    np.subtract(least[:, None, None], values[below], out=excesses[len(above) :])
+    return [names[i] for i in (*iq[above].tolist(), *iq[below].tolist())], excesses
 
 
 def rate_check(request: CertifyRequest, name: str, order: int) -> Check:
@@ -85,21 +85,24 @@ def _utilisations(
     request: CertifyRequest, name: str, order: int
 ) -> Iterator[tuple[float, str, int, float]]:
     """Yield peak over limit, block, piece and fraction: of all scalar blocks, and of each other."""
-    limits: Array = getattr(request.limits, name)
+    limits: list[float] = getattr(request.limits, name).tolist()
     limited = [
-        (block, list(indices), float(limit))
+        (block, list(indices), limit)
         for (block, indices), limit in zip(request.group.blocks, limits, strict=True)
-        if np.isfinite(limit)
+        if isfinite(limit)
     ]
     scalar = [entry for entry in limited if len(entry[1]) == 1]
     if scalar:
         columns = [indices[0] for _, indices, _ in scalar]
         bounds = np.array([limit for _, _, limit in scalar])
-        shares = _rows(request.forms[order][columns] / bounds[:, None, None])
-        top, row, fraction = bernstein.peak(np.concatenate([shares, -shares]), _RELATIVE_GAP)
-        which, piece = divmod(row % len(shares), request.trajectory.num_pieces)
+        shares = request.forms[order][columns] / bounds[:, None, None]
+        rows = _rows(np.concatenate([shares, -shares]))
+        top, row, fraction = bernstein.peak(rows, _RELATIVE_GAP)
+        which, piece = divmod(row % (len(rows) // 2), request.trajectory.num_pieces)
         hidden = float((request.rounding[order][columns] / bounds).max())
         yield max(top, 0.0) + hidden, scalar[which][0], piece, fraction
+    if len(scalar) == len(limited):
+        return
     turning = turning_blocks(request)
     for block, indices, limit in limited:
         if len(indices) > 1:
@@ -111,6 +114,8 @@ def _utilisations(
 
 def _signed_utilisations(request: CertifyRequest) -> Iterator[tuple[float, str, int, float]]:
     """Yield the same of accelerations over bounds that differ by sign, of every bounded block."""
+    if not request.acceleration_bounds:
+        return
     columns = {name: indices[0] for name, indices in request.group.blocks if len(indices) == 1}
     for name, (lowest, highest) in request.acceleration_bounds.items():
         rows, hidden = request.forms[2][columns[name]], request.rounding[2][columns[name]]
@@ -187,17 +192,3 @@ def turning_blocks(request: CertifyRequest) -> set[str]:
     """Return the names of the blocks that are angular velocities in space."""
     floating = [joint for joint in request.group.joints if joint.type is JointType.FLOATING]
     return {name for joint in floating for name, indices in joint.blocks if indices[0] == 0}
-
-
-def _plain_coordinates(request: CertifyRequest) -> list[tuple[int, int]]:
-    """Return (index in q, index in v) of every coordinate that simply adds."""
-    pairs: list[tuple[int, int]] = []
-    iq = iv = 0
-    for joint in request.group.joints:
-        if joint.type is JointType.FLOATING:
-            pairs += [(iq + 4 + i, iv + 3 + i) for i in range(3)]
-        else:
-            pairs += [(iq + i, iv + i) for i in range(joint.num_positions)]
-        iq += joint.num_positions
-        iv += joint.num_velocities
-    return pairs

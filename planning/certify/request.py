@@ -91,9 +91,8 @@ class CertifyRequest(Value):
     def rounding(self) -> tuple[Array, ...]:
         """Bounds on how far `forms` and values of the polynomials are off, each of shape (nv,)."""
         curve = self.trajectory
-        widths = np.diff(curve.breaks)
         return tuple(
-            rounding(size, curve.coefficients, widths, order)
+            rounding(size, curve.coefficients, curve.widths, order)
             for order, size in enumerate(self.sizes)
         )
 
@@ -108,10 +107,6 @@ class CertifyRequest(Value):
 
         Each has the shape (nv, n, k): of n pieces, with k the degree, at least 0, and one.
         """
-        curve = self.trajectory
-        widths = np.diff(curve.breaks)
+        curve, count = self.trajectory, 4 if self.jerk else 3
         with np.errstate(over="ignore", invalid="ignore"):
-            return tuple(
-                bernstein.rows_from_power(bernstein.derivative(curve.coefficients, order), widths)
-                for order in range(4 if self.jerk else 3)
-            )
+            return bernstein.derivative_rows(curve.coefficients, curve.widths, count)

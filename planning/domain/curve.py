@@ -11,7 +11,7 @@ from jaxtyping import Float64
 
 from planning.domain.joints import Joint
 from planning.domain.manifold import Manifold
-from planning.domain.value import Value
+from planning.domain.value import Value, frozen
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 type Indices = np.ndarray[Any, np.dtype[np.intp]]
@@ -39,7 +39,12 @@ class Curve(Value):
     @cached_property
     def manifold(self) -> Manifold:
         """The manifold that the curve lies on."""
-        return Manifold(self.joints)
+        return Manifold.of(self.joints)
+
+    @cached_property
+    def widths(self) -> Array:
+        """How long each piece is, shape (n,)."""
+        return frozen(self.breaks[1:] - self.breaks[:-1])
 
     @property
     def num_pieces(self) -> int:
@@ -80,15 +85,24 @@ class Curve(Value):
         rates = self.tangents(x, 1), self.tangents(x, 2)
         return self.manifold.generalized_acceleration(q, delta, *rates)
 
-    @property
+    @cached_property
     def start(self) -> Array:
         """The first configuration, shape (nq,)."""
-        return self.positions(self.breaks[:1])[0]
+        return self._position_at(0, self.breaks[:1])
 
-    @property
+    @cached_property
     def end(self) -> Array:
         """The last configuration, shape (nq,)."""
-        return self.positions(self.breaks[-1:])[0]
+        return self._position_at(self.num_pieces - 1, self.breaks[-1:])
+
+    def _position_at(self, piece: int, x: Float64[np.ndarray, "1"]) -> Array:
+        """Return q(x) of a piece, as `positions` does where to look for the piece; shape (nq,)."""
+        rows = slice(piece, piece + 1)
+        local = x - self.breaks[rows]
+        delta = np.zeros((1, self.coefficients.shape[2]))
+        for k in range(self.coefficients.shape[1] - 1, -1, -1):
+            delta = delta * local + self.coefficients[rows, k]
+        return frozen(self.manifold.plus(self.bases[rows], delta)[0])
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,7 +114,7 @@ class JointSpline(Curve):
         cls, joints: tuple[Joint, ...], waypoints: Float64[np.ndarray, "n nq"]
     ) -> "JointSpline":
         """Build the polyline of geodesics, parametrised by length."""
-        manifold = Manifold(joints)
+        manifold = Manifold.of(joints)
         steps = manifold.minus(waypoints[1:], waypoints[:-1])
         lengths = np.linalg.norm(steps, axis=-1)
         keep = lengths > 1e-12

@@ -85,7 +85,7 @@ def polyline_through(
 
 def _displacements(joints: tuple[Joint, ...], positions: Array) -> Array:
     """Return what takes each sample to the next, whole turns included, shape (n - 1, nv)."""
-    steps = Manifold(joints).minus(positions[1:], positions[:-1])
+    steps = Manifold.of(joints).minus(positions[1:], positions[:-1])
     plain = np.diff(positions, axis=0)
     at_q = at_v = 0
     for joint in joints:

@@ -4,11 +4,14 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from enum import StrEnum
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from jaxtyping import Float64
 
 from planning.domain.value import Value
+
+type Indices = np.ndarray[Any, np.dtype[np.intp]]
 
 
 class JointType(StrEnum):
@@ -145,6 +148,20 @@ class JointGroup(Value):
         return len(self.velocity_names)
 
     @cached_property
+    def plain(self) -> tuple[Indices, Indices]:
+        """The indices in q, and in v, of all that simply adds: of everything but rotations."""
+        in_q: list[int] = []
+        in_v: list[int] = []
+        iq = iv = 0
+        for joint in self.joints:
+            after_q, after_v = iq + joint.num_positions, iv + joint.num_velocities
+            skipped = (4, 3) if joint.type is JointType.FLOATING else (0, 0)
+            in_q += range(iq + skipped[0], after_q)
+            in_v += range(iv + skipped[1], after_v)
+            iq, iv = after_q, after_v
+        return np.array(in_q, dtype=np.intp), np.array(in_v, dtype=np.intp)
+
+    @cached_property
     def blocks(self) -> tuple[tuple[str, tuple[int, ...]], ...]:
         """The joints' blocks, with indices into the group's v."""
         stacked: list[tuple[str, tuple[int, ...]]] = []
@@ -184,6 +201,8 @@ class JointLimits(Value):
 
     def scaled(self, velocity: float, acceleration: float) -> "JointLimits":
         """Return limits with velocity, and acceleration with jerk, scaled (factors in (0, 1])."""
+        if velocity == acceleration == 1:
+            return self
         return JointLimits(
             self.lower,
             self.upper,

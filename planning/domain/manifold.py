@@ -19,12 +19,26 @@ from planning.domain.value import Value
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
+# Manifolds by the identity of their joints, which they keep, so that it is no other's meanwhile.
+_shared: dict[int, "Manifold"] = {}
+_MOST_SHARED = 256
+
 
 @dataclass(frozen=True, eq=False)
 class Manifold(Value):
     """The product of the joints' manifolds, in the joints' order."""
 
     joints: tuple[Joint, ...]
+
+    @staticmethod
+    def of(joints: tuple[Joint, ...]) -> "Manifold":
+        """Return the manifold of these very joints, made the first time only."""
+        found = _shared.get(id(joints))
+        if found is None:
+            if len(_shared) >= _MOST_SHARED:
+                _shared.clear()
+            found = _shared[id(joints)] = Manifold(joints)
+        return found
 
     @cached_property
     def num_positions(self) -> int:

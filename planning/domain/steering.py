@@ -65,7 +65,7 @@ def steered(group: JointGroup, steering: Mapping[str, Steering]) -> JointGroup:
 def manifold_of(group: JointGroup) -> Manifold:
     """Return the manifold whose geodesics a group's motions follow between waypoints."""
     names = tuple(joint.name for joint in group.joints if joint.name in steering_of(group))
-    return SteeredManifold(group.joints, names) if names else Manifold(group.joints)
+    return SteeredManifold(group.joints, names) if names else Manifold.of(group.joints)
 
 
 @dataclass(frozen=True, eq=False)

@@ -36,6 +36,16 @@ def _frozen_rows(rows: Any) -> Any:
     return copy
 
 
+def _are_same(array: Any, other: Any) -> bool:
+    """Return whether two arrays are alike, bit for bit."""
+    return (
+        isinstance(other, np.ndarray)
+        and array.shape == other.shape
+        and array.dtype == other.dtype
+        and array.tobytes() == other.tobytes()
+    )
+
+
 def _kept(array: Any) -> Any:
     return _frozen_rows(array) if array.dtype == np.int32 else frozen(array)
 
@@ -67,7 +77,17 @@ class Value:
     def __eq__(self, other: object) -> bool:
         if type(self) is not type(other):
             return NotImplemented
-        return digest(self) == digest(other)
+        return self is other or (
+            not self._has_other_arrays(other) and digest(self) == digest(other)
+        )
+
+    def _has_other_arrays(self, other: object) -> bool:
+        """Return whether an array differs at first sight, which is quicker than to digest all."""
+        return any(
+            isinstance(item, np.ndarray) and not _are_same(item, getattr(other, field.name))
+            for field in dataclasses.fields(cast("Any", self))
+            for item in [getattr(self, field.name)]
+        )
 
     @override
     def __hash__(self) -> int:

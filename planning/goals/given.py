@@ -54,7 +54,7 @@ def given_configurations(
         UnknownName: There is no configuration of that name.
     """
     group, limits = query.group, world.limits(query.group)
-    rows = clip_dust(limits, Manifold(group.joints), given_rows(world, query, goal))
+    rows = clip_dust(limits, Manifold.of(group.joints), given_rows(world, query, goal))
     inside = np.flatnonzero(within_limits(limits, rows))
     if not len(inside):
         outside = limit_violations(limits, group, rows[0])
@@ -119,7 +119,7 @@ def what_would_do(
     """
     group = query.group
     rows = clip_dust(
-        world.limits(group), Manifold(group.joints), given_rows(world, query, goal)[:_MOST]
+        world.limits(group), Manifold.of(group.joints), given_rows(world, query, goal)[:_MOST]
     )
     rules = query.rules
     tight = world if rules is None else world.limited(group, rules.fixing(world.limits(group)))

@@ -42,13 +42,13 @@ class JointMetric:
                 message = f"ik.joint_weights.{name} must be finite and not negative, got {weight}"
                 raise ProblemInvalid(message, {"field": f"ik.joint_weights.{name}"})
         if not by_joint:
-            return cls(Manifold(group.joints), None)
+            return cls(Manifold.of(group.joints), None)
         weights = [
             by_joint.get(joint.name, 1.0)
             for joint in group.joints
             for _ in range(joint.num_velocities)
         ]
-        return cls(Manifold(group.joints), np.array(weights, dtype=np.float64))
+        return cls(Manifold.of(group.joints), np.array(weights, dtype=np.float64))
 
     def distance(
         self, rows: Float64[np.ndarray, "n nq"], start: Float64[np.ndarray, " nq"]

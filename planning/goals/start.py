@@ -28,7 +28,7 @@ def admit_start(
         StartInCollision: A pair of bodies is nearer than its margin.
     """
     limits = world.limits(group)
-    start = clip_dust(limits, Manifold(group.joints), q)
+    start = clip_dust(limits, Manifold.of(group.joints), q)
     outside = limit_violations(limits, group, start)
     if outside:
         worst = max(outside, key=lambda entry: entry["violation"])

@@ -22,7 +22,7 @@ def unwrapped(path: JointPath) -> Array:
 
     Consecutive waypoints that are the same are merged. The first waypoint is kept as it is.
     """
-    steps = Manifold(path.group.joints).minus(path.waypoints[1:], path.waypoints[:-1])
+    steps = Manifold.of(path.group.joints).minus(path.waypoints[1:], path.waypoints[:-1])
     moves = steps[np.linalg.norm(steps, axis=1) > 1e-9]
     return path.waypoints[0] + np.vstack([np.zeros_like(steps[:1]), np.cumsum(moves, axis=0)])
 

@@ -177,7 +177,7 @@ class RefineTask:
 def least_of(request: RefineRequest, loads: tuple[Load, ...] = ()) -> float:
     """Return a duration that no motion between the path's ends beats [s]."""
     group, ends = request.path.group, request.path.waypoints[[0, -1]]
-    moved = Manifold(group.joints).minus(ends[1], ends[0])
+    moved = Manifold.of(group.joints).minus(ends[1], ends[0])
     signed = signed_accelerations(group, request.others.acceleration_bounds)
     least = least_duration(request.limits, moved, jerk=request.jerk, signed=signed)
     return max(least, *(load.least_duration(ends) for load in loads), 0.0)

@@ -48,7 +48,7 @@ def blend_corners(path: JointPath, deviation: float, smoothness: int = 1) -> Joi
     """
     if steering_of(path.group):
         return path.spline
-    manifold = Manifold(path.group.joints)
+    manifold = Manifold.of(path.group.joints)
     alike = max(_SHORTEST, min(_ALIKE, _ALIKE_SHARE * deviation))
     waypoints = without_straight_runs(path.waypoints, manifold, STRAIGHT)
     if deviation > 0:

@@ -76,7 +76,7 @@ class WatchedOracle:
         self._inner = inner
         self._deadline = deadline
         self._edge = inner.is_edge_free if isinstance(inner, EdgeOracle) else self._judge_edge
-        self._manifold = Manifold(group.joints)
+        self._manifold = Manifold.of(group.joints)
         self._circle, self._lower, self._width = _bounded_circles(group, limits)
         self.num_states = 0
 

@@ -83,11 +83,12 @@ def box_pairs_of(model: DrakeModel) -> BoxPairs:
 
 def _pairs(model: DrakeModel) -> BoxPairs:
     inspector: Any = model.scene_graph.model_inspector()
-    pairs: list[tuple[GeometryId, GeometryId]] = [
-        pair
-        for pair in sorted(inspector.GetCollisionCandidates())
-        if all(isinstance(inspector.GetShape(i), Box) for i in pair)
-    ]
+    candidates: Any = inspector.GetCollisionCandidates()
+    found = {i for pair in candidates for i in pair}
+    boxed = {i for i in found if isinstance(inspector.GetShape(i), Box)}
+    pairs: list[tuple[GeometryId, GeometryId]] = sorted(
+        pair for pair in candidates if boxed.issuperset(pair)
+    )
     boxes = sorted({i for pair in pairs for i in pair})
     place = {i: k for k, i in enumerate(boxes)}
     halves = [inspector.GetShape(i).size() / 2 for i in boxes]

@@ -37,7 +37,7 @@ class DrakeCollisionOracle:
     ) -> None:
         """Demand `margins` of every pair of bodies; `bare` is the model's `bare_checker`."""
         self._model = model
-        self._manifold = Manifold(group.joints)
+        self._manifold = Manifold.of(group.joints)
         self._checker: Any = bare.Clone() if bare else bare_checker(model)
         if margins.largest > 0 or margins.by_pair:
             _apply_margins(self._checker, model, margins)

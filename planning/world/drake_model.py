@@ -61,6 +61,9 @@ class DrakeModel:
     uses_kernel: bool = True
     unchecked: tuple[UncheckedPair, ...] = ()
     warnings: tuple[str, ...] = ()
+    _known: dict[tuple[str, ...], tuple[Indices, Indices]] = field(
+        default_factory=dict, init=False, repr=False, compare=False
+    )
 
     @property
     def mimics(self) -> tuple[tuple[int, int, float], ...]:
@@ -79,17 +82,11 @@ class DrakeModel:
 
     def position_indices(self, group: JointGroup) -> Indices:
         """Return where the group's q is in the plant's, shape (nq,)."""
-        return np.concatenate([
-            np.arange(joint.position_start(), joint.position_start() + joint.num_positions())
-            for joint in self._joints(group)
-        ])
+        return self._indices(group)[0]
 
     def velocity_indices(self, group: JointGroup) -> Indices:
         """Return where the group's v is in the plant's, shape (nv,)."""
-        return np.concatenate([
-            np.arange(joint.velocity_start(), joint.velocity_start() + joint.num_velocities())
-            for joint in self._joints(group)
-        ])
+        return self._indices(group)[1]
 
     def embed(
         self,
@@ -108,5 +105,23 @@ class DrakeModel:
             full[..., c.follower_position] = c.multiplier * full[..., c.leader_position] + c.offset
         return full
 
-    def _joints(self, group: JointGroup) -> list[Any]:
-        return [self.plant.get_joint(self.joint_indices[joint.name]) for joint in group.joints]
+    def _indices(self, group: JointGroup) -> tuple[Indices, Indices]:
+        """Return both, which are read from the plant the first time only."""
+        names = tuple(joint.name for joint in group.joints)
+        found = self._known.get(names)
+        if found is None:
+            joints: list[Any] = [self.plant.get_joint(self.joint_indices[name]) for name in names]
+            in_q = [_range(j.position_start(), j.num_positions()) for j in joints]
+            in_v = [_range(j.velocity_start(), j.num_velocities()) for j in joints]
+            found = self._known[names] = _stacked(in_q), _stacked(in_v)
+        return found
+
+
+def _range(first: int, count: int) -> Indices:
+    return np.arange(first, first + count)
+
+
+def _stacked(parts: list[Indices]) -> Indices:
+    stacked = np.concatenate(parts)
+    stacked.flags.writeable = False
+    return stacked

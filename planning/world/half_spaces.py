@@ -134,11 +134,10 @@ def leave_out_half_spaces(scene_graph: SceneGraph, context: Any) -> None:
 
 def _pairs(model: DrakeModel) -> HalfSpacePairs:
     inspector: Any = model.scene_graph.model_inspector()
-    ids: list[Ids] = [
-        pair
-        for pair in sorted(inspector.GetCollisionCandidates())
-        if has_half_space(inspector, pair)
-    ]
+    candidates: Any = inspector.GetCollisionCandidates()
+    found = {i for pair in candidates for i in pair}
+    flat = {i for i in found if isinstance(inspector.GetShape(i), HalfSpace)}
+    ids: list[Ids] = sorted(pair for pair in candidates if not flat.isdisjoint(pair))
     return HalfSpacePairs(
         ids=tuple(ids),
         bodies=tuple((_body(model, a), _body(model, b)) for a, b in ids),

@@ -45,7 +45,7 @@ class KernelCollisionOracle:
         """
         self.num_left = 0
         self._drake_arguments = model, group, state, margins, bare
-        self._manifold = Manifold(group.joints)
+        self._manifold = Manifold.of(group.joints)
         module: Any = native()
         self._checker = module.Checker(
             scene.native,

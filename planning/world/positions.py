@@ -34,7 +34,7 @@ def require_positions(group: JointGroup, q: Any, field: str) -> Array:
         message = f"{field}: {bad} must be finite"
         raise ProblemInvalid(message, {"field": field, "joints": bad})
     _require_quaternions(group, positions, field)
-    unit = Manifold(group.joints).normalized(positions)
+    unit = Manifold.of(group.joints).normalized(positions)
     unit.flags.writeable = False
     return unit
 
@@ -42,8 +42,8 @@ def require_positions(group: JointGroup, q: Any, field: str) -> Array:
 def _require_quaternions(group: JointGroup, positions: Array, field: str) -> None:
     begin = 0
     for joint in group.joints:
-        length = np.linalg.norm(positions[begin : begin + 4])
-        if joint.type is JointType.FLOATING and length < _SHORTEST_QUATERNION:
+        is_floating = joint.type is JointType.FLOATING
+        if is_floating and np.linalg.norm(positions[begin : begin + 4]) < _SHORTEST_QUATERNION:
             message = f"{field}: the quaternion [w, x, y, z] of {joint.name} must not be zero"
             raise ProblemInvalid(message, {"field": field, "joints": [joint.name]})
         begin += joint.num_positions
