@@ -1,7 +1,6 @@
 """start_warnings(): what is wrong with where a scene puts its robots, and what would mend it."""
 
 import json
-from collections import Counter
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -66,13 +65,15 @@ def _always_touching(world: "World", touching: tuple[BodyPair, ...]) -> list[tup
     robots = {a.partition("::")[0] for a, _ in own}
     groups = [g for g in world.groups if g.name.partition("::")[0] in robots]
     probe = DistanceProbe(world.drake, world.margins(0.0))
-    rng, counts = np.random.default_rng(0), Counter[tuple[str, str]]()
+    rng = np.random.default_rng(0)
     for _ in range(_NUM_TRIED):
         full = np.array(world.state)
         for group in groups:
             full[world.drake.position_indices(group)] = _anywhere(world, group, rng)
-        counts.update(pair.bodies for pair in probe.pairs_within(world.drake.follow(full), 0.0))
-    return sorted(pair for pair in own if counts[pair] == _NUM_TRIED)
+        own &= {pair.bodies for pair in probe.pairs_within(world.drake.follow(full), 0.0)}
+        if not own:
+            break
+    return sorted(own)
 
 
 def _anywhere(world: "World", group: JointGroup, rng: np.random.Generator) -> Array:

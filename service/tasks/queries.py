@@ -35,6 +35,7 @@ _NO_SOLUTION = (
     ApproachBlocked,
     DeadlineExceeded,
     GoalInCollision,
+    GoalTooNear,
     GoalUnreachable,
     GoalViolatesConstraint,
 )
