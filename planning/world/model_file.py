@@ -17,6 +17,7 @@ from planning.world.collision_count import StatedShape, stated_shapes
 from planning.world.mesh_files import with_readable_meshes
 from planning.world.missing_limits import unlimited_joints
 from planning.world.mjcf_file import joint_equalities, refuse_unread, with_includes
+from planning.world.model_library import expansion
 from planning.world.sdf_includes import included_models
 
 _MAX_BYTES = 20_000_000
@@ -103,7 +104,7 @@ def inspect_model(file: Path) -> ModelFile:
         refuse_unread(file, root)
     for element in root.iter():
         if "xacro" in element.tag:
-            raise _invalid(file, "this is xacro source; expand it to URDF first")
+            raise _invalid(file, f"this is xacro source; expand it first: {expansion(file.name)}")
         _refuse_bad_sizes(file, element)
     packages, meshes = _find_meshes(file, root)
     models = [root, *included_models(file, root, packages)]

@@ -18,6 +18,8 @@ type Array = np.ndarray[Any, np.dtype[np.float64]]
 _NUM_TRIED = 20
 # Pairs that are told one by one.
 _MOST_TOLD = 10
+# Beyond a limit by this much is at the limit [rad or m].
+_DUST = 1e-6
 # What stands for a range without end: a whole turn, or a metre either way.
 _UNLIMITED = {JointType.CONTINUOUS: np.pi, JointType.REVOLUTE: np.pi, JointType.PRISMATIC: 1.0}
 
@@ -44,7 +46,7 @@ def start_warnings(world: "World") -> tuple[str, ...]:
             "were tried, as shapes do that are drawn into each other; if they may touch, edit the "
             f"scene with {json.dumps({'operations': operations})}"
         )
-    return (*told, *_beyond_limits(world))
+    return (*told, *_configuration_warnings(world))
 
 
 def _text(world: "World", pair: BodyPair) -> str:
@@ -96,18 +98,35 @@ def _are_of_one(a: str, b: str) -> bool:
     return bool(scoped_a and scoped_b) and robot_a == robot_b
 
 
-def _beyond_limits(world: "World") -> list[str]:
-    """Name configurations that no motion can begin or end at."""
+def _configuration_warnings(world: "World") -> list[str]:
+    """Name configurations that no motion can begin or end at, whatever stands around the robot."""
     found: list[str] = []
     for group in world.groups:
-        limits = world.limits(group)
         for name, q in world.configurations(group).items():
-            beyond = np.maximum(limits.lower - q, q - limits.upper)
-            worst = int(np.argmax(beyond))
-            if beyond[worst] > 1e-6:
-                found.append(
-                    f"configuration {name!r} of {group.name} lies outside its limits: "
-                    f"{group.position_names[worst]} at {q[worst]:g}, limits "
-                    f"[{limits.lower[worst]:g}, {limits.upper[worst]:g}]"
-                )
+            wrong = _beyond_limits(world, group, q) or _hits_itself(world, group, q)
+            found += [f"configuration {name!r} of {group.name} {wrong}"] if wrong else []
     return found
+
+
+def _beyond_limits(world: "World", group: JointGroup, q: Array) -> str:
+    limits = world.limits(group)
+    beyond = np.maximum(limits.lower - q, q - limits.upper)
+    worst = int(np.argmax(beyond))
+    if beyond[worst] <= _DUST:
+        return ""
+    return (
+        f"lies outside its limits: {group.position_names[worst]} at {q[worst]:g}, limits "
+        f"[{limits.lower[worst]:g}, {limits.upper[worst]:g}]"
+    )
+
+
+def _hits_itself(world: "World", group: JointGroup, q: Array) -> str:
+    margins = world.margins()
+    if world.collision_oracle(group, margins).is_free(q):
+        return ""
+    at_start = {pair.bodies for pair in world.violations(group, world.positions(group), margins)}
+    for pair in world.violations(group, q, margins):
+        if pair.distance < 0 and _are_of_one(*pair.bodies) and pair.bodies not in at_start:
+            a, b = pair.bodies
+            return f"is in collision with itself: {a} and {b} overlap by {-pair.distance:.2g} m"
+    return ""

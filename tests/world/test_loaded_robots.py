@@ -66,6 +66,18 @@ def test_a_robot_that_starts_in_itself_is_told_with_an_edit_to_paste(
     assert planning.load_world(elsewhere).summary.warnings == ()
 
 
+def test_a_configuration_in_which_links_overlap_is_told(urdf_world: Callable[..., World]) -> None:
+    folded = {"folded": {"group": "r", "positions": [0, 0, 0, 0]}}
+    free = {"open": {"group": "r", "positions": [0, 0, 1, 1]}}
+    pair = [["r::a", "r::c"]]
+    world = urdf_world(CHAIN, allowed_collisions=pair, configurations={**folded, **free})
+    moved = planning.edit_scene(world.scene, [planning.SetPositions("r", "open")])
+    (warning,) = planning.load_world(moved).summary.warnings
+    assert warning == (
+        "configuration 'folded' of r is in collision with itself: r::a and r::e overlap by 0.2 m"
+    )
+
+
 def test_what_starts_nearer_to_a_thing_than_its_margin_is_told(
     urdf_world: Callable[..., World],
 ) -> None:
