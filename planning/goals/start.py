@@ -17,6 +17,8 @@ type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # A violation of limits up to this much is numeric dust: it is clipped and reported [rad or m].
 DUST = 1e-6
+# A distance of less is what rounding makes of 0 [m].
+_TOUCH = 1e-9
 
 
 def admit_start(
@@ -105,9 +107,10 @@ def describe_pairs(pairs: tuple[BodyPair, ...], margins: PairMargins) -> str:
 
 def _describe_pair(pair: BodyPair, margin: float) -> str:
     bodies = "-".join(pair.bodies)
+    is_touch = abs(pair.distance) < _TOUCH
     if pair.distance < 0:
-        return f"{bodies} by {millimetres(-pair.distance)}"
-    apart = "touching" if pair.distance == 0 else f"{millimetres(pair.distance)} apart"
+        return f"{bodies} touching" if is_touch else f"{bodies} by {millimetres(-pair.distance)}"
+    apart = "touching" if is_touch else f"{millimetres(pair.distance)} apart"
     return f"{bodies} {apart} with a margin of {millimetres(margin)}"
 
 

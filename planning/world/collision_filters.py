@@ -33,6 +33,8 @@ def allow_collisions(build: Build, scene: Scene) -> None:
         if unknown and path:
             fault = UnknownName.among("body", unknown[0], build.bodies)
             raise SceneInvalid(f"{path}: {fault.detail}", {"path": path, **fault.evidence})
+        if unknown and said == "robot.yaml":
+            raise UnknownName.among("body", unknown[0], build.bodies)
         if not unknown:
             _exclude(build, pair)
             build.unchecked[frozenset(pair)] = ("allowed", f"{said} lets them touch")

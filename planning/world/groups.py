@@ -53,12 +53,14 @@ def robot_groups(model: DrakeModel, loaded: LoadedRobot) -> RobotGroups:
     """Return the groups of a robot: from its card, else its SRDF, else all joints that move.
 
     Raises:
-        UnknownName: The card names a joint or frame that the description does not have.
+        UnknownName: The card names a joint, in a group or with limits, or a frame that the
+            description does not have.
         ModelInvalid: A joint is of a kind that cannot be planned for.
     """
     robot = loaded.scene_robot.name
     joints = _joints_of(model, loaded)
     wanted = wanted_groups(loaded, joints)
+    _require_joints(model, loaded)
     steering = _steering(loaded, joints)
     groups: dict[str, JointGroup] = {}
     for name, (members, tools) in wanted.groups.items():
@@ -77,6 +79,15 @@ def robot_groups(model: DrakeModel, loaded: LoadedRobot) -> RobotGroups:
     return RobotGroups(
         robot, wanted.default, groups, wanted.configurations, wanted.assumed, warnings
     )
+
+
+def _require_joints(model: DrakeModel, loaded: LoadedRobot) -> None:
+    """Go on only if the description has every joint that the card states limits of."""
+    prefix = f"{loaded.scene_robot.name}::"
+    known = [full.removeprefix(prefix) for full in model.joint_indices if full.startswith(prefix)]
+    for name in loaded.source.card.limits if loaded.source.card else ():
+        if name not in known:
+            raise UnknownName.among("joint", name, known)
 
 
 def _winding(model: DrakeModel, joints: Sequence[Joint]) -> tuple[str, ...]:

@@ -249,13 +249,14 @@ class _Replay:
         robots: set[str] = set()
         for path, shown in self._drawn.items():
             robot, _, link = shown.name.partition("::")
+            middle = f"{path}/0"  # of its first shape; the body's origin may be far from it
             if not link:
-                labels.append(Label(path, shown.name, "thing"))
+                labels.append(Label(middle, shown.name, "thing"))
                 continue
             if robot not in robots:
-                labels.append(Label(path, robot, "thing"))
+                labels.append(Label(middle, robot, "thing"))
             robots.add(robot)
-            labels.append(Label(path, link, "link"))
+            labels.append(Label(middle, link, "link"))
         return list(dict.fromkeys(labels))
 
     def _sections(self) -> list[Section]:

@@ -20,6 +20,8 @@ _NUM_TRIED = 20
 _MOST_TOLD = 10
 # Beyond a limit by this much is at the limit [rad or m].
 _DUST = 1e-6
+# A distance of less is what rounding makes of 0 [m].
+_TOUCH = 1e-9
 # What stands for a range without end: a whole turn, or a metre either way.
 _UNLIMITED = {JointType.CONTINUOUS: np.pi, JointType.REVOLUTE: np.pi, JointType.PRISMATIC: 1.0}
 
@@ -51,7 +53,9 @@ def start_warnings(world: "World") -> tuple[str, ...]:
 
 def _text(world: "World", pair: BodyPair) -> str:
     a, b = pair.bodies
-    if pair.distance <= 0:
+    if abs(pair.distance) < _TOUCH:
+        how = f"{a} and {b} touch"
+    elif pair.distance < 0:
         how = f"{a} and {b} overlap by {-pair.distance:.2g} m"
     else:
         margin = world.margins().of(a, b)

@@ -17,6 +17,7 @@ from planning.errors import (
     ApproachBlocked,
     DeadlineExceeded,
     GoalInCollision,
+    GoalTooNear,
     GoalUnreachable,
     GoalViolatesConstraint,
     PlanningFailure,

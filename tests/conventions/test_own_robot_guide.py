@@ -88,3 +88,26 @@ def test_a_xacro_file_is_refused_with_the_command(folder: Path) -> None:
         stem = "reacher" if "xacro" in name else "odd-expanded"
         with pytest.raises(planning.errors.WayproofError, match=f"`xacro {name} > {stem}.urdf`"):
             planning.load_world(planning.parse_scene({"name": "s", "robots": [robot]}))
+
+
+@pytest.mark.parametrize(
+    ("right", "wrong", "told"),
+    [
+        ("bend: {velocity", "bnd: {velocity", "joint 'bnd' does not exist; did you mean 'bend'?"),
+        ("turn, lift", "trun, lift", "joint 'trun' does not exist; did you mean 'turn'?"),
+        ("[tcp, hand]", "[tpc, hand]", "did you mean 'r::tcp'?"),
+        ("- [left_finger", "- [lef_finger", "did you mean 'r::left_finger'?"),
+        ("folded: {arm", "folded: {amr", "group 'amr' does not exist; did you mean 'arm'?"),
+        ("turn: {velocity", "turn: {velocty", "limits.turn.velocty: "),
+    ],
+)
+def test_what_is_misspelled_in_a_card_is_named(
+    folder: Path, right: str, wrong: str, told: str
+) -> None:
+    (folder / "reacher" / "robot.yaml").write_text(
+        FILES["reacher/robot.yaml"].replace(right, wrong, 1)
+    )
+    with pytest.raises(planning.errors.InputError) as fault:
+        loaded(folder)
+    assert told in fault.value.detail
+    assert "http" not in fault.value.detail

@@ -86,6 +86,9 @@ def test_what_starts_nearer_to_a_thing_than_its_margin_is_told(
     assert urdf_world(one, objects=[near]).summary.warnings == ()
     (margin,) = urdf_world(one, objects=[near], margin=0.02).summary.warnings
     assert "o and r::b are 0.01 m apart, less than their margin of 0.02 m" in margin
+    flush = {**near, "pose": {"position": [0.2, 0, 0]}}
+    (touch,) = urdf_world(one, objects=[flush], margin=1e-6).summary.warnings
+    assert "o and r::b touch: no motion can begin there" in touch
     into = {**near, "pose": {"position": [0.15, 0, 0]}}
     (overlap,) = urdf_world(one, objects=[into]).summary.warnings  # and no edit is offered
     assert "o and r::b overlap by 0.05 m" in overlap
