@@ -10,9 +10,11 @@ WayproofError                 code, detail, evidence; pickles, so it crosses pro
 │   └── UnknownName           unknown_name           a name that does not exist, and those that do
 ├── PlanningFailure           stage; a plan that was tried and has no motion to give
 │   ├── StartInCollision      start_in_collision     the pairs and depths at the start
+│   ├── StartTooNear          start_too_near         the pairs and margins at the start
 │   ├── StartOutOfLimits      start_out_of_limits    the joints, values and bounds
 │   ├── GoalOutOfLimits       goal_out_of_limits     the joints, values and bounds
 │   ├── GoalInCollision       goal_in_collision      every goal configuration collides
+│   ├── GoalTooNear           goal_too_near          free goal configurations break a margin
 │   ├── GoalUnreachable       goal_unreachable       the funnel, the nearest pose, what would do
 │   ├── StartViolatesConstraint  start_violates_constraint  which constraint, and by how much
 │   ├── GoalViolatesConstraint   goal_violates_constraint   how many violate which, and the least
@@ -122,9 +124,16 @@ class PlanningFailure(WayproofError):
 
 
 class StartInCollision(PlanningFailure):
-    """The start collides; evidence: `pairs` with `depth` [m]."""
+    """Bodies overlap at the start; evidence: `pairs` with `distance` and `depth` [m]."""
 
     code = "start_in_collision"
+    stage = "goals"
+
+
+class StartTooNear(PlanningFailure):
+    """Nothing overlaps at the start, but a margin is not kept; evidence: as `StartInCollision`."""
+
+    code = "start_too_near"
     stage = "goals"
 
 
@@ -143,12 +152,22 @@ class GoalOutOfLimits(PlanningFailure):
 
 
 class GoalInCollision(PlanningFailure):
-    """Goal configurations exist and all collide.
+    """Goal configurations exist and bodies overlap in all of them.
 
     Evidence: `funnel`, `nearest` and `relaxation`; `pairs` of given ones.
     """
 
     code = "goal_in_collision"
+    stage = "goals"
+
+
+class GoalTooNear(PlanningFailure):
+    """Goal configurations exist in which nothing overlaps, but all break a margin.
+
+    Evidence: as `GoalInCollision`.
+    """
+
+    code = "goal_too_near"
     stage = "goals"
 
 

@@ -22,6 +22,7 @@ from planning.errors import (
     DeadlineExceeded,
     GoalInCollision,
     GoalOutOfLimits,
+    GoalTooNear,
     GoalUnreachable,
     NoPathFound,
     ProblemInvalid,
@@ -39,6 +40,8 @@ type Array = np.ndarray[Any, np.dtype[np.float64]]
 _STRIDE = 0.1
 # Share of the time that is left for finding one path.
 _PATH_SHARE = 0.1
+# Why a frame of the scene is left out.
+_NO_GOAL = (GoalInCollision, GoalTooNear, GoalUnreachable, GoalOutOfLimits, DeadlineExceeded)
 
 
 def grow_regions(
@@ -215,7 +218,7 @@ def _places(world: World, group: JointGroup, deadline: Deadline) -> Iterator[Arr
                 deadline=deadline.share(_PATH_SHARE),
                 options=IkOptions(max_configurations=8),
             )
-        except (GoalInCollision, GoalUnreachable, GoalOutOfLimits, DeadlineExceeded):
+        except _NO_GOAL:
             continue
         yield np.array(found.positions[0])
 

@@ -53,6 +53,7 @@ def solve_ik(  # noqa: PLR0913  (a question in full)
     Raises:
         GoalViolatesConstraint: Every configuration that reaches the goal does.
         GoalInCollision: Configurations reach the goal and all collide.
+        GoalTooNear: They break margins, and not all collide.
         GoalUnreachable: No configuration reaches the goal.
         GoalOutOfLimits: Every given configuration violates position limits.
         UnknownName: A group, joint, frame or configuration does not exist.

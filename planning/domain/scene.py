@@ -22,12 +22,16 @@ class SceneRobot(Value):
         base: X_WB, where its base link is welded.
         positions: Name of a configuration, or values by joint name, or a list of values for its
             default group; None for the configuration `home`, or zeros within limits.
+        weld: Whether its base link is welded to the world; None where its description decides:
+            bases of URDF files are welded, those of SDF and MJCF files float unless they say
+            otherwise. A base that is not welded starts at `base`.
     """
 
     name: str
     model: str
     base: Pose
     positions: str | dict[str, float | tuple[float, ...]] | tuple[float, ...] | None
+    weld: bool | None = None
 
 
 @dataclass(frozen=True, eq=False)

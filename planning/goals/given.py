@@ -11,7 +11,7 @@ from planning.domain.funnel import Funnel, funnel_evidence
 from planning.domain.goal import ConfigurationGoal, JointGoal
 from planning.domain.goal_configurations import GoalConfigurations, NearestConfiguration
 from planning.domain.manifold import Manifold
-from planning.errors import GoalInCollision, GoalOutOfLimits
+from planning.errors import GoalInCollision, GoalOutOfLimits, GoalTooNear
 from planning.goals.goal_query import GoalQuery
 from planning.goals.joint_binding import described
 from planning.goals.joint_metric import JointMetric
@@ -22,6 +22,7 @@ from planning.goals.start import (
     clip_dust,
     describe_pairs,
     limit_violations,
+    overlap,
     pair_evidence,
     within_limits,
 )
@@ -49,7 +50,8 @@ def given_configurations(
 
     Raises:
         GoalOutOfLimits: Every one violates position limits.
-        GoalInCollision: Every one within limits collides.
+        GoalInCollision: Bodies overlap in every one within limits.
+        GoalTooNear: In one they do not, but it breaks a margin, and none is better.
         ProblemInvalid: One has the wrong count.
         UnknownName: There is no configuration of that name.
     """
@@ -71,7 +73,8 @@ def given_configurations(
     for k in np.flatnonzero(~is_free):
         violations = world.violations(group, rows[inside[k]], query.margins)
         is_free[k] = not violations
-        pairs = pairs or violations
+        if not pairs or (overlap(pairs) and not overlap(violations)):
+            pairs = violations  # of one that only breaks margins, if there is one
         tally.add(violations, query.margins)
     free = inside[is_free]
     counts = len(rows), len(rows), len(inside), len(free), len(free)
@@ -82,9 +85,11 @@ def given_configurations(
             "funnel": funnel_evidence(funnel),
             "pairs": pair_evidence(pairs, query.margins),
         }
-        hits = describe_pairs(pairs, query.margins)
-        message = f"every goal configuration collides: {hits}{words}"
-        raise GoalInCollision(message, evidence)
+        hits = describe_pairs(pairs, query.margins) + words
+        if tally.num_only_near:
+            message = f"no goal configuration keeps its margins, though not all collide: {hits}"
+            raise GoalTooNear(message, evidence)
+        raise GoalInCollision(f"every goal configuration collides: {hits}", evidence)
     metric = JointMetric.from_names(group, query.options.joint_weights)
     found, indices = nearest_first(metric, query.start, rows[free], free, len(free))
     return GoalConfigurations(found, indices, funnel)

@@ -69,6 +69,7 @@ def accepted_by(
     Raises:
         GoalUnreachable: It accepts none, or none within limits, of `max_trials`.
         GoalInCollision: All that it accepts collide.
+        GoalTooNear: All that it accepts break margins, and not all collide.
         ProblemInvalid: `draw` makes no configuration of the group.
         DeadlineExceeded: Time ran out before a configuration was found.
         Canceled: Somebody asked for the end.

@@ -9,7 +9,7 @@ import numpy as np
 from planning.domain.deadline import Deadline
 from planning.domain.funnel import PairTally, funnel_evidence
 from planning.domain.manifold import Manifold
-from planning.errors import ApproachBlocked, GoalInCollision, GoalUnreachable
+from planning.errors import ApproachBlocked, GoalInCollision, GoalTooNear, GoalUnreachable
 from planning.goals.aiming import Aiming
 from planning.goals.goal_query import GoalQuery
 from planning.goals.pose_search import PoseSearch
@@ -39,7 +39,7 @@ def refusal(
     search: PoseSearch,
     rng: np.random.Generator,
     deadline: Deadline,
-) -> ApproachBlocked | GoalInCollision | GoalUnreachable:
+) -> ApproachBlocked | GoalInCollision | GoalTooNear | GoalUnreachable:
     """Return what the funnel says: unreachable, reachable only in collision, or by no line.
 
     The evidence has the nearest free pose, and the relaxations of which each would do.
@@ -65,8 +65,10 @@ def all_collide(
     deadline: Deadline,
     evidence: Mapping[str, Any] = MappingProxyType({}),
     words: str = "",
-) -> GoalInCollision:
+) -> GoalInCollision | GoalTooNear:
     """Return the failure of a goal that is reached, but never free.
+
+    It is a collision only if bodies overlap in all configurations that were measured.
 
     Args:
         world: The scene, loaded.
@@ -80,8 +82,11 @@ def all_collide(
     tally = tallied(world, query, search.colliding[: max(_LOOKED_AT, query.num_measured)], deadline)
     funnel = search.funnel(tally.summary)
     relaxation = dict(evidence.get("relaxation", {}))
-    message = f"all {funnel.within_limits} configurations that reach the goal collide"
-    message += _hits(funnel.rejected_by, is_cut_short=deadline.is_over)
+    is_near = tally.num_only_near > 0
+    what = "are too near to something" if is_near else "collide"
+    message = f"all {funnel.within_limits} configurations that reach the goal {what}"
+    verb = "break the margin of" if is_near else "hit"
+    message += _hits(funnel.rejected_by, verb, is_cut_short=deadline.is_over)
     if query.rules is not None:
         rows = rows[query.rules.are_kept(rows)]
     if len(rows):
@@ -89,17 +94,18 @@ def all_collide(
         relaxation["obstacles"] = pair_evidence(pairs, query.margins)
         relaxation["positions"] = q.tolist()
         message += f"; the least deep hits {describe_pairs(pairs, query.margins)}"
-    message += words
-    return GoalInCollision(
-        message, {**evidence, "funnel": funnel_evidence(funnel), "relaxation": relaxation}
-    )
+    if is_near:
+        message += f"; nothing overlaps in {tally.num_only_near} of them, which break margins only"
+    evidence = {**evidence, "funnel": funnel_evidence(funnel), "relaxation": relaxation}
+    failure = GoalTooNear if is_near else GoalInCollision
+    return failure(message + words, evidence)
 
 
-def _hits(tallies: tuple[PairTally, ...], *, is_cut_short: bool) -> str:
+def _hits(tallies: tuple[PairTally, ...], verb: str, *, is_cut_short: bool) -> str:
     if not tallies:
         return ""
     words = ", ".join(
-        f"{tally.count} hit {'-'.join(tally.bodies)} by {1000 * tally.min_depth:.1f} to "
+        f"{tally.count} {verb} {'-'.join(tally.bodies)} by {1000 * tally.min_depth:.1f} to "
         f"{1000 * tally.max_depth:.1f} mm"
         for tally in tallies[:3]
     )

@@ -46,6 +46,7 @@ def find_goals(
     Raises:
         GoalOutOfLimits: Every given configuration violates position limits.
         GoalInCollision: Configurations exist and all of them collide.
+        GoalTooNear: They break margins, and not all collide.
         GoalUnreachable: No configuration reaches a target pose.
         ProblemInvalid: A given configuration has the wrong count.
         UnknownName: A frame or named configuration does not exist.

@@ -8,7 +8,8 @@ from jaxtyping import Bool, Float64
 from planning.domain.body_pair import BodyPair
 from planning.domain.joints import JointGroup, JointLimits
 from planning.domain.manifold import Manifold
-from planning.errors import StartInCollision, StartOutOfLimits
+from planning.errors import StartInCollision, StartOutOfLimits, StartTooNear
+from planning.goals.words import millimetres
 from planning.world.margins import PairMargins
 from planning.world.world import World
 
@@ -16,6 +17,8 @@ type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # A violation of limits up to this much is numeric dust: it is clipped and reported [rad or m].
 DUST = 1e-6
+# A distance of less is what rounding makes of 0 [m].
+_TOUCH = 1e-9
 
 
 def admit_start(
@@ -25,7 +28,8 @@ def admit_start(
 
     Raises:
         StartOutOfLimits: A joint is outside by more than dust.
-        StartInCollision: A pair of bodies is nearer than its margin.
+        StartInCollision: A pair of bodies overlaps.
+        StartTooNear: None does, but a pair is nearer than its margin.
     """
     limits = world.limits(group)
     start = clip_dust(limits, Manifold.of(group.joints), q)
@@ -40,8 +44,14 @@ def admit_start(
     if not world.collision_oracle(group, margins).is_free(start):
         pairs = world.violations(group, start, margins)
         if pairs:
-            message = f"the start collides: {describe_pairs(pairs, margins)}"
-            raise StartInCollision(message, {"pairs": pair_evidence(pairs, margins)})
+            hits, evidence = (
+                describe_pairs(pairs, margins),
+                {"pairs": pair_evidence(pairs, margins)},
+            )
+            if overlap(pairs):
+                raise StartInCollision(f"the start collides: {hits}", evidence)
+            message = f"nothing overlaps at the start, but it does not keep its margins: {hits}"
+            raise StartTooNear(message, evidence)
     return start, start - q
 
 
@@ -75,11 +85,12 @@ def limit_violations(
 
 
 def pair_evidence(pairs: tuple[BodyPair, ...], margins: PairMargins) -> list[dict[str, Any]]:
-    """Return violating pairs as evidence, `depth` [m] being what is missing to the margin."""
+    """Return violating pairs as evidence, `depth` [m] being what is missing to the `margin`."""
     return [
         {
             "bodies": list(pair.bodies),
             "distance": pair.distance,
+            "margin": margins.of(*pair.bodies),
             "depth": margins.of(*pair.bodies) - pair.distance,
             "points": np.asarray(pair.points).tolist(),
         }
@@ -88,11 +99,21 @@ def pair_evidence(pairs: tuple[BodyPair, ...], margins: PairMargins) -> list[dic
 
 
 def describe_pairs(pairs: tuple[BodyPair, ...], margins: PairMargins) -> str:
-    """Return the worst pairs as words."""
-    words = [
-        f"{a}-{b} by {1000 * (margins.of(a, b) - pair.distance):.1f} mm"
-        for pair in pairs[:3]
-        for a, b in [pair.bodies]
-    ]
+    """Return the worst pairs as words: by how much they overlap, or how near they are."""
+    words = [_describe_pair(pair, margins.of(*pair.bodies)) for pair in pairs[:3]]
     more = f" and {len(pairs) - 3} more" if len(pairs) > 3 else ""
     return ", ".join(words) + more
+
+
+def _describe_pair(pair: BodyPair, margin: float) -> str:
+    bodies = "-".join(pair.bodies)
+    is_touch = abs(pair.distance) < _TOUCH
+    if pair.distance < 0:
+        return f"{bodies} touching" if is_touch else f"{bodies} by {millimetres(-pair.distance)}"
+    apart = "touching" if is_touch else f"{millimetres(pair.distance)} apart"
+    return f"{bodies} {apart} with a margin of {millimetres(margin)}"
+
+
+def overlap(pairs: tuple[BodyPair, ...]) -> bool:
+    """Return whether any of the pairs is a collision, not just nearer than its margin."""
+    return any(pair.distance < 0 for pair in pairs)

@@ -10,6 +10,7 @@ from planning.domain.body_pair import BodyPair
 from planning.domain.deadline import Deadline
 from planning.domain.funnel import PairTally
 from planning.goals.goal_query import GoalQuery
+from planning.goals.start import overlap
 from planning.world.margins import PairMargins
 from planning.world.world import World
 
@@ -22,9 +23,15 @@ _AT_LEAST = 4
 
 @dataclass
 class Tally:
-    """Counts which pairs rejected configurations hit first."""
+    """Counts which pairs rejected configurations hit first.
+
+    Attributes:
+        depths: What was missing to the margin [m], by pair.
+        num_only_near: Configurations in which nothing overlapped.
+    """
 
     depths: dict[tuple[str, str], list[float]] = field(default_factory=lambda: defaultdict(list))
+    num_only_near: int = 0
 
     def add(self, pairs: tuple[BodyPair, ...], margins: PairMargins) -> None:
         """Count a rejected configuration by the pair that lacks most of its margin, if any does."""
@@ -32,6 +39,7 @@ class Tally:
             return
         worst = max(pairs, key=lambda pair: margins.of(*pair.bodies) - pair.distance)
         self.depths[worst.bodies].append(margins.of(*worst.bodies) - worst.distance)
+        self.num_only_near += not overlap(pairs)
 
     @property
     def summary(self) -> tuple[PairTally, ...]:

@@ -13,12 +13,15 @@ from planning.goals.line_stop import describe_stop
 from planning.goals.nearest import NearestSearch
 from planning.goals.relaxation import alone_that_does, tolerance_that_does
 from planning.goals.relaxed_search import constraints_that_do
+from planning.goals.words import degrees, millimetres
 from planning.world.world import World
 
 # Of what remains of the time for goals, what searches without some constraint may take.
 _RELAXED_SHARE = 0.3
 # So many configurations that reach a goal are what tries begin with.
 _MOST_HINTS = 32
+# Numbers that people round may make a pose miss by so much [m, rad].
+_ROUNDED_LENGTH, _ROUNDED_ANGLE = 1e-3, 1e-3
 
 
 def nearest_that_does(
@@ -98,13 +101,14 @@ def _gives_way(entry: dict[str, Any]) -> str:
 def _describe(found: NearestPose | None) -> str:
     if found is None:
         return ""
-    away = (
-        f"{1000 * found.translation_error:.1f} mm and "
-        f"{np.degrees(found.rotation_error):.2f} deg away"
-    )
+    away = f"{millimetres(found.translation_error)} and {degrees(found.rotation_error)} away"
     if found.bounds is None:
         return f"; the nearest free pose that was found in time is {away}"
-    return f"; the nearest free pose is {away}, where {_binding(found.bounds)}"
+    words = f"; the nearest free pose is {away}, where {_binding(found.bounds)}"
+    is_little = found.translation_error < _ROUNDED_LENGTH and found.rotation_error < _ROUNDED_ANGLE
+    if is_little and found.bounds.binding == "reach":
+        words += ": so little comes of rounded numbers (3.14159 for pi), give a `tolerance`"
+    return words
 
 
 def _binding(bounds: Bounds) -> str:

@@ -18,6 +18,7 @@ from pydrake.planning import RobotDiagramBuilder
 from planning.domain.pose import Pose
 from planning.domain.scene import Scene, SceneFrame, SceneObject, SceneRobot
 from planning.errors import ModelInvalid, SceneInvalid, UnknownName
+from planning.world.base_weld import weld_base
 from planning.world.collision_count import collision_counts, require_shapes
 from planning.world.collision_filters import (
     allow_collisions,
@@ -129,9 +130,17 @@ def _add_robot(build: Build, robot: SceneRobot, kept: KeptScene) -> None:
     loaded = LoadedRobot(robot, source, file, instances[0])
     build.robots.append(loaded)
     require_kept(build, instances, source.file, kept.folder(robot.name))
-    _weld_base(build, loaded)
+    weld_base(build, loaded, instances)
+    build.warnings += [_has_no_end(robot.name, joint) for joint in file.unlimited]
     for joint in file.floating:
         _add_floating(build, robot.name, joint)
+
+
+def _has_no_end(robot: str, joint: str) -> str:
+    return (
+        f"{robot}::{joint} has no `limit` with `lower` and `upper`, so it moves without end: state "
+        "its limits, or that it is `continuous`"
+    )
 
 
 def _add_bodies(
@@ -159,25 +168,6 @@ def _add_floating(build: Build, robot: str, joint: FloatingJoint) -> None:
 def _format_of(file: Path) -> str:
     """Return what Drake calls the format of a file with this ending."""
     return {".urdf": "urdf", ".sdf": "sdf", ".xml": "xml"}[file.suffix.lower()]
-
-
-def _weld_base(build: Build, loaded: LoadedRobot) -> None:
-    card = loaded.source.card
-    link = card.base if card else loaded.file.root_link
-    base = build.bodies.get(f"{loaded.scene_robot.name}::{link}")
-    if base is None and card:
-        links = [name.partition("::")[2] for name in build.bodies if "::" in name]
-        raise UnknownName.among("link", link, links)
-    x_wb = RigidTransform(loaded.scene_robot.base.matrix)
-    joints = map(build.plant.get_joint, build.plant.GetJointIndices(loaded.instance))
-    if base is not None and not any(joint.child_body().index() == base for joint in joints):
-        body = build.plant.get_body(base)
-        build.plant.WeldFrames(build.plant.world_frame(), body.body_frame(), x_wb)
-    elif not x_wb.IsNearlyIdentity(0.0):
-        path = f"robots.{len(build.robots) - 1}.base"
-        message = f"{path}: the description of {loaded.scene_robot.name!r} says itself how it is "
-        message += "fixed to the world, so the scene cannot place it: leave `base` out"
-        raise SceneInvalid(message, {"path": path})
 
 
 def _add_object(build: Build, thing: SceneObject, path: str) -> None:

@@ -1,5 +1,6 @@
 """Camera: from where to look at what moves, with as little as possible in the way."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -14,6 +15,8 @@ _ELEVATIONS = np.deg2rad([25.0, 45.0, 70.0])
 _FROM_ABOVE = np.array([0.0, -0.3, 1.0])
 # Meshcat's field of view is 75 degrees: at this distance a ball of radius 1 fills most of it.
 _DISTANCE_PER_RADIUS = 1.5
+# What watched points weigh together, where all others together weigh 1.
+_WATCHED = 2.0
 # A sight line ends short of its point, which may lie on a surface.
 _REACH = 0.97
 
@@ -31,16 +34,35 @@ class SolidBox:
     half_width: Float64[np.ndarray, "3"]
 
 
+@dataclass(frozen=True)
+class WatchedPoint:
+    """A point that matters more than others, at one instant.
+
+    Attributes:
+        point: p_WP [m], shape (3,).
+        obstacles: What may hide it at that instant; a box that it is in does not.
+    """
+
+    point: Float64[np.ndarray, "3"]
+    obstacles: list[SolidBox]
+
+
 def place_camera(
-    points: Float64[np.ndarray, "n 3"], obstacles: list[SolidBox], *, from_above: bool = False
+    points: Float64[np.ndarray, "n 3"],
+    obstacles: list[SolidBox],
+    watched: Sequence[WatchedPoint] = (),
+    *,
+    from_above: bool = False,
 ) -> tuple[Float64[np.ndarray, "3"], Float64[np.ndarray, "3"]]:
     """Return where the camera is and what it looks at, p_WC and p_WT.
 
-    Of some viewpoints around the points, the first from which the most of them can be seen.
+    Of some viewpoints around the points, the first from which the most of them can be seen; the
+    watched ones together count twice as much as the others together.
 
     Args:
         points: What is to be seen, in world [m], n >= 1.
         obstacles: What may hide it.
+        watched: What should be seen above all, such as the tool on its way.
         from_above: Whether a view from above is preferred.
     """
     lower, upper = points.min(axis=0), points.max(axis=0)
@@ -53,10 +75,12 @@ def place_camera(
     ]
     above = _FROM_ABOVE / np.linalg.norm(_FROM_ABOVE)
     directions = [above, *around] if from_above else [*around, above]
-    cameras = [target + _DISTANCE_PER_RADIUS * radius * direction for direction in directions]
-    # max() keeps the first of equals, which is the preferred one.
-    best = max(cameras, key=lambda camera: num_visible(camera, points, obstacles))
-    return best, target
+    cameras = np.array([target + _DISTANCE_PER_RADIUS * radius * turn for turn in directions])
+    seen = np.array([num_visible(camera, points, obstacles) for camera in cameras]) / len(points)
+    if watched:
+        seen = seen + _WATCHED * np.mean([_sees(cameras, one) for one in watched], axis=0)
+    # argmax() takes the first of equals, which is the preferred one.
+    return cameras[int(np.argmax(seen))], target
 
 
 def num_visible(
@@ -67,6 +91,16 @@ def num_visible(
     for box in obstacles:
         hidden |= _crosses(box, camera, points)
     return int(np.sum(~hidden))
+
+
+def _sees(cameras: Array, watched: WatchedPoint) -> np.ndarray[Any, np.dtype[np.bool_]]:
+    """Return which cameras, shape (n, 3), see a watched point."""
+    hidden = np.zeros(len(cameras), dtype=bool)
+    for box in watched.obstacles:
+        inside = np.abs((watched.point - box.pose[:3, 3]) @ box.pose[:3, :3]) <= box.half_width
+        if not inside.all():
+            hidden |= _crosses(box, watched.point, cameras)
+    return ~hidden
 
 
 def _crosses(box: SolidBox, camera: Array, points: Array) -> np.ndarray[Any, np.dtype[np.bool_]]:

@@ -9,6 +9,7 @@ from planning.errors import SceneInvalid, UnknownName
 from planning.world.adjacent_links import unchecked_neighbours
 from planning.world.holding import may_touch
 from planning.world.scene_build import Build, LoadedRobot
+from planning.world.srdf import end_effector_joints
 
 
 def allow_collisions(build: Build, scene: Scene) -> None:
@@ -32,6 +33,8 @@ def allow_collisions(build: Build, scene: Scene) -> None:
         if unknown and path:
             fault = UnknownName.among("body", unknown[0], build.bodies)
             raise SceneInvalid(f"{path}: {fault.detail}", {"path": path, **fault.evidence})
+        if unknown and said == "robot.yaml":
+            raise UnknownName.among("body", unknown[0], build.bodies)
         if not unknown:
             _exclude(build, pair)
             build.unchecked[frozenset(pair)] = ("allowed", f"{said} lets them touch")
@@ -44,7 +47,8 @@ def allow_touch(build: Build, scene: Scene) -> None:
         SceneInvalid: A list names a body that does not exist.
     """
     names = {index: name for name, index in build.bodies.items()}
-    arm = [joint for robot in build.robots for joint in _arm(build, robot)]
+    is_any_held = any(thing.attached is not None for thing in scene.objects)
+    arm = [name for robot in build.robots if is_any_held for name in _arm(build, robot)]
     for i, thing in enumerate(scene.objects):
         if thing.attached is None:
             continue
@@ -66,7 +70,8 @@ def allow_touch(build: Build, scene: Scene) -> None:
 def _arm(build: Build, robot: LoadedRobot) -> list[str]:
     """Return the joints of a robot beyond which nothing is meant to be touched: of its arm.
 
-    Without a `robot.yaml` it is every joint: a description does not say which links are fingers.
+    Without a `robot.yaml` it is every joint but those of the end effectors that an SRDF names: a
+    description does not say which links are fingers.
     """
     card = robot.source.card
     if card is not None:
@@ -74,7 +79,9 @@ def _arm(build: Build, robot: LoadedRobot) -> list[str]:
     prefix = f"{robot.scene_robot.name}::"
     own = {int(index) for name, index in build.bodies.items() if name.startswith(prefix)}
     joints = map(build.plant.get_joint, build.plant.GetJointIndices())
-    return [joint.name() for joint in joints if int(joint.child_body().index()) in own]
+    names = [joint.name() for joint in joints if int(joint.child_body().index()) in own]
+    fingers = end_effector_joints(robot.file.file)
+    return [name for name in names if name not in fingers]
 
 
 def leave_out_neighbours(

@@ -1,5 +1,6 @@
 """Groups of a robot, with their limits and named configurations."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -18,8 +19,8 @@ from planning.errors import ModelInvalid, UnknownName
 from planning.world.drake_model import DrakeModel
 from planning.world.robot_card import EffortCard, LimitsCard
 from planning.world.scene_build import LoadedRobot
-from planning.world.srdf import read_srdf_groups
 from planning.world.turns import is_endless, led_by
+from planning.world.wanted_groups import wanted_groups
 
 # Where nobody states them: half a second to full speed, a tenth of a second to full acceleration.
 _ASSUMED_VELOCITY = 1.0
@@ -37,6 +38,7 @@ class RobotGroups:
         groups: By name within the robot.
         configurations: Values by configuration and group name.
         assumed: Joints whose rate limits nobody states, so that ours are assumed.
+        warnings: What its SRDF says that is not read.
     """
 
     robot: str
@@ -44,52 +46,58 @@ class RobotGroups:
     groups: dict[str, JointGroup]
     configurations: dict[str, dict[str, tuple[float, ...]]]
     assumed: tuple[str, ...] = field(default=())
+    warnings: tuple[str, ...] = ()
 
 
 def robot_groups(model: DrakeModel, loaded: LoadedRobot) -> RobotGroups:
     """Return the groups of a robot: from its card, else its SRDF, else all joints that move.
 
     Raises:
-        UnknownName: The card names a joint or frame that the description does not have.
+        UnknownName: The card names a joint, in a group or with limits, or a frame that the
+            description does not have.
         ModelInvalid: A joint is of a kind that cannot be planned for.
     """
     robot = loaded.scene_robot.name
-    card = loaded.source.card
     joints = _joints_of(model, loaded)
-    if card:
-        wanted = {name: (group.joints, group.tool_frames) for name, group in card.groups.items()}
-        default = card.default_group
-        configurations = {
-            name: {group: tuple(q) for group, q in by_group.items()}
-            for name, by_group in card.configurations.items()
-        }
-        assumed = tuple(name for name in joints if name not in card.limits)
-    else:
-        everything = {"all": (list(joints), [])} if joints else {}
-        wanted = {**read_srdf_groups(loaded.file.file, list(joints)), **everything}
-        default = next(iter(wanted), "")
-        configurations, assumed = {}, tuple(joints)
+    wanted = wanted_groups(loaded, joints)
+    _require_joints(model, loaded)
     steering = _steering(loaded, joints)
     groups: dict[str, JointGroup] = {}
-    for name, (members, tools) in wanted.items():
+    for name, (members, tools) in wanted.groups.items():
         for member in members:
             if member not in joints:
                 raise UnknownName.among("joint", member, joints)
         chosen = tuple(joints[member] for member in members)
-        full = robot if name == default else f"{robot}::{name}"
+        full = robot if name == wanted.default else f"{robot}::{name}"
         frames = tuple(f"{robot}::{tool}" for tool in tools) or _tips(model, chosen)
         for frame in frames:
             if frame not in model.frames:
                 raise UnknownName.among("frame", frame, model.frames)
         cars = {joint.name: steering[joint.name] for joint in chosen if joint.name in steering}
-        winding = tuple(
-            joint.name
-            for joint in chosen
-            if joint.type is JointType.REVOLUTE
-            and any(led.minds_turns for led in led_by(model, joint.name))
-        )
-        groups[name] = steered(JointGroup(full, chosen, frames, winding), cars)
-    return RobotGroups(robot, default, groups, configurations, assumed)
+        groups[name] = steered(JointGroup(full, chosen, frames, _winding(model, chosen)), cars)
+    warnings = tuple(f"{robot}: {text}" for text in wanted.warnings)
+    return RobotGroups(
+        robot, wanted.default, groups, wanted.configurations, wanted.assumed, warnings
+    )
+
+
+def _require_joints(model: DrakeModel, loaded: LoadedRobot) -> None:
+    """Go on only if the description has every joint that the card states limits of."""
+    prefix = f"{loaded.scene_robot.name}::"
+    known = [full.removeprefix(prefix) for full in model.joint_indices if full.startswith(prefix)]
+    for name in loaded.source.card.limits if loaded.source.card else ():
+        if name not in known:
+            raise UnknownName.among("joint", name, known)
+
+
+def _winding(model: DrakeModel, joints: Sequence[Joint]) -> tuple[str, ...]:
+    """Return the revolute joints whose whole turns move what follows them."""
+    return tuple(
+        joint.name
+        for joint in joints
+        if joint.type is JointType.REVOLUTE
+        and any(led.minds_turns for led in led_by(model, joint.name))
+    )
 
 
 def group_limits(model: DrakeModel, group: JointGroup, robots: list[LoadedRobot]) -> JointLimits:

@@ -15,7 +15,9 @@ from xml.etree import ElementTree as ET
 from planning.errors import AssetNotFound, ModelInvalid
 from planning.world.collision_count import StatedShape, stated_shapes
 from planning.world.mesh_files import with_readable_meshes
+from planning.world.missing_limits import unlimited_joints
 from planning.world.mjcf_file import joint_equalities, refuse_unread, with_includes
+from planning.world.model_library import expansion
 from planning.world.sdf_includes import included_models
 
 _MAX_BYTES = 20_000_000
@@ -72,6 +74,7 @@ class ModelFile:
         rewritten: The description with meshes that Drake reads; None if it reads its own.
         disabled_pairs: Pairs of links that an SRDF of the same name lets touch.
         shapes: Collision shapes that the description states.
+        unlimited: Joints whose positions it does not limit, though their type has limits.
     """
 
     file: Path
@@ -83,6 +86,7 @@ class ModelFile:
     rewritten: str | None
     disabled_pairs: tuple[tuple[str, str], ...]
     shapes: tuple[StatedShape, ...]
+    unlimited: tuple[str, ...]
 
 
 def inspect_model(file: Path) -> ModelFile:
@@ -100,7 +104,7 @@ def inspect_model(file: Path) -> ModelFile:
         refuse_unread(file, root)
     for element in root.iter():
         if "xacro" in element.tag:
-            raise _invalid(file, "this is xacro source; expand it to URDF first")
+            raise _invalid(file, f"this is xacro source; expand it first: {expansion(file.name)}")
         _refuse_bad_sizes(file, element)
     packages, meshes = _find_meshes(file, root)
     models = [root, *included_models(file, root, packages)]
@@ -126,6 +130,7 @@ def inspect_model(file: Path) -> ModelFile:
         rewritten=with_readable_meshes(file, root, meshes, always=is_nameless or includes),
         disabled_pairs=tuple(_disabled_pairs(file)),
         shapes=tuple(shape for model in models for shape in stated_shapes(model)),
+        unlimited=unlimited_joints(models),
     )
 
 

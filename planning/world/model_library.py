@@ -79,6 +79,8 @@ class ModelLibrary:
             raise AssetNotFound(message, {"uri": model, "known": list(self.names)})
         if path.suffix.lower() not in _SUFFIXES:
             message = f"{model!r} is no robot description; endings that load: {list(_SUFFIXES)}"
+            if path.suffix.lower() == ".xacro":
+                message += f"; expand it first: {expansion(path.name)}"
             raise AssetNotFound(message, {"uri": model, "known": list(_SUFFIXES)})
         if not path.is_file():
             message = f"there is no file {model!r}"
@@ -89,6 +91,12 @@ class ModelLibrary:
         if card is None or card.file != path.name:
             return RobotSource(model, path, None, None)
         return RobotSource(model, path, card, card_file)
+
+
+def expansion(xacro: str) -> str:
+    """Return the command that makes a URDF of a xacro file."""
+    stem = xacro.partition(".")[0]
+    return f"`xacro {xacro} > {stem}{'-expanded' if xacro.endswith('.urdf') else ''}.urdf`"
 
 
 def bundled_folder(name: str) -> Path:

@@ -91,10 +91,20 @@ def read_robot_card(path: Path) -> RobotCard:
     """
     try:
         card = _parsed(path.read_text(encoding="utf-8"))
-    except (yaml.YAMLError, ValidationError, UnicodeDecodeError) as fault:
-        message = f"{path.name} of {path.parent.name} is not a robot card: {fault}"
-        raise ModelInvalid(message, {"file": str(path), "reason": str(fault)}) from fault
+    except ValidationError as fault:
+        reason = "; ".join(
+            f"{'.'.join(map(str, error['loc'])) or 'it'}: {error['msg']}"
+            for error in fault.errors()
+        )
+        raise _no_card(path, reason) from fault
+    except (yaml.YAMLError, UnicodeDecodeError) as fault:
+        raise _no_card(path, str(fault)) from fault
     if card.default_group not in card.groups:
         message = f"default_group {card.default_group!r} is not a group: {sorted(card.groups)}"
         raise ModelInvalid(message, {"file": str(path), "reason": message})
     return card
+
+
+def _no_card(path: Path, reason: str) -> ModelInvalid:
+    message = f"{path.name} of {path.parent.name} is not a robot card: {reason}"
+    return ModelInvalid(message, {"file": str(path), "reason": reason})

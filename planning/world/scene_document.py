@@ -74,6 +74,12 @@ class RobotDocument(Strictest):
         default=None,
         description="Name of a configuration, values of its default group, or values by joint",
     )
+    weld: Boolean | None = Field(
+        default=None,
+        description="Whether its base link is welded to the world at `base`, or floats and starts "
+        "there; by default bases of URDF files are welded, and those of SDF and MJCF files float "
+        "unless they say otherwise themselves",
+    )
 
     def value(self) -> SceneRobot:
         """Return the domain's robot."""
@@ -82,7 +88,7 @@ class RobotDocument(Strictest):
             positions = tuple(positions)
         elif isinstance(positions, dict):
             positions = {k: tuple(v) if isinstance(v, list) else v for k, v in positions.items()}
-        return SceneRobot(self.name, self.model, self.base.value(), positions)
+        return SceneRobot(self.name, self.model, self.base.value(), positions, self.weld)
 
 
 class AttachmentDocument(Strictest):

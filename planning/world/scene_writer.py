@@ -71,7 +71,8 @@ def _kept(written: list[Any], values: Iterable[Any], documents: Iterable[Any]) -
 def _robot(robot: SceneRobot) -> dict[str, Any]:
     positions = list(robot.positions) if isinstance(robot.positions, tuple) else robot.positions
     base = _pose(robot.base)
-    return {"name": robot.name, "model": robot.model, "base": base, "positions": positions}
+    written = {"name": robot.name, "model": robot.model, "base": base, "positions": positions}
+    return {**written, "weld": robot.weld}
 
 
 def _object(thing: SceneObject) -> dict[str, Any]:

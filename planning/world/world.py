@@ -26,6 +26,7 @@ from planning.world.margins import PairMargins
 from planning.world.model_library import ModelLibrary
 from planning.world.placement import named_configurations, placed_state
 from planning.world.scene_build import LoadedRobot
+from planning.world.start_warnings import start_warnings
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 type CollisionJudge = DrakeCollisionOracle | KernelCollisionOracle
@@ -237,7 +238,12 @@ class World:
             num_pairs=len(inspector.GetCollisionCandidates()),
             digest=self.digest,
             unchecked=self.drake.unchecked,
-            warnings=(*self.drake.warnings, *hull_warnings(self.drake)),
+            warnings=(
+                *self.drake.warnings,
+                *(text for own in self._robot_groups for text in own.warnings),
+                *start_warnings(self),
+                *hull_warnings(self.drake),
+            ),
             assumed=tuple(
                 f"{own.robot}::{joint}" for own in self._robot_groups for joint in own.assumed
             ),

@@ -1,59 +1,133 @@
-"""wayproof demo: a UR5e fetches a can, from nothing to an executed, certified motion."""
+"""wayproof demo: a UR5e fetches a can, from nothing to executed, certified motions."""
 
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
+from rich.table import Table
 
-from service.cli.goal import goal_of, group_of
-from service.cli.plan import finished, write
-from service.cli.screen import console, follow, show_execution, show_failure, show_plans, unit_of
+from service.cli.plan import finished
+from service.cli.screen import console, follow, show_failure
 from service.cli.session import scene_text, session
 from service.client.client import Client
 from service.schemas.execution import Execution, ExecutionState
 from service.schemas.job import Job
 
 _SCENE = "ur5e_pickup"
-_WAYPOINTS = ("pick", "place")
+_ARM, _GRIPPER = "arm", "arm::gripper"
+# Of a finger [m]: 0.2 mm from the can, whose radius is 0.02, and all the way.
+_CLOSED, _OPEN = 0.0202, 0.025
+# How far the can is lifted [m]: the box in the way is 0.26 m high.
+_HEIGHT = 0.28
+
+
+@dataclass(frozen=True)
+class _Motion:
+    """Something that moves: planned, proven and executed."""
+
+    title: str
+    group: str
+    goal: dict[str, Any]
+
+
+@dataclass(frozen=True)
+class _Edit:
+    """Something that the scene is told."""
+
+    title: str
+    operation: dict[str, Any]
+
+
+def _pose(frame: str, height: float = 0.0) -> dict[str, Any]:
+    """Return a pose that looks down as a frame does, whose z axis points down."""
+    return {"position": [0, 0, -height], "frame": frame}
+
+
+def _up(way: float) -> dict[str, Any]:
+    """Return the goal to go straight up by some metres."""
+    return {"type": "line", "displacement": {"vector": [0, 0, way]}}
+
+
+# The last 10 cm in a straight line, from above.
+_GRASP = {"type": "pose", "poses": [_pose("pick")], "approach": [0, 0, -0.1]}
+
+_STORY = (
+    _Motion("approach", _ARM, _GRASP),
+    _Motion("close", _GRIPPER, {"type": "joint", "positions": [_CLOSED]}),
+    _Edit("attach", {"op": "attach", "object": "can", "frame": "arm::tcp"}),
+    _Motion("lift", _ARM, _up(_HEIGHT)),
+    _Motion("carry", _ARM, {"type": "pose", "poses": [_pose("place", _HEIGHT)]}),
+    _Motion("place", _ARM, {"type": "line", "pose": _pose("place")}),
+    _Edit("detach", {"op": "detach", "object": "can"}),
+    _Motion("open", _GRIPPER, {"type": "joint", "positions": [_OPEN]}),
+    _Motion("retreat", _ARM, _up(0.1)),
+    _Motion("go home", _ARM, {"type": "configuration", "name": "home"}),
+)
 
 
 def demo(
     *,
-    out: Annotated[Path, typer.Option(help="Folder for the replays.")] = Path("out"),
+    out: Annotated[Path, typer.Option(help="Folder for the replay.")] = Path("out"),
     speed: Annotated[float, typer.Option(help="Pace of the execution; 1 is real time.")] = 1.0,
     seed: Annotated[int, typer.Option(help="Of all randomness.")] = 1,
     server: Annotated[str | None, typer.Option(help="URL of a running server.")] = None,
 ) -> None:
-    """Plan home -> pick -> place in a bundled scene, execute both, and write the replays."""
+    """Fetch a can over HTTP: plan, prove and execute every motion, and write a replay of all."""
     with session(server) as client:
         scene = client.add_scene(*scene_text(_SCENE))
-        group = group_of(scene, None)
         console.print(
             f"scene {scene.name}: {len(scene.bodies)} bodies, {scene.num_pairs} pairs kept apart, "
-            f"group {group.name} with {len(group.joints)} joints"
+            f"groups {', '.join(group.name for group in scene.groups)}"
         )
-        plans: dict[str, Job] = {}
-        start: list[float] | None = None
-        for target in _WAYPOINTS:
-            request: dict[str, Any] = {
-                "scene": scene.id,
-                "group": group.name,
-                "start": start,
-                "goal": goal_of(scene, group, target),
-                "search": {"allowed_planning_time": 20.0},
-                "seed": seed,
-            }
-            job = finished(client, f"plan {target}", request)
-            plans[f"to {target}"] = job
-            start = job.result.goal_configuration if job.result else None
-        executions = {name: executed(client, name, job, speed) for name, job in plans.items()}
-        show_plans(plans, unit_of(group))
-        for name, execution in executions.items():
-            show_execution(name, execution, unit_of(group))
-        for i, (name, job) in enumerate(plans.items(), 1):
-            file = out / f"{_SCENE}-{i}-{name.replace(' ', '-')}.html"
-            write(client, job, file)
-            console.print(f"replay: {file}", soft_wrap=True)
+        table = _table()
+        for step in _STORY:
+            if isinstance(step, _Edit):
+                edited = client.edit_scene(scene.id, [step.operation])
+                console.print(f"{step.title:<16} revision {edited.revision} of the scene")
+                table.add_row(step.title, *[""] * 4, f"revision {edited.revision}")
+                continue
+            job = finished(client, f"plan {step.title}", _request(scene.id, step, seed))
+            execution = executed(client, step.title, job, speed)
+            table.add_row(step.title, *_facts(job, execution))
+        console.print(table)
+        file = out / f"{_SCENE}.html"
+        file.parent.mkdir(parents=True, exist_ok=True)
+        file.write_text(client.scene_replay(scene.id), encoding="utf-8")
+        console.print(f"replay of what was executed: {file}", soft_wrap=True)
+
+
+def _request(scene: str, motion: _Motion, seed: int) -> dict[str, Any]:
+    """Return the request for a plan from wherever the robot is."""
+    return {
+        "scene": scene,
+        "group": motion.group,
+        "goal": motion.goal,
+        "search": {"allowed_planning_time": 20.0},
+        "seed": seed,
+    }
+
+
+def _table() -> Table:
+    title = "What was planned, proven (with its min clearance) and executed (within which error)"
+    table = Table(title=title, title_justify="left")
+    table.add_column("")
+    for head in ("plan, ms", "motion, s", "proven", "clearance, mm", "executed"):
+        table.add_column(head, justify="right")
+    return table
+
+
+def _facts(job: Job, execution: Execution) -> list[str]:
+    if job.result is None or execution.status is None:
+        return []
+    proof, status = job.result.certificate, execution.status
+    return [
+        f"{1000 * job.timings['total']:.0f}",
+        f"{job.result.trajectory.duration:.2f}",
+        "yes" if proof.proven else "NO",
+        "nothing to hit" if proof.min_clearance is None else f"{1000 * proof.min_clearance:.1f}",
+        f"{status.max_tracking_error:.0e} {'rad' if execution.group == _ARM else 'm'}",
+    ]
 
 
 def executed(client: Client, name: str, job: Job, speed: float) -> Execution:
@@ -62,10 +136,10 @@ def executed(client: Client, name: str, job: Job, speed: float) -> Execution:
     Raises:
         typer.Exit: With 1, after a message, if it did not succeed.
     """
-    execution = client.execute(job.id, speed)
-    follow(f"execute {name.removeprefix('to ')}", client.execution_events(execution.id))
+    execution = client.execute(job.id, speed, name)
+    follow(f"execute {name}", client.execution_events(execution.id))
     execution = client.execution(execution.id)
     if execution.state is not ExecutionState.SUCCEEDED:
-        show_failure(f"the execution {name}", execution.failure)
+        show_failure(f"the execution of {name}", execution.failure)
         raise typer.Exit(1)
     return execution

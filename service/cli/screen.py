@@ -8,7 +8,6 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 from rich.table import Table
 
 from service.client.events import Event
-from service.schemas.execution import Execution
 from service.schemas.job import Job
 from service.schemas.problem import Failure
 from service.schemas.result import PlanResult
@@ -115,18 +114,6 @@ def _proof_facts(result: PlanResult) -> dict[str, str]:
         },
         "digest": result.digest[:16],
     }
-
-
-def show_execution(name: str, execution: Execution, unit: str = "rad or m") -> None:
-    """Print how an execution ended, in a line; `unit` is of joint-space lengths."""
-    status = execution.status
-    if status is None:
-        console.print(f"{name}: {execution.state}")
-        return
-    console.print(
-        f"{name}: {execution.state} after {status.time:.2f} s, never further than "
-        f"{status.max_tracking_error:.1e} {unit} from the plan, {len(status.contacts)} contacts"
-    )
 
 
 def show_failure(what: str, failure: Failure | None) -> None:

@@ -105,9 +105,21 @@ class Client:
         """Return a page that replays a plan in 3-D."""
         return checked(self._http.get(f"/v1/plans/{plan}/replay.html")).text
 
-    def execute(self, plan: str, speed: float = 1.0) -> Execution:
-        """Carry out a plan in simulation, `speed` times as fast as real time."""
-        body = {"plan": plan, "driver": "simulated", "speed": speed}
+    def edit_scene(self, scene: str, operations: list[dict[str, Any]]) -> Scene:
+        """Carry out operations on a scene, all or none, and return its next revision."""
+        answer = self._http.patch(f"/v1/scenes/{scene}", json={"operations": operations})
+        return Scene.model_validate_json(checked(answer).content)
+
+    def scene_replay(self, scene: str) -> str:
+        """Return a page that replays in 3-D what executions moved in a scene."""
+        return checked(self._http.get(f"/v1/scenes/{scene}/replay.html")).text
+
+    def execute(self, plan: str, speed: float = 1.0, title: str | None = None) -> Execution:
+        """Carry out a plan in simulation, `speed` times as fast as real time.
+
+        `title` is what replays of the scene call it.
+        """
+        body = {"plan": plan, "driver": "simulated", "speed": speed, "title": title}
         answer = checked(self._http.post("/v1/executions", json=body))
         return Execution.model_validate_json(answer.content)
 

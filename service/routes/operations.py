@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from fastapi import APIRouter
-from fastapi.responses import HTMLResponse, PlainTextResponse
+from fastapi.responses import HTMLResponse, PlainTextResponse, RedirectResponse
 
 import planning
 from service.dependencies import DeskDep, ScenesDep
@@ -42,6 +42,12 @@ async def get_metrics(desk: DeskDep) -> PlainTextResponse:
     """Count jobs by lane and state, as Prometheus reads it."""
     text = exposition(await desk.counts())
     return PlainTextResponse(text, media_type="text/plain; version=0.0.4")
+
+
+@router.get("/", include_in_schema=False)
+def get_root() -> RedirectResponse:
+    """Lead who opens the server's address to its documentation."""
+    return RedirectResponse("docs")
 
 
 @router.get("/docs", include_in_schema=False)

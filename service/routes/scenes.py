@@ -1,12 +1,14 @@
 """/v1/scenes: post, list, show, edit, forget."""
 
-from typing import Any
+from typing import Annotated, Any
 
-from fastapi import APIRouter, Request, Response
+from fastapi import APIRouter, Query, Request, Response
+from fastapi.responses import HTMLResponse
 
 from planning.errors import UnknownName
 from service.dependencies import DeskDep, ScenesDep
 from service.errors import UnknownInScene
+from service.executions.replay import executed_motions
 from service.routes.answers import Cursor, Limit, Revision, SceneId, problems
 from service.scenes.body import read_scene_body
 from service.scenes.revision import revised
@@ -16,6 +18,14 @@ from service.schemas.scene_edit import SceneEdit
 from service.schemas.scene_examples import REQUEST_BODY
 
 router = APIRouter(prefix="/v1/scenes", tags=["scenes"])
+
+# Each may need a world of its own in memory.
+_MOST_MOTIONS = 32
+
+type LastMotions = Annotated[
+    int, Query(ge=1, le=_MOST_MOTIONS, description="How many motions, counted from the last one")
+]
+_HTML = {"schema": {"type": "string", "description": "A page that needs nothing else"}}
 
 
 @router.post(
@@ -60,6 +70,22 @@ async def list_scenes(scenes: ScenesDep, limit: Limit = 50, cursor: Cursor = Non
 async def get_scene(scene: SceneId, scenes: ScenesDep, revision: Revision = None) -> Any:
     """Show a scene, by default its latest revision: document, groups, frames and bodies."""
     return scene_resource(await scenes.get(scene, revision))
+
+
+@router.get(
+    "/{scene}/replay.html",
+    operation_id="getSceneReplay",
+    response_class=HTMLResponse,
+    responses={200: {"content": {"text/html": _HTML}}, **problems(404, 409, 422, 429, 503)},
+)
+async def get_scene_replay(
+    scene: SceneId, scenes: ScenesDep, desk: DeskDep, last: LastMotions = _MOST_MOTIONS
+) -> HTMLResponse:
+    """Replay in 3-D what executions moved in a scene, one motion after the other."""
+    record = await scenes.stored(scene)
+    motions = await executed_motions(desk, record.id, last)
+    page = await desk.ask("service.tasks.trajectories:replay_scene", {"motions": motions})
+    return HTMLResponse(page["html"])
 
 
 @router.patch(

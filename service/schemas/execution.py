@@ -39,6 +39,9 @@ class ExecutionRequest(Wire):
     speed: Annotated[Real, Field(gt=0, le=100)] = Field(
         default=1.0, description="Factor on the pace at which the simulation runs; 1 is real time"
     )
+    title: Annotated[str, Field(min_length=1, max_length=200)] | None = Field(
+        default=None, description="What it is, for people who watch the replay of the scene"
+    )
 
 
 class ContactWire(Answer):

@@ -123,7 +123,7 @@ class IkResponse(Answer):
     funnel: IkFunnelWire | None = Field(description="How many samples survived what")
     failure: Failure | None = Field(
         description="Why there is none, `goal_unreachable`, `goal_in_collision`, "
-        "`approach_blocked` or `goal_violates_constraint`; the evidence has the `nearest` "
-        "feasible pose and the `relaxation` that would do, what blocks the approaches, and what is "
-        "violated; or `deadline_exceeded`, with the funnel so far; null if there is one"
+        "`goal_too_near`, `approach_blocked` or `goal_violates_constraint`; the evidence has the "
+        "`nearest` feasible pose and the `relaxation` that would do, what blocks the approaches, "
+        "and what is violated; or `deadline_exceeded`, with the funnel so far; null if there is one"
     )

@@ -17,6 +17,7 @@ from planning.errors import (
     ApproachBlocked,
     DeadlineExceeded,
     GoalInCollision,
+    GoalTooNear,
     GoalUnreachable,
     GoalViolatesConstraint,
     PlanningFailure,
@@ -35,6 +36,7 @@ _NO_SOLUTION = (
     ApproachBlocked,
     DeadlineExceeded,
     GoalInCollision,
+    GoalTooNear,
     GoalUnreachable,
     GoalViolatesConstraint,
 )

@@ -4,6 +4,7 @@ import csv
 import io
 import math
 import time
+from contextlib import ExitStack
 from dataclasses import replace
 from typing import Any
 
@@ -11,12 +12,13 @@ from planning import (
     Deadline,
     Sampling,
     TimedTrajectory,
-    replay_html,
+    World,
     sample_plan,
     unproven_samples,
 )
 from planning.domain.plan import PlanPart
 from planning.errors import InputError
+from planning.world.replay import ShownMotion, replay_html, replay_motions_html
 from service.convert.goals import problem_value
 from service.convert.trajectories import (
     IN_QUERY,
@@ -114,3 +116,22 @@ def replay(payload: dict[str, Any], _: Channel) -> dict[str, Any]:
     trajectory = trajectory_value(payload["trajectory"])
     with borrow_world(payload) as world:
         return {"html": replay_html(world, world.group(payload["group"]), trajectory)}
+
+
+def replay_scene(payload: dict[str, Any], _: Channel) -> dict[str, Any]:
+    """Return `html`: a page that replays `motions` in 3-D, each in a scene of its own.
+
+    Raises:
+        InputError: A scene does not load any more.
+    """
+    worlds: dict[str, World] = {}
+    shown: list[ShownMotion] = []
+    with ExitStack() as borrowed:
+        for motion in payload["motions"]:
+            digest = motion["scene"]["digest"]
+            if digest not in worlds:
+                worlds[digest] = borrowed.enter_context(borrow_world(motion))
+            world, trajectory = worlds[digest], trajectory_value(motion["trajectory"])
+            group = world.group(motion["group"])
+            shown.append(ShownMotion(motion["title"], world, group, trajectory, motion["until"]))
+        return {"html": replay_motions_html(shown)}

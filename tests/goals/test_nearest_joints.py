@@ -30,6 +30,7 @@ from planning.domain.scene import Scene
 from planning.errors import (
     GoalInCollision,
     GoalOutOfLimits,
+    GoalTooNear,
     GoalViolatesConstraint,
     PlanningFailure,
 )
@@ -57,7 +58,8 @@ def until() -> planning.Deadline:
 def refused(
     world: World, goal: JointGoal | ConfigurationGoal, *rules: PathConstraint, **more: Any
 ) -> PlanningFailure:
-    with pytest.raises((GoalInCollision, GoalOutOfLimits, GoalViolatesConstraint)) as refusal:
+    kinds = GoalInCollision, GoalOutOfLimits, GoalTooNear, GoalViolatesConstraint
+    with pytest.raises(kinds) as refusal:
         planning.solve_ik(
             world, world.groups[0].name, goal, deadline=until(), constraints=rules, **more
         )

@@ -42,6 +42,13 @@ def test_readiness(client):
     assert set(answer.json()["queued"]) == {"plan", "query", "execution", "regions"}
 
 
+def test_the_servers_address_leads_to_its_documentation(client):
+    page = client.get("/")
+    assert page.status_code == 200
+    assert page.url.path == "/docs"
+    assert [step.status_code for step in page.history] == [307]
+
+
 def test_docs_need_no_other_host(client):
     page = client.get("/docs")
     assert page.status_code == 200
@@ -49,7 +56,7 @@ def test_docs_need_no_other_host(client):
     assert not re.findall(r"https?://|(?:src|href)=\"//", page.text)
 
 
-@pytest.mark.parametrize("path", ["/", "/v1", "/v1/scenes/", "/v1/nothing", "/v1/plans/x/y"])
+@pytest.mark.parametrize("path", ["/v2", "/v1", "/v1/scenes/", "/v1/nothing", "/v1/plans/x/y"])
 def test_unknown_paths_are_problems(client, path):
     answer = client.get(path)
     assert answer.status_code == 404

@@ -5,7 +5,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from planning.domain.pose import Pose
-from planning.world.camera import SolidBox, num_visible, place_camera
+from planning.world.camera import SolidBox, WatchedPoint, num_visible, place_camera
 from tests.profiles import num_cases
 
 CLOUD = np.random.default_rng(3).uniform(-0.5, 0.5, (40, 3))
@@ -31,6 +31,18 @@ def test_it_goes_around_a_wall() -> None:
     assert num_visible(camera, CLOUD, [wall(0.6)]) == len(CLOUD)
     behind, _ = place_camera(CLOUD, [wall(-0.6)])
     assert behind[0] > -0.6
+
+
+def test_what_is_watched_is_seen_before_all_else_and_from_within_its_own_box() -> None:
+    tool = np.array([0.0, 0.0, 0.4])
+    free, _ = place_camera(CLOUD, [])
+    lid = SolidBox(Pose.from_parts((0.1, 0.0, 0.45)).matrix, np.array([0.02, 0.3, 0.3]))
+    assert num_visible(free, tool[None], [lid]) == 0
+    # no wall for the others, so that they alone would leave the camera where it is
+    camera, _ = place_camera(CLOUD, [], [WatchedPoint(tool, [lid])])
+    assert num_visible(camera, tool[None], [lid]) == 1
+    around = SolidBox(Pose.from_parts((0.0, 0.0, 0.4)).matrix, np.array([0.1, 0.1, 0.1]))
+    np.testing.assert_array_equal(place_camera(CLOUD, [], [WatchedPoint(tool, [around])])[0], free)
 
 
 def test_what_is_behind_the_camera_or_its_point_hides_nothing() -> None:

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from service.client.events import decode_events
+from tests.world.meshcat_messages import overlay, tracks
 
 ARM = {"name": "free", "robots": [{"name": "arm", "model": "ur5e", "positions": "home"}]}
 
@@ -132,3 +133,25 @@ def finished(client, path):
     with client.stream("GET", f"{path}/events") as answer:
         list(decode_events(answer.iter_lines()))
     return client.get(path).json()
+
+
+def test_a_replay_of_a_scene_shows_what_was_executed_in_it(client, scene):
+    path = f"/v1/scenes/{scene['id']}/replay.html"
+    unmoved = client.get(path)
+    assert (unmoved.status_code, unmoved.json()["code"]) == (409, "no_trajectory")
+    assert "no execution" in unmoved.json()["detail"]
+    there = planned(client, scene, "ready")
+    assert executed(client, there, title="lower it").json()["state"] == "succeeded"
+    assert executed(client, planned(client, scene, "home")).json()["state"] == "succeeded"
+    page = client.get(path)
+    assert page.headers["content-type"].startswith("text/html")
+    titles = [section["title"] for section in overlay(page.text)["sections"]]
+    assert titles == ["lower it", "arm moves"]
+    hand = tracks(page.text)["/bodies/arm/hand_base"]
+    drop = hand[0, 2, 3] - hand[:, 2, 3]
+    assert drop.max() > 0.1
+    assert abs(drop[-1]) < 1e-3
+    last = client.get(f"{path}?last=1").text
+    assert [section["title"] for section in overlay(last)["sections"]] == ["arm moves"]
+    assert client.get("/v1/scenes/scn_nothing/replay.html").status_code == 404
+    assert client.get(f"{path}?last=0").status_code == 422

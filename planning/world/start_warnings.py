@@ -1,0 +1,136 @@
+"""start_warnings(): what is wrong with where a scene puts its robots, and what would mend it."""
+
+import json
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from planning.domain.body_pair import BodyPair
+from planning.domain.joints import JointGroup, JointType
+from planning.world.collision import DistanceProbe
+
+if TYPE_CHECKING:
+    from planning.world.world import World
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
+
+# Configurations beside the scene's own in which pairs are looked at that touch there.
+_NUM_TRIED = 20
+# Pairs that are told one by one.
+_MOST_TOLD = 10
+# Beyond a limit by this much is at the limit [rad or m].
+_DUST = 1e-6
+# A distance of less is what rounding makes of 0 [m].
+_TOUCH = 1e-9
+# What stands for a range without end: a whole turn, or a metre either way.
+_UNLIMITED = {JointType.CONTINUOUS: np.pi, JointType.REVOLUTE: np.pi, JointType.PRISMATIC: 1.0}
+
+
+def start_warnings(world: "World") -> tuple[str, ...]:
+    """Return what makes every plan fail that begins at the scene's positions.
+
+    Pairs of links of one robot that touch in all configurations that are tried are offered as
+    an edit that lets them touch. Where nothing touches, this takes one collision check per group.
+    """
+    margins = world.margins()
+    oracles = [(world.collision_oracle(g, margins), world.positions(g)) for g in world.groups]
+    touching: tuple[BodyPair, ...] = ()
+    if not all(oracle.is_free(q) for oracle, q in oracles):
+        touching = world.distance_probe(margins).violations(world.state)
+    told = [_text(world, pair) for pair in touching[:_MOST_TOLD]]
+    if len(touching) > _MOST_TOLD:
+        told.append(f"{len(touching) - _MOST_TOLD} further pairs are too near where the scene is")
+    always = _always_touching(world, touching)
+    if always:
+        operations = [{"op": "allow", "pair": list(pair)} for pair in always]
+        told.append(
+            f"{len(always)} pairs of these overlap in all of {_NUM_TRIED + 1} configurations that "
+            "were tried, as shapes do that are drawn into each other; if they may touch, edit the "
+            f"scene with {json.dumps({'operations': operations})}"
+        )
+    return (*told, *_configuration_warnings(world))
+
+
+def _text(world: "World", pair: BodyPair) -> str:
+    a, b = pair.bodies
+    if abs(pair.distance) < _TOUCH:
+        how = f"{a} and {b} touch"
+    elif pair.distance < 0:
+        how = f"{a} and {b} overlap by {-pair.distance:.2g} m"
+    else:
+        margin = world.margins().of(a, b)
+        how = f"{a} and {b} are {pair.distance:.2g} m apart, less than their margin of {margin:g} m"
+    return f"where the scene puts its robots, {how}: no motion can begin there"
+
+
+def _always_touching(world: "World", touching: tuple[BodyPair, ...]) -> list[tuple[str, str]]:
+    """Return the pairs of links of one robot that overlap wherever its joints are."""
+    own = {pair.bodies for pair in touching if pair.distance <= 0 and _are_of_one(*pair.bodies)}
+    if not own:
+        return []
+    robots = {a.partition("::")[0] for a, _ in own}
+    groups = [g for g in world.groups if g.name.partition("::")[0] in robots]
+    probe = DistanceProbe(world.drake, world.margins(0.0))
+    rng = np.random.default_rng(0)
+    for _ in range(_NUM_TRIED):
+        full = np.array(world.state)
+        for group in groups:
+            full[world.drake.position_indices(group)] = _anywhere(world, group, rng)
+        own &= {pair.bodies for pair in probe.pairs_within(world.drake.follow(full), 0.0)}
+        if not own:
+            break
+    return sorted(own)
+
+
+def _anywhere(world: "World", group: JointGroup, rng: np.random.Generator) -> Array:
+    """Return a random configuration; planar and floating joints stay where they are."""
+    limits, q = world.limits(group), np.array(world.positions(group))
+    at = 0
+    for joint in group.joints:
+        count = len(joint.position_names)
+        reach = _UNLIMITED.get(joint.type)
+        if reach is not None:
+            low, high = limits.lower[at], limits.upper[at]
+            is_open = not (np.isfinite(low) and np.isfinite(high))
+            q[at] = rng.uniform(-reach, reach) if is_open else rng.uniform(low, high)
+        at += count
+    return q
+
+
+def _are_of_one(a: str, b: str) -> bool:
+    (robot_a, scoped_a, _), (robot_b, scoped_b, _) = a.partition("::"), b.partition("::")
+    return bool(scoped_a and scoped_b) and robot_a == robot_b
+
+
+def _configuration_warnings(world: "World") -> list[str]:
+    """Name configurations that no motion can begin or end at, whatever stands around the robot."""
+    found: list[str] = []
+    for group in world.groups:
+        for name, q in world.configurations(group).items():
+            wrong = _beyond_limits(world, group, q) or _hits_itself(world, group, q)
+            found += [f"configuration {name!r} of {group.name} {wrong}"] if wrong else []
+    return found
+
+
+def _beyond_limits(world: "World", group: JointGroup, q: Array) -> str:
+    limits = world.limits(group)
+    beyond = np.maximum(limits.lower - q, q - limits.upper)
+    worst = int(np.argmax(beyond))
+    if beyond[worst] <= _DUST:
+        return ""
+    return (
+        f"lies outside its limits: {group.position_names[worst]} at {q[worst]:g}, limits "
+        f"[{limits.lower[worst]:g}, {limits.upper[worst]:g}]"
+    )
+
+
+def _hits_itself(world: "World", group: JointGroup, q: Array) -> str:
+    margins = world.margins()
+    if world.collision_oracle(group, margins).is_free(q):
+        return ""
+    at_start = {pair.bodies for pair in world.violations(group, world.positions(group), margins)}
+    for pair in world.violations(group, q, margins):
+        if pair.distance < 0 and _are_of_one(*pair.bodies) and pair.bodies not in at_start:
+            a, b = pair.bodies
+            return f"is in collision with itself: {a} and {b} overlap by {-pair.distance:.2g} m"
+    return ""
