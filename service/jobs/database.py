@@ -4,8 +4,23 @@ from pathlib import Path
 from typing import Any
 
 from sqlalchemy import Connection, Engine, create_engine, event
+from sqlalchemy.exc import (
+    DataError,
+    DBAPIError,
+    IntegrityError,
+    NotSupportedError,
+    ProgrammingError,
+)
+from sqlalchemy.exc import TimeoutError as PoolTimeout
 
 _BUSY_TIMEOUT_MS = 10_000
+_OURS = (DataError, IntegrityError, NotSupportedError, ProgrammingError)
+
+
+def is_of_database(fault: BaseException) -> bool:
+    """Return whether a fault is the database's (full, locked, gone), not of what was written."""
+    is_its = isinstance(fault, DBAPIError) and not isinstance(fault, _OURS)
+    return is_its or isinstance(fault, PoolTimeout)
 
 
 def open_engine(url: str) -> Engine:

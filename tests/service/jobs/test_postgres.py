@@ -72,19 +72,19 @@ async def run_jobs(engine):
     dispatcher = Dispatcher(store, Ownership(engine), lanes)
     await dispatcher.start(f"{TASKS}:warm")
     try:
-        good = dispatcher.submit(spec("vast", payload={"count": 1000}, key="k", request_digest="1"))
-        dead = dispatcher.submit(spec("segfault"))
-        assert dispatcher.submit(spec("vast", key="k", request_digest="1")).id == good.id
+        good = await dispatcher.submit(spec("vast", payload={"count": 1000}, key="k", request_digest="1"))
+        dead = await dispatcher.submit(spec("segfault"))
+        assert (await dispatcher.submit(spec("vast", key="k", request_digest="1"))).id == good.id
         with pytest.raises(IdempotencyConflict):
-            dispatcher.submit(spec("vast", key="k", request_digest="2"))
+            await dispatcher.submit(spec("vast", key="k", request_digest="2"))
         numbers = (await dispatcher.wait(good.id, GUARD)).result["numbers"]
         assert numbers == [0.1 * i for i in range(1000)]
         assert (await dispatcher.wait(dead.id, GUARD)).failure["code"] == "worker_crashed"
-        busy = dispatcher.submit(spec("spin"))
+        busy = await dispatcher.submit(spec("spin"))
         async for event in dispatcher.subscribe(busy.id):
             if "pid" in event.data:
                 break
-        dispatcher.cancel(busy.id)
+        await dispatcher.cancel(busy.id)
         assert (await dispatcher.wait(busy.id, GUARD)).state == "canceled"
         assert [event.number for event in store.events(dead.id)] == [1, 2, 3, 4, 5]
         assert [job.id for job in store.page("plan", limit=2)] == [busy.id, dead.id]
