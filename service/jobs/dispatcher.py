@@ -130,6 +130,7 @@ class Dispatcher:
         """End what runs, and do nothing more: another has the database."""
         if not self.is_taken:
             self.is_taken = True
+            _log.critical("another server has taken the database over: this one gives up")
             self._end_runs("another server took the database over")
             self._on_taken()
 

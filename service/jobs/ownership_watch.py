@@ -70,8 +70,7 @@ class OwnershipWatch:
             _log.warning("the lock on the database was lost; taking it again")
             try:
                 await self._regain()
-            except DatabaseTaken as taken:
-                _log.critical("%s", taken.detail)
+            except DatabaseTaken:
                 self._told.give_up()
                 return
 

@@ -6,6 +6,7 @@ from collections.abc import Awaitable, Callable, Sequence
 from dataclasses import dataclass
 
 from service.jobs.database import is_of_database
+from service.jobs.errors import DatabaseTaken
 from service.jobs.json_text import Encoded
 
 _MAX_BACKLOG = 256
@@ -77,6 +78,8 @@ class EventRecorder:
             try:
                 await self._record([(event.type, event.data) for event in events])
                 self.is_refused = False
+            except DatabaseTaken:
+                continue
             except Exception as fault:  # noqa: BLE001  (the job itself goes on)
                 if not is_of_database(fault):
                     _log.exception("%d events were lost", len(events))

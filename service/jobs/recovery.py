@@ -9,6 +9,7 @@ from planning.errors import Canceled
 from service.jobs.errors import InternalError, ServerRestarted
 from service.jobs.floor import Floor
 from service.jobs.job_run import CONTROLS
+from service.jobs.moving import Moved
 from service.jobs.ownership import Ownership
 from service.jobs.recording import Recording
 from service.jobs.records import Job
@@ -49,36 +50,38 @@ class Recovery:
         for job in self._store.unfinished():
             if self._may_run_still and job.state is JobState.RUNNING:
                 self._floor.spawn(self._recover_later(job.id, takeover))
-            elif self._is_to_run(job):
-                self._enqueue(job, self._controls(job.id))
+            else:
+                moved = self._settle(job)
+                if moved is None or not moved.event.is_last:
+                    self._enqueue(job, self._controls(job.id))
 
     async def _recover_later(self, identifier: str, seconds: float) -> None:
         await asyncio.sleep(seconds)
 
-        def recover() -> Job | None:
+        def recover() -> tuple[Job, Moved | None]:
             job = self._store.get(identifier)
-            return job if self._is_to_run(job) else None
+            return job, self._settle(job)
 
         write = partial(self._recording.write, recover)
-        job = await self._recording.insist(identifier, "recovery", write)
-        if job is not None:
-            self._enqueue(job, {})
+        job, moved = await self._recording.insist(identifier, "recovery", write)
+        if moved is not None:
+            self._recording.publish(identifier, [moved.event])
+            if not moved.event.is_last:
+                self._enqueue(job, {})
 
-    def _is_to_run(self, job: Job) -> bool:
-        """Return whether a job is to run; else write how it ended."""
+    def _settle(self, job: Job) -> Moved | None:
+        """Write what becomes of a job that was left; None if it only has to run."""
         if job.is_cancel_requested:
-            self._store.cancel(job.id, Canceled("canceled on request"))
-        elif job.lane not in self._floor:
-            self._store.fail(job.id, InternalError(f"this server has no lane {job.lane!r}"))
-        elif job.state is JobState.QUEUED:
-            return True
-        elif job.attempts < job.max_attempts:
-            self._store.requeue(job.id, "the server ended while this ran")
-            return True
-        else:
-            message = "the server ended while this ran"
-            self._store.fail(job.id, ServerRestarted(message, {"attempts": job.attempts}))
-        return False
+            return self._store.cancel(job.id, Canceled("canceled on request"))
+        if job.lane not in self._floor:
+            message = f"this server has no lane {job.lane!r}"
+            return self._store.fail(job.id, InternalError(message))
+        if job.state is JobState.QUEUED:
+            return None
+        if job.attempts < job.max_attempts:
+            return self._store.requeue(job.id, "the server ended while this ran")
+        error = ServerRestarted("the server ended while this ran", {"attempts": job.attempts})
+        return self._store.fail(job.id, error)
 
     def _controls(self, identifier: str) -> dict[str, Any]:
         """Return what was asked of a job before the earlier server ended."""

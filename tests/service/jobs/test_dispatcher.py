@@ -55,7 +55,9 @@ def test_results_failures_and_blunders_come_back(tmp_path: Path, inline: bool) -
 def test_a_crash_is_tried_again_and_then_told(tmp_path: Path) -> None:
     async def story() -> None:
         async with running(tmp_path) as (dispatcher, store):
-            flaky = await dispatcher.submit(spec("die_once", payload={"marker": str(tmp_path / "m")}))
+            flaky = await dispatcher.submit(
+                spec("die_once", payload={"marker": str(tmp_path / "m")})
+            )
             fatal = await dispatcher.submit(spec("segfault"))
             healthy = await dispatcher.submit(spec("echo"))
             assert (await dispatcher.wait(flaky.id, GUARD)).result == {"attempt": 2}
@@ -162,7 +164,9 @@ def test_idempotency_keys(tmp_path: Path) -> None:
     async def story() -> None:
         async with running(tmp_path) as (dispatcher, _):
             first = await dispatcher.submit(spec("echo", key="k", request_digest="1"))
-            assert (await dispatcher.submit(spec("echo", key="k", request_digest="1"))).id == first.id
+            assert (
+                await dispatcher.submit(spec("echo", key="k", request_digest="1"))
+            ).id == first.id
             with pytest.raises(IdempotencyConflict):
                 await dispatcher.submit(spec("echo", key="k", request_digest="2"))
             with pytest.raises(UnknownJob, match="job_nowhere"):

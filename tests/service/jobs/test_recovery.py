@@ -89,7 +89,9 @@ def test_a_server_killed_with_many_jobs_ends_all_of_them_after_a_restart(tmp_pat
 def test_a_server_that_stops_queues_again_what_ran_and_does_not_count_it(tmp_path):
     async def first():
         async with running(tmp_path, slots=2) as (dispatcher, _):
-            again = await dispatcher.submit(spec("wait_for_file", payload={"file": str(tmp_path / "go")}))
+            again = await dispatcher.submit(
+                spec("wait_for_file", payload={"file": str(tmp_path / "go")})
+            )
             once = await dispatcher.submit(spec("hang", max_attempts=1))
             later = await dispatcher.submit(spec("echo"))
             for job in (again, once):
@@ -158,7 +160,9 @@ def test_jobs_survive_workers_that_are_killed_at_random(tmp_path):
     async def story():
         async with running(tmp_path, slots=2) as (dispatcher, store):
             ids = [(await dispatcher.submit(spec("spin", max_attempts=50))).id for _ in range(2)]
-            echoes = [(await dispatcher.submit(spec("echo", max_attempts=50))).id for _ in range(20)]
+            echoes = [
+                (await dispatcher.submit(spec("echo", max_attempts=50))).id for _ in range(20)
+            ]
             seen = dict.fromkeys(ids, 0)
             for _ in range(5):
                 for identifier in ids:
