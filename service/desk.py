@@ -191,7 +191,7 @@ class Desk:
 
     def unrecorded(self, job: JobBrief) -> list[str]:
         """Return what has happened to a job and is not in the database yet."""
-        run = self._dispatcher.live(job.id)
+        run = None if job.state.is_final else self._dispatcher.live(job.id)
         return [] if run is None else run.unrecorded
 
     def begin_to_stop(self) -> None:

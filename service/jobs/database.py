@@ -14,6 +14,8 @@ from sqlalchemy.exc import (
 from sqlalchemy.exc import TimeoutError as PoolTimeout
 
 _BUSY_TIMEOUT_MS = 10_000
+# A database that has vanished is noticed: seconds to connect, milliseconds to acknowledge (libpq).
+_IN_TIME = {"connect_timeout": 5, "tcp_user_timeout": 10_000}
 _OURS = (DataError, IntegrityError, NotSupportedError, ProgrammingError)
 
 
@@ -28,7 +30,9 @@ def open_engine(url: str) -> Engine:
 
     SQLite runs in WAL mode: readers never wait for writers.
     """
-    engine = create_engine(url, pool_pre_ping=not url.startswith("sqlite"))
+    is_remote = not url.startswith("sqlite")
+    arguments = _IN_TIME if url.startswith("postgresql") else {}
+    engine = create_engine(url, pool_pre_ping=is_remote, connect_args=arguments)
     if engine.dialect.name == "sqlite":
         if engine.url.database:
             Path(engine.url.database).parent.mkdir(parents=True, exist_ok=True)

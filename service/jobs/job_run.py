@@ -10,7 +10,6 @@ from functools import partial
 from typing import Any
 
 from planning.errors import Canceled, WayproofError
-from service.jobs.database import is_of_database
 from service.jobs.errors import DatabaseTaken, InternalError, ServerRestarted
 from service.jobs.floor import Floor
 from service.jobs.moving import Moved
@@ -181,7 +180,7 @@ class JobRun:
             return False
         except Exception as fault:
             # The database is well: it is what the task gave that it does not take.
-            if is_of_database(fault) or isinstance(outcome, Raised):
+            if isinstance(outcome, Raised) and isinstance(outcome.error, InternalError):
                 raise
             _log.exception("the end of %s could not be written", identifier)
             reason = f"the result could not be recorded: {type(fault).__name__}"

@@ -24,7 +24,7 @@ def spec(task: str, /, **options: object) -> JobSpec:
 
 
 @asynccontextmanager
-async def running(
+async def running(  # noqa: PLR0913  (what a test may vary)
     folder: Path,
     *,
     slots: int = 1,
@@ -32,12 +32,13 @@ async def running(
     max_waiting: int = 100,
     cancel_grace: float = 0.25,
     disks: list[FullDisk] | None = None,
+    version: str = "1",
 ) -> AsyncIterator[tuple[Dispatcher, JobStore]]:
     """Run a dispatcher on the database in a folder; `disks` gets the disk that it is on."""
     engine = open_engine(f"sqlite:///{folder / 'jobs.sqlite'}")
     if disks is not None:
         disks.append(FullDisk(engine))
-    store = JobStore(engine, {"tests": "1"})
+    store = JobStore(engine, {"tests": version})
 
     def slot() -> Slot:
         return InlineSlot(is_exclusive=False) if inline else ProcessSlot([TASKS])

@@ -7,6 +7,7 @@ from contextlib import asynccontextmanager
 import pytest
 from sqlalchemy import text
 
+from service.cli.server import TAKEN
 from service.jobs.database import open_engine
 from service.jobs.dispatcher import Dispatcher
 from service.jobs.errors import DatabaseInUse, DatabaseTaken, IdempotencyConflict
@@ -20,6 +21,7 @@ from tests.service.jobs.conftest import GUARD, TASKS, spec
 from tests.service.jobs.postgres import cluster
 from tests.service.jobs.test_briefs import check_upgrade
 from tests.service.jobs.test_stopping import eventually, moving
+from tests.service.servers import server as real_server
 
 # Nothing is noticed by looking at the lock.
 BLIND = Patience(period=10 * GUARD)
@@ -247,3 +249,10 @@ def test_what_moves_comes_to_rest_if_the_database_stays_away(server, url, tmp_pa
             assert (await dispatcher.wait(waits.id, GUARD)).state is JobState.SUCCEEDED
 
     asyncio.run(story())
+
+
+def test_a_server_that_has_lost_its_database_ends(url, tmp_path):
+    with real_server(tmp_path, WAYPROOF_DATABASE_URL=url) as lost:
+        rival = take_by_force(url)
+        assert lost.process.wait(GUARD) == TAKEN
+        rival.dispose()

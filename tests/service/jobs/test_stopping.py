@@ -215,15 +215,24 @@ def test_a_server_that_stops_brings_what_moves_to_rest_first(tmp_path: Path) -> 
     asyncio.run(second(*asyncio.run(first())))
 
 
-def test_a_job_shows_what_ran_it(tmp_path: Path) -> None:
-    async def story() -> tuple[str, str]:
-        async with running(tmp_path) as (dispatcher, store):
-            good = await dispatcher.submit(spec("echo"))
-            bad = await dispatcher.submit(spec("refuse"))
-            for job in (good, bad):
+def test_a_job_shows_the_versions_that_ran_it_and_no_others(tmp_path: Path) -> None:
+    async def first() -> list[str]:
+        async with running(tmp_path) as (dispatcher, _):
+            jobs = [await dispatcher.submit(spec(task)) for task in ("echo", "refuse")]
+            for job in jobs:
                 assert job.made_by is None
                 assert (await dispatcher.wait(job.id, GUARD)).made_by == {"tests": "1"}
-            assert [job.made_by for job in store.page("plan")] == [{"tests": "1"}] * 2
-            return good.id, bad.id
+            again = await dispatcher.submit(spec("stubborn"))
+            await eventually(lambda: dispatcher.live(again.id).latest("stage"))
+            return [*(job.id for job in jobs), again.id]
 
-    asyncio.run(story())
+    async def second(good: str, bad: str, again: str) -> None:
+        async with running(tmp_path, version="2") as (dispatcher, store):
+            assert [store.get(job).made_by for job in (good, bad)] == [{"tests": "1"}] * 2
+            await eventually(lambda: dispatcher.live(again).latest("stage"))
+            await dispatcher.cancel(again)
+            assert (await dispatcher.wait(again, GUARD)).made_by == {"tests": "2"}
+            made_by = [job.made_by["tests"] for job in store.page("plan")]
+            assert made_by == ["2", "1", "1"]
+
+    asyncio.run(second(*asyncio.run(first())))
