@@ -1,6 +1,6 @@
 """create_app(): the service, put together."""
 
-from collections.abc import AsyncGenerator
+from collections.abc import AsyncGenerator, Callable
 from contextlib import asynccontextmanager
 
 from fastapi import Depends, FastAPI
@@ -42,17 +42,24 @@ _ROUTES = (
 )
 
 
-def create_app(settings: Settings | None = None) -> FastAPI:
+def _nothing() -> None:
+    pass
+
+
+def create_app(
+    settings: Settings | None = None, on_taken: Callable[[], None] = _nothing
+) -> FastAPI:
     """Return the service; its workers run between startup and shutdown.
 
     Args:
         settings: How it runs; None to read them from the environment.
+        on_taken: Called when another server has taken the database over: this one is of no use.
     """
     chosen = settings or Settings()
 
     @asynccontextmanager
     async def lifespan(app: FastAPI) -> AsyncGenerator[None]:
-        async with open_desk(chosen) as (desk, shelf):
+        async with open_desk(chosen, on_taken) as (desk, shelf):
             app.state.desk, app.state.scenes = desk, shelf
             yield
 

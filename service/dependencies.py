@@ -43,6 +43,22 @@ async def _regions_job(regions: RegionsId, desk: DeskDep) -> Job:
     return await desk.job("regions", regions)
 
 
+async def _open_plan(plan: PlanId, desk: DeskDep) -> Job:
+    return await desk.open_job("plan", plan)
+
+
+async def _open_execution(execution: ExecutionId, desk: DeskDep) -> Job:
+    return await desk.open_job("execution", execution)
+
+
+async def _open_regions(regions: RegionsId, desk: DeskDep) -> Job:
+    return await desk.open_job("regions", regions)
+
+
 type PlanJob = Annotated[Job, Depends(_plan_job)]
 type ExecutionJob = Annotated[Job, Depends(_execution_job)]
 type RegionsJobDep = Annotated[Job, Depends(_regions_job)]
+# As memory has them while they wait or run: what is to be stopped waits for no database.
+type OpenPlan = Annotated[Job, Depends(_open_plan)]
+type OpenExecution = Annotated[Job, Depends(_open_execution)]
+type OpenRegions = Annotated[Job, Depends(_open_regions)]

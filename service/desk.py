@@ -1,7 +1,6 @@
 """Desk: where endpoints hand in jobs and questions; one dispatcher stands behind it."""
 
 import asyncio
-import secrets
 from collections.abc import AsyncIterator
 from dataclasses import dataclass
 from functools import partial
@@ -88,16 +87,16 @@ class Desk:
             self._planners = (await self.ask("service.tasks.planners:name_planners", {}))["items"]
         return self._planners
 
-    def submit(self, spec: JobSpec) -> Job:
+    async def submit(self, spec: JobSpec) -> Job:
         """Queue a job; it is durable when this returns.
 
         Raises:
             QueueFull: Its lane has as many waiting jobs as it may.
             IdempotencyConflict: Its key was used for another request.
         """
-        return self._dispatcher.submit(spec)
+        return await self._dispatcher.submit(spec)
 
-    def known(self, spec: JobSpec) -> Job | None:
+    async def known(self, spec: JobSpec) -> Job | None:
         """Return the job that the spec's idempotency key names, if there is one.
 
         Raises:
@@ -105,7 +104,15 @@ class Desk:
         """
         if spec.key is None:
             return None
-        return self._store.known(spec.lane, spec.key, spec.request_digest)
+        asked = (spec.lane, spec.key, spec.request_digest)
+        return await to_thread.run_sync(self._store.known, *asked)
+
+    async def open_job(self, lane: str, identifier: str) -> Job:
+        """Return a job that waits or runs here as memory has it, any other one as `job` does."""
+        run = self._dispatcher.live(identifier)
+        if run is not None and run.job.lane == lane:
+            return run.snapshot()
+        return await self.job(lane, identifier)
 
     async def job(self, lane: str, identifier: str) -> Job:
         """Return a job.
@@ -158,22 +165,51 @@ class Desk:
                 return
             before, limit = found[-1].serial, min(2 * limit, _CHUNK)
 
+    async def in_scene(self, lane: str, scene: str) -> JobBrief | None:
+        """Return a job of a lane that waits or runs in a scene, if there is one."""
+        for state in ("running", "queued"):
+            page = await self.page(lane, 1, None, state=state, scene=scene)
+            if page.jobs:
+                return page.jobs[0]
+        return None
+
     async def wait(self, job: Job, seconds: float) -> Job:
         """Return a job when it has ended, or as it is after so many seconds."""
         return await self._dispatcher.wait(job.id, seconds) if seconds > 0 else job
 
-    def cancel(self, job: Job) -> Job:
-        """Ask for the end of a job, whatever its state."""
-        return self._dispatcher.cancel(job.id)
+    async def cancel(self, job: Job) -> Job:
+        """Ask for the end of a job, whatever its state; no database is waited for."""
+        return await self._dispatcher.cancel(job.id)
+
+    async def control(self, job: Job, asked: dict[str, Any]) -> Job:
+        """Ask something of a job that waits or runs; no database is waited for.
+
+        Raises:
+            IllegalTransition: It has ended, or is to end.
+        """
+        return await self._dispatcher.control(job.id, asked)
+
+    def unrecorded(self, job: JobBrief) -> list[str]:
+        """Return what has happened to a job and is not in the database yet."""
+        run = None if job.state.is_final else self._dispatcher.live(job.id)
+        return [] if run is None else run.unrecorded
+
+    def begin_to_stop(self) -> None:
+        """Begin nothing more, and tell what runs to end, before `Dispatcher.stop` waits for it."""
+        self._dispatcher.begin_to_stop()
 
     async def events(self, job: Job, after: int) -> AsyncIterator[LoggedEvent]:
         """Yield a job's events with numbers above `after`, until it has ended."""
         async for event in self._dispatcher.subscribe(job.id, after):
             yield event
 
-    async def last_event(self, job: JobBrief, event_type: str) -> LoggedEvent | None:
-        """Return the newest event of a type, if there is one."""
-        return await to_thread.run_sync(self._store.last_event, job.id, event_type)
+    async def last_told(self, job: JobBrief, event_type: str) -> dict[str, Any] | None:
+        """Return the data of the newest event of a type, recorded or not, if there is one."""
+        run = self._dispatcher.live(job.id)
+        if run is not None:
+            return run.latest(event_type)
+        event = await to_thread.run_sync(self._store.last_event, job.id, event_type)
+        return None if event is None else event.data
 
     async def counts(self) -> dict[str, dict[str, int]]:
         """Return how many jobs there are, by state and lane."""
@@ -208,11 +244,6 @@ class Desk:
             return None
         folder = self._settings.data_dir.resolve() / "cores"
         return {"folder": str(folder), "count": self._settings.search_processes}
-
-    def new_controls(self) -> str:
-        """Return the path of a file through which an execution can be steered."""
-        folder = self._settings.data_dir.resolve() / "controls"
-        return str(folder / f"{secrets.token_hex(8)}.json")
 
 
 def spec_of(

@@ -1,6 +1,6 @@
 """open_desk(): store, dispatcher and slots, for as long as the server runs."""
 
-from collections.abc import AsyncGenerator
+from collections.abc import AsyncGenerator, Callable
 from contextlib import asynccontextmanager
 from functools import partial
 
@@ -13,6 +13,7 @@ from service.jobs.lane import Lane
 from service.jobs.ownership import Ownership
 from service.jobs.slot import ProcessSlot, Slot
 from service.jobs.store import JobStore
+from service.plans.versions import versions
 from service.scenes.shelf import SceneShelf
 from service.scenes.store import SceneStore
 from service.settings import Settings
@@ -32,17 +33,23 @@ _WARM_UP = "service.tasks.warm:warm_up"
 
 
 @asynccontextmanager
-async def open_desk(settings: Settings) -> AsyncGenerator[tuple[Desk, SceneShelf]]:
+async def open_desk(
+    settings: Settings, on_taken: Callable[[], None]
+) -> AsyncGenerator[tuple[Desk, SceneShelf]]:
     """Run jobs from here on; what an earlier server left is taken up again.
+
+    Args:
+        settings: How the service runs.
+        on_taken: Called when another server has taken the database over.
 
     Raises:
         DatabaseInUse: Another server works on this database.
     """
     settings.data_dir.mkdir(parents=True, exist_ok=True)
     engine = open_engine(settings.url)
-    store = JobStore(engine)
+    store = JobStore(engine, versions())
     lanes = {name: _lane(settings, name) for name in LANES}
-    dispatcher = Dispatcher(store, Ownership(engine), lanes)
+    dispatcher = Dispatcher(store, Ownership(engine), lanes, on_taken=on_taken)
     scenes = SceneStore(engine, settings.data_dir / "scenes")
     try:
         scenes.open()

@@ -9,15 +9,20 @@ from typing import Any
 from fastapi import FastAPI, Request
 from fastapi.exceptions import RequestValidationError
 from fastapi.responses import JSONResponse
+from sqlalchemy.exc import SQLAlchemyError
 from starlette.exceptions import HTTPException
 from starlette.routing import Match
 
 from planning.errors import WayproofError
 from service.errors import Refusal, RequestInvalid, UnreadableBody, problem_of
 from service.errors import status_of as status_of_error
+from service.jobs.database import is_of_database
+from service.jobs.errors import DatabaseUnavailable
 
 MEDIA_TYPE = "application/problem+json"
 _MAX_FAULTS = 20
+# When to ask again a server whose database does nothing [s].
+_RETRY_AFTER = 5
 _CODES = {
     400: "unreadable_body",
     404: "not_found",
@@ -40,6 +45,7 @@ def install(app: FastAPI) -> None:
     app.add_exception_handler(WayproofError, _on_error)
     app.add_exception_handler(RequestValidationError, _on_validation_error)
     app.add_exception_handler(HTTPException, _on_http_error)
+    app.add_exception_handler(SQLAlchemyError, _on_database)
     app.add_exception_handler(Exception, _on_surprise)
 
 
@@ -120,6 +126,15 @@ def _allowed(request: Request) -> str:
 def _is_routed(request: Request, method: str) -> bool:
     scope = {**request.scope, "method": method}
     return any(route.matches(scope)[0] is Match.FULL for route in request.app.routes)
+
+
+def _on_database(request: Request, error: Exception) -> ProblemResponse:
+    if not is_of_database(error):
+        return _on_surprise(request, error)
+    reason = str(getattr(error, "orig", None) or error)[:200]
+    _log.error("the database does not do what is asked: %s", reason)
+    message = f"the database is full, locked or away: {reason}"
+    return respond(DatabaseUnavailable(message, {"reason": reason, "retry_after": _RETRY_AFTER}))
 
 
 def _on_surprise(_: Request, error: Exception) -> ProblemResponse:

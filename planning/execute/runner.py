@@ -1,11 +1,17 @@
 """Runner: an execution and a driver, moved on by whoever has the clock."""
 
+from collections.abc import Callable
+
 from planning.errors import ExecutionFailure, ProblemInvalid
 from planning.execute.driver import Driver
 from planning.execute.execution import Execution
 from planning.execute.status import ExecutionStatus
 
 MAX_PACE = 100.0
+
+
+def _always() -> bool:
+    return True
 
 
 class Runner:
@@ -93,8 +99,15 @@ class Runner:
         self._pace = max(speed, 1.0)
         return self._report()
 
-    def tick(self, now: float) -> ExecutionStatus:
-        """Do what is due by `now` [s] on the caller's clock, and return how it goes."""
+    def tick(self, now: float, has_time: Callable[[], bool] = _always) -> ExecutionStatus:
+        """Do what is due by `now` [s] on the caller's clock, and return how it goes.
+
+        Args:
+            now: On the caller's clock [s].
+            has_time: Asked after every step; if not, what is left is done at the next tick. At a
+                high speed a simulation needs seconds for what is due, and the caller has to look
+                meanwhile whether it is to stop.
+        """
         elapsed = 0.0 if self._last_tick is None else max(0.0, now - self._last_tick)
         self._last_tick = now
         self._owed = min(self._owed + elapsed * self._pace, self._max_catch_up * self._pace)
@@ -102,6 +115,8 @@ class Runner:
         while self._owed >= self._period * (1 - 1e-9) and not self.is_done:
             self._owed -= self._period
             self._step()
+            if not has_time():
+                break
         return self._report()
 
     def _step(self) -> None:

@@ -46,14 +46,13 @@ async def submit_execution(
             "group": group["name"],
             "trajectory": polynomial,
             "speed": request.speed,
-            "controls": desk.new_controls(),
         }
         spec = spec_of("execution", TASK, payload, scene=record, key=named)
-        if desk.known(spec) is None:
+        if await desk.known(spec) is None:
             await require_at_rest(desk, record.id)
             require_at_start(group, (plan.result or {})["result"]["start"])
             await _require_proven(desk, record, plan, polynomial)
-        return desk.submit(spec)
+        return await desk.submit(spec)
 
 
 async def _require_proven(

@@ -44,14 +44,14 @@ async def require_at_rest(desk: Desk, scene: str) -> None:
     Raises:
         RobotBusy: An execution moves a robot of the scene.
     """
-    async for job in desk.newest("execution", scene=scene):
-        if not job.state.is_final:
-            group = job.payload["group"]
-            message = (
-                f"execution {job.id} moves {group}, and motions of one scene are not proven "
-                "against each other while they run; wait for its end, or cancel it"
-            )
-            raise RobotBusy(message, {"execution": job.id, "group": group})
+    job = await desk.in_scene("execution", scene)
+    if job is not None:
+        group = job.payload["group"]
+        message = (
+            f"execution {job.id} moves {group}, and motions of one scene are not proven "
+            "against each other while they run; wait for its end, or cancel it"
+        )
+        raise RobotBusy(message, {"execution": job.id, "group": group})
 
 
 async def last_status(desk: Desk, job: JobBrief) -> dict[str, Any] | None:
@@ -59,8 +59,7 @@ async def last_status(desk: Desk, job: JobBrief) -> dict[str, Any] | None:
     if job.result is not None:
         told: dict[str, Any] = job.result["status"]
         return told
-    event = await desk.last_event(job, "status")
-    return None if event is None else event.data
+    return await desk.last_told(job, "status")
 
 
 def separation(group: Group, a: list[float], b: list[float]) -> float:

@@ -23,7 +23,8 @@ async def execution_resource(desk: Desk, job: JobBrief) -> dict[str, Any]:
         "scene": job.payload["scene_id"],
         "group": job.payload["group"],
         "status": None if status is None else {**status, "state": state},
-        "failure": job.failure if state == "aborted" else None,
+        "failure": job.failure,
+        "unrecorded": desk.unrecorded(job),
     }
 
 

@@ -4,8 +4,25 @@ from pathlib import Path
 from typing import Any
 
 from sqlalchemy import Connection, Engine, create_engine, event
+from sqlalchemy.exc import (
+    DataError,
+    DBAPIError,
+    IntegrityError,
+    NotSupportedError,
+    ProgrammingError,
+)
+from sqlalchemy.exc import TimeoutError as PoolTimeout
 
 _BUSY_TIMEOUT_MS = 10_000
+# A database that has vanished is noticed: seconds to connect, milliseconds to acknowledge (libpq).
+_IN_TIME = {"connect_timeout": 5, "tcp_user_timeout": 10_000}
+_OURS = (DataError, IntegrityError, NotSupportedError, ProgrammingError)
+
+
+def is_of_database(fault: BaseException) -> bool:
+    """Return whether a fault is the database's (full, locked, gone), not of what was written."""
+    is_its = isinstance(fault, DBAPIError) and not isinstance(fault, _OURS)
+    return is_its or isinstance(fault, PoolTimeout)
 
 
 def open_engine(url: str) -> Engine:
@@ -13,7 +30,9 @@ def open_engine(url: str) -> Engine:
 
     SQLite runs in WAL mode: readers never wait for writers.
     """
-    engine = create_engine(url, pool_pre_ping=not url.startswith("sqlite"))
+    is_remote = not url.startswith("sqlite")
+    arguments = _IN_TIME if url.startswith("postgresql") else {}
+    engine = create_engine(url, pool_pre_ping=is_remote, connect_args=arguments)
     if engine.dialect.name == "sqlite":
         if engine.url.database:
             Path(engine.url.database).parent.mkdir(parents=True, exist_ok=True)

@@ -2,43 +2,73 @@
 
 import asyncio
 import json
-from collections.abc import AsyncGenerator, Mapping
+import logging
+from collections.abc import AsyncGenerator, Callable, Mapping
 from contextlib import aclosing
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
-from planning.errors import Canceled, DeadlineExceeded
+from planning.errors import DeadlineExceeded
 from service.events.bus import EventBus, Stretch
-from service.jobs.errors import InternalError, ServerRestarted
 from service.jobs.floor import Floor
 from service.jobs.job_run import JobRun
 from service.jobs.lane import Lane
 from service.jobs.outcome import Crashed, Outcome, Returned, TimedOut, error_of
 from service.jobs.ownership import Ownership
+from service.jobs.ownership_watch import OwnershipWatch, Patience
 from service.jobs.recorder import NoSink
+from service.jobs.recording import Recording
 from service.jobs.records import Job, JobSpec, LoggedEvent
+from service.jobs.recovery import Recovery
 from service.jobs.slot import Run, Slot
-from service.jobs.states import JobState
+from service.jobs.steering import Steering
 from service.jobs.store import JobStore
-from service.jobs.writer import Writer
 
 # No stream is longer; it also fits into every database's integers.
 _END_OF_STREAM = 2**31 - 1
 _CALL_ATTEMPTS = 2
+# To record the ends of what ran when the server stops [s].
+_WRITING = 5.0
+_log = logging.getLogger(__name__)
+
+
+def _nothing() -> None:
+    pass
 
 
 class Dispatcher:
     """Runs every job of one database, from one event loop."""
 
-    def __init__(self, store: JobStore, ownership: Ownership, lanes: Mapping[str, Lane]) -> None:
-        """Put the parts together; `start` begins."""
+    def __init__(
+        self,
+        store: JobStore,
+        ownership: Ownership,
+        lanes: Mapping[str, Lane],
+        *,
+        on_taken: Callable[[], None] = _nothing,
+        patience: Patience | None = None,
+    ) -> None:
+        """Put the parts together; `start` begins.
+
+        Args:
+            store: The record of jobs.
+            ownership: Of the database.
+            lanes: Where jobs run, by name.
+            on_taken: Called once when another server has taken the database over.
+            patience: How long a database may be out of reach.
+        """
+        self.is_taken = False
+        self._on_taken = on_taken
+        self._patience = patience or Patience()
         self._store = store
         self._ownership = ownership
         self._floor = Floor(lanes)
         self._bus: EventBus[LoggedEvent] = EventBus(self._stretch)
         self._runs: dict[str, JobRun] = {}
         self._num_calls = 0
-        self._writer: Writer
+        self._recording: Recording
+        self._steering: Steering
 
     async def start(self, warm_up: str | None = None) -> None:
         """Take the database, recover what an earlier server left, and begin to warm the slots.
@@ -51,67 +81,101 @@ class Dispatcher:
         """
         self._ownership.take()
         try:
+            self._store.fence(self._ownership.epoch)
             self._store.open()
-            self._writer = Writer(self._store)
+            self._recording = Recording(self._store, self._bus, self.give_up)
+            self._steering = Steering(self._runs, self._recording, self._floor)
             await self._floor.open(warm_up)
-            for job in self._store.unfinished():
-                self._recover(job)
+            recovery = Recovery(self._recording, self._ownership, self._floor, self._enqueue)
+            recovery.run(self._patience.takeover)
         except BaseException:
             self._ownership.release()
             raise
+        if self._ownership.may_be_lost:
+            self._floor.spawn(OwnershipWatch(self._ownership, self, self._patience).run())
 
     async def stop(self) -> None:
-        """End every slot and release the database; what ran is queued again if it may be.
+        """Bring what runs to its end, end every slot and release the database.
 
-        That it was interrupted does not count as an attempt.
+        What was interrupted is queued again if it may run again; that does not count as an attempt.
         """
+        self.begin_to_stop()
+        running = [run for run in self._runs.values() if run.has_begun]
+        longest = max((run.grace for run in running), default=0.0) + _WRITING
+        waits = [asyncio.ensure_future(run.concluded.wait()) for run in running]
+        if waits:
+            _, late = await asyncio.wait(waits, timeout=longest)
+            for wait in late:
+                wait.cancel()
+            if late:
+                _log.error("the ends of %d jobs could not be recorded", len(late))
         self._bus.close()
-        interrupted = [run.job for run in self._runs.values()]
         await self._floor.close()
-        await self._writer.close()
-        for job in interrupted:
-            if job.max_attempts > 1:
-                self._store.requeue(job.id, "the server stopped", refund=1)
-            else:
-                self._store.fail(job.id, _restarted(job.attempts + 1))
+        await self._recording.close()
         self._ownership.release()
 
-    def submit(self, spec: JobSpec) -> Job:
+    def begin_to_stop(self) -> None:
+        """Begin nothing more, and tell what runs to end: a robot comes to rest on its path."""
+        self._end_runs("the server stopped")
+
+    def suspend(self) -> None:
+        """Begin nothing, and end what runs: the database may be another's by now."""
+        self._end_runs("the database was out of reach")
+
+    def go_on(self) -> None:
+        """Work again after `suspend`."""
+        self._floor.go_on()
+
+    def give_up(self) -> None:
+        """End what runs, and do nothing more: another has the database."""
+        if not self.is_taken:
+            self.is_taken = True
+            _log.critical("another server has taken the database over: this one gives up")
+            self._end_runs("another server took the database over")
+            self._on_taken()
+
+    def live(self, identifier: str) -> JobRun | None:
+        """Return what memory has of a job that waits or runs here, None if it does not."""
+        return self._runs.get(identifier)
+
+    async def submit(self, spec: JobSpec) -> Job:
         """Queue a job; it is durable when this returns.
 
         Raises:
             QueueFull: Its lane has as many waiting jobs as it may.
             IdempotencyConflict: Its key was used for another request.
+            DBAPIError: The database does not take it.
         """
-        known = spec.key and self._store.known(spec.lane, spec.key, spec.request_digest)
-        if known:
-            return known
+        if spec.key:
+            asked = (spec.lane, spec.key, spec.request_digest)
+            known = await asyncio.to_thread(self._store.known, *asked)
+            if known:
+                return known
         self._floor.require_room(spec.lane)
-        job, is_new = self._store.insert(spec)
+        # Not in this thread: while a locked database is waited for, others are to be stopped.
+        job, is_new = await self._recording.write(partial(self._store.insert, spec))
         if is_new:
-            self._enqueue(job)
+            self._enqueue(job, {})
         return job
 
-    def cancel(self, identifier: str) -> Job:
+    async def cancel(self, identifier: str) -> Job:
         """Ask for the end of a job, whatever its state, and return it; again does no harm.
 
         A queued job ends at once. A running one is asked, and its process ended if need be; wait
-        for it. One that returns its result all the same has succeeded.
+        for it. One that returns its result all the same has succeeded. No database is waited for.
 
         Raises:
             UnknownJob: There is none.
         """
-        job = self._store.request_cancel(identifier)
-        if job.state.is_final:
-            return job
-        if job.state is JobState.QUEUED:
-            self._floor.lane(job.lane).remove(identifier)
-            moved = self._store.cancel_queued(identifier, Canceled("canceled on request"))
-            if moved is not None:
-                self._bus.publish(identifier, [moved.event])
-        if identifier in self._runs:
-            self._runs[identifier].cancel()
-        return self._store.get(identifier)
+        return await self._steering.cancel(identifier)
+
+    async def control(self, identifier: str, asked: Mapping[str, Any]) -> Job:
+        """Ask something of a job that waits or runs, and return it.
+
+        Raises:
+            IllegalTransition: It has ended, or is to end.
+        """
+        return await self._steering.control(identifier, asked)
 
     async def wait(self, identifier: str, seconds: float) -> Job:
         """Return a job when it has ended, or as it is after so many seconds.
@@ -197,13 +261,13 @@ class Dispatcher:
         else:
             seated.set_result(slot)
 
-    def _enqueue(self, job: Job, order: int | None = None) -> None:
+    def _enqueue(self, job: Job, controls: Mapping[str, Any], order: int | None = None) -> None:
         """Run a queued job when it has a slot; if its process dies it keeps its place."""
         place: list[int] = []
+        run = self._runs[job.id] = JobRun(job, self._recording, self._floor, controls)
 
         def use(slot: Slot) -> None:
-            run = JobRun(job, self._store, self._writer, self._bus, self._floor)
-            self._runs[job.id] = run
+            run.has_begun = True
             self._floor.spawn(self._run(run, slot, place))
 
         place.append(0 if order is None else order)
@@ -212,30 +276,21 @@ class Dispatcher:
         )
 
     async def _run(self, run: JobRun, slot: Slot, place: list[int]) -> None:
+        is_queued_again = False
         try:
             is_queued_again = await run.run(slot)
         finally:
-            del self._runs[run.job.id]
+            self._runs.pop(run.job.id, None)
+            run.concluded.set()
         if is_queued_again:
-            self._enqueue(run.job, place[0])
+            job = replace(run.job, is_cancel_requested=run.is_unwanted)
+            self._enqueue(job, run.controls, place[0])
 
-    def _recover(self, job: Job) -> None:
-        """Queue again what was queued, and what ran if it may run again."""
-        if job.is_cancel_requested:
-            self._store.cancel(job.id, Canceled("canceled on request"))
-        elif job.lane not in self._floor:
-            self._store.fail(job.id, InternalError(f"this server has no lane {job.lane!r}"))
-        elif job.state is JobState.QUEUED:
-            self._enqueue(job)
-        elif job.attempts < job.max_attempts:
-            self._store.requeue(job.id, "the server ended while this ran")
-            self._enqueue(job)
-        else:
-            self._store.fail(job.id, _restarted(job.attempts))
+    def _end_runs(self, reason: str) -> None:
+        self._floor.hold()
+        for run in self._runs.values():
+            if run.has_begun:
+                run.interrupt(reason)
 
     async def _stretch(self, identifier: str, after: int) -> Stretch[LoggedEvent]:
         return await asyncio.to_thread(self._store.stretch, identifier, after)
-
-
-def _restarted(attempts: int) -> ServerRestarted:
-    return ServerRestarted("the server ended while this ran", {"attempts": attempts})

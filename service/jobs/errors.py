@@ -33,6 +33,18 @@ class DatabaseInUse(WayproofError):
     code = "database_in_use"
 
 
+class DatabaseTaken(WayproofError):
+    """Another server has taken the database over; evidence: `epoch`, `latest`."""
+
+    code = "database_taken"
+
+
+class DatabaseUnavailable(WayproofError):
+    """The database does not answer, or takes nothing; evidence: `reason`, `retry_after` [s]."""
+
+    code = "database_unavailable"
+
+
 class WorkerCrashed(PlanningFailure):
     """The worker process died under the job, every time.
 
@@ -40,6 +52,13 @@ class WorkerCrashed(PlanningFailure):
     """
 
     code = "worker_crashed"
+    stage = "worker"
+
+
+class WorkerUnresponsive(PlanningFailure):
+    """The worker process said nothing for too long, and was ended; evidence: `silence` [s]."""
+
+    code = "worker_unresponsive"
     stage = "worker"
 
 

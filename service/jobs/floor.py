@@ -22,6 +22,7 @@ class Floor:
         self._tasks: set[asyncio.Task[Any]] = set()
         self._timers: dict[str, asyncio.TimerHandle] = {}
         self._is_closed = False
+        self._is_held = False
 
     def lane(self, name: str) -> Lane:
         """Return a lane."""
@@ -37,6 +38,16 @@ class Floor:
             for slot in lane.slots:
                 await slot.open(warm_up)
                 self.spawn(self._admit(lane, slot, None))
+
+    def hold(self) -> None:
+        """Give slots to nothing more until `go_on`."""
+        self._is_held = True
+
+    def go_on(self) -> None:
+        """Give slots to what waits again."""
+        self._is_held = False
+        for lane in self._lanes.values():
+            self._assign(lane)
 
     async def close(self) -> None:
         """End everything that runs, and all slots."""
@@ -112,7 +123,10 @@ class Floor:
         if self._is_closed:
             work.close()
             return
-        task = asyncio.get_running_loop().create_task(work)
+        self.keep(asyncio.get_running_loop().create_task(work))
+
+    def keep(self, task: asyncio.Task[Any]) -> None:
+        """Hold a task that works in the background; it is canceled when the floor closes."""
         self._tasks.add(task)
         task.add_done_callback(self._on_done)
 
@@ -122,6 +136,8 @@ class Floor:
         self._assign(lane)
 
     def _assign(self, lane: Lane) -> None:
+        if self._is_held:
+            return
         loop = asyncio.get_running_loop()
         decided = lane.assign(loop.time())
         timer = self._timers.pop(lane.name, None)
@@ -135,4 +151,4 @@ class Floor:
     def _on_done(self, task: asyncio.Task[Any]) -> None:
         self._tasks.discard(task)
         if not task.cancelled() and (fault := task.exception()) is not None:
-            _log.error("a job's run failed", exc_info=fault)
+            _log.error("work in the background failed", exc_info=fault)

@@ -7,6 +7,7 @@ and a crash of native code ends everything. What was asked for is answered in ti
 import asyncio
 import json
 import threading
+from collections.abc import Mapping
 from contextlib import suppress
 from typing import Any
 
@@ -26,23 +27,46 @@ _GIVEN_UP = TaskEnd(FrameKind.CRASH, "it does not end")
 class _ThreadChannel:
     """A channel within the process."""
 
-    def __init__(self, loop: asyncio.AbstractEventLoop, sink: EventSink, stop: Stop) -> None:
+    def __init__(self, loop: asyncio.AbstractEventLoop, run: Run, stop: Stop) -> None:
         self._loop = loop
-        self._sink = sink
+        self._sink: EventSink = run.sink
         self._stop = stop
         self.canceled = threading.Event()
+        # Replaced whole, so that the thread sees either all or nothing of what is asked.
+        self.asked: dict[str, Any] = dict(run.controls)
 
     def emit(self, event_type: str, data: dict[str, Any]) -> None:
         """Hand an event to the loop."""
-        self._loop.call_soon_threadsafe(self._sink.put, event_type, Encoded(event_text(data)))
+        self._put(event_type, data, is_update=False)
+
+    def update(self, event_type: str, data: dict[str, Any]) -> None:
+        """Hand an event that the next of its type may replace to the loop."""
+        self._put(event_type, data, is_update=True)
+
+    def watch(self, silence: float) -> None:
+        """Have this run given up if it says nothing for so long, from now on."""
+        self._loop.call_soon_threadsafe(self._stop.watch, silence)
+
+    def controls(self) -> dict[str, Any]:
+        """Return all that was asked of this run."""
+        return self.asked
 
     def allow(self, seconds: float) -> None:
         """Have this run given up after so many seconds from now on, and not before."""
         self._loop.call_soon_threadsafe(self._stop.allow, seconds)
 
     def is_canceled(self) -> bool:
-        """Return whether somebody asked for the end of this run."""
+        """Return whether the end of this run was asked for."""
         return self.canceled.is_set()
+
+    def _put(self, event_type: str, data: dict[str, Any], *, is_update: bool) -> None:
+        encoded = Encoded(event_text(data))
+
+        def take() -> None:
+            self._stop.heard()
+            self._sink.put(event_type, encoded, is_update=is_update)
+
+        self._loop.call_soon_threadsafe(take)
 
 
 class InlineSlot:
@@ -58,6 +82,7 @@ class InlineSlot:
         self._is_free = asyncio.Event()
         self._is_free.set()
         self._stop: Stop | None = None
+        self._channel: _ThreadChannel | None = None
 
     async def open(self, warm_up: str | None) -> None:
         """Do nothing: this process is as warm as it is."""
@@ -74,12 +99,17 @@ class InlineSlot:
             return Ended() if stop.is_canceled else await self._watch(run, stop)
         finally:
             stop.disarm()
-            self._stop = None
+            self._stop = self._channel = None
 
     def cancel(self, grace: float) -> None:
         """Tell the task, and give it up if it has not ended in time."""
         if self._stop is not None:
             self._stop.cancel(grace)
+
+    def control(self, controls: Mapping[str, Any]) -> None:
+        """Tell the task; one that has not begun is told when it does."""
+        if self._channel is not None:
+            self._channel.asked = dict(controls)
 
     async def close(self) -> None:
         """Tell the present task to end; its thread does not keep this process alive."""
@@ -87,7 +117,7 @@ class InlineSlot:
 
     async def _watch(self, run: Run, stop: Stop) -> Outcome:
         loop = asyncio.get_running_loop()
-        channel = _ThreadChannel(loop, run.sink, stop)
+        channel = self._channel = _ThreadChannel(loop, run, stop)
         done: asyncio.Future[TaskEnd] = loop.create_future()
         stop.begin(channel.canceled.set, lambda: _settle(done, _GIVEN_UP))
         self._is_free.clear()

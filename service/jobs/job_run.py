@@ -1,129 +1,240 @@
-"""JobRun: one job in one slot, from its start to its end in the table."""
+"""JobRun: one run of a job, from the queue to its end in the table."""
 
 import asyncio
+import json
 import logging
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from datetime import datetime
 from functools import partial
+from typing import Any
 
-from planning.errors import Canceled
-from service.events.bus import EventBus
-from service.jobs.errors import InternalError
+from planning.errors import Canceled, WayproofError
+from service.jobs.errors import DatabaseTaken, InternalError, ServerRestarted
 from service.jobs.floor import Floor
 from service.jobs.moving import Moved
-from service.jobs.outcome import Crashed, Ended, Outcome, Raised, Returned, error_of
+from service.jobs.outcome import (
+    Crashed,
+    Ended,
+    Failed,
+    Outcome,
+    Raised,
+    Returned,
+    Silent,
+    error_of,
+)
 from service.jobs.recorder import EventRecorder, Told
-from service.jobs.records import Job, LoggedEvent
+from service.jobs.recording import Recording
+from service.jobs.records import Job
 from service.jobs.slot import Run, Slot
-from service.jobs.store import JobStore
-from service.jobs.writer import Writer
+from service.jobs.states import JobState
 
-# How long to wait before the end of a job is written again after the database refused it [s].
+# How long to wait before the start of a job is written again after the database refused it [s].
 _RETRY_PERIOD = 5.0
+CONTROLS = "controls"
 _log = logging.getLogger(__name__)
 
 
 class JobRun:
-    """Runs a job once; whoever made it queues the job again if it is told to."""
+    """Runs a job once; its maker queues the job again if it is told to.
+
+    It is told everything in memory, at once; what the database has of it may come later.
+
+    Attributes:
+        job: As it was queued.
+        controls: What is asked of it, to be passed to the task.
+        has_begun: Whether it was given a slot.
+        concluded: Set once its end is in the table, or another server has the job.
+    """
 
     def __init__(
-        self, job: Job, store: JobStore, writer: Writer, bus: EventBus[LoggedEvent], floor: Floor
+        self, job: Job, recording: Recording, floor: Floor, controls: Mapping[str, Any]
     ) -> None:
         """Prepare to run a queued job."""
         self.job = job
-        self._store = store
-        self._writer = writer
-        self._bus = bus
+        self.controls = dict(controls)
+        self.has_begun = False
+        self.concluded = asyncio.Event()
+        self._recording = recording
         self._floor = floor
+        self._recorder = EventRecorder(partial(recording.log, job.id))
         self._slot: Slot | None = None
-        self._is_unwanted = False
+        self._is_unwanted = job.is_cancel_requested
+        self._interrupted = ""
+        self._started: Moved | None = None
+        self._has_ended = False
+
+    @property
+    def is_unwanted(self) -> bool:
+        """Whether its end was asked for."""
+        return self._is_unwanted
+
+    @property
+    def is_open(self) -> bool:
+        """Whether it can still be asked for something else than its end."""
+        return not (self._is_unwanted or self._has_ended)
+
+    @property
+    def grace(self) -> float:
+        """How long it may take to end once it is told to [s]."""
+        # A task that has something to give on a cancel says how long it needs for that.
+        usual = self._floor.lane(self.job.lane).cancel_grace
+        return float(self.job.payload.get("cancel_grace", usual))
+
+    @property
+    def unrecorded(self) -> list[str]:
+        """What has happened and is not in the database yet."""
+        known = self._recording.unrecorded(self.job.id)
+        own = {"events": self._recorder.is_refused, "end": self._has_ended}
+        return list(dict.fromkeys([*known, *(what for what, is_so in own.items() if is_so)]))
 
     def cancel(self) -> None:
         """End the run on request, whatever it does."""
         self._is_unwanted = True
+        self._press()
+
+    def interrupt(self, reason: str) -> None:
+        """End the run because the server has to; the job is queued again if it may run again."""
+        self._interrupted = self._interrupted or reason
+        self._press()
+
+    def control(self, asked: Mapping[str, Any]) -> None:
+        """Ask something of the run; what was asked before by other names stays."""
+        self.controls |= asked
         if self._slot is not None:
-            # A task that has something to give on a cancel says how long it needs for that.
-            usual = self._floor.lane(self.job.lane).cancel_grace
-            self._slot.cancel(self.job.payload.get("cancel_grace", usual))
+            self._slot.control(self.controls)
+
+    def latest(self, event_type: str) -> dict[str, Any] | None:
+        """Return the data of the last event of a type, recorded or not."""
+        told = self._recorder.latest.get(event_type)
+        return None if told is None else json.loads(told.text)
+
+    def snapshot(self) -> Job:
+        """Return the job as memory has it."""
+        job = replace(self.job, is_cancel_requested=self._is_unwanted)
+        if self._started is None:
+            return job
+        started_at = datetime.fromisoformat(self._started.event.at)
+        attempts = self._started.attempts
+        return replace(job, state=JobState.RUNNING, started_at=started_at, attempts=attempts)
 
     async def run(self, slot: Slot) -> bool:
         """Run the job in a slot, which is given back; return whether it is queued again."""
-        recorder = EventRecorder(self._record)
-        start = partial(self._store.start, self.job.id)
-        started: Moved | None = None
+        store, identifier = self._recording.store, self.job.id
+        start = partial(self._recording.move, is_durable=False)
         try:
-            started = await self._writer.do(start, is_durable=False)
+            self._started = await start(identifier, partial(store.start, identifier))
+        except DatabaseTaken:
+            return False
         except Exception:  # noqa: BLE001  (it is queued still)
-            _log.exception("the start of %s could not be written", self.job.id)
+            _log.exception("the start of %s could not be written", identifier)
             await asyncio.sleep(_RETRY_PERIOD)
             return True
         finally:
-            if started is None:
+            if self._started is None:
                 self._floor.readmit(self.job.lane, slot)
-        if started is None:  # canceled while it was queued
+        if self._started is None:  # canceled while it was queued
             return False
-        self._bus.publish(self.job.id, [started.event])
-        outcome = await self._in_slot(slot, started, recorder)
-        await recorder.close()
-        return await self._conclude(outcome, started.attempts)
+        outcome = await self._in_slot(slot, self._started)
+        self._has_ended = True
+        refused = await self._recorder.close()
+        return await self._conclude(outcome, refused, self._started.attempts)
 
-    async def _in_slot(self, slot: Slot, started: Moved, recorder: EventRecorder) -> Outcome:
+    def _press(self) -> None:
+        if self._slot is not None:
+            self._slot.cancel(self.grace)
+
+    async def _in_slot(self, slot: Slot, started: Moved) -> Outcome:
         """Run the task and give the slot back before the end is written: others wait for it."""
         loop = asyncio.get_running_loop()
         began = loop.time()
         outcome: Outcome = Ended(Canceled("canceled before it began"))
+        job = self.job
         try:
-            if not (self._is_unwanted or started.is_cancel_requested):
+            is_wanted = not (self._is_unwanted or self._interrupted)
+            if is_wanted and not started.is_cancel_requested:
                 self._slot = slot
-                run = Run(self.job.task, self.job.payload, recorder, self.job.allowed)
+                run = Run(job.task, job.payload, self._recorder, job.allowed, self.controls)
                 outcome = await slot.run(run)
         except Exception as fault:  # noqa: BLE001  (no job may stay unfinished)
-            _log.exception("the slot failed under %s", self.job.id)
+            _log.exception("the slot failed under %s", job.id)
             outcome = Raised(InternalError(f"the slot failed: {type(fault).__name__}"))
         finally:
             self._slot = None
-            self._floor.release(self.job.lane, slot, outcome, loop.time() - began)
+            self._floor.release(job.lane, slot, outcome, loop.time() - began)
         return outcome
 
-    async def _record(self, told: Sequence[Told]) -> None:
-        record = partial(self._store.record, self.job.id, told)
-        self._bus.publish(self.job.id, await self._writer.do(record, is_durable=False))
-
-    async def _conclude(self, outcome: Outcome, attempts: int) -> bool:
+    async def _conclude(self, outcome: Outcome, refused: list[Told], attempts: int) -> bool:
         """Write the end into the table, however long that takes."""
-        while True:
-            try:
-                return await self._write_end(outcome, attempts)
-            except Exception:  # noqa: BLE001  (no job may stay unfinished)
-                _log.exception("the end of %s could not be written", self.job.id)
-                if isinstance(outcome, Returned):
-                    # It may be what it returned that the database does not take.
-                    outcome = Raised(InternalError("the result could not be recorded"))
-                    continue
-            await asyncio.sleep(_RETRY_PERIOD)
+        identifier = self.job.id
+
+        async def write() -> bool:
+            if refused:
+                await self._recording.log(identifier, refused)
+                refused.clear()
+            return await self._write_end(outcome, attempts)
+
+        try:
+            return await self._recording.insist(identifier, "end", write)
+        except DatabaseTaken:
+            return False
+        except Exception as fault:
+            # The database is well: it is what the task gave that it does not take.
+            if isinstance(outcome, Raised) and isinstance(outcome.error, InternalError):
+                raise
+            _log.exception("the end of %s could not be written", identifier)
+            reason = f"the result could not be recorded: {type(fault).__name__}"
+            return await self._conclude(Raised(InternalError(reason)), [], attempts)
 
     async def _write_end(self, outcome: Outcome, attempts: int) -> bool:
-        store, identifier = self._store, self.job.id
-        match outcome:
-            case Returned(result=result, brief=brief):
-                await self._write(partial(store.succeed, identifier, result, brief))
-                return False
-            case Crashed() if attempts < self.job.max_attempts and not self._is_unwanted:
-                reason = error_of(outcome, attempts).detail
-                moved = await self._write(partial(store.requeue, identifier, reason))
-                if moved is None or not (moved.is_cancel_requested or self._is_unwanted):
-                    return moved is not None
-                error = error_of(Ended(), attempts)
-            case Crashed() if self._is_unwanted:
-                error = error_of(Ended(), attempts)
-            case _:
-                error = error_of(outcome, attempts)
+        """Write the end, and return whether the job is queued again instead."""
+        store, identifier = self._recording.store, self.job.id
+        if isinstance(outcome, Returned):
+            result, brief = outcome.result, outcome.brief
+            await self._move(partial(store.succeed, identifier, result, brief))
+            return False
+        requeue = self._requeue(outcome, attempts)
+        if requeue is not None:
+            moved = await self._move(requeue)
+            if moved is None or not (moved.is_cancel_requested or self._is_unwanted):
+                return moved is not None
+            outcome = Ended()
+        error = self._error(outcome, attempts)
         is_canceled = isinstance(error, Canceled)
         end = partial(store.cancel, identifier, error) if is_canceled else None
-        await self._write(end or partial(store.fail, identifier, error))
+        await self._move(end or partial(store.fail, identifier, error))
         return False
 
-    async def _write(self, move: Callable[[], Moved | None]) -> Moved | None:
-        moved = await self._writer.do(move)
-        if moved is not None:
-            self._bus.publish(self.job.id, [moved.event])
-        return moved
+    def _requeue(self, outcome: Failed, attempts: int) -> Callable[[], Moved | None] | None:
+        """Return how to queue the job again if it is to run again, else None."""
+        requeue = partial(self._recording.store.requeue, self.job.id)
+        if self._is_unwanted:
+            return None
+        if self._interrupted:
+            again = partial(requeue, self._interrupted, refund=1)
+            return again if self.job.max_attempts > 1 else None
+        if isinstance(outcome, Crashed | Silent) and attempts < self.job.max_attempts:
+            return partial(requeue, error_of(outcome, attempts).detail)
+        return None
+
+    def _error(self, outcome: Failed, attempts: int) -> WayproofError:
+        """Return what the job shows for an end without a result."""
+        may_repeat = self.job.max_attempts > 1
+        if self._is_unwanted and may_repeat and isinstance(outcome, Crashed | Silent):
+            outcome = Ended()
+        error = error_of(outcome, attempts)
+        if not self._interrupted or self._is_unwanted:
+            return error
+        reason = {"reason": self._interrupted}
+        match outcome:
+            case Ended(error=Canceled(detail=detail, evidence=evidence)):
+                # It came to its end as one that is canceled does; why, is ours to say.
+                return Canceled(f"{detail}: {self._interrupted}", {**evidence, **reason})
+            case Ended(error=None) | Crashed():
+                message = f"{self._interrupted} while this ran, and it did not end in time"
+                return ServerRestarted(message, {"attempts": attempts, **reason})
+            case _:
+                return error
+
+    async def _move(self, work: Callable[[], Moved | None]) -> Moved | None:
+        return await self._recording.move(self.job.id, work)

@@ -17,9 +17,11 @@ MAX_BODY = 512 * 1024 * 1024
 
 
 class FrameKind(IntEnum):
-    """What a frame says; the first two go to the process, the others come from it.
+    """What a frame says; TASK, CANCEL and CONTROLS go to the process, the others come from it.
 
-    READY carries how the warm-up failed, if it did; TERM how many seconds the run has from now on.
+    CONTROLS carries all that is asked of the run, as JSON. READY carries how the warm-up failed, if
+    it did; TERM how many seconds the run has from now on; WATCH how long it may be silent [s].
+    UPDATE is an event that a later one of its type may replace.
     """
 
     TASK = 1
@@ -30,6 +32,9 @@ class FrameKind(IntEnum):
     FAILURE = 6
     CRASH = 7
     TERM = 8
+    CONTROLS = 9
+    WATCH = 10
+    UPDATE = 11
 
 
 @dataclass(frozen=True)

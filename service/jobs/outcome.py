@@ -4,8 +4,8 @@ import signal
 from dataclasses import dataclass
 from typing import Any
 
-from planning.errors import Canceled, DeadlineExceeded, WayproofError
-from service.jobs.errors import WorkerCrashed
+from planning.errors import Canceled, DeadlineExceeded, ExecutionFailure, WayproofError
+from service.jobs.errors import WorkerCrashed, WorkerUnresponsive
 from service.jobs.json_text import Encoded
 
 
@@ -55,6 +55,13 @@ class TimedOut:
 
 
 @dataclass(frozen=True)
+class Silent:
+    """Its process was alive and said nothing for too long [s]: it was ended."""
+
+    seconds: float
+
+
+@dataclass(frozen=True)
 class Ended:
     """It ended, or was ended, because somebody asked for it.
 
@@ -65,19 +72,25 @@ class Ended:
     error: WayproofError | None = None
 
 
-type Outcome = Returned | Raised | Crashed | TimedOut | Ended
+type Failed = Raised | Crashed | Silent | TimedOut | Ended
+type Outcome = Returned | Failed
 
 
-def error_of(outcome: Raised | Crashed | TimedOut | Ended, attempts: int) -> WayproofError:
+def error_of(outcome: Failed, attempts: int) -> WayproofError:
     """Return the error that a run without a result amounts to."""
     match outcome:
         case Raised(error=error):
             return error
         case Ended(error=error):
-            return error if isinstance(error, Canceled) else Canceled("canceled on request")
+            # A robot that was lost or touched something on its way to rest is not merely canceled.
+            is_own = isinstance(error, Canceled | ExecutionFailure)
+            return error if is_own else Canceled("canceled on request")
         case TimedOut(allowed=allowed):
             message = f"the task did not end within {allowed:g} s"
             return DeadlineExceeded(message, {"allowed": allowed, "during": "worker"})
+        case Silent(seconds=seconds):
+            message = f"the worker process said nothing for {seconds:g} s and was ended"
+            return WorkerUnresponsive(message, {"silence": seconds, "attempts": attempts})
         case Crashed():
             return _crash(outcome, attempts)
 

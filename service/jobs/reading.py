@@ -5,19 +5,22 @@ from collections.abc import Mapping
 from datetime import UTC, datetime
 from typing import Any
 
-from sqlalchemy import ColumnElement, Connection, Row, func, select
+from sqlalchemy import ColumnElement, Connection, Row, Select, Table, func, select
 
 from service.jobs.json_text import Encoded
-from service.jobs.records import Job, JobBrief, LoggedEvent, bodies, briefs, events, jobs
+from service.jobs.records import Job, JobBrief, LoggedEvent, bodies, briefs, events, jobs, makers
 from service.jobs.states import JobState
 
-_WHOLE = select(jobs, bodies.c.payload, bodies.c.result, bodies.c.failure).join(
-    bodies, bodies.c.job == jobs.c.id
-)
-_BRIEF = select(jobs, briefs.c.payload, briefs.c.result, briefs.c.failure).join(
-    briefs, briefs.c.job == jobs.c.id
-)
 _MAX_STAGE = 40
+
+
+def _jobs_with(content: Table) -> Select[Any]:
+    columns = (content.c.payload, content.c.result, content.c.failure, makers.c.made_by)
+    joined = select(jobs, *columns).join(content, content.c.job == jobs.c.id)
+    return joined.join(makers, makers.c.job == jobs.c.id, isouter=True)
+
+
+_WHOLE, _BRIEF = _jobs_with(bodies), _jobs_with(briefs)
 
 
 def now() -> str:

@@ -3,34 +3,60 @@
 import asyncio
 import logging
 from collections.abc import Awaitable, Callable, Sequence
+from dataclasses import dataclass
 
+from service.jobs.database import is_of_database
+from service.jobs.errors import DatabaseTaken
 from service.jobs.json_text import Encoded
 
 _MAX_BACKLOG = 256
+# Before a database that took nothing is asked again [s].
+_PAUSE = 1.0
 _log = logging.getLogger(__name__)
 
 type Told = tuple[str, Encoded]
 
 
+@dataclass(frozen=True)
+class _Event:
+    type: str
+    data: Encoded
+    is_update: bool
+
+
 class EventRecorder:
-    """Takes events at any pace and records what has gathered while the database was busy."""
+    """Takes events at any pace and records what has gathered while the database was busy.
+
+    Attributes:
+        latest: The last event of each type, recorded or not.
+        is_refused: Whether the database did not take what was told last.
+    """
 
     def __init__(self, record: Callable[[Sequence[Told]], Awaitable[None]]) -> None:
         """Record, and publish, by awaiting `record`."""
+        self.latest: dict[str, Encoded] = {}
+        self.is_refused = False
         self._record = record
-        self._backlog: list[Told] = []
+        self._backlog: list[_Event] = []
         self._pump: asyncio.Task[None] | None = None
         self._is_closed = False
         self._has_room = asyncio.Event()
         self._has_room.set()
 
-    def put(self, event_type: str, data: Encoded) -> None:
-        """Take an event; after `close` it is dropped."""
+    def put(self, event_type: str, data: Encoded, *, is_update: bool = False) -> None:
+        """Take an event; after `close` it is dropped.
+
+        Args:
+            event_type: Of the event.
+            data: JSON.
+            is_update: Whether it may replace the one before it if that is of its type and there is
+                much to record.
+        """
         if self._is_closed:
             return
-        self._backlog.append((event_type[:64], data))
-        if len(self._backlog) >= _MAX_BACKLOG:
-            self._has_room.clear()
+        self.latest[event_type[:64]] = data
+        self._backlog.append(_Event(event_type[:64], data, is_update))
+        self._bound()
         if self._pump is None:
             self._pump = asyncio.get_running_loop().create_task(self._write())
 
@@ -38,27 +64,63 @@ class EventRecorder:
         """Wait while there is much to record."""
         await self._has_room.wait()
 
-    async def close(self) -> None:
-        """Take no more, and wait until everything is recorded."""
+    async def close(self) -> list[Told]:
+        """Take no more, wait for what is being recorded, and return what was refused."""
         self._is_closed = True
         if self._pump is not None:
             await self._pump
+        return [(event.type, event.data) for event in self._backlog]
 
     async def _write(self) -> None:
         while self._backlog:
-            told, self._backlog = self._backlog, []
+            events, self._backlog = self._backlog, []
             self._has_room.set()
             try:
-                await self._record(told)
-            except Exception:  # noqa: BLE001  (the job itself goes on)
-                _log.exception("%d events were lost", len(told))
+                await self._record([(event.type, event.data) for event in events])
+                self.is_refused = False
+            except DatabaseTaken:
+                continue
+            except Exception as fault:  # noqa: BLE001  (the job itself goes on)
+                if not is_of_database(fault):
+                    _log.exception("%d events were lost", len(events))
+                    continue
+                self.is_refused = True
+                self._backlog = events + self._backlog
+                self._bound()
+                if self._is_closed:
+                    break
+                await asyncio.sleep(_PAUSE)
         self._pump = None
+
+    def _bound(self) -> None:
+        """Hold no more than there is room for.
+
+        Every other update gives way to the one that follows it. A task waits while the database is
+        slow, but it is not held up by one that takes nothing: then the oldest events are lost.
+        """
+        if len(self._backlog) < _MAX_BACKLOG:
+            return
+        kept: list[_Event] = []
+        has_given_way = False
+        for event, after in zip(self._backlog, [*self._backlog[1:], None], strict=True):
+            may_give_way = event.is_update and after is not None and after.type == event.type
+            has_given_way = may_give_way and not has_given_way
+            if not has_given_way:
+                kept.append(event)
+        if self.is_refused and len(kept) >= _MAX_BACKLOG:
+            _log.error("%d events were lost", len(kept) - _MAX_BACKLOG // 2)
+            kept = kept[-_MAX_BACKLOG // 2 :]
+        self._backlog = kept
+        if len(kept) >= _MAX_BACKLOG and not self.is_refused:
+            self._has_room.clear()
+        else:
+            self._has_room.set()
 
 
 class NoSink:
     """Drops events."""
 
-    def put(self, event_type: str, data: Encoded) -> None:
+    def put(self, event_type: str, data: Encoded, *, is_update: bool = False) -> None:
         """Drop an event."""
 
     async def room(self) -> None:

@@ -84,6 +84,24 @@ events = Table(
 )
 
 
+# Versions of what ran a job last, by name.
+makers = Table(
+    "job_makers",
+    metadata,
+    Column("job", String(64), primary_key=True),
+    Column("made_by", JsonText, nullable=False),
+)
+
+# One row: how many servers have owned this database, and whether the last one gave it back.
+owner = Table(
+    "job_owner",
+    metadata,
+    Column("id", Integer, primary_key=True, autoincrement=False),
+    Column("epoch", BigInteger, nullable=False),
+    Column("is_released", Boolean, nullable=False),
+)
+
+
 @dataclass(frozen=True)
 class JobSpec:
     """What a job shall do.
@@ -142,6 +160,7 @@ class JobBrief:
     finished_at: datetime | None
     result: dict[str, Any] | None
     failure: dict[str, Any] | None
+    made_by: dict[str, str] | None
 
 
 @dataclass(frozen=True)

@@ -3,8 +3,8 @@
 import asyncio
 import json
 import logging
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import Any, Protocol
 
 from service.jobs.error_text import error_in
@@ -21,8 +21,8 @@ _log = logging.getLogger(__name__)
 class EventSink(Protocol):
     """Where the events of a run go."""
 
-    def put(self, event_type: str, data: Encoded) -> None:
-        """Take an event."""
+    def put(self, event_type: str, data: Encoded, *, is_update: bool = False) -> None:
+        """Take an event; an update may replace the one of its type before it."""
         ...
 
     async def room(self) -> None:
@@ -40,12 +40,14 @@ class Run:
         sink: Told of each of its events, in the event loop's thread.
         allowed: Seconds after which it is told to end, and a little later made to; or None. A task
             that knows better may change them while it runs.
+        controls: What is asked of it when it begins; `Slot.control` tells what is asked later.
     """
 
     task: str
     payload: dict[str, Any]
     sink: EventSink
     allowed: float | None = None
+    controls: Mapping[str, Any] = field(default_factory=dict)
 
 
 class Slot(Protocol):
@@ -65,6 +67,10 @@ class Slot(Protocol):
 
     def cancel(self, grace: float) -> None:
         """Ask the present run to end; end it by force after `grace` seconds."""
+        ...
+
+    def control(self, controls: Mapping[str, Any]) -> None:
+        """Tell the present run all that is asked of it by now."""
         ...
 
     async def close(self) -> None:
@@ -90,6 +96,7 @@ class ProcessSlot:
         self._keeper: asyncio.Task[None] | None = None
         self._token = 0
         self._stop: Stop | None = None
+        self._speaking_to: WorkerProcess | None = None
 
     async def open(self, warm_up: str | None) -> None:
         """Begin to get ready."""
@@ -114,6 +121,12 @@ class ProcessSlot:
         if self._stop is not None:
             self._stop.cancel(grace)
 
+    def control(self, controls: Mapping[str, Any]) -> None:
+        """Tell the task; one that has not begun is told when it does."""
+        if self._speaking_to is not None:
+            body = json.dumps(controls).encode()
+            self._speaking_to.send(Frame(FrameKind.CONTROLS, self._token, body))
+
     async def close(self) -> None:
         """End the process, whatever it does."""
         if self._keeper is not None:
@@ -129,6 +142,9 @@ class ProcessSlot:
         stop.begin(lambda: worker.send(cancel), lambda: self._kill(worker))
         body = two_parts(run.task, json.dumps(run.payload))
         worker.send(Frame(FrameKind.TASK, self._token, body))
+        self._speaking_to = worker
+        if run.controls:
+            self.control(run.controls)
         try:
             return await self._listen(worker, run, stop)
         except (ValueError, KeyError, TypeError):
@@ -137,17 +153,16 @@ class ProcessSlot:
         except BaseException:
             self._kill(worker)
             raise
+        finally:
+            self._speaking_to = None
 
     async def _listen(self, worker: WorkerProcess, run: Run, stop: Stop) -> Outcome:
         reason = ""
         while (frame := await worker.receive()) is not None:
+            stop.heard()
             match frame.kind:
-                case FrameKind.EVENT:
-                    event_type, data = frame.parts
-                    run.sink.put(event_type, Encoded(data))
-                    await run.sink.room()
-                case FrameKind.TERM:
-                    stop.allow(float(frame.body))
+                case FrameKind.EVENT | FrameKind.UPDATE | FrameKind.TERM | FrameKind.WATCH:
+                    await _take_in(frame, run.sink, stop)
                 case FrameKind.RESULT:
                     return returned(*frame.parts)
                 case FrameKind.FAILURE:
@@ -206,3 +221,18 @@ class ProcessSlot:
         if frame.body:
             _log.warning("the warm-up %s failed: %s", warm_up, frame.body.decode()[:2000])
         return worker
+
+
+async def _take_in(frame: Frame, sink: EventSink, stop: Stop) -> None:
+    """Deal with what a task says on its way."""
+    match frame.kind:
+        case FrameKind.TERM:
+            stop.allow(float(frame.body))
+        case FrameKind.WATCH:
+            stop.watch(float(frame.body))
+        case kind:
+            event_type, data = frame.parts
+            is_update = kind is FrameKind.UPDATE
+            sink.put(event_type, Encoded(data), is_update=is_update)
+            if not is_update:
+                await sink.room()

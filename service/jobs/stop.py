@@ -3,10 +3,12 @@
 import asyncio
 from collections.abc import Callable
 
-from service.jobs.outcome import Crashed, Ended, Outcome, Raised, TimedOut
+from service.jobs.outcome import Crashed, Ended, Outcome, Raised, Silent, TimedOut
 
 # How long a task that ran out of time may take to end by itself [s].
 DEADLINE_GRACE = 0.25
+# How often in its longest silence a run is listened for.
+_LOOKS = 4
 
 
 class Stop:
@@ -16,13 +18,17 @@ class Stop:
         """Let it run.
 
         Args:
-            allowed: For how long, from `begin` on [s]; None for ever.
+            allowed: For how long, from `begin` on [s]; None without a limit.
         """
         self.is_canceled = False
         self._is_late = False
+        self._is_silent = False
         self._allowed = allowed
-        self._timers: list[asyncio.TimerHandle] = []
+        self._silence: float | None = None
+        self._looks_without_word = 0
         self._term: asyncio.TimerHandle | None = None
+        self._look: asyncio.TimerHandle | None = None
+        self._end: asyncio.TimerHandle | None = None
         self._tell: Callable[[], None] | None = None
         self._force: Callable[[], None] | None = None
 
@@ -43,38 +49,71 @@ class Stop:
         if self._term is not None:
             self._term.cancel()
         self._allowed = seconds
-        self._term = self._after(seconds, self._overrun)
+        self._term = _after(seconds, self._overrun)
+
+    def watch(self, silence: float) -> None:
+        """End the run by force once it has said nothing for so long [s], even if it is to end."""
+        if self._tell is None:
+            return
+        self._silence = silence
+        self.heard()
+        if self._look is not None:
+            self._look.cancel()
+        self._look = _after(silence / _LOOKS, self._listen)
+
+    def heard(self) -> None:
+        """Note that the run has said something."""
+        self._looks_without_word = 0
 
     def cancel(self, grace: float) -> None:
         """End the run on request; asking again changes nothing."""
         if not self.is_canceled:
             self.is_canceled = True
-            self._press(grace)
+            if not self._is_late:
+                self._press(grace)
 
     def disarm(self) -> None:
         """Do no more; the run has ended."""
         self._tell = None
-        for timer in self._timers:
-            timer.cancel()
+        for timer in (self._term, self._look, self._end):
+            if timer is not None:
+                timer.cancel()
 
     def verdict(self, outcome: Raised | Crashed) -> Outcome:
         """Return what an end without a result means if the run was to end."""
+        if self._is_silent and isinstance(outcome, Crashed):
+            return Silent(self._silence or 0.0)
         if self._is_late:
             return TimedOut(self._allowed or 0.0)
-        if self.is_canceled:
-            return Ended(outcome.error if isinstance(outcome, Raised) else None)
-        return outcome
+        if not self.is_canceled:
+            return outcome
+        if isinstance(outcome, Raised):
+            return Ended(outcome.error)
+        # What moves a robot has not ended as it was asked to if it died on the way to rest.
+        return Ended() if self._silence is None else outcome
 
     def _overrun(self) -> None:
-        self._is_late = not self.is_canceled
-        self._press(DEADLINE_GRACE)
+        # What was canceled before keeps the grace that it was given.
+        if not self.is_canceled:
+            self._is_late = True
+            self._press(DEADLINE_GRACE)
+
+    def _listen(self) -> None:
+        # Looks are counted, not seconds: while this loop itself stood still, it heard nothing.
+        self._looks_without_word += 1
+        if self._silence is None or self._force is None:
+            return
+        if self._looks_without_word > _LOOKS:
+            self._is_silent = True
+            self._force()
+        else:
+            self._look = _after(self._silence / _LOOKS, self._listen)
 
     def _press(self, grace: float) -> None:
         if self._tell is not None and self._force is not None:
             self._tell()
-            self._after(grace, self._force)
+            self._end = _after(grace, self._force)
 
-    def _after(self, seconds: float, act: Callable[[], None]) -> asyncio.TimerHandle:
-        timer = asyncio.get_running_loop().call_later(seconds, act)
-        self._timers.append(timer)
-        return timer
+
+def _after(seconds: float, act: Callable[[], None]) -> asyncio.TimerHandle:
+    return asyncio.get_running_loop().call_later(seconds, act)

@@ -9,7 +9,7 @@ from collections.abc import Generator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import Any
 
-from sqlalchemy import Connection, Engine, insert, select, update
+from sqlalchemy import Connection, Engine, delete, insert, select, update
 
 from planning.errors import Canceled, WayproofError
 from service.events.bus import Stretch
@@ -17,7 +17,7 @@ from service.jobs import reading
 from service.jobs.briefs import fill_briefs
 from service.jobs.database import set_durability
 from service.jobs.enrolling import job_by_key, queued_row
-from service.jobs.errors import UnknownJob
+from service.jobs.errors import DatabaseTaken, UnknownJob
 from service.jobs.json_text import Encoded
 from service.jobs.moving import Moved, log, move
 from service.jobs.outcome import failure_of
@@ -31,19 +31,29 @@ from service.jobs.records import (
     bodies,
     briefs,
     jobs,
+    makers,
     metadata,
+    owner,
 )
 from service.jobs.states import JobEvent, JobState
 
 _STRETCH = 500
+_OPEN = [state.value for state in JobState if not state.is_final]
 
 
 class JobStore:
     """Jobs and their events in a database; every method is one transaction, from any thread."""
 
-    def __init__(self, engine: Engine) -> None:
-        """Keep jobs in `engine`; call `open` before use."""
+    def __init__(self, engine: Engine, versions: Mapping[str, str] | None = None) -> None:
+        """Keep jobs in `engine`; call `open` before use.
+
+        Args:
+            engine: Where.
+            versions: Of what runs them, by name.
+        """
         self._engine = engine
+        self._versions = dict(versions or {})
+        self._epoch: int | None = None
         self._lock = threading.RLock()
         self._joined: Connection | None = None
 
@@ -52,6 +62,10 @@ class JobStore:
         metadata.create_all(self._engine)
         fill_briefs(self._engine)
 
+    def fence(self, epoch: int) -> None:
+        """Write only as long as the owner of the database is the one of an epoch."""
+        self._epoch = epoch
+
     @contextmanager
     def transaction(self, *, is_durable: bool) -> Generator[Connection]:
         """Make what this thread writes meanwhile one transaction.
@@ -59,6 +73,9 @@ class JobStore:
         Args:
             is_durable: Whether it must survive a power cut. The death of the server it survives
                 in any case.
+
+        Raises:
+            DatabaseTaken: The database has another owner; nothing was written.
         """
         with self._lock:
             if self._joined is not None:
@@ -69,6 +86,7 @@ class JobStore:
                 self._joined = connection
                 try:
                     yield connection
+                    self._require_ownership(connection)
                     connection.commit()
                 finally:
                     self._joined = None
@@ -144,7 +162,12 @@ class JobStore:
         """Let a queued job run; None if it is not queued any more. So for the other moves."""
         changes = {"started_at": now(), "attempts": jobs.c.attempts + 1}
         with self.transaction(is_durable=False) as connection:
-            return move(connection, identifier, JobEvent.START, changes, {})
+            moved = move(connection, identifier, JobEvent.START, changes, {})
+            if moved is not None:
+                connection.execute(delete(makers).where(makers.c.job == identifier))
+                made_by = insert(makers).values(job=identifier, made_by=self._versions)
+                connection.execute(made_by)
+            return moved
 
     def requeue(self, identifier: str, reason: str, *, refund: int = 0) -> Moved | None:
         """Queue a running job again.
@@ -195,25 +218,33 @@ class JobStore:
         Raises:
             UnknownJob: There is none.
         """
-        is_open = jobs.c.state.in_([state.value for state in JobState if not state.is_final])
+        is_open = jobs.c.state.in_(_OPEN)
         with self.transaction(is_durable=True) as connection:
             statement = update(jobs).where(jobs.c.id == identifier, is_open)
             connection.execute(statement.values(is_cancel_requested=True))
             return self._get(connection, identifier)
 
-    def record(self, identifier: str, told: Sequence[tuple[str, Encoded]]) -> list[LoggedEvent]:
+    def record(
+        self, identifier: str, told: Sequence[tuple[str, Encoded]], *, may_wait: bool = False
+    ) -> list[LoggedEvent]:
         """Append what a running job says, and return it; nothing if the job has ended meanwhile.
 
         The last `stage` and `progress` in the data become the job's.
+
+        Args:
+            identifier: Of the job.
+            told: Types and data.
+            may_wait: Whether the job may also be queued: it is then said of the job, not by it.
         """
         if not told:
             return []
         changes: dict[str, Any] = {"num_events": jobs.c.num_events + len(told)}
         for _, data in told:
             changes |= reading.progress_in(decoded(data))
-        is_running = (jobs.c.id == identifier) & (jobs.c.state == JobState.RUNNING.value)
+        states = _OPEN if may_wait else [JobState.RUNNING.value]
+        is_open = (jobs.c.id == identifier) & jobs.c.state.in_(states)
         with self.transaction(is_durable=False) as connection:
-            statement = update(jobs).where(is_running).values(changes)
+            statement = update(jobs).where(is_open).values(changes)
             row = connection.execute(statement.returning(jobs.c.num_events)).first()
             if row is None:
                 return []
@@ -261,6 +292,20 @@ class JobStore:
                 short = update(briefs).where(briefs.c.job == identifier)
                 connection.execute(short.values(failure=kept))
             return moved
+
+    def _require_ownership(self, connection: Connection) -> None:
+        """Go on to the commit only if no other server has taken the database; it cannot before it.
+
+        Raises:
+            DatabaseTaken: One has.
+        """
+        if self._epoch is None:
+            return
+        query = select(owner.c.epoch).with_for_update(read=True)
+        latest = connection.execute(query).scalar_one_or_none()
+        if latest != self._epoch:
+            message = "another server has taken the database over: nothing is written to it here"
+            raise DatabaseTaken(message, {"epoch": self._epoch, "latest": latest})
 
     def _get(self, connection: Connection, identifier: str) -> Job:
         found = reading.jobs_where(connection, jobs.c.id == identifier)

@@ -1,5 +1,6 @@
 """What runs in a slot's process. Light: the forkserver imports it before any task."""
 
+import json
 import os
 import socket
 from multiprocessing.connection import Connection
@@ -20,23 +21,51 @@ class LinkChannel:
         self._link = link
         self._token = token
         self._is_canceled = False
+        self._controls: dict[str, Any] = {}
 
     def emit(self, event_type: str, data: dict[str, Any]) -> None:
         """Send an event; waits if the server does not keep up."""
-        body = two_parts(event_type, event_text(data))
-        self._link.send(Frame(FrameKind.EVENT, self._token, body))
+        self._tell(FrameKind.EVENT, two_parts(event_type, event_text(data)))
+
+    def update(self, event_type: str, data: dict[str, Any]) -> None:
+        """Send an event that the next of its type may replace."""
+        self._tell(FrameKind.UPDATE, two_parts(event_type, event_text(data)))
 
     def allow(self, seconds: float) -> None:
         """Have this run ended after so many seconds from now on, and not before."""
-        self._link.send(Frame(FrameKind.TERM, self._token, repr(seconds).encode()))
+        self._tell(FrameKind.TERM, repr(seconds).encode())
+
+    def watch(self, silence: float) -> None:
+        """Have this process ended if it says nothing for so long, from now on."""
+        self._tell(FrameKind.WATCH, repr(silence).encode())
+
+    def controls(self) -> dict[str, Any]:
+        """Return all that was asked of this run."""
+        self._listen()
+        return self._controls
 
     def is_canceled(self) -> bool:
-        """Return whether somebody asked for the end of this run."""
+        """Return whether the end of this run was asked for."""
+        self._listen()
+        return self._is_canceled
+
+    def _tell(self, kind: FrameKind, body: bytes) -> None:
+        self._link.send(Frame(kind, self._token, body))
+
+    def _listen(self) -> None:
+        """Take in what has come; a run that is to end is told no more."""
         while not self._is_canceled and self._link.has_news:
             frame = self._link.receive()
-            # Without the server nobody wants the answer; what an earlier run was told is stale.
-            self._is_canceled = frame is None or frame.token == self._token
-        return self._is_canceled
+            if frame is None:  # without the server the answer has no use
+                self._is_canceled = True
+            elif frame.token == self._token:  # what an earlier run was told is stale
+                self._take_in(frame)
+
+    def _take_in(self, frame: Frame) -> None:
+        if frame.kind is FrameKind.CONTROLS:
+            self._controls = json.loads(frame.body)
+        else:
+            self._is_canceled = True
 
 
 class _NoChannel:
@@ -45,8 +74,18 @@ class _NoChannel:
     def emit(self, event_type: str, data: dict[str, Any]) -> None:
         """Drop an event."""
 
+    def update(self, event_type: str, data: dict[str, Any]) -> None:
+        """Drop an event."""
+
     def allow(self, seconds: float) -> None:
         """Do nothing: a warm-up has no limit."""
+
+    def watch(self, silence: float) -> None:
+        """Do nothing: a warm-up may be silent."""
+
+    def controls(self) -> dict[str, Any]:
+        """Return that nothing is asked."""
+        return {}
 
     def is_canceled(self) -> bool:
         """Return that nobody does."""

@@ -12,12 +12,11 @@ from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any
 
-from sqlalchemy.exc import OperationalError
-
+from service.jobs.database import is_of_database
 from service.jobs.store import JobStore
 
 _MAX_BATCH = 64
-# How long to wait before a busy database is asked again, and again [s].
+# How long to wait before a database that refused is asked again, and again [s].
 _PAUSES = (0.1, 0.3, 1.0, 3.0)
 
 
@@ -36,11 +35,12 @@ class Writer:
 
         Args:
             store: Where to write.
-            pauses: Before a write that found the database busy is tried again, one a try [s].
+            pauses: Before a write that the database did not take is tried again, one a try [s].
         """
         self._store = store
         self._pauses = pauses
         self._loop = asyncio.get_running_loop()
+        self._closing = threading.Event()
         self._orders: queue.SimpleQueue[_Order | None] = queue.SimpleQueue()
         self._thread = threading.Thread(target=self._serve, name="job-writer", daemon=True)
         self._thread.start()
@@ -49,7 +49,7 @@ class Writer:
         """Carry out a write; it is committed when this returns.
 
         Args:
-            work: Calls methods of the store; may be called again if the database was busy.
+            work: Calls methods of the store; called again if the database did not take it.
             is_durable: Whether it must survive a power cut.
         """
         done: asyncio.Future[Any] = self._loop.create_future()
@@ -58,7 +58,8 @@ class Writer:
         return result
 
     async def close(self) -> None:
-        """Carry out what was asked for, and no more."""
+        """Carry out what was asked for, if the database takes it now, and no more."""
+        self._closing.set()
         self._orders.put(None)
         await asyncio.to_thread(self._thread.join)
 
@@ -73,35 +74,45 @@ class Writer:
             self._carry_out([order for order in orders if order is not None])
 
     def _carry_out(self, orders: list[_Order]) -> None:
-        """Write all in one transaction; if that fails, each on its own."""
-        if not orders:
-            return
+        """Write all, and again what the database did not take, a few times."""
+        for pause in (*self._pauses, None):
+            refused = self._write(orders) if orders else []
+            if pause is None or self._closing.is_set():
+                self._answer([(order.done, None, fault) for order, fault in refused])
+                return
+            orders = [order for order, _ in refused]
+            if not orders:
+                return
+            self._closing.wait(pause)
+
+    def _write(self, orders: list[_Order]) -> list[tuple[_Order, Exception]]:
+        """Write all in one transaction, else each on its own; return what the database refused."""
+        if len(orders) == 1:
+            return self._write_each(orders)
         try:
             with self._store.transaction(is_durable=any(order.is_durable for order in orders)):
                 results = [order.work() for order in orders]
         except Exception:  # noqa: BLE001  (whose fault it is comes out one by one)
-            for order in orders:
-                self._carry_out_alone(order)
-            return
+            return self._write_each(orders)
         answers = zip(orders, results, strict=True)
         self._answer([(order.done, result, None) for order, result in answers])
+        return []
 
-    def _carry_out_alone(self, order: _Order) -> None:
-        for pause in (*self._pauses, None):
+    def _write_each(self, orders: list[_Order]) -> list[tuple[_Order, Exception]]:
+        for i, order in enumerate(orders):
             try:
                 with self._store.transaction(is_durable=order.is_durable):
                     result = order.work()
-            except OperationalError as fault:
-                if pause is None:
-                    self._answer([(order.done, None, fault)])
-                    return
-                threading.Event().wait(pause)
-            except Exception as fault:  # noqa: BLE001  (it is told to whoever asked)
+            except Exception as fault:  # noqa: BLE001  (who asked for it is told)
+                if is_of_database(fault):
+                    # A locked one refuses the others too, after a long wait each; a full one may
+                    # have room for what is smaller: the next time another is the first.
+                    rest = [*orders[i + 1 :], order]
+                    return [(other, fault) for other in rest]
                 self._answer([(order.done, None, fault)])
-                return
             else:
                 self._answer([(order.done, result, None)])
-                return
+        return []
 
     def _answer(self, answers: list[tuple[asyncio.Future[Any], Any, Exception | None]]) -> None:
         def settle() -> None:

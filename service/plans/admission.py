@@ -80,7 +80,9 @@ async def submit_plan(request: PlanRequest, key: str | None, scenes: SceneShelf,
         payload["cancel_grace"] = desk.best_grace
     allowed = request.search.allowed_planning_time + SLACK
     named = Key(key, request.model_dump(mode="json"))
-    return desk.submit(spec_of("plan", TASK, payload, scene=record, key=named, allowed=allowed))
+    return await desk.submit(
+        spec_of("plan", TASK, payload, scene=record, key=named, allowed=allowed)
+    )
 
 
 def _settled(request: PlanRequest, record: SceneRecord, regions: Job | None) -> dict[str, Any]:

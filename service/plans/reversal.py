@@ -48,4 +48,6 @@ async def submit_reversal(plan: Job, key: str | None, scenes: SceneShelf, desk: 
     allowed = request.search.allowed_planning_time + SLACK
     # Two plans with the same ends have the same way back as a request, but not as a motion.
     named = Key(key, {"reverse": plan.id})
-    return desk.submit(spec_of("plan", TASK, payload, scene=record, key=named, allowed=allowed))
+    return await desk.submit(
+        spec_of("plan", TASK, payload, scene=record, key=named, allowed=allowed)
+    )

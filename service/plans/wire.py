@@ -3,14 +3,14 @@
 from typing import Any
 
 from service.convert.trajectories import IN_QUERY, require_one_sampling
+from service.desk import Desk
 from service.errors import NotFinished
 from service.jobs.outline import outline_of, without
 from service.jobs.records import Job, JobBrief
-from service.plans.versions import versions
 from service.schemas.sampling import DEFAULT_PERIOD
 
 
-def job_brief(job: JobBrief) -> dict[str, Any]:
+def job_brief(desk: Desk, job: JobBrief) -> dict[str, Any]:
     """Return a plan without its result; a graph is large and has an address of its own."""
     request = job.payload["request"]
     done = job.result or {}
@@ -26,14 +26,15 @@ def job_brief(job: JobBrief) -> dict[str, Any]:
         "failure": without(job.failure, outline_of(job.task).failure),
         "seed": request["seed"],
         "digest": done.get("digest"),
-        "versions": versions(),
+        "versions": job.made_by or {},
         "timings": done.get("timings", {}),
+        "unrecorded": desk.unrecorded(job),
     }
 
 
-def job_resource(job: Job) -> dict[str, Any]:
+def job_resource(desk: Desk, job: Job) -> dict[str, Any]:
     """Return a plan in full."""
-    return {**job_brief(job), "result": (job.result or {}).get("result")}
+    return {**job_brief(desk, job), "result": (job.result or {}).get("result")}
 
 
 def polynomial_of(job: Job) -> dict[str, Any]:

@@ -43,4 +43,6 @@ async def submit_regions(
     }
     allowed = request.allowed_time + _SLACK
     named = Key(key, {"scene": record.id, **asked})
-    return desk.submit(spec_of("regions", TASK, payload, scene=record, key=named, allowed=allowed))
+    return await desk.submit(
+        spec_of("regions", TASK, payload, scene=record, key=named, allowed=allowed)
+    )

@@ -2,12 +2,12 @@
 
 from typing import Any
 
+from service.desk import Desk
 from service.jobs.outline import outline_of, without
 from service.jobs.records import Job, JobBrief
-from service.plans.versions import versions
 
 
-def regions_brief(job: JobBrief) -> dict[str, Any]:
+def regions_brief(desk: Desk, job: JobBrief) -> dict[str, Any]:
     """Return regions without their faces."""
     done: dict[str, Any] = without(job.result or {}, outline_of(job.task).result)
     return {
@@ -22,12 +22,13 @@ def regions_brief(job: JobBrief) -> dict[str, Any]:
         "revision": job.payload["revision"],
         "request": job.payload["request"],
         "failure": job.failure,
-        "versions": versions(),
+        "versions": job.made_by or {},
         "timings": done.get("timings", {}),
+        "unrecorded": desk.unrecorded(job),
         "summary": done.get("result"),
     }
 
 
-def regions_resource(job: Job) -> dict[str, Any]:
+def regions_resource(desk: Desk, job: Job) -> dict[str, Any]:
     """Return regions in full."""
-    return {**regions_brief(job), "result": (job.result or {}).get("result")}
+    return {**regions_brief(desk, job), "result": (job.result or {}).get("result")}

@@ -19,14 +19,14 @@ _DESCRIPTIONS = {
 
 
 def problems(*statuses: int) -> dict[int | str, dict[str, Any]]:
-    """Return the declaration of problem documents for these statuses, and for 500."""
+    """Return the declaration of problem documents for these statuses, and for 500 and 503."""
     schema = {"$ref": "#/components/schemas/Problem"}
     return {
         status: {
             "description": _DESCRIPTIONS[status],
             "content": {"application/problem+json": {"schema": schema}},
         }
-        for status in sorted({*statuses, 500})
+        for status in sorted({*statuses, 500, 503})
     }
 
 

@@ -8,7 +8,7 @@ from typing import Annotated, Any
 from fastapi import APIRouter, Query
 from fastapi.sse import EventSourceResponse, ServerSentEvent
 
-from service.dependencies import DeskDep, ExecutionJob, ScenesDep
+from service.dependencies import DeskDep, ExecutionJob, OpenExecution, ScenesDep
 from service.executions.admission import submit_execution
 from service.executions.control import steer
 from service.executions.wire import execution_resource
@@ -84,9 +84,13 @@ async def stream_execution_events(
     response_model=Execution,
     responses=problems(404, 422),
 )
-async def cancel_execution(job: ExecutionJob, desk: DeskDep) -> Any:
-    """Bring the robot to rest and end; asking again changes nothing."""
-    return await execution_resource(desk, desk.cancel(job))
+async def cancel_execution(job: OpenExecution, desk: DeskDep) -> Any:
+    """Bring the robot to rest on its path and end; asking again changes nothing.
+
+    The robot is told first, and no database is waited for: `unrecorded` says what it does not hold
+    yet. So for a pause, and for a change of speed.
+    """
+    return await execution_resource(desk, await desk.cancel(job))
 
 
 @router.post(
@@ -95,10 +99,9 @@ async def cancel_execution(job: ExecutionJob, desk: DeskDep) -> Any:
     response_model=Execution,
     responses=problems(404, 409, 422),
 )
-async def pause_execution(job: ExecutionJob, desk: DeskDep) -> Any:
+async def pause_execution(job: OpenExecution, desk: DeskDep) -> Any:
     """Bring the robot to rest on its path, until it is resumed."""
-    steer(job, is_paused=True)
-    return await execution_resource(desk, job)
+    return await execution_resource(desk, await steer(desk, job, is_paused=True))
 
 
 @router.post(
@@ -107,10 +110,9 @@ async def pause_execution(job: ExecutionJob, desk: DeskDep) -> Any:
     response_model=Execution,
     responses=problems(404, 409, 422),
 )
-async def resume_execution(job: ExecutionJob, desk: DeskDep) -> Any:
+async def resume_execution(job: OpenExecution, desk: DeskDep) -> Any:
     """Move on after a pause."""
-    steer(job, is_paused=False)
-    return await execution_resource(desk, job)
+    return await execution_resource(desk, await steer(desk, job, is_paused=False))
 
 
 @router.post(
@@ -119,7 +121,6 @@ async def resume_execution(job: ExecutionJob, desk: DeskDep) -> Any:
     response_model=Execution,
     responses=problems(400, 404, 409, 413, 422),
 )
-async def set_execution_speed(job: ExecutionJob, desk: DeskDep, request: SpeedRequest) -> Any:
+async def set_execution_speed(job: OpenExecution, desk: DeskDep, request: SpeedRequest) -> Any:
     """Change how fast the motion is carried out; the robot gets there along its path."""
-    steer(job, speed=request.speed)
-    return await execution_resource(desk, job)
+    return await execution_resource(desk, await steer(desk, job, speed=request.speed))

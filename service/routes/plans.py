@@ -8,7 +8,7 @@ from typing import Annotated, Any
 from fastapi import APIRouter, Query
 from fastapi.sse import EventSourceResponse, ServerSentEvent
 
-from service.dependencies import DeskDep, PlanJob, ScenesDep
+from service.dependencies import DeskDep, OpenPlan, PlanJob, ScenesDep
 from service.plans.admission import submit_plan
 from service.plans.reversal import submit_reversal
 from service.plans.wire import graph_of, job_brief, job_resource
@@ -34,7 +34,7 @@ type OfScene = Annotated[str | None, Query(max_length=128, description="Only tho
 async def create_plan(request: PlanRequest, asked: SubmissionDep, scenes: ScenesDep) -> Any:
     """Ask for a plan: a job that is polled, streamed or waited for."""
     job = await submit_plan(request, asked.key, scenes, asked.desk)
-    return job_resource(await asked.awaited(job, "/v1/plans"))
+    return job_resource(asked.desk, await asked.awaited(job, "/v1/plans"))
 
 
 @router.get("", operation_id="listPlans", response_model=JobPage, responses=problems(422))
@@ -47,13 +47,13 @@ async def list_plans(
 ) -> Any:
     """List plans, newest first, without their results."""
     page = await desk.page("plan", limit, cursor, state=state, scene=scene)
-    return {"items": [job_brief(job) for job in page.jobs], "next": page.following}
+    return {"items": [job_brief(desk, job) for job in page.jobs], "next": page.following}
 
 
 @router.get("/{plan}", operation_id="getPlan", response_model=Job, responses=problems(404, 422))
-async def get_plan(job: PlanJob) -> Any:
+async def get_plan(job: PlanJob, desk: DeskDep) -> Any:
     """Show a plan: how far it is, and its result once it succeeded."""
-    return job_resource(job)
+    return job_resource(desk, job)
 
 
 @router.get(
@@ -91,12 +91,15 @@ async def get_planner_graph(job: PlanJob) -> Any:
 async def reverse_plan(job: PlanJob, asked: SubmissionDep, scenes: ScenesDep) -> Any:
     """Ask for the same motion from its end to its start: a plan of its own, proven anew."""
     back = await submit_reversal(job, asked.key, scenes, asked.desk)
-    return job_resource(await asked.awaited(back, "/v1/plans"))
+    return job_resource(asked.desk, await asked.awaited(back, "/v1/plans"))
 
 
 @router.post(
     "/{plan}/cancel", operation_id="cancelPlan", response_model=Job, responses=problems(404, 422)
 )
-async def cancel_plan(job: PlanJob, desk: DeskDep) -> Any:
-    """End a plan, in whatever state it is; asking again changes nothing."""
-    return job_resource(desk.cancel(job))
+async def cancel_plan(job: OpenPlan, desk: DeskDep) -> Any:
+    """End a plan, in whatever state it is; asking again changes nothing.
+
+    No database is waited for: `unrecorded` says what it does not hold yet.
+    """
+    return job_resource(desk, await desk.cancel(job))

@@ -8,7 +8,7 @@ from typing import Any
 from fastapi import APIRouter
 from fastapi.sse import EventSourceResponse, ServerSentEvent
 
-from service.dependencies import DeskDep, RegionsJobDep, ScenesDep
+from service.dependencies import DeskDep, OpenRegions, RegionsJobDep, ScenesDep
 from service.regions.admission import submit_regions
 from service.regions.wire import regions_brief, regions_resource
 from service.routes.answers import Cursor, LastEventId, Limit, SceneId, problems
@@ -31,7 +31,7 @@ async def grow_regions(
 ) -> Any:
     """Grow convex regions of free configurations, for plans with the planner GCS."""
     job = await submit_regions(scene, request, asked.key, scenes, asked.desk)
-    return regions_resource(await asked.awaited(job, "/v1/regions"))
+    return regions_resource(asked.desk, await asked.awaited(job, "/v1/regions"))
 
 
 @router.get(
@@ -50,7 +50,7 @@ async def list_regions(
     """List the regions that were asked for in a scene, newest first, without their faces."""
     record = await scenes.get(scene)
     page = await desk.page("regions", limit, cursor, scene=record.id)
-    return {"items": [regions_brief(job) for job in page.jobs], "next": page.following}
+    return {"items": [regions_brief(desk, job) for job in page.jobs], "next": page.following}
 
 
 @router.get(
@@ -59,9 +59,9 @@ async def list_regions(
     response_model=RegionsJob,
     responses=problems(404, 422),
 )
-async def get_regions(job: RegionsJobDep) -> Any:
+async def get_regions(job: RegionsJobDep, desk: DeskDep) -> Any:
     """Show regions: how far they are, and all of them once they have grown."""
-    return regions_resource(job)
+    return regions_resource(desk, job)
 
 
 @router.get(
@@ -84,6 +84,6 @@ async def stream_regions_events(
     response_model=RegionsJob,
     responses=problems(404, 422),
 )
-async def cancel_regions(job: RegionsJobDep, desk: DeskDep) -> Any:
+async def cancel_regions(job: OpenRegions, desk: DeskDep) -> Any:
     """End the growth, in whatever state it is; asking again changes nothing."""
-    return regions_resource(desk.cancel(job))
+    return regions_resource(desk, await desk.cancel(job))

@@ -8,7 +8,7 @@ from pydantic import ConfigDict, Field
 
 from service.schemas.numbers import Real
 from service.schemas.problem import Failure
-from service.schemas.wire import Answer, Identifier, Wire
+from service.schemas.wire import UNRECORDED, Answer, Identifier, Wire
 
 
 class ExecutionState(StrEnum):
@@ -78,7 +78,8 @@ class Execution(Answer):
     scene: str = Field(description="Id of the scene it moves in")
     group: str = Field(description="What moves")
     status: ExecutionStatus | None = Field(description="The latest; null before it began")
-    failure: Failure | None = Field(description="Why it was aborted")
+    failure: Failure | None = Field(description="Why it was aborted or canceled")
+    unrecorded: list[str] = Field(description=UNRECORDED)
 
 
 class ExecutionPage(Answer):

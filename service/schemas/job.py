@@ -8,7 +8,7 @@ from pydantic import Field
 from service.schemas.plan import PlanRequest
 from service.schemas.problem import Failure
 from service.schemas.result import PlanResult
-from service.schemas.wire import Answer
+from service.schemas.wire import UNRECORDED, Answer
 
 
 class JobState(StrEnum):
@@ -38,8 +38,12 @@ class JobBrief(Answer):
     failure: Failure | None = Field(description="Why there is no result")
     seed: int = Field(description="Of all randomness")
     digest: str | None = Field(description="sha256 over the delivered numbers")
-    versions: dict[str, str] = Field(description="Of everything that the numbers depend on")
+    versions: dict[str, str] = Field(
+        description="Of everything that the numbers depend on, in the server that ran it last; "
+        "empty before it runs, and for plans of versions that did not keep it"
+    )
     timings: dict[str, float] = Field(description="Seconds per stage [s]")
+    unrecorded: list[str] = Field(description=UNRECORDED)
 
 
 class Job(JobBrief):

@@ -9,7 +9,7 @@ from service.schemas.job import JobState
 from service.schemas.numbers import WHOLE, NonNegative, Real
 from service.schemas.problem import Failure
 from service.schemas.search import Interval
-from service.schemas.wire import Answer, Name, Wire
+from service.schemas.wire import UNRECORDED, Answer, Name, Wire
 
 
 class RegionsRequest(Wire):
@@ -121,8 +121,12 @@ class RegionsBrief(Answer):
     revision: int = Field(description="Of the scene")
     request: RegionsRequest = Field(description="What was asked for, defaults filled in")
     failure: Failure | None = Field(description="Why there is no result")
-    versions: dict[str, str] = Field(description="Of everything that the numbers depend on")
+    versions: dict[str, str] = Field(
+        description="Of everything that the numbers depend on, in the server that ran it last; "
+        "empty before it runs, and for regions of versions that did not keep it"
+    )
     timings: dict[str, float] = Field(description="Seconds by what took them [s]")
+    unrecorded: list[str] = Field(description=UNRECORDED)
     summary: RegionsSummary | None = Field(description="What has grown, once it succeeded")
 
 

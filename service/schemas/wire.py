@@ -10,6 +10,13 @@ type Identifier = Annotated[str, StringConstraints(min_length=1, max_length=128)
 type Boolean = Annotated[bool, Strict()]
 
 
+UNRECORDED = (
+    "What has happened and the database does not hold yet, because it is full, locked or away: "
+    "`cancel`, `controls`, `events`, `end`. It is written as soon as it can be; what was asked for "
+    "is done all the same"
+)
+
+
 class Wire(BaseModel):
     """What is asked: a JSON object with no unknown fields."""
 

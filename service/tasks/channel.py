@@ -10,8 +10,20 @@ class Channel(Protocol):
         """Append an event to the job's log."""
         ...
 
+    def update(self, event_type: str, data: dict[str, Any]) -> None:
+        """Append an event that the next of its type may replace; the task never waits for it."""
+        ...
+
     def allow(self, seconds: float) -> None:
         """Have the run ended after so many seconds from now on, and not before."""
+        ...
+
+    def watch(self, silence: float) -> None:
+        """Have the process ended if it says nothing for so long [s], from now on."""
+        ...
+
+    def controls(self) -> dict[str, Any]:
+        """Return all that was asked of this run while it runs, the latest of each name."""
         ...
 
     def is_canceled(self) -> bool:

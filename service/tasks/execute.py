@@ -2,7 +2,7 @@
 
 import threading
 import time
-from pathlib import Path
+from collections.abc import Callable
 from typing import Any
 
 from planning import Simulation, World
@@ -13,12 +13,15 @@ from planning.execute.runner import Runner
 from planning.execute.states import ExecutionState
 from service.convert.executions import StatusLog
 from service.convert.trajectories import trajectory_value
-from service.executions.controls import Controls, read_controls
+from service.executions.controls import IS_PAUSED, SPEED
 from service.tasks.channel import Channel
 from service.tasks.worlds import borrow_world
 
-_TICK = 0.01
+# How long a tick takes, or works [s].
+TICK = 0.01
 _EVENT_PERIOD = 0.05
+# A process that says nothing for so long hangs [s]: it says how it goes twenty times a second.
+LONGEST_SILENCE = 3.0
 
 
 def execute(payload: dict[str, Any], channel: Channel) -> dict[str, Any]:
@@ -28,12 +31,12 @@ def execute(payload: dict[str, Any], channel: Channel) -> dict[str, Any]:
         `status`: the last one.
 
     Raises:
-        Canceled: Somebody asked for the end; the robot came to rest on its path first.
+        Canceled: The end was asked for; the robot came to rest on its path first.
         ExecutionFailure: The robot left its trajectory or touched something.
     """
     with borrow_world(payload) as world:
         runner = _runner(world, payload)
-        last = _run(runner, channel, Path(payload["controls"]), payload["speed"])
+        last = follow(runner, channel, payload["speed"])
     if runner.execution.failure is not None:
         raise runner.execution.failure
     if runner.execution.state is ExecutionState.CANCELED:
@@ -52,37 +55,57 @@ def _runner(world: World, payload: dict[str, Any]) -> Runner:
     return runner
 
 
-def _run(runner: Runner, channel: Channel, controls: Path, speed: float) -> dict[str, Any]:
-    """Tick until it has ended and return the last status."""
+def follow(
+    runner: Runner,
+    channel: Channel,
+    speed: float,
+    clock: Callable[[], float] = time.monotonic,
+    wait: Callable[[float], object] | None = None,
+) -> dict[str, Any]:
+    """Tick until it has ended and return the last status.
+
+    Between two looks at what is asked lies a tick, whatever the speed and however slow the
+    simulation: a tick works for `TICK` seconds and one step at most.
+
+    Args:
+        runner: That has not begun.
+        channel: Told of it, and asked what is asked.
+        speed: That the runner has.
+        clock: Shows the time [s].
+        wait: Lets so many seconds pass.
+    """
+    wait = wait or threading.Event().wait
     log, told_at, told_state = StatusLog(), 0.0, ExecutionState.ACCEPTED
-    obeyed = Controls(is_paused=False, speed=speed)
-    pulse = threading.Event()
-    runner.start(time.monotonic())
+    obeyed = {IS_PAUSED: False, SPEED: speed}
+    channel.watch(LONGEST_SILENCE)
+    runner.start(clock())
     while True:
-        obeyed = _obey(runner, channel, controls, obeyed)
-        now = time.monotonic()
-        status = log.wire(runner.tick(now))
+        obeyed = _obey(runner, channel, obeyed)
+        now = clock()
+        until = now + TICK
+        status = log.wire(runner.tick(now, lambda until=until: clock() < until))
         state = runner.execution.state
         if state is not told_state or now - told_at > _EVENT_PERIOD:
             told_state, told_at = state, now
-            channel.emit("status", status)
+            channel.update("status", status)
         if runner.is_done:
             return status
-        pulse.wait(_TICK)
+        if (left := until - clock()) > 0:
+            wait(left)
 
 
-def _obey(runner: Runner, channel: Channel, controls: Path, obeyed: Controls) -> Controls:
+def _obey(runner: Runner, channel: Channel, obeyed: dict[str, Any]) -> dict[str, Any]:
     """Do what was asked since the last tick; return what is obeyed now."""
     if runner.is_done or runner.execution.state is ExecutionState.CANCELING:
         return obeyed
     if channel.is_canceled():
         runner.cancel()
         return obeyed
-    asked = read_controls(controls, obeyed.speed)
-    if asked.speed != obeyed.speed:
-        runner.set_speed(asked.speed)
-    if asked.is_paused and not obeyed.is_paused:
+    asked = obeyed | channel.controls()
+    if asked[SPEED] != obeyed[SPEED]:
+        runner.set_speed(asked[SPEED])
+    if asked[IS_PAUSED] and not obeyed[IS_PAUSED]:
         runner.pause()
-    if obeyed.is_paused and not asked.is_paused:
+    if obeyed[IS_PAUSED] and not asked[IS_PAUSED]:
         runner.resume()
     return asked

@@ -4,7 +4,10 @@ import asyncio
 
 import pytest
 
+from planning.errors import Canceled
 from service.desk import Desk
+from service.errors import RobotBusy
+from service.executions.whereabouts import require_at_rest
 from service.jobs.database import open_engine
 from service.jobs.records import JobSpec
 from service.jobs.store import JobStore
@@ -61,3 +64,25 @@ def test_no_more_are_read_than_were_looked_at_and_as_many_again(desk, store, wan
         store.insert(JobSpec("regions", "", {}, warm_key="here"))
     assert len(asyncio.run(taken(desk, wanted))) == wanted
     assert store.num_read < 2 * wanted
+
+
+@pytest.mark.parametrize("state", ["queued", "running"])
+def test_what_rests_is_not_read_to_find_what_moves(desk, store, state):
+    spec = JobSpec("execution", "", {"group": "arm"}, scene="here")
+
+    def ended():
+        store.cancel(store.insert(spec)[0].id, Canceled("over"))
+
+    for _ in range(30):
+        ended()
+    asyncio.run(require_at_rest(desk, "here"))
+    assert store.num_read == 0
+    moves = store.insert(spec)[0].id
+    if state == "running":
+        store.start(moves)
+    for _ in range(30):
+        ended()
+    with pytest.raises(RobotBusy, match=moves):
+        asyncio.run(require_at_rest(desk, "here"))
+    assert store.num_read == 1
+    asyncio.run(require_at_rest(desk, "elsewhere"))

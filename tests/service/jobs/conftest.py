@@ -12,6 +12,7 @@ from service.jobs.ownership import Ownership
 from service.jobs.records import JobSpec
 from service.jobs.slot import ProcessSlot, Slot
 from service.jobs.store import JobStore
+from tests.service.jobs.databases import FullDisk
 
 TASKS = "tests.service.jobs.fake_tasks"
 # What ends within it ends [s]; it is for what hangs, whatever the machine does besides.
@@ -23,17 +24,26 @@ def spec(task: str, /, **options: object) -> JobSpec:
 
 
 @asynccontextmanager
-async def running(
-    folder: Path, *, slots: int = 1, inline: bool = False, max_waiting: int = 100
+async def running(  # noqa: PLR0913  (what a test may vary)
+    folder: Path,
+    *,
+    slots: int = 1,
+    inline: bool = False,
+    max_waiting: int = 100,
+    cancel_grace: float = 0.25,
+    disks: list[FullDisk] | None = None,
+    version: str = "1",
 ) -> AsyncIterator[tuple[Dispatcher, JobStore]]:
-    """Run a dispatcher on the database in a folder."""
+    """Run a dispatcher on the database in a folder; `disks` gets the disk that it is on."""
     engine = open_engine(f"sqlite:///{folder / 'jobs.sqlite'}")
-    store = JobStore(engine)
+    if disks is not None:
+        disks.append(FullDisk(engine))
+    store = JobStore(engine, {"tests": version})
 
     def slot() -> Slot:
         return InlineSlot(is_exclusive=False) if inline else ProcessSlot([TASKS])
 
-    lanes = {"plan": Lane("plan", [slot() for _ in range(slots)], max_waiting)}
+    lanes = {"plan": Lane("plan", [slot() for _ in range(slots)], max_waiting, cancel_grace)}
     dispatcher = Dispatcher(store, Ownership(engine), lanes)
     await dispatcher.start(f"{TASKS}:warm")
     try:

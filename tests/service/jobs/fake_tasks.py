@@ -130,8 +130,25 @@ def wait_for_file(payload: dict[str, Any], channel: Channel) -> dict[str, Any]:
         Path(payload["begun"]).touch()
     while not Path(payload["file"]).exists():
         os.sched_yield()
-    return {"pid": os.getpid()}
+    filling = {"filling": "x" * payload["count"]} if "count" in payload else {}
+    return {"pid": os.getpid(), **filling}
 
 
 def vast(payload: dict[str, Any], _: Channel) -> dict[str, Any]:
     return {"numbers": [0.1 * i for i in range(payload["count"])], "none": float("inf")}
+
+
+def move(payload: dict[str, Any], channel: Channel) -> dict[str, Any]:
+    """Say how it goes until canceled, then come to rest in some steps; obey `goal`."""
+    channel.watch(payload.get("silence", 60.0))
+    place = 0
+    while not channel.is_canceled():
+        asked = channel.controls()
+        channel.update("status", {"place": place, "pid": os.getpid(), "asked": asked})
+        if asked.get("goal") == place:
+            return {"place": place}
+        threading.Event().wait(0.005)
+        place += 1
+    Path(payload["rest"]).write_text(str(place))
+    message = f"at rest at {place}"
+    raise Canceled(message, {"place": place})

@@ -34,7 +34,7 @@ def test_a_call_waits_its_turn_but_no_longer_than_it_may(tmp_path):
     async def story():
         async with running(tmp_path, max_waiting=3) as (dispatcher, _):
             file = tmp_path / "go"
-            busy = dispatcher.submit(spec("wait_for_file", payload={"file": str(file)}))
+            busy = await dispatcher.submit(spec("wait_for_file", payload={"file": str(file)}))
             with pytest.raises(DeadlineExceeded):
                 await call(dispatcher, "echo", allowed=0.1)
             waiting = [asyncio.create_task(call(dispatcher, "echo")) for _ in range(3)]

@@ -30,7 +30,7 @@ def test_results_failures_and_blunders_come_back(tmp_path: Path, inline: bool) -
     async def story() -> None:
         async with running(tmp_path, inline=inline) as (dispatcher, store):
             names = ["echo", "refuse", "blunder", "leave", "interrupt", "secret"]
-            jobs = [dispatcher.submit(spec(name, payload={"a": 1})) for name in names]
+            jobs = [await dispatcher.submit(spec(name, payload={"a": 1})) for name in names]
             ended = [await dispatcher.wait(job.id, GUARD) for job in jobs]
             assert [job.state for job in ended] == ["succeeded"] + ["failed"] * 5
             assert ended[0].result["echo"] == {"a": 1}
@@ -55,9 +55,11 @@ def test_results_failures_and_blunders_come_back(tmp_path: Path, inline: bool) -
 def test_a_crash_is_tried_again_and_then_told(tmp_path: Path) -> None:
     async def story() -> None:
         async with running(tmp_path) as (dispatcher, store):
-            flaky = dispatcher.submit(spec("die_once", payload={"marker": str(tmp_path / "m")}))
-            fatal = dispatcher.submit(spec("segfault"))
-            healthy = dispatcher.submit(spec("echo"))
+            flaky = await dispatcher.submit(
+                spec("die_once", payload={"marker": str(tmp_path / "m")})
+            )
+            fatal = await dispatcher.submit(spec("segfault"))
+            healthy = await dispatcher.submit(spec("echo"))
             assert (await dispatcher.wait(flaky.id, GUARD)).result == {"attempt": 2}
             dead = await dispatcher.wait(fatal.id, GUARD)
             assert dead.failure["code"] == "worker_crashed"
@@ -74,19 +76,19 @@ def test_a_crash_is_tried_again_and_then_told(tmp_path: Path) -> None:
 def test_a_worker_killed_from_outside_loses_nothing(tmp_path: Path) -> None:
     async def story() -> None:
         async with running(tmp_path) as (dispatcher, store):
-            job = dispatcher.submit(spec("spin"))
+            job = await dispatcher.submit(spec("spin"))
             os.kill(await until_running(dispatcher, store, job), signal.SIGKILL)
             second = 0
             async for event in dispatcher.subscribe(job.id, 3):
                 second = event.data.get("pid", 0)
                 if second:
                     break
-            dispatcher.cancel(job.id)
+            await dispatcher.cancel(job.id)
             assert (await dispatcher.wait(job.id, GUARD)).state is JobState.CANCELED
-            idle = dispatcher.submit(spec("echo"))
+            idle = await dispatcher.submit(spec("echo"))
             os.kill((await dispatcher.wait(idle.id, GUARD)).result["pid"], signal.SIGKILL)
             await asyncio.sleep(0.1)
-            after = dispatcher.submit(spec("echo"))
+            after = await dispatcher.submit(spec("echo"))
             assert (await dispatcher.wait(after.id, GUARD)).state is JobState.SUCCEEDED
 
     asyncio.run(story())
@@ -95,10 +97,10 @@ def test_a_worker_killed_from_outside_loses_nothing(tmp_path: Path) -> None:
 def test_a_deadline_ends_native_code(tmp_path: Path) -> None:
     async def story() -> None:
         async with running(tmp_path) as (dispatcher, _):
-            job = dispatcher.submit(spec("hang", allowed=0.5))
+            job = await dispatcher.submit(spec("hang", allowed=0.5))
             ended = await dispatcher.wait(job.id, GUARD)
             assert ended.failure["code"] == "deadline_exceeded"
-            after = dispatcher.submit(spec("echo"))
+            after = await dispatcher.submit(spec("echo"))
             assert (await dispatcher.wait(after.id, GUARD)).state is JobState.SUCCEEDED
 
     asyncio.run(story())
@@ -108,20 +110,20 @@ def test_a_deadline_ends_native_code(tmp_path: Path) -> None:
 def test_cancel_works_in_every_state_and_again(tmp_path: Path, task: str) -> None:
     async def story() -> None:
         async with running(tmp_path) as (dispatcher, store):
-            busy = dispatcher.submit(spec(task))
-            waiting = dispatcher.submit(spec("echo"))
+            busy = await dispatcher.submit(spec(task))
+            waiting = await dispatcher.submit(spec("echo"))
             await until_running(dispatcher, store, busy)
-            assert dispatcher.cancel(waiting.id).state is JobState.CANCELED
-            dispatcher.cancel(busy.id)
-            dispatcher.cancel(busy.id)
+            assert (await dispatcher.cancel(waiting.id)).state is JobState.CANCELED
+            await dispatcher.cancel(busy.id)
+            await dispatcher.cancel(busy.id)
             ended = await dispatcher.wait(busy.id, GUARD)
             assert ended.state is JobState.CANCELED
             assert ended.failure["code"] == "canceled"
-            assert dispatcher.cancel(busy.id).state is JobState.CANCELED
+            assert (await dispatcher.cancel(busy.id)).state is JobState.CANCELED
             assert [e.type for e in store.events(waiting.id)] == ["queued", "finished"]
-            after = dispatcher.submit(spec("echo"))
+            after = await dispatcher.submit(spec("echo"))
             assert (await dispatcher.wait(after.id, GUARD)).state is JobState.SUCCEEDED
-            assert dispatcher.cancel(after.id).state is JobState.SUCCEEDED
+            assert (await dispatcher.cancel(after.id)).state is JobState.SUCCEEDED
 
     asyncio.run(story())
 
@@ -130,9 +132,9 @@ def test_a_cancel_right_at_the_start_is_not_missed(tmp_path: Path) -> None:
     async def story() -> None:
         async with running(tmp_path) as (dispatcher, _):
             for _ in range(5):
-                job = dispatcher.submit(spec("spin"))
+                job = await dispatcher.submit(spec("spin"))
                 await asyncio.sleep(0.001)
-                dispatcher.cancel(job.id)
+                await dispatcher.cancel(job.id)
                 assert (await dispatcher.wait(job.id, GUARD)).state is JobState.CANCELED
 
     asyncio.run(story())
@@ -141,7 +143,7 @@ def test_a_cancel_right_at_the_start_is_not_missed(tmp_path: Path) -> None:
 def test_events_are_numbered_without_gaps_and_replayed(tmp_path: Path) -> None:
     async def story() -> None:
         async with running(tmp_path) as (dispatcher, store):
-            job = dispatcher.submit(spec("chatter", payload={"count": 40, "size": 9000}))
+            job = await dispatcher.submit(spec("chatter", payload={"count": 40, "size": 9000}))
             live, late = await asyncio.gather(
                 _numbers(dispatcher, job.id, 0), _numbers(dispatcher, job.id, 7)
             )
@@ -161,10 +163,12 @@ async def _numbers(dispatcher: object, identifier: str, after: int) -> list[int]
 def test_idempotency_keys(tmp_path: Path) -> None:
     async def story() -> None:
         async with running(tmp_path) as (dispatcher, _):
-            first = dispatcher.submit(spec("echo", key="k", request_digest="1"))
-            assert dispatcher.submit(spec("echo", key="k", request_digest="1")).id == first.id
+            first = await dispatcher.submit(spec("echo", key="k", request_digest="1"))
+            assert (
+                await dispatcher.submit(spec("echo", key="k", request_digest="1"))
+            ).id == first.id
             with pytest.raises(IdempotencyConflict):
-                dispatcher.submit(spec("echo", key="k", request_digest="2"))
+                await dispatcher.submit(spec("echo", key="k", request_digest="2"))
             with pytest.raises(UnknownJob, match="job_nowhere"):
                 await dispatcher.wait("job_nowhere", 1)
 
@@ -174,13 +178,13 @@ def test_idempotency_keys(tmp_path: Path) -> None:
 def test_admission_is_limited(tmp_path: Path) -> None:
     async def story() -> None:
         async with running(tmp_path, max_waiting=2) as (dispatcher, store):
-            busy = dispatcher.submit(spec("spin"))
+            busy = await dispatcher.submit(spec("spin"))
             await until_running(dispatcher, store, busy)
-            waiting = [dispatcher.submit(spec("echo")) for _ in range(2)]
+            waiting = [await dispatcher.submit(spec("echo")) for _ in range(2)]
             with pytest.raises(QueueFull) as refusal:
-                dispatcher.submit(spec("echo"))
+                await dispatcher.submit(spec("echo"))
             assert refusal.value.evidence["retry_after"] > 0
-            dispatcher.cancel(busy.id)
+            await dispatcher.cancel(busy.id)
             for job in waiting:
                 assert (await dispatcher.wait(job.id, GUARD)).state is JobState.SUCCEEDED
 
@@ -218,7 +222,7 @@ from tests.service.jobs.conftest import running, spec
 async def main():
     async with running(Path(sys.argv[1])) as (dispatcher, store):
         for name in ("spin", "echo", "echo"):
-            print(dispatcher.submit(spec(name)).id, flush=True)
+            print((await dispatcher.submit(spec(name))).id, flush=True)
         async for event in dispatcher.subscribe(store.page("plan")[-1].id):
             if "pid" in event.data:
                 print(event.data["pid"], flush=True)
@@ -255,7 +259,7 @@ def test_a_server_killed_at_work_loses_nothing_and_leaves_no_orphan(tmp_path: Pa
                 if "pid" in event.data:
                     break
             assert store.get(lines[0]).attempts == 2
-            dispatcher.cancel(lines[0])
+            await dispatcher.cancel(lines[0])
             for identifier in lines[:3]:
                 assert (await dispatcher.wait(identifier, GUARD)).state.is_final
             assert not store.unfinished()

@@ -1,68 +1,88 @@
-"""The same store on PostgreSQL: on a server of our own where there is one, else its dialect."""
+"""The same store on PostgreSQL, which may end, and whose lock may be lost and not be noticed."""
 
 import asyncio
-import importlib.util
-import os
-import pwd
-import shutil
-import subprocess
-import tempfile
-from contextlib import contextmanager
-from pathlib import Path
+import threading
+from contextlib import asynccontextmanager
 
 import pytest
-from sqlalchemy.dialects import postgresql
-from sqlalchemy.schema import CreateTable
+from sqlalchemy import text
 
+from service.cli.server import TAKEN
 from service.jobs.database import open_engine
 from service.jobs.dispatcher import Dispatcher
-from service.jobs.errors import DatabaseInUse, IdempotencyConflict
+from service.jobs.errors import DatabaseInUse, DatabaseTaken, IdempotencyConflict
 from service.jobs.lane import Lane
 from service.jobs.ownership import Ownership
-from service.jobs.records import metadata
+from service.jobs.ownership_watch import Patience
 from service.jobs.slot import ProcessSlot
+from service.jobs.states import JobState
 from service.jobs.store import JobStore
 from tests.service.jobs.conftest import GUARD, TASKS, spec
+from tests.service.jobs.postgres import cluster
 from tests.service.jobs.test_briefs import check_upgrade
+from tests.service.jobs.test_stopping import eventually, moving
+from tests.service.servers import server as real_server
+
+# Nothing is noticed by looking at the lock.
+BLIND = Patience(period=10 * GUARD)
+QUICK = Patience(period=0.05, answer=GUARD, regain=GUARD, rest=0.0)
+HASTY = Patience(period=0.05, answer=GUARD, regain=0.2, rest=0.0)
 
 
-def binaries():
-    """The folder of a PostgreSQL server's programs, None if there is no server."""
-    found = shutil.which("initdb")
-    folders = [Path(found).resolve().parent] if found else []
-    folders += sorted(Path("/usr/lib/postgresql").glob("*/bin"), reverse=True)
-    return next((f for f in folders if (f / "pg_ctl").is_file()), None)
+class Soon(Patience):
+    """Takes up soon what another has left."""
+
+    takeover = 2.0
 
 
-HAS_SERVER = binaries() is not None and importlib.util.find_spec("psycopg") is not None
+# All backends that hold an advisory lock end.
+END_OWNER = text("SELECT pg_terminate_backend(pid) FROM pg_locks WHERE locktype = 'advisory'")
 
 
-def demoted():
-    """How to run a program that refuses to be root."""
-    if os.getuid() != 0:
-        return {}
-    names = [entry.pw_name for entry in pwd.getpwall()]
-    user = pwd.getpwnam("postgres" if "postgres" in names else "nobody")
-    return {"user": user.pw_uid, "group": user.pw_gid, "extra_groups": []}
+@pytest.fixture(scope="module")
+def server():
+    with cluster() as made:
+        yield made
 
 
-@contextmanager
-def cluster():
-    """A server on a Unix socket in a folder of its own; its URL."""
-    with tempfile.TemporaryDirectory(prefix="wp-pg-", ignore_cleanup_errors=True) as name:
-        folder, who = Path(name), demoted()
-        if who:
-            os.chown(folder, who["user"], who["group"])
-        quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL, "cwd": folder, **who}
-        init = [binaries() / "initdb", "-D", folder / "data", "-A", "trust", "-U", "wp", "-N"]
-        subprocess.run(init, check=True, **quiet)
-        options = f"-k {folder} -c listen_addresses= -c fsync=off"
-        control = [binaries() / "pg_ctl", "-D", folder / "data", "-w"]
-        subprocess.run([*control, "-o", options, "start"], check=True, **quiet)
-        try:
-            yield f"postgresql+psycopg://wp@/postgres?host={folder}"
-        finally:
-            subprocess.run([*control, "-m", "immediate", "stop"], check=True, **quiet)
+@pytest.fixture
+def url(server):
+    """Of a database without tables."""
+    engine = open_engine(server.url)
+    with engine.begin() as connection:
+        connection.execute(text("DROP SCHEMA public CASCADE"))
+        connection.execute(text("CREATE SCHEMA public"))
+    engine.dispose()
+    return server.url
+
+
+@asynccontextmanager
+async def serving(url, patience=None):
+    """A dispatcher with an execution-like lane, its store, and its engine."""
+    engine = open_engine(url)
+    store = JobStore(engine)
+    lanes = {"plan": Lane("plan", [ProcessSlot([TASKS])], 100, cancel_grace=GUARD)}
+    taken = threading.Event()
+    dispatcher = Dispatcher(store, Ownership(engine), lanes, on_taken=taken.set, patience=patience)
+    await dispatcher.start(f"{TASKS}:warm")
+    try:
+        yield dispatcher, store
+    finally:
+        await dispatcher.stop()
+        engine.dispose()
+        assert taken.is_set() is dispatcher.is_taken
+
+
+async def moves(dispatcher, folder):
+    """A job that moves, and how it goes."""
+    job = await dispatcher.submit(moving(folder))
+    live = dispatcher.live(job.id)
+    await eventually(lambda: live.latest("status"))
+    return job, live
+
+
+def place(live):
+    return live.latest("status")["place"]
 
 
 async def run_jobs(engine):
@@ -72,19 +92,21 @@ async def run_jobs(engine):
     dispatcher = Dispatcher(store, Ownership(engine), lanes)
     await dispatcher.start(f"{TASKS}:warm")
     try:
-        good = dispatcher.submit(spec("vast", payload={"count": 1000}, key="k", request_digest="1"))
-        dead = dispatcher.submit(spec("segfault"))
-        assert dispatcher.submit(spec("vast", key="k", request_digest="1")).id == good.id
+        good = await dispatcher.submit(
+            spec("vast", payload={"count": 1000}, key="k", request_digest="1")
+        )
+        dead = await dispatcher.submit(spec("segfault"))
+        assert (await dispatcher.submit(spec("vast", key="k", request_digest="1"))).id == good.id
         with pytest.raises(IdempotencyConflict):
-            dispatcher.submit(spec("vast", key="k", request_digest="2"))
+            await dispatcher.submit(spec("vast", key="k", request_digest="2"))
         numbers = (await dispatcher.wait(good.id, GUARD)).result["numbers"]
         assert numbers == [0.1 * i for i in range(1000)]
         assert (await dispatcher.wait(dead.id, GUARD)).failure["code"] == "worker_crashed"
-        busy = dispatcher.submit(spec("spin"))
+        busy = await dispatcher.submit(spec("spin"))
         async for event in dispatcher.subscribe(busy.id):
             if "pid" in event.data:
                 break
-        dispatcher.cancel(busy.id)
+        await dispatcher.cancel(busy.id)
         assert (await dispatcher.wait(busy.id, GUARD)).state == "canceled"
         assert [event.number for event in store.events(dead.id)] == [1, 2, 3, 4, 5]
         assert [job.id for job in store.page("plan", limit=2)] == [busy.id, dead.id]
@@ -100,33 +122,137 @@ async def run_jobs(engine):
     ownership.release()
 
 
-def check_server():
-    with cluster() as url:
-        engine = open_engine(url)
-        try:
-            asyncio.run(run_jobs(engine))
-            store = JobStore(engine)
-            odd, _ = store.insert(
-                spec("x", payload={"text": "\0 \ud800 \u2028", "n": float("nan")})
-            )
-            assert store.get(odd.id).payload == {"text": "\0 \ud800 \u2028", "n": None}
-            check_upgrade(engine)
-        finally:
-            engine.dispose()
+def test_jobs_on_postgresql(url):
+    engine = open_engine(url)
+    try:
+        asyncio.run(run_jobs(engine))
+        store = JobStore(engine)
+        odd, _ = store.insert(spec("x", payload={"text": "\0 \ud800 \u2028", "n": float("nan")}))
+        assert store.get(odd.id).payload == {"text": "\0 \ud800 \u2028", "n": None}
+        check_upgrade(engine)
+    finally:
+        engine.dispose()
 
 
-def check_dialect():
-    """Without a server: the tables can be declared there, and the identity column counts."""
-    dialect = postgresql.dialect()
-    declared = {
-        t.name: str(CreateTable(t).compile(dialect=dialect)) for t in metadata.sorted_tables
-    }
-    assert "serial BIGSERIAL" in declared["jobs"]
-    assert "data TEXT NOT NULL" in declared["job_events"]
+def test_a_restart_of_the_database_stops_nothing_and_lets_nobody_in(server, url, tmp_path):
+    async def story():
+        async with serving(url, QUICK) as (dispatcher, store):
+            job, live = await moves(dispatcher, tmp_path)
+            await asyncio.to_thread(server.stop)
+            stopped = place(live)
+            await eventually(lambda: place(live) > stopped)
+            await asyncio.to_thread(server.start)
+            rival = open_engine(url)
+            await eventually(lambda: is_refused(Ownership(rival)))
+            rival.dispose()
+            before = place(live)
+            await eventually(lambda: place(live) > before)
+            await dispatcher.cancel(job.id)
+            assert (await dispatcher.wait(job.id, GUARD)).state is JobState.CANCELED
+            numbers = [event.number for event in store.events(job.id)]
+            assert numbers == list(range(1, len(numbers) + 1))
+
+    asyncio.run(story())
 
 
-def test_jobs_on_postgresql():
-    """The whole engine, if this machine has a server and a driver; else what can be said."""
-    check_dialect()
-    if HAS_SERVER:
-        check_server()
+def is_refused(rival):
+    """Whether a rival is kept out; one that got in goes out again."""
+    try:
+        rival.take()
+    except DatabaseInUse:
+        return True
+    rival.release()
+    return False
+
+
+def test_two_servers_never_run_one_job(url, tmp_path):
+    """The first does not even look at its lock: its writes are refused, and so it knows."""
+
+    async def story():
+        async with serving(url, BLIND) as (first, store):
+            job, _ = await moves(first, tmp_path)
+            later = await first.submit(spec("echo"))
+            await asyncio.to_thread(end_owner, url)
+            async with serving(url, Soon(period=10 * GUARD)) as (second, records):
+                # It is taken up only once the first one must have come to rest.
+                assert records.get(job.id).state is JobState.RUNNING
+                await eventually((tmp_path / "rest").exists)
+                await eventually(lambda: first.is_taken)
+                with pytest.raises(DatabaseTaken):
+                    store.request_cancel(job.id)
+                ended = await second.wait(job.id, GUARD)
+                assert ended.failure["code"] == "server_restarted"
+                assert (await second.wait(later.id, GUARD)).state is JobState.SUCCEEDED
+                assert not records.unfinished()
+
+    asyncio.run(story())
+
+
+def end_owner(url):
+    engine = open_engine(url)
+    with engine.begin() as connection:
+        connection.execute(END_OWNER)
+    engine.dispose()
+
+
+def test_one_who_looks_at_a_lock_that_another_has_gives_up(url, tmp_path):
+    """Its job says nothing, so that nothing is written that could be refused."""
+
+    async def story():
+        async with serving(url, QUICK) as (dispatcher, _):
+            job = await dispatcher.submit(spec("spin", max_attempts=1))
+            live = dispatcher.live(job.id)
+            await eventually(lambda: live.latest("stage"))
+            await eventually(lambda: not live.unrecorded)
+            rival = await asyncio.to_thread(take_by_force, url)
+            await asyncio.wait_for(live.concluded.wait(), GUARD)
+            assert dispatcher.is_taken
+            with rival.begin() as connection:
+                state = text("SELECT state FROM jobs WHERE id = :id")
+                assert connection.execute(state, {"id": job.id}).scalar_one() == "running"
+            rival.dispose()
+
+    asyncio.run(story())
+
+
+def take_by_force(url):
+    """Wait in line for the lock, end its owner, and count the epoch up; the engine holds it."""
+    engine = open_engine(url)
+    waits = engine.connect().execution_options(isolation_level="AUTOCOMMIT")
+    key = {"key": 0x57_61_79_70}
+    lock = threading.Thread(target=waits.execute, args=(text("SELECT pg_advisory_lock(:key)"), key))
+    lock.start()
+    in_line = text("SELECT count(*) FROM pg_locks WHERE locktype = 'advisory' AND NOT granted")
+    ending = text(f"{END_OWNER} AND granted")
+    with engine.connect().execution_options(isolation_level="AUTOCOMMIT") as connection:
+        while not connection.execute(in_line).scalar_one():
+            pass
+        connection.execute(ending)
+        lock.join()
+        connection.execute(text("UPDATE job_owner SET epoch = epoch + 1"))
+    return engine
+
+
+def test_what_moves_comes_to_rest_if_the_database_stays_away(server, url, tmp_path):
+    async def story():
+        async with serving(url, HASTY) as (dispatcher, _):
+            job, live = await moves(dispatcher, tmp_path)
+            waits = await dispatcher.submit(spec("echo"))
+            await asyncio.to_thread(server.stop)
+            await eventually((tmp_path / "rest").exists)
+            await eventually(lambda: "end" in live.unrecorded)
+            await asyncio.to_thread(server.start)
+            await asyncio.wait_for(live.concluded.wait(), GUARD)
+            ended = await dispatcher.wait(job.id, GUARD)
+            assert ended.state is JobState.CANCELED
+            assert ended.failure["evidence"]["reason"] == "the database was out of reach"
+            assert (await dispatcher.wait(waits.id, GUARD)).state is JobState.SUCCEEDED
+
+    asyncio.run(story())
+
+
+def test_a_server_that_has_lost_its_database_ends(url, tmp_path):
+    with real_server(tmp_path, WAYPROOF_DATABASE_URL=url) as lost:
+        rival = take_by_force(url)
+        assert lost.process.wait(GUARD) == TAKEN
+        rival.dispose()

@@ -28,11 +28,11 @@ from tests.service.jobs.conftest import running, spec
 
 async def main(folder):
     async with running(folder, slots=2) as (dispatcher, store):
-        busy = [dispatcher.submit(spec("wait_for_file", payload={"file": str(folder / "go")}))
+        busy = [await dispatcher.submit(spec("wait_for_file", payload={"file": str(folder / "go")}))
                 for _ in range(2)]
-        once = dispatcher.submit(spec("hang", max_attempts=1, priority=9))
+        once = await dispatcher.submit(spec("hang", max_attempts=1, priority=9))
         for i in range(20):
-            dispatcher.submit(spec("touch", payload={"file": str(folder / f"ran{i}")}))
+            await dispatcher.submit(spec("touch", payload={"file": str(folder / f"ran{i}")}))
         pids = set()
         for job in (once, busy[0]):
             async for event in dispatcher.subscribe(job.id):
@@ -89,9 +89,11 @@ def test_a_server_killed_with_many_jobs_ends_all_of_them_after_a_restart(tmp_pat
 def test_a_server_that_stops_queues_again_what_ran_and_does_not_count_it(tmp_path):
     async def first():
         async with running(tmp_path, slots=2) as (dispatcher, _):
-            again = dispatcher.submit(spec("wait_for_file", payload={"file": str(tmp_path / "go")}))
-            once = dispatcher.submit(spec("hang", max_attempts=1))
-            later = dispatcher.submit(spec("echo"))
+            again = await dispatcher.submit(
+                spec("wait_for_file", payload={"file": str(tmp_path / "go")})
+            )
+            once = await dispatcher.submit(spec("hang", max_attempts=1))
+            later = await dispatcher.submit(spec("echo"))
             for job in (again, once):
                 async for event in dispatcher.subscribe(job.id):
                     if "pid" in event.data:
@@ -157,8 +159,10 @@ def test_what_was_to_be_canceled_is_canceled_and_unknown_lanes_fail(tmp_path):
 def test_jobs_survive_workers_that_are_killed_at_random(tmp_path):
     async def story():
         async with running(tmp_path, slots=2) as (dispatcher, store):
-            ids = [dispatcher.submit(spec("spin", max_attempts=50)).id for _ in range(2)]
-            echoes = [dispatcher.submit(spec("echo", max_attempts=50)).id for _ in range(20)]
+            ids = [(await dispatcher.submit(spec("spin", max_attempts=50))).id for _ in range(2)]
+            echoes = [
+                (await dispatcher.submit(spec("echo", max_attempts=50))).id for _ in range(20)
+            ]
             seen = dict.fromkeys(ids, 0)
             for _ in range(5):
                 for identifier in ids:
@@ -168,7 +172,7 @@ def test_jobs_survive_workers_that_are_killed_at_random(tmp_path):
                             os.kill(event.data["pid"], signal.SIGKILL)
                             break
             for identifier in ids:
-                dispatcher.cancel(identifier)
+                await dispatcher.cancel(identifier)
             for identifier in [*ids, *echoes]:
                 assert (await dispatcher.wait(identifier, GUARD)).state.is_final
             assert {store.get(identifier).state.value for identifier in echoes} == {"succeeded"}
@@ -183,7 +187,7 @@ def test_followers_see_the_same_numbers_live_late_and_after_a_restart(tmp_path):
 
     async def first():
         async with running(tmp_path) as (dispatcher, _):
-            job = dispatcher.submit(spec("chatter", payload={"count": 600, "size": 10}))
+            job = await dispatcher.submit(spec("chatter", payload={"count": 600, "size": 10}))
             live = [asyncio.create_task(numbers(dispatcher, job.id, i * 40)) for i in range(10)]
             for i, task in enumerate(live):
                 assert await task == list(range(i * 40 + 1, 604))
@@ -200,11 +204,11 @@ def test_followers_see_the_same_numbers_live_late_and_after_a_restart(tmp_path):
 def test_a_task_that_returns_although_it_was_canceled_has_succeeded(tmp_path):
     async def story():
         async with running(tmp_path) as (dispatcher, _):
-            job = dispatcher.submit(spec("stubborn", payload={"a": 1}))
+            job = await dispatcher.submit(spec("stubborn", payload={"a": 1}))
             async for event in dispatcher.subscribe(job.id):
                 if "pid" in event.data:
                     break
-            assert dispatcher.cancel(job.id).is_cancel_requested
+            assert (await dispatcher.cancel(job.id)).is_cancel_requested
             ended = await dispatcher.wait(job.id, GUARD)
             assert (ended.state, ended.result) == ("succeeded", {"kept": {"a": 1}})
 

@@ -23,7 +23,7 @@ class Sink:
         self.events = []
         self.seen = asyncio.Event()
 
-    def put(self, event_type, data: Encoded):
+    def put(self, event_type, data: Encoded, *, is_update=False):
         self.events.append((event_type, data.text))
         self.seen.set()
 

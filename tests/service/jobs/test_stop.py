@@ -6,8 +6,8 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from planning.errors import Canceled
-from service.jobs.outcome import Crashed, Ended, Raised, TimedOut
+from planning.errors import Canceled, TrackingLost
+from service.jobs.outcome import Crashed, Ended, Raised, Silent, TimedOut, error_of
 from service.jobs.stop import DEADLINE_GRACE, Stop
 
 CRASH, REFUSAL = Crashed(-9), Raised(Canceled("noticed"))
@@ -95,6 +95,67 @@ def test_a_cancel_is_told_at_once_and_no_deadline_counts_after_it(outcome, error
         assert run.notes == ["told", "forced"]
         await passing(5.0)
         assert run.stop.verdict(outcome) == Ended(error)
+
+    on_a_loop(story)
+
+
+@given(st.floats(0.1, 5.0), st.floats(0.0, 0.99), st.floats(0.3, 20.0))
+def test_a_deadline_takes_nothing_of_the_grace_of_a_cancel(allowed, share, grace):
+    async def story():
+        run = Told(allowed)
+        await passing(share * allowed)
+        run.stop.cancel(grace)
+        for _ in range(9):  # the deadline, and what follows it, would come in between
+            await passing(0.11 * grace)
+            assert run.notes == ["told"]
+        await passing(0.02 * grace)
+        assert run.notes == ["told", "forced"]
+        assert run.stop.verdict(CRASH) == Ended()
+
+    on_a_loop(story)
+
+
+@given(st.floats(0.1, 5.0), st.lists(st.floats(0.05, 0.95), max_size=20), st.booleans())
+def test_silence_is_noticed_and_words_are_not_silence(silence, pauses, is_canceled):
+    async def story():
+        run = Told(None)
+        run.stop.watch(silence)
+        if is_canceled:
+            run.stop.cancel(1e6)
+        for pause in pauses:
+            for _ in range(8):
+                await passing(pause * silence / 8)
+            run.stop.heard()
+            assert "forced" not in run.notes
+        for _ in range(30):
+            await passing(0.05 * silence)
+        assert run.notes[-1] == "forced"
+        assert run.stop.verdict(CRASH) == Silent(silence)
+
+    on_a_loop(story)
+
+
+def test_a_loop_that_stood_still_takes_nobody_for_silent():
+    async def story():
+        run = Told(None)
+        run.stop.watch(1.0)
+        await passing(100.0)
+        assert run.notes == []
+        run.stop.heard()
+        await passing(0.9)
+        assert run.notes == []
+
+    on_a_loop(story)
+
+
+def test_a_robot_that_dies_on_its_way_to_rest_has_not_been_canceled():
+    async def story():
+        run = Told(None)
+        run.stop.watch(1.0)
+        run.stop.cancel(0.5)
+        assert run.stop.verdict(CRASH) is CRASH
+        lost = Raised(TrackingLost("0.2 rad away"))
+        assert error_of(run.stop.verdict(lost), 1) is lost.error
 
     on_a_loop(story)
 

@@ -1,0 +1,101 @@
+"""OwnershipWatch: notices that the lock on the database was lost, and takes it again if it may."""
+
+import asyncio
+import logging
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from typing import Protocol
+
+from service.jobs.errors import DatabaseTaken
+from service.jobs.ownership import Ownership
+
+_log = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True)
+class Patience:
+    """How long is waited for what; the sum bounds how long two servers could move one robot.
+
+    Attributes:
+        period: Between two looks at the lock [s].
+        answer: For the database to answer [s].
+        regain: For the lock, before what runs is brought to its end [s].
+        rest: For what runs to come to its end [s].
+    """
+
+    period: float = 1.0
+    answer: float = 2.0
+    regain: float = 5.0
+    rest: float = 6.0
+
+    @property
+    def takeover(self) -> float:
+        """How long after its loss of the lock an owner may still have something that runs [s]."""
+        return self.period + 2 * self.answer + self.regain + self.rest
+
+
+class Owner(Protocol):
+    """Who has to know; all are called in the event loop's thread."""
+
+    def suspend(self) -> None:
+        """Begin nothing, and end what runs: the database may be another's by now."""
+        ...
+
+    def go_on(self) -> None:
+        """Work again after `suspend`: the database had no other owner meanwhile."""
+        ...
+
+    def give_up(self) -> None:
+        """End what runs, and do nothing more: another has the database."""
+        ...
+
+
+class OwnershipWatch:
+    """Watches one ownership from one event loop."""
+
+    def __init__(self, ownership: Ownership, told: Owner, patience: Patience) -> None:
+        """Tell `told` what becomes of `ownership`; `run` begins."""
+        self._ownership = ownership
+        self._told = told
+        self._patience = patience
+        self._threads = ThreadPoolExecutor(1, "ownership")
+
+    async def run(self) -> None:
+        """Watch until the database is another's."""
+        while True:
+            await asyncio.sleep(self._patience.period)
+            if await self._ask(self._ownership.holds):
+                continue
+            _log.warning("the lock on the database was lost; taking it again")
+            try:
+                await self._regain()
+            except DatabaseTaken:
+                self._told.give_up()
+                return
+
+    async def _regain(self) -> None:
+        loop = asyncio.get_running_loop()
+        until = loop.time() + self._patience.regain
+        is_suspended = False
+        while not await self._ask(self._ownership.retake):
+            if not is_suspended and loop.time() > until:
+                is_suspended = True
+                _log.error("the database is out of reach: what runs is brought to its end")
+                self._told.suspend()
+            await asyncio.sleep(min(0.25, self._patience.period))
+        _log.warning("the lock on the database is ours again")
+        if is_suspended:
+            self._told.go_on()
+
+    async def _ask(self, question: Callable[[], bool]) -> bool:
+        """Return the answer, False if there is none in time."""
+        loop = asyncio.get_running_loop()
+        try:
+            async with asyncio.timeout(self._patience.answer):
+                return await loop.run_in_executor(self._threads, question)
+        except TimeoutError:
+            # That thread waits for a connection that is dead; the next question must not.
+            self._threads.shutdown(wait=False)
+            self._threads = ThreadPoolExecutor(1, "ownership")
+            return False

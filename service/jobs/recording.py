@@ -1,0 +1,106 @@
+"""Recording: what happens to jobs goes to the table and then to those who follow.
+
+What a server does never waits for the database: a run is told first. What the database does not
+take is kept, and written when it takes it again; meanwhile `unrecorded` says what it lacks.
+"""
+
+import asyncio
+import logging
+from collections.abc import Awaitable, Callable, Sequence
+from functools import partial
+
+from service.events.bus import EventBus
+from service.jobs.database import is_of_database
+from service.jobs.errors import DatabaseTaken
+from service.jobs.moving import Moved
+from service.jobs.recorder import Told
+from service.jobs.records import LoggedEvent
+from service.jobs.store import JobStore
+from service.jobs.writer import Writer
+
+# Before what the database refused is written again [s].
+_PAUSE = 1.0
+_log = logging.getLogger(__name__)
+
+
+class Recording:
+    """Writes to the store for coroutines of one event loop, and publishes what was written."""
+
+    def __init__(
+        self, store: JobStore, bus: EventBus[LoggedEvent], on_taken: Callable[[], None]
+    ) -> None:
+        """Begin.
+
+        Args:
+            store: Where to write.
+            bus: Who follows.
+            on_taken: Called when another server has taken the database over.
+        """
+        self.store = store
+        self._bus = bus
+        self._on_taken = on_taken
+        self._writer = Writer(store)
+        self._unrecorded: dict[str, list[str]] = {}
+
+    def unrecorded(self, identifier: str) -> list[str]:
+        """Return what has happened to a job and is not in the database yet."""
+        return list(dict.fromkeys(self._unrecorded.get(identifier, ())))
+
+    async def write[T](self, work: Callable[[], T], *, is_durable: bool = True) -> T:
+        """Carry out a write; it is committed when this returns.
+
+        Raises:
+            DatabaseTaken: Another server has the database.
+            DBAPIError: The database did not take it.
+        """
+        try:
+            return await self._writer.do(work, is_durable=is_durable)
+        except DatabaseTaken:
+            self._on_taken()
+            raise
+
+    async def move(
+        self, identifier: str, work: Callable[[], Moved | None], *, is_durable: bool = True
+    ) -> Moved | None:
+        """Move a job to another state, and tell of it; raises as `write`."""
+        moved = await self.write(work, is_durable=is_durable)
+        if moved is not None:
+            self._bus.publish(identifier, [moved.event])
+        return moved
+
+    async def log(self, identifier: str, told: Sequence[Told], *, may_wait: bool = False) -> None:
+        """Append what was said of a job that runs, or waits, and tell of it; raises as `write`."""
+        work = partial(self.store.record, identifier, told, may_wait=may_wait)
+        self.publish(identifier, await self.write(work, is_durable=False))
+
+    def publish(self, identifier: str, events: Sequence[LoggedEvent]) -> None:
+        """Tell of events that have been recorded."""
+        self._bus.publish(identifier, events)
+
+    async def insist[T](self, identifier: str, what: str, work: Callable[[], Awaitable[T]]) -> T:
+        """Write something until the database takes it.
+
+        Args:
+            identifier: Of the job.
+            what: It is, for `unrecorded`.
+            work: Writes once; raises as `write`.
+        """
+        missing = self._unrecorded.setdefault(identifier, [])
+        missing.append(what)
+        try:
+            while True:
+                try:
+                    return await work()
+                except Exception as fault:
+                    if not is_of_database(fault):
+                        raise
+                    _log.error("%s of %s is not recorded yet: %s", what, identifier, fault)
+                await asyncio.sleep(_PAUSE)
+        finally:
+            missing.remove(what)
+            if not missing and self._unrecorded.get(identifier) is missing:
+                del self._unrecorded[identifier]
+
+    async def close(self) -> None:
+        """Write what was asked for, if the database takes it now."""
+        await self._writer.close()

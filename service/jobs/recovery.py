@@ -1,0 +1,89 @@
+"""Recovery: what an earlier server left is queued again, or ended with the reason."""
+
+import asyncio
+from collections.abc import Callable, Mapping
+from functools import partial
+from typing import Any
+
+from planning.errors import Canceled
+from service.jobs.errors import InternalError, ServerRestarted
+from service.jobs.floor import Floor
+from service.jobs.job_run import CONTROLS
+from service.jobs.moving import Moved
+from service.jobs.ownership import Ownership
+from service.jobs.recording import Recording
+from service.jobs.records import Job
+from service.jobs.states import JobState
+
+
+class Recovery:
+    """Takes up the jobs that are queued or running in the table when a server starts."""
+
+    def __init__(
+        self,
+        recording: Recording,
+        ownership: Ownership,
+        floor: Floor,
+        enqueue: Callable[[Job, Mapping[str, Any]], None],
+    ) -> None:
+        """Prepare.
+
+        Args:
+            recording: Of jobs.
+            ownership: Of the database, just taken.
+            floor: Where jobs run.
+            enqueue: Queues a job with what was asked of it.
+        """
+        self._store = recording.store
+        self._recording = recording
+        self._floor = floor
+        self._enqueue = enqueue
+        self._may_run_still = ownership.may_be_lost and ownership.was_left
+
+    def run(self, takeover: float) -> None:
+        """Take up all jobs.
+
+        Args:
+            takeover: How long an owner that lost the database without ending may still run
+                something [s]; only after that it is taken up.
+        """
+        for job in self._store.unfinished():
+            if self._may_run_still and job.state is JobState.RUNNING:
+                self._floor.spawn(self._recover_later(job.id, takeover))
+            else:
+                moved = self._settle(job)
+                if moved is None or not moved.event.is_last:
+                    self._enqueue(job, self._controls(job.id))
+
+    async def _recover_later(self, identifier: str, seconds: float) -> None:
+        await asyncio.sleep(seconds)
+
+        def recover() -> tuple[Job, Moved | None]:
+            job = self._store.get(identifier)
+            return job, self._settle(job)
+
+        write = partial(self._recording.write, recover)
+        job, moved = await self._recording.insist(identifier, "recovery", write)
+        if moved is not None:
+            self._recording.publish(identifier, [moved.event])
+            if not moved.event.is_last:
+                self._enqueue(job, {})
+
+    def _settle(self, job: Job) -> Moved | None:
+        """Write what becomes of a job that was left; None if it only has to run."""
+        if job.is_cancel_requested:
+            return self._store.cancel(job.id, Canceled("canceled on request"))
+        if job.lane not in self._floor:
+            message = f"this server has no lane {job.lane!r}"
+            return self._store.fail(job.id, InternalError(message))
+        if job.state is JobState.QUEUED:
+            return None
+        if job.attempts < job.max_attempts:
+            return self._store.requeue(job.id, "the server ended while this ran")
+        error = ServerRestarted("the server ended while this ran", {"attempts": job.attempts})
+        return self._store.fail(job.id, error)
+
+    def _controls(self, identifier: str) -> dict[str, Any]:
+        """Return what was asked of a job before the earlier server ended."""
+        asked = self._store.last_event(identifier, CONTROLS)
+        return {} if asked is None else asked.data

@@ -1,0 +1,101 @@
+"""Steering: what is asked of jobs while they wait or run. The run is told first."""
+
+import asyncio
+from collections.abc import Callable, Coroutine, Mapping, MutableMapping
+from functools import partial
+from typing import Any
+
+from planning.errors import Canceled, IllegalTransition
+from service.jobs.errors import DatabaseTaken
+from service.jobs.floor import Floor
+from service.jobs.job_run import CONTROLS, JobRun
+from service.jobs.json_text import Encoded, encode
+from service.jobs.moving import Moved
+from service.jobs.recording import Recording
+from service.jobs.records import Job
+from service.jobs.states import JobState
+
+# How long an answer waits for the database [s]; what is not written by then is written later.
+_PROMPT = 0.5
+
+
+class Steering:
+    """Cancels and controls the jobs of a dispatcher."""
+
+    def __init__(
+        self, runs: MutableMapping[str, JobRun], recording: Recording, floor: Floor
+    ) -> None:
+        """Steer the runs that there are, by the ids of their jobs."""
+        self._runs = runs
+        self._recording = recording
+        self._floor = floor
+
+    async def cancel(self, identifier: str) -> Job:
+        """Ask for the end of a job, whatever its state, and return it; again does no harm.
+
+        Raises:
+            UnknownJob: There is none.
+            DBAPIError: It neither waits nor runs, and the database does not answer.
+        """
+        run = self._runs.get(identifier)
+        if run is None:
+            job = await asyncio.to_thread(self._recording.store.get, identifier)
+            return job if job.state.is_final else await self._write_cancel(identifier)
+        run.cancel()
+        self._floor.lane(run.job.lane).remove(identifier)
+        job = await self._recorded(identifier, "cancel", lambda: self._write_cancel(identifier))
+        return job or run.snapshot()
+
+    async def control(self, identifier: str, asked: Mapping[str, Any]) -> Job:
+        """Ask something of a job that waits or runs, and return it.
+
+        Raises:
+            IllegalTransition: It has ended, or is to end.
+        """
+        run = self._runs.get(identifier)
+        if run is None or not run.is_open:
+            state = "canceling" if run is not None and run.is_unwanted else "at its end"
+            message = f"job {identifier} is {state}: it cannot be steered any more"
+            raise IllegalTransition(message, {"state": state, "event": "steer", "legal": []})
+        run.control(asked)
+        await self._recorded(identifier, CONTROLS, lambda: self._write_controls(run))
+        return run.snapshot()
+
+    async def _recorded[T](
+        self, identifier: str, what: str, write: Callable[[], Coroutine[Any, Any, T]]
+    ) -> T | None:
+        """Return what a write gives, None if it has to be made later."""
+        work = asyncio.get_running_loop().create_task(
+            self._recording.insist(identifier, what, write)
+        )
+        self._floor.keep(work)
+        done, _ = await asyncio.wait({work}, timeout=_PROMPT)
+        try:
+            return work.result() if done else None
+        except DatabaseTaken:
+            return None
+
+    async def _write_cancel(self, identifier: str) -> Job:
+        work = partial(self._cancel_in_store, identifier)
+        job, moved = await self._recording.write(work)
+        if moved is not None:
+            self._recording.publish(identifier, [moved.event])
+            run = self._runs.get(identifier)
+            if run is not None and not run.has_begun:
+                del self._runs[identifier]
+                run.concluded.set()
+        return job
+
+    def _cancel_in_store(self, identifier: str) -> tuple[Job, Moved | None]:
+        store = self._recording.store
+        with store.transaction(is_durable=True):
+            job = store.request_cancel(identifier)
+            if job.state is not JobState.QUEUED:
+                return job, None
+            moved = store.cancel_queued(identifier, Canceled("canceled on request"))
+            return store.request_cancel(identifier), moved
+
+    async def _write_controls(self, run: JobRun) -> None:
+        """Record all that is asked by now: a job that waits is told again after a restart."""
+        told = [(CONTROLS, Encoded(encode(run.controls)))]
+        await self._recording.log(run.job.id, told, may_wait=True)

@@ -1,0 +1,156 @@
+"""A server, its robots and its disk: what moves can be stopped whatever goes wrong around it."""
+
+import os
+import resource
+import signal
+import threading
+
+import httpx
+import numpy as np
+import pytest
+
+from tests.service.jobs.databases import locked
+from tests.service.servers import ARM, living, request_of, server, until
+
+# A motion of minutes.
+SLOW = {"speed": 0.02}
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    return tmp_path_factory.mktemp("stopping")
+
+
+@pytest.fixture(scope="module")
+def running(folder):
+    with server(folder) as made:
+        yield made
+
+
+class Motion:
+    """An execution of a plan in a scene of its own, which has begun to move."""
+
+    def __init__(self, running):
+        self.server = running
+        scene = running.client.add_scene(ARM)
+        plan = running.client.submit_plan(request_of(scene, refine={"method": "none"}))
+        list(running.client.plan_events(plan.id))
+        self.plan = running.ask("GET", f"/v1/plans/{plan.id}")
+        body = {"plan": plan.id, **SLOW}
+        self.path = f"/v1/executions/{running.ask('POST', '/v1/executions', body)['id']}"
+        until(lambda: (self.now["status"] or {}).get("progress", 0) > 0)
+
+    @property
+    def now(self):
+        return self.server.ask("GET", self.path)
+
+    def post(self, what, **body):
+        return self.server.ask("POST", f"{self.path}/{what}", body or None)
+
+    def ended(self):
+        return until(lambda: (now := self.now)["finished_at"] and now)
+
+    def is_on_path(self, status):
+        """Whether a status has the robot where the plan has it at that time."""
+        trajectory = self.plan["result"]["trajectory"]
+        rows = np.array(trajectory["positions"]).T
+        there = [np.interp(status["time"], trajectory["times"], row) for row in rows]
+        return np.allclose(status["positions"], there, atol=0.01)
+
+
+def check_steered(motion):
+    """Every request is obeyed and answered, and says what is not recorded."""
+    for what, body in (("pause", {}), ("speed", {"speed": 0.03}), ("resume", {})):
+        assert "controls" in motion.post(what, **body)["unrecorded"]
+        state = "paused" if what != "resume" else "executing"
+        until(lambda state=state: motion.now["status"]["state"] == state)
+    answer = motion.post("cancel")
+    assert answer["state"] == "canceling"
+    assert "cancel" in answer["unrecorded"]
+    at_rest = until(lambda: "end" in (now := motion.now)["unrecorded"] and now)
+    assert 0 < at_rest["status"]["progress"] < 1
+    assert at_rest["finished_at"] is None
+    return at_rest
+
+
+def check_recorded(motion, at_rest):
+    ended = motion.ended()
+    assert (ended["state"], ended["unrecorded"]) == ("canceled", [])
+    assert ended["failure"]["code"] == "canceled"
+    assert ended["status"]["positions"] == at_rest["status"]["positions"]
+    assert motion.is_on_path(ended["status"])
+
+
+def test_a_robot_is_steered_and_stopped_while_the_database_is_locked(folder, running):
+    motion = Motion(running)
+    with locked(folder / "state" / "wayproof.sqlite"):
+        at_rest = check_steered(motion)
+    check_recorded(motion, at_rest)
+
+
+def test_a_robot_is_steered_and_stopped_while_the_disk_is_full(running):
+    """The server's files may not grow: SQLite's writes fail as they do on a full disk."""
+    motion = Motion(running)
+    pid = running.process.pid
+    before = resource.prlimit(pid, resource.RLIMIT_FSIZE)
+    resource.prlimit(pid, resource.RLIMIT_FSIZE, (1, before[1]))
+    try:
+        at_rest = check_steered(motion)
+        refused = httpx.post(f"{running.url}/v1/plans", json=motion.plan["request"], timeout=120)
+        assert refused.status_code == 503
+        assert refused.json()["code"] == "database_unavailable"
+        assert int(refused.headers["retry-after"]) > 0
+    finally:
+        resource.prlimit(pid, resource.RLIMIT_FSIZE, before)
+    check_recorded(motion, at_rest)
+
+
+def test_a_plan_that_ends_while_the_disk_is_full_succeeds(running):
+    scene = running.client.add_scene(ARM)
+    pid = running.process.pid
+    before = resource.prlimit(pid, resource.RLIMIT_FSIZE)
+    # A planner that uses all the time it has.
+    search = {"planner": "RRTstar", "allowed_planning_time": 4.0}
+    job = running.client.submit_plan(request_of(scene, search=search, refine={"method": "none"}))
+    path = f"/v1/plans/{job.id}"
+    until(lambda: running.ask("GET", path)["stage"] == "search")
+    resource.prlimit(pid, resource.RLIMIT_FSIZE, (1, before[1]))
+    try:
+        until(lambda: "end" in running.ask("GET", path)["unrecorded"])
+        # It is not given up after the few seconds in which a busy database is asked again.
+        threading.Event().wait(6.0)
+        assert running.ask("GET", path)["state"] == "running"
+    finally:
+        resource.prlimit(pid, resource.RLIMIT_FSIZE, before)
+    ended = until(lambda: (now := running.ask("GET", path))["finished_at"] and now)
+    assert (ended["state"], ended["failure"], ended["unrecorded"]) == ("succeeded", None, [])
+
+
+def test_a_worker_that_hangs_ends_its_execution_with_a_reason(running):
+    motion = Motion(running)
+    parents = living()
+    workers = [pid for pid in parents if parents.get(parents[pid]) == running.process.pid]
+    try:
+        for pid in workers:
+            os.kill(pid, signal.SIGSTOP)
+        ended = motion.ended()
+    finally:
+        for pid in workers:
+            if pid in living():
+                os.kill(pid, signal.SIGCONT)
+    assert ended["state"] == "aborted"
+    assert ended["failure"]["code"] == "worker_unresponsive"
+    assert Motion(running).post("cancel")["state"] in {"canceling", "canceled"}
+
+
+def test_a_server_that_is_told_to_end_brings_its_robot_to_rest_first(tmp_path):
+    with server(tmp_path) as first:
+        motion = Motion(first)
+        first.process.send_signal(signal.SIGTERM)
+        first.process.wait(120)
+    with server(tmp_path) as second:
+        ended = second.ask("GET", motion.path)
+    assert ended["state"] == "canceled"
+    assert ended["failure"]["evidence"]["reason"] == "the server stopped"
+    assert 0 < ended["status"]["progress"] < 1
+    assert motion.is_on_path(ended["status"])
