@@ -15,6 +15,8 @@ from planning.world.drake_model import DrakeModel
 
 # Pairs are measured that are farther than need be by no more than this [m].
 _MARGIN = 0.01
+# What Drake may overstate distances by: a share, and as much in metres.
+_OVERSTATED = 1e-3
 
 
 def band_check(
@@ -100,4 +102,8 @@ class _Farness:
         if not np.isfinite(value):
             return Sight(float(measured.lower.min()), np.inf)
         pair = self.distances.pairs.names[self.rows[nearest]]
-        return Sight(value, float((measured.distances + approaches).min()), "-".join(pair))
+        uppers = measured.distances
+        if value > self.max >= value - _OVERSTATED * (1 + value):
+            uppers = np.array(uppers)
+            uppers[nearest] = value = min(value, self.distances.closely(int(self.rows[nearest])))
+        return Sight(value, float((uppers + approaches).min()), "-".join(pair))

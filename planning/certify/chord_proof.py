@@ -97,9 +97,9 @@ class ChordProof:
         last = np.inf
         while len(intervals.pieces):
             self._look(intervals, width)
-            if self._seen > bound + SLACK:
-                return self._finding(np.inf, passed=False)
             uppers = self._uppers(intervals, width)
+            if self._seen > bound + SLACK:
+                return self._finding(max(self._settled, float(uppers.max())), passed=False)
             is_open = uppers > bound + SLACK
             if not is_open.any():
                 last = min(last, self._count + _TIGHTENING)

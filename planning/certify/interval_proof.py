@@ -56,7 +56,7 @@ class Finding:
 
     Attributes:
         value: The largest that was measured.
-        top: At most so much anywhere; infinite if that is not known.
+        top: At most so much anywhere, also of what is not proven; infinite if that is not known.
         passed: Whether it is proven to keep its bound.
         where: What was worst.
         time: When [s].
@@ -139,7 +139,8 @@ class _Bisection:
         while heap:
             node = heappop(heap)
             if self._worst.value > self._bound + SLACK:
-                return self._finding(np.inf, passed=False)
+                # No segment that is left has a larger bound, and the leaves keep theirs.
+                return self._finding(-node.rank, passed=False)
             if -node.rank <= self._bound + SLACK:
                 leaves.append(node)
             elif self._is_hopeless(node.segment):

@@ -145,6 +145,13 @@ class PairDistances:
             distances[i] = min(distances[i], found.upper)
         return Measured(pairs, distances, lower)
 
+    def closely(self, pair: int) -> float:
+        """Return an upper bound on the distance of a pair that is hardly larger than it [m]."""
+        a, b = self.pairs.rows[pair].tolist()
+        if self._is_flat[pair]:
+            return self._placed.height(a, b)
+        return self._placed.separate(a, b, np.inf, close=0.0).upper
+
     def sample(self, within: float) -> tuple[Indices, Array]:
         """Return the moved pairs that Drake, or the height above a half space, finds near [m]."""
         rows, is_moved = self.pairs.rows, self.pairs.is_moved

@@ -7,7 +7,7 @@ from pydrake.multibody.tree import BodyIndex
 
 from planning.certify.collision_shapes import CollisionShapes
 from planning.certify.motion_bounds import MotionBounds
-from planning.kernel.separation import Separation, separation
+from planning.kernel.separation import CLOSE, Separation, separation
 from planning.world.drake_model import DrakeModel
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
@@ -71,15 +71,15 @@ class PlacedShapes:
         best = slabs.reshape(count, len(a)).argmax(axis=0)
         return np.stack(lines)[best, np.arange(len(a))]
 
-    def separate(self, a: int, b: int, enough: float) -> Separation:
-        """Bound the distance of two shapes from both sides [m]."""
+    def separate(self, a: int, b: int, enough: float, *, close: float = CLOSE) -> Separation:
+        """Bound the distance of two shapes from both sides [m]; see `separation`."""
         rotations, positions, shapes = self._R_WG, self._p_wg, self._shapes
 
         def support(n: Array) -> Array:
             ahead = shapes.point(a, rotations[a], positions[a], n)
             return ahead - shapes.point(b, rotations[b], positions[b], -n)
 
-        return separation(support, self._centers[a] - self._centers[b], enough)
+        return separation(support, self._centers[a] - self._centers[b], enough, close)
 
     def height(self, a: int, b: int) -> float:
         """Return the height of the lowest point of one shape above the other, a half space [m]."""

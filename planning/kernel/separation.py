@@ -21,7 +21,7 @@ type Array = np.ndarray[Any, np.dtype[np.float64]]
 _MAX_STEPS = 60
 _TOLERANCE = 1e-10
 # How near the bounds must be where the lower one cannot become large enough any more [m].
-_CLOSE = 1e-5
+CLOSE = 1e-5
 
 
 @dataclass(frozen=True)
@@ -45,7 +45,7 @@ def separation(
     support: Callable[[Array], Array],
     guess: Float64[np.ndarray, "3"],
     enough: float,
-    close: float = _CLOSE,
+    close: float = CLOSE,
 ) -> Separation:
     """Bound the distance of the origin from a convex set.
 

@@ -105,6 +105,9 @@ def test_the_verdict_turns_where_the_worst_instant_is(case: Callable, seed: int)
     assert kept.resolution >= 0
     assert kept.value + kept.resolution <= kept.bound + 2e-6
     assert broken.value > broken.bound
+    # How much worse it may be at other instants is known, too; of boxes the loose one tells it.
+    beyond = worst if case is angle_case else 1e-3
+    assert beyond <= broken.value + broken.resolution + 1e-9 < np.inf
 
 
 @settings(max_examples=num_cases(2))
@@ -130,6 +133,8 @@ def test_a_band_turns_where_the_worst_distances_are(seed: int) -> None:
     checks = checked(world, request, *bands)
     assert [check.passed for check in checks] == [True, False, False, True]
     assert checks[1].value == pytest.approx(low, abs=1.1e-3)
+    assert -np.inf < checks[1].value - checks[1].resolution <= low + 1e-9
+    assert high <= checks[2].value + checks[2].resolution + 1e-9 < np.inf
     assert set(checks[1].where.split("-")) == {"ball", "body::body"}
 
 
