@@ -55,7 +55,7 @@ class HermiteErrors:
 
     @cached_property
     def _widths(self) -> Array:
-        return np.diff(self.request.trajectory.breaks)
+        return self.request.trajectory.widths
 
     @cached_property
     def _spare(self) -> list[Array]:
@@ -83,8 +83,8 @@ class HermiteErrors:
         They may be farther apart than that: where a limit is met, hardly anything is to spare.
         """
         found = [np.full(len(self._widths), np.inf)]
-        if kind != "linear":
-            steepest, order, errors = self._steepest(kind), _ORDERS[kind], _ERRORS[kind]
+        steepest, order, errors = self._steepest(kind), _ORDERS[kind], _ERRORS[kind]
+        if kind != "linear" and steepest.any():
             for r, spare in enumerate(self._spare):
                 found.append(_longest(spare, errors[r] * steepest, order - r).min(axis=0))
             if self.request.jerk:
@@ -116,6 +116,8 @@ class HermiteErrors:
     def _steepest(self, kind: Interpolation) -> Array:
         """Return a bound on the derivative that is missed, shape (nv, n)."""
         power = bernstein.derivative(self.request.trajectory.coefficients, _ORDERS[kind])
+        if power.shape[1] == 1:
+            return np.abs(power[:, 0].T)
         return np.abs(bernstein.rows_from_power(power, self._widths)).max(axis=2)
 
 
