@@ -18,6 +18,7 @@ class Deviations:
         """Cut the motion at its breaks and at some instants, where others may have theirs."""
         self._curve = curve
         self._times = np.union1d(curve.breaks, times)
+        self._widths = self._times[1:] - self._times[:-1]
         self._here = shifted(curve, self._times[:-1]) if curve.manifold.is_flat else None
 
     def of(self, other: TimedTrajectory) -> Float64[np.ndarray, "m nv"]:
@@ -35,12 +36,18 @@ class Deviations:
         if self._here is None:
             return np.full((1, curve.manifold.num_velocities), np.inf)
         (q, here), (q_other, there) = self._here, shifted(other, self._times[:-1])
-        apart = np.zeros((len(here), max(here.shape[1], there.shape[1]), here.shape[2]))
-        apart[:, : here.shape[1]] += here
-        apart[:, : there.shape[1]] -= there
+        terms, common = here.shape[1], min(here.shape[1], there.shape[1])
+        apart = np.zeros((len(here), max(terms, there.shape[1]), here.shape[2]))
+        apart[:, :terms] = here
+        apart[:, :common] -= there[:, :common]
+        np.negative(there[:, common:], out=apart[:, common : there.shape[1]])
         apart[:, 0] = curve.manifold.minus(q, q_other)
-        forms = bernstein.rows_from_power(apart, np.diff(self._times))
-        return np.abs(forms).max(axis=2).T
+        forms = np.abs(bernstein.rows_from_power(apart, self._widths))
+        # The largest of a few terms each: quicker term by term than along the last axis.
+        largest = forms[:, :, 0]
+        for k in range(1, forms.shape[2]):
+            largest = np.maximum(largest, forms[:, :, k])
+        return largest.T
 
 
 def shifted(curve: TimedTrajectory, begins: Float64[np.ndarray, " m"]) -> tuple[Array, Array]:
