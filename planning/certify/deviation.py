@@ -18,10 +18,13 @@ class Deviations:
         """Cut the motion at its breaks and at some instants, where others may have theirs."""
         self._curve = curve
         self._times = np.union1d(curve.breaks, times)
+        self._widths = self._times[1:] - self._times[:-1]
         self._here = shifted(curve, self._times[:-1]) if curve.manifold.is_flat else None
 
-    def of(self, other: TimedTrajectory) -> Float64[np.ndarray, " nv"]:
+    def of(self, other: TimedTrajectory) -> Float64[np.ndarray, "m nv"]:
         """Return how far apart each coordinate of two motions is at most, at the same instant.
+
+        One row for each interval between instants at which either may have a break.
 
         The difference of two polynomials is one, and its Bernstein coefficients bound it. Whole
         turns do not count. Where joints float nothing is known: it is infinite.
@@ -31,14 +34,20 @@ class Deviations:
         """
         curve = self._curve
         if self._here is None:
-            return np.full(curve.manifold.num_velocities, np.inf)
+            return np.full((1, curve.manifold.num_velocities), np.inf)
         (q, here), (q_other, there) = self._here, shifted(other, self._times[:-1])
-        apart = np.zeros((len(here), max(here.shape[1], there.shape[1]), here.shape[2]))
-        apart[:, : here.shape[1]] += here
-        apart[:, : there.shape[1]] -= there
+        terms, common = here.shape[1], min(here.shape[1], there.shape[1])
+        apart = np.zeros((len(here), max(terms, there.shape[1]), here.shape[2]))
+        apart[:, :terms] = here
+        apart[:, :common] -= there[:, :common]
+        np.negative(there[:, common:], out=apart[:, common : there.shape[1]])
         apart[:, 0] = curve.manifold.minus(q, q_other)
-        forms = bernstein.rows_from_power(apart, np.diff(self._times))
-        return np.abs(forms).max(axis=(1, 2))
+        forms = np.abs(bernstein.rows_from_power(apart, self._widths))
+        # The largest of a few terms each: quicker term by term than along the last axis.
+        largest = forms[:, :, 0]
+        for k in range(1, forms.shape[2]):
+            largest = np.maximum(largest, forms[:, :, k])
+        return largest.T
 
 
 def shifted(curve: TimedTrajectory, begins: Float64[np.ndarray, " m"]) -> tuple[Array, Array]:
@@ -48,9 +57,16 @@ def shifted(curve: TimedTrajectory, begins: Float64[np.ndarray, " m"]) -> tuple[
     """
     piece, offsets = curve.locate(begins)
     moved = curve.coefficients[piece]
-    last = moved.shape[1] - 1
-    away = offsets[:, None]
-    for i in range(last if offsets.any() else 0):
-        for k in range(last - 1, i - 1, -1):
-            moved[:, k] += away * moved[:, k + 1]
+    rows = np.flatnonzero(offsets)
+    if len(rows):
+        moved[rows] = _expanded(moved[rows], offsets[rows, None])
     return curve.bases[piece] + moved[:, 0], moved
+
+
+def _expanded(coefficients: Array, away: Array) -> Array:
+    """Return polynomials about places so far away, changing what is given."""
+    terms = np.ascontiguousarray(coefficients.swapaxes(0, 1))
+    for i in range(len(terms) - 1):
+        for k in range(len(terms) - 2, i - 1, -1):
+            terms[k] += away * terms[k + 1]
+    return terms.swapaxes(0, 1)

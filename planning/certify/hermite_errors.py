@@ -55,7 +55,7 @@ class HermiteErrors:
 
     @cached_property
     def _widths(self) -> Array:
-        return np.diff(self.request.trajectory.breaks)
+        return self.request.trajectory.widths
 
     @cached_property
     def _spare(self) -> list[Array]:
@@ -83,8 +83,8 @@ class HermiteErrors:
         They may be farther apart than that: where a limit is met, hardly anything is to spare.
         """
         found = [np.full(len(self._widths), np.inf)]
-        if kind != "linear":
-            steepest, order, errors = self._steepest(kind), _ORDERS[kind], _ERRORS[kind]
+        steepest, order, errors = self._steepest(kind), _ORDERS[kind], _ERRORS[kind]
+        if kind != "linear" and steepest.any():
             for r, spare in enumerate(self._spare):
                 found.append(_longest(spare, errors[r] * steepest, order - r).min(axis=0))
             if self.request.jerk:
@@ -103,7 +103,10 @@ class HermiteErrors:
                 (nv,).
             way: How much nearer any two shapes may come [m].
         """
-        worst = (self._steepest(kind) * levers[:, None]).sum(axis=0)
+        steepest = self._steepest(kind)
+        if not steepest.any():
+            return self.request.trajectory.duration
+        worst = (steepest * levers[:, None]).sum(axis=0)
         free = _longest(np.full_like(worst, way), _ERRORS[kind][0] * worst, _ORDERS[kind])
         period = np.minimum(self.gaps(kind), free)
         short = period < self._widths
@@ -113,10 +116,18 @@ class HermiteErrors:
         limits = self.request.limits
         return limits.per_coordinate(getattr(limits, RATES[order - 1]))
 
+    @cached_property
+    def _known(self) -> dict[Interpolation, Array]:
+        return {}
+
     def _steepest(self, kind: Interpolation) -> Array:
         """Return a bound on the derivative that is missed, shape (nv, n)."""
-        power = bernstein.derivative(self.request.trajectory.coefficients, _ORDERS[kind])
-        return np.abs(bernstein.rows_from_power(power, self._widths)).max(axis=2)
+        known = self._known.get(kind)
+        if known is None:
+            power = bernstein.derivative(self.request.trajectory.coefficients, _ORDERS[kind])
+            rows = bernstein.rows_from_power(power, self._widths)
+            known = self._known[kind] = np.abs(rows).max(axis=2)
+        return known
 
 
 def _longest(spare: Array, errors: Array, power: int) -> Array:

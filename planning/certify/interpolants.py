@@ -122,16 +122,20 @@ class _Judge:
     def _checks(self, asked: CertifyRequest, apart: Array, kind: Interpolation) -> list[Check]:
         own = place_checks(asked) if kind == "linear" else motion_checks(asked)
         found = [*own, *special_checks(self.model, asked, self.deadline)]
-        moved = apart > 0
-        if not float((self.levers[moved] * apart[moved]).sum()) <= self.way:
+        # Where nothing is apart an infinite lever moves nothing.
+        nearer = np.multiply(apart, self.levers, out=np.zeros_like(apart), where=apart > 0)
+        if not float(nearer.sum(axis=1).max()) <= self.way:
             found.append(check_clearance(self.model, asked, self.deadline).check)
         return found
 
     def _period(self, kind: Interpolation, *, proven: bool) -> float | None:
-        seen, longest = self.samples.longest_gap if proven else 0.0, 0.0
+        seen, longest = self.samples.longest_gap, 0.0
         if self.errors is not None and not self.has_more:
             longest = self.errors.longest(kind, self.levers, self.way)
-        return max(seen, longest) or None
+        if proven:
+            return max(seen, longest)
+        # Where these samples fail, what is said of longer periods cannot be so.
+        return longest if 0 < longest < seen else None
 
 
 def interpolated(samples: SampledTrajectory, kind: Interpolation) -> TimedTrajectory:

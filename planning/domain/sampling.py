@@ -8,8 +8,12 @@ two, a tenth of a millisecond apart or so, between which the acceleration goes o
 
     v1 = v0 + h (a0 + a1) / 2,    p1 = p0 + h v0 + h^2 (2 a0 + a1) / 6.
 
-What the true motion has then differs by some 1e-9. The samples keep that difference from there on,
-less a smooth polynomial that takes it away by the end: the first and the last are the motion's own.
+Where pieces too short for samples of their own lie between, the acceleration goes linearly to a
+third sample and on from there, and what it is there is chosen so that v1 is the motion's.
+
+What the true motion has then differs by some 1e-9, or 1e-7 where short pieces are gone over. The
+samples keep that difference from there on, less a smooth polynomial that takes it away by the end:
+the first and the last place are the motion's own.
 """
 
 from dataclasses import dataclass
@@ -20,23 +24,13 @@ from jaxtyping import Float64
 
 from planning.domain.curve import TimedTrajectory, derivative
 from planning.domain.joints import Joint
+from planning.domain.knots import Knots, evaluated
 from planning.domain.value import Value
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
-type Indices = np.ndarray[Any, np.dtype[np.intp]]
 
-# Half of the time in which a jump of acceleration is gone over, at least [s].
-_RAMP = 5e-5
-# Jumps that count as such, and what rounding may change of an acceleration, over their limits.
-_JUMP, _ROUNDED = 1e-6, 2e-7
 # Samples are not put nearer than this but for the period [s].
 _SHORTEST = 1e-3
-# The largest second derivative of the polynomial of degree 5 on [0, 1] that goes from 0 to 1.
-_STEEPEST = 10 / np.sqrt(3)
-# What is shorter, at an end, is part of the piece beside it [s].
-_DUST = 3e-8
-# Pieces of fewer ramps than this are gone over as a whole.
-_NARROW = 4.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,15 +100,17 @@ def sampled(
     periods = np.full(trajectory.num_pieces, sampling.period)
     if gaps is not None:
         periods = np.minimum(periods, np.maximum(gaps, _SHORTEST))
-    knots = _Knots.of(trajectory, periods, limits)
+    knots = Knots.of(trajectory, periods, limits)
     curve, piece, x = trajectory, knots.pieces, knots.times - trajectory.breaks[knots.pieces]
-    delta, *rates = (_evaluated(derivative(curve.coefficients, k)[piece], x) for k in range(3))
+    delta, *rates = (evaluated(derivative(curve.coefficients, k)[piece], x) for k in range(3))
     if not curve.manifold.is_flat:
         q = curve.manifold.plus(curve.bases[piece], delta)
         v = curve.manifold.generalized_velocity(q, delta, rates[0])
         vdot = curve.manifold.generalized_acceleration(q, delta, *rates)
         return SampledTrajectory(curve.joints, knots.times, q, v, vdot)
     states = curve.bases[piece] + delta, rates[0], rates[1]
+    if len(knots.bent):
+        states = *states[:2], _bent(curve, knots, states)
     moved = _ramped(curve, knots, states) if len(knots.ramps) else states
     return SampledTrajectory(curve.joints, knots.times, *moved)
 
@@ -124,69 +120,34 @@ def _at(trajectory: TimedTrajectory, times: Array) -> SampledTrajectory:
     return SampledTrajectory(trajectory.joints, times, trajectory.positions(times), *rates)
 
 
-@dataclass(frozen=True)
-class _Knots:
-    """Instants, the piece of the motion that each belongs to, and which begin a ramp."""
+def _bent(curve: TimedTrajectory, knots: Knots, states: tuple[Array, Array, Array]) -> Array:
+    """Return the accelerations with those chosen that are to be.
 
-    times: Array
-    pieces: Indices
-    ramps: Indices
+    Linear between three samples, L and R apart, they add up to
 
-    @classmethod
-    def of(cls, curve: TimedTrajectory, periods: Array, limits: Array) -> "_Knots":
-        breaks, widths = curve.breaks, np.diff(curve.breaks)
-        ramp = _ramp(curve, limits)
-        long = np.flatnonzero(widths >= _NARROW * ramp)
-        if len(long) == 0:
-            ends = np.array([0, curve.num_pieces - 1])
-            return cls(breaks[[0, -1]], ends, np.zeros(0, dtype=np.intp))
-        # Before the first long piece, between all, and after the last.
-        jumps = np.diff(long, prepend=-1, append=curve.num_pieces) > 1
-        jumps[1:-1] |= _jumps(curve, limits, long)
-        begins = breaks[long] + ramp * jumps[:-1]
-        ends = breaks[long + 1] - ramp * jumps[1:]
-        if breaks[long[0]] <= _DUST:
-            begins[0], jumps[0] = 0.0, False
-        if breaks[-1] - breaks[long[-1] + 1] <= _DUST:
-            ends[-1], jumps[-1] = breaks[-1], False
-        counts = np.maximum(1, np.ceil((ends - begins) / periods[long] - 1e-9)).astype(np.intp)
-        has_end = np.append(jumps[1:-1], True)
-        number = counts + has_end
-        owner = np.repeat(np.arange(len(long)), number)
-        step = np.arange(len(owner)) - (np.cumsum(number) - number)[owner]
-        times = begins[owner] + step * ((ends - begins) / counts)[owner]
-        lasts = np.cumsum(number) - 1
-        times[lasts[has_end]] = ends[has_end]
-        pieces, ramps = long[owner], lasts[:-1][jumps[1:-1]]
-        if jumps[0]:
-            times, pieces = np.insert(times, 0, 0.0), np.insert(pieces, 0, 0)
-            ramps = np.insert(ramps + 1, 0, 0)
-        if jumps[-1]:
-            ramps = np.append(ramps, len(times) - 1)
-            times, pieces = np.append(times, breaks[-1]), np.append(pieces, curve.num_pieces - 1)
-        return cls(times, pieces, ramps)
+        v2 - v0 = (L (a0 + a1) + R (a1 + a2)) / 2,
 
-
-def _ramp(curve: TimedTrajectory, limits: Array) -> float:
-    """Return half of how long a ramp takes: so long that rounded positions do not bend it [s]."""
-    if not curve.manifold.is_flat:
-        return 0.0
-    ulp = np.spacing(np.abs(curve.bases).max(axis=0))
-    least = np.sqrt(_STEEPEST * ulp / (_ROUNDED * limits))
-    return max(_RAMP, float(least.max()) / 2)
-
-
-def _jumps(curve: TimedTrajectory, limits: Array, long: Indices) -> Any:
-    """Return where accelerations jump between two long pieces in a row."""
-    if not curve.manifold.is_flat:
-        return np.zeros(len(long) - 1, dtype=bool)
+    which is solved for a1; at an end there is one such interval. They stay among those that the
+    motion has there.
+    """
+    (_, v, a), times = states, knots.times
+    chosen, last = a.copy(), len(times) - 1
     bend = derivative(curve.coefficients, 2)
-    before = _evaluated(bend[long[:-1]], np.diff(curve.breaks)[long[:-1]])
-    return (np.abs(bend[long[1:], 0] - before) > _JUMP * limits).any(axis=1)
+    for m in knots.bent:
+        i, j = max(m - 1, 0), min(m + 1, last)
+        before, after = times[m] - times[i], times[j] - times[m]
+        wanted = 2 * (v[j] - v[i]) - before * a[i] - after * a[j]
+        rows = slice(0 if m == 0 else knots.pieces[i], knots.pieces[j] + 1)
+        begins, ends = bend[rows, 0], evaluated(bend[rows], curve.widths[rows])
+        # Of the pieces before and after what counts is where they end and where they begin.
+        there = [begins if m == 0 else begins[1:], ends if m == last else ends[:-1], a[[i, j]]]
+        every = np.concatenate(there)
+        chosen[m] = np.clip(wanted / (before + after), every.min(axis=0), every.max(axis=0))
+    return chosen
 
 
 def _ramped(
-    curve: TimedTrajectory, knots: _Knots, states: tuple[Array, Array, Array]
+    curve: TimedTrajectory, knots: Knots, states: tuple[Array, Array, Array]
 ) -> tuple[Array, Array, Array]:
     """Return the states with linear accelerations on ramps, and all else moved along."""
     (q, v, a), times = states, knots.times
@@ -223,11 +184,3 @@ def _smooth(times: Array, shift: Array, rate: Array) -> tuple[Array, Array, Arra
         for k, (f, g) in enumerate(zip(to_shift, to_rate, strict=True))
     )
     return value, slope, bend
-
-
-def _evaluated(coefficients: Float64[np.ndarray, "m k nv"], x: Float64[np.ndarray, " m"]) -> Array:
-    """Return the value of a polynomial each, lowest power first, shape (m, nv)."""
-    total = coefficients[:, -1].copy()
-    for k in range(coefficients.shape[1] - 2, -1, -1):
-        total = total * x[:, None] + coefficients[:, k]
-    return total

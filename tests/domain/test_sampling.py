@@ -16,11 +16,20 @@ LIMITS = np.array([4.0, 2.0])
 SEEDS = st.integers(0, 2**32 - 1)
 
 
-def bang_bang(seed, widths=(0.02, 0.3), turns=0.0):
-    """Return a motion of constant accelerations within the limits, some of them at a limit."""
+def bang_bang(seed, widths=(0.02, 0.3), turns=0.0, most_between=0.0):
+    """Return a motion of constant accelerations within the limits, some of them at a limit.
+
+    Between its pieces, before and after them, lie others that take up to `most_between`, if that
+    is not 0.
+    """
     rng = np.random.default_rng(seed)
     n = int(rng.integers(1, 9))
     h = rng.uniform(*widths, n)
+    if most_between:
+        short = most_between * 10.0 ** rng.uniform(-4, 0, n + 1)
+        h = np.append(np.column_stack([short[:-1], h]).ravel(), short[-1])
+        h = h[int(rng.integers(2)) : len(h) - int(rng.integers(2))]
+        n = len(h)
     a = rng.choice([-1.0, -0.5, 0.0, 0.3, 1.0], (n, 2)) * LIMITS
     v = np.concatenate([np.zeros((1, 2)), np.cumsum(a * h[:, None], axis=0)])[:-1]
     steps = v * h[:, None] + a * h[:, None] ** 2 / 2
@@ -115,6 +124,22 @@ def test_pieces_too_short_to_tell_are_gone_over(seed):
     assert (np.diff(samples.times) > 0).all()
     np.testing.assert_allclose(samples.positions, motion.positions(samples.times), atol=1e-6)
     np.testing.assert_allclose(samples.positions[-1], motion.end, atol=1e-14)
+
+
+@given(SEEDS, st.floats(1e-3, 0.5))
+@settings(max_examples=num_cases(40))
+def test_what_is_gone_over_changes_no_speed(seed, period):
+    """Pieces too short for samples, between longer ones and at the ends, cost no limit."""
+    motion = bang_bang(seed, widths=(0.3, 0.6), most_between=1.9e-4)
+    samples = sampled(motion, Sampling(period), LIMITS)
+    assert (np.diff(samples.times) > 0).all()
+    speeds = np.abs(motion.velocities(looks(motion))).max(axis=0)
+    for kind in ("cubic", "quintic"):
+        made = read(samples, kind)
+        times = looks(made)
+        assert (np.abs(made.accelerations(times)) <= LIMITS * (1 + 1e-6)).all()
+        assert (np.abs(made.velocities(times)) <= speeds + 1e-6).all()
+        np.testing.assert_allclose(made.positions(times), motion.positions(times), atol=1e-7)
 
 
 def test_whole_turns_between_anchors_are_no_jumps():
