@@ -264,8 +264,9 @@ def test_sdf_and_mjcf_load_as_well(tmp_path: Path) -> None:
         assert "a::j" in world.group("a").position_names
 
 
-STILL = """<robot name="s"><link name="base"><collision><geometry><box size="0.2 0.2 0.2"/>
-</geometry></collision></link><link name="top"><collision><geometry><sphere radius="0.1"/></geometry>
+STILL = """<robot name="s"><link name="base"><collision><geometry>
+<box size="0.2 0.2 0.2"/></geometry></collision></link>
+<link name="top"><collision><geometry><sphere radius="0.1"/></geometry>
 </collision></link><joint name="f" type="fixed"><parent link="base"/><child link="top"/>
 <origin xyz="0 0 1"/></joint></robot>"""
 
