@@ -16,7 +16,7 @@ FACTOR ?= 40
 # Where shapes and types of every call are checked; `make test` does that at the doors, where it is cheap.
 SHAPES := --jaxtyping-packages=planning,tests.check
 
-.PHONY: demo test check format lint imports types drake-only shapes campaign sanitize setup lock \
+.PHONY: demo test costs check format lint imports types drake-only shapes campaign sanitize setup lock \
         bench bench-cars bench-kernel bench-mbm bench-regions bench-retime bench-seeds pictures serve clean
 
 setup: $(STAMP)
@@ -45,9 +45,13 @@ demo: setup
 serve: setup
 	@$(VENV)/bin/wayproof serve
 
-# Everything that a change can break, on all cores.
+# Everything that a change can break, on all cores; fails where fewer lines are run than before.
 test: setup
-	@$(PYTHON) -m pytest -n auto --dist worksteal
+	@$(PYTHON) -m pytest -n auto --dist worksteal --cov --cov-report=
+
+# Where the time of `make test` goes: seconds of CPU by folder, and the tests that take most.
+costs: setup
+	@$(PYTHON) -m pytest -n auto --dist worksteal -p tests.costs
 
 # The same with the shapes and types of every call checked: takes three times as long.
 shapes: setup
