@@ -11,7 +11,7 @@ two, a tenth of a millisecond apart or so, between which the acceleration goes o
 Where pieces too short for samples of their own lie between, the acceleration goes linearly to a
 third sample and on from there, and what it is there is chosen so that v1 is the motion's.
 
-What the true motion has then differs by some 1e-9, or 1e-7 where short pieces are gone over. The
+What the true motion has then differs by some 1e-9, or 1e-8 where short pieces are gone over. The
 samples keep that difference from there on, less a smooth polynomial that takes it away by the end:
 the first and the last place are the motion's own.
 """

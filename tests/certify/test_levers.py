@@ -73,7 +73,8 @@ def test_deviations_bound_what_a_fine_loop_sees(seed: int) -> None:
     one = random_trajectory(rng, robot.group, 3, 0.5)
     other = random_trajectory(rng, robot.group, 2, 0.5).slowed(1.0)
     other = other.slowed(one.duration / other.duration)
-    bound = Deviations(one, other.breaks).of(other).max(axis=0)
+    rows = Deviations(one, other.breaks).of(other)
+    bound = rows.max(axis=0)
     times = np.linspace(0, one.duration * (1 - 1e-12), 3001)
     apart = one.manifold.minus(one.positions(times), other.positions(times))
     seen = np.abs(apart).max(axis=0)
@@ -81,5 +82,9 @@ def test_deviations_bound_what_a_fine_loop_sees(seed: int) -> None:
     assert (seen[~wraps] <= bound[~wraps] + 1e-9).all()
     assert (seen[wraps] <= np.maximum(bound[wraps], np.pi) + 1e-9).all()
     assert (bound[~wraps] <= 40 * seen[~wraps] + 1e-9).all()
+    # Each row holds on its own interval.
+    begins = np.union1d(one.breaks, other.breaks)[:-1]
+    here = rows[np.searchsorted(begins, times, side="right") - 1]
+    assert (np.abs(apart[:, ~wraps]) <= here[:, ~wraps] + 1e-9).all()
     same = Deviations(one, other.breaks).of(one).max(axis=0)
     assert same.max() <= 1e-12

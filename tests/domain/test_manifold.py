@@ -46,3 +46,13 @@ def test_a_circle_is_crossed_the_short_way() -> None:
     manifold = Manifold(group_of(JointType.CONTINUOUS).joints)
     delta = manifold.minus(np.array([-3.0]), np.array([3.0]))
     assert delta[0] == pytest.approx(2 * np.pi - 6.0)
+
+
+def test_one_manifold_serves_the_very_same_joints() -> None:
+    """However many there are meanwhile, it is that of those joints."""
+    groups = [group_of(kind) for _ in range(100) for kinds in KINDS for kind in kinds]
+    for group in groups:
+        made = Manifold.of(group.joints)
+        assert made.joints is group.joints
+        assert made is Manifold.of(group.joints)
+    assert all(Manifold.of(group.joints).joints is group.joints for group in groups)

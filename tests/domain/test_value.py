@@ -1,6 +1,7 @@
 """Values freeze, pickle, compare and hash by content."""
 
 import pickle
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -32,6 +33,22 @@ def test_one_bit_makes_another_value() -> None:
     spline = JointSpline.through(group.joints, waypoints)
     waypoints[2, 1] = np.nextafter(waypoints[2, 1], 9.0)
     assert JointSpline.through(group.joints, waypoints) != spline
+
+
+def test_equality_is_that_of_digests() -> None:
+    """What is seen at first sight and what is not: arrays, their shapes, and all else."""
+    group, other = (group_of(*[JointType.REVOLUTE] * count) for count in (2, 3))
+    rows = random_waypoints(group, 1, 4)
+    kept = JointSpline.through(group.joints, rows)
+    made = [kept, JointSpline.through(group.joints, rows.copy())]
+    made += [JointSpline.through(group.joints, rows[:3]), replace(kept, joints=other.joints)]
+    made += [replace(kept, bases=bases) for bases in (-kept.bases, kept.bases * np.nan)]
+    made.append(replace(kept, bases=made[-1].bases))
+    for one in made:
+        for another in made:
+            assert (one == another) == (digest(one) == digest(another))
+    assert made[0] == made[1]
+    assert made[-1] == made[-2]
 
 
 def test_digests_tell_shapes_and_kinds_apart() -> None:
