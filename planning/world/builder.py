@@ -1,6 +1,7 @@
 """Build a scene in Drake."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +18,7 @@ from pydrake.planning import RobotDiagramBuilder
 
 from planning.domain.pose import Pose
 from planning.domain.scene import Scene, SceneFrame, SceneObject, SceneRobot
+from planning.domain.shapes import Mesh
 from planning.errors import ModelInvalid, SceneInvalid, UnknownName
 from planning.world.collision_count import collision_counts, require_shapes
 from planning.world.collision_filters import (
@@ -34,6 +36,7 @@ from planning.world.model_warnings import parser_warnings, visual_only
 from planning.world.only_kept import require_kept
 from planning.world.scene_build import Build, LoadedRobot, refuse_second
 from planning.world.shapes import drake_shape
+from planning.world.sound_mesh import require_sound_mesh
 from planning.world.unchecked_pairs import unchecked_pairs
 
 DEFAULT_COLOR = np.array([0.72, 0.62, 0.48, 1.0])
@@ -97,6 +100,17 @@ def build_diagram(
         warnings=tuple(dict.fromkeys(build.warnings)),
     )
     return model, tuple(build.robots)
+
+
+def build_alone(thing: SceneRobot | SceneObject, kept: KeptScene) -> None:
+    """Build one robot, or one object, and nothing else; raises as `build_diagram`."""
+    builder: Any = RobotDiagramBuilder(time_step=0.001)
+    build = Build(builder, builder.plant())
+    if isinstance(thing, SceneRobot):
+        _add_robot(build, replace(thing, base=Pose.identity()), kept)
+    else:
+        _add_object(build, replace(kept.thing(thing), attached=None), thing.name)
+    build.plant.Finalize()
 
 
 def _add_robot(build: Build, robot: SceneRobot, kept: KeptScene) -> None:
@@ -181,6 +195,8 @@ def _weld_base(build: Build, loaded: LoadedRobot) -> None:
 
 
 def _add_object(build: Build, thing: SceneObject, path: str) -> None:
+    if isinstance(thing.shape, Mesh):
+        require_sound_mesh(Path(thing.shape.uri), f"{path}: object {thing.name!r}")
     try:
         shape, x_og = drake_shape(thing.shape), RigidTransform()
         instance = build.plant.AddModelInstance(thing.name)

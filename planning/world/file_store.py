@@ -45,7 +45,7 @@ class FileStore:
         if content is None or hashlib.sha256(content).hexdigest() != sha256:
             state = "not there" if content is None else "damaged"
             message = f"a file that the scene was made from, sha256 {sha256}, is {state}"
-            raise AssetNotFound(message, {"uri": f"sha256:{sha256}", "known": [str(self.folder)]})
+            raise AssetNotFound(message, {"uri": f"sha256:{sha256}", "known": []})
         return content
 
     def unfold(self, sha256: Mapping[str, str]) -> Path:

@@ -7,6 +7,8 @@ from io import BytesIO
 from pathlib import Path
 from xml.etree import ElementTree as ET
 
+import numpy as np
+
 from planning.errors import ModelInvalid
 from planning.whole_files import write_whole
 from planning.world.mesh_axes import upright
@@ -118,6 +120,9 @@ def _as_obj(content: bytes, suffix: str) -> str:
     from trimesh.exchange.obj import export_obj  # noqa: PLC0415
 
     loaded = trimesh.load(BytesIO(content), file_type=suffix[1:], force="mesh")
+    if not np.isfinite(loaded.vertices).all():
+        message = "a vertex is at no place: its coordinates are not finite"
+        raise ValueError(message)
     loaded.apply_transform(upright(content, suffix))
     text: str = export_obj(loaded, include_texture=False)
     return text

@@ -1,7 +1,8 @@
 """Groups from the SRDF beside a URDF (MoveIt's semantic description)."""
 
 from pathlib import Path
-from xml.etree import ElementTree as ET
+
+from planning.world.xml_file import xml_root
 
 
 def read_srdf_groups(urdf: Path, movable: list[str]) -> dict[str, tuple[list[str], list[str]]]:
@@ -17,7 +18,7 @@ def read_srdf_groups(urdf: Path, movable: list[str]) -> dict[str, tuple[list[str
     parents = _parent_joints(urdf)
     chains: dict[str, tuple[list[str], list[str]]] = {}
     others: dict[str, tuple[list[str], list[str]]] = {}
-    for group in ET.parse(srdf).getroot().findall("group"):  # noqa: S314  (was inspected)
+    for group in xml_root(srdf.read_bytes()).findall("group"):
         name = group.get("name", "")
         chain = group.find("chain")
         if chain is not None:
@@ -34,7 +35,7 @@ def read_srdf_groups(urdf: Path, movable: list[str]) -> dict[str, tuple[list[str
 def _parent_joints(urdf: Path) -> dict[str, tuple[str, str]]:
     """Return (joint, parent link) of every link."""
     parents: dict[str, tuple[str, str]] = {}
-    for joint in ET.parse(urdf).getroot().findall("joint"):  # noqa: S314  (was inspected)
+    for joint in xml_root(urdf.read_bytes()).findall("joint"):
         parent, child = joint.find("parent"), joint.find("child")
         if parent is not None and child is not None:
             parents[child.get("link", "")] = (joint.get("name", ""), parent.get("link", ""))
