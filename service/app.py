@@ -8,6 +8,7 @@ from fastapi import Depends, FastAPI
 from service import openapi, problems
 from service.body_limit import BodyLimit
 from service.engine import open_desk
+from service.gate import Gate
 from service.plans.versions import versions
 from service.routes import (
     executions,
@@ -66,7 +67,10 @@ def create_app(settings: Settings | None = None) -> FastAPI:
         redirect_slashes=False,
     )
     app.state.settings = chosen
-    app.add_middleware(BodyLimit, max_scene_bytes=chosen.max_body_bytes)
+    app.add_middleware(
+        BodyLimit, max_scene_bytes=chosen.max_body_bytes, allowed=chosen.body_timeout
+    )
+    app.add_middleware(Gate, settings=chosen)
     problems.install(app)
     openapi.install(app)
     for part in _ROUTES:

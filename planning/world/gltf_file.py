@@ -50,17 +50,17 @@ class _Gltf:
     def require_sound(self) -> None:
         for name, pointers in _POINTERS.items():
             for i, part in enumerate(self._list(name)):
-                for field, others in pointers.items():
-                    if field in part:
-                        self._at(others, part[field], f"{name}.{i}.{field}")
-        for i, buffer in enumerate(self._list("buffers")):
-            self._check_buffer(i, buffer)
-        for i, view in enumerate(self._list("bufferViews")):
-            self._check_view(i, view)
-        for i, accessor in enumerate(self._list("accessors")):
-            self._check_accessor(i, accessor)
-        for i, mesh in enumerate(self._list("meshes")):
-            self._check_mesh(i, mesh)
+                for field in pointers.keys() & part.keys():
+                    self._at(pointers[field], part[field], f"{name}.{i}.{field}")
+        checks = {
+            "buffers": self._check_buffer,
+            "bufferViews": self._check_view,
+            "accessors": self._check_accessor,
+            "meshes": self._check_mesh,
+        }
+        for name, check in checks.items():
+            for i, part in enumerate(self._list(name)):
+                check(i, part)
         self._check_tree()
 
     def _list(self, name: str) -> list[Mapping[str, Any]]:

@@ -1,4 +1,4 @@
-"""require_sound_obj(): whether the faces of a Wavefront OBJ have their vertices, all of them finite.
+"""require_sound_obj(): whether the faces of an OBJ have their vertices, all at finite places.
 
 Drake reads vertices that are not there, which ends the process, and takes NaN for a position.
 """

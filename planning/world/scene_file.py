@@ -1,6 +1,7 @@
 """Read a scene from YAML, JSON or a decoded document; say which line is at fault."""
 
 from collections.abc import Mapping, Sequence
+from functools import cache
 from pathlib import Path
 from typing import Any, cast
 
@@ -9,6 +10,7 @@ from pydantic import ValidationError
 
 from planning.domain.scene import Scene
 from planning.errors import AssetNotFound, SceneInvalid
+from planning.faults import faults_of
 from planning.world.scene_document import SceneDocument
 from planning.world.yaml_text import read_yaml
 
@@ -76,34 +78,29 @@ def _validate(document: Mapping[str, Any], node: Any, name: str) -> Scene:
     try:
         return SceneDocument.model_validate(document).value()
     except ValidationError as refusal:
-        faults = [
-            {
-                "path": ".".join(str(step) for step in _real_steps(document, fault["loc"])),
-                "line": _line_of(node, fault["loc"]),
-                "message": fault["msg"].removeprefix("Value error, "),
-            }
-            for fault in refusal.errors(include_url=False, include_context=False)[:_MAX_FAULTS]
-        ]
+        found = refusal.errors(include_url=False, include_context=False)
+    faults = [
+        {
+            "path": fault.path,
+            "pointer": fault.pointer,
+            "line": _line_of(node, fault.steps),
+            "message": fault.message,
+            "nearest": list(fault.nearest),
+        }
+        for fault in faults_of(cast("Any", found), document, _schema())
+    ]
     first = faults[0]
     where = f", line {first['line']}" if first["line"] else ""
     more = f" (and {len(faults) - 1} more faults)" if len(faults) > 1 else ""
     place = first["path"] or "the document"
     message = f"{name}{where}: {place}: {first['message']}{more}"
-    raise SceneInvalid(message, {"path": first["path"], "line": first["line"], "faults": faults})
+    evidence = {"path": first["path"], "pointer": first["pointer"], "line": first["line"]}
+    raise SceneInvalid(message, {**evidence, "faults": faults[:_MAX_FAULTS]})
 
 
-def _real_steps(document: Any, location: Sequence[str | int]) -> list[str | int]:
-    """Return the location without the steps that pydantic made up, such as a union's branches."""
-    real: list[str | int] = []
-    for i, step in enumerate(location):
-        if isinstance(document, Mapping):
-            is_real = step in document or i == len(location) - 1
-            document = cast("Any", document).get(step) if is_real else document
-        else:
-            is_real = isinstance(document, list) and step in range(len(document))
-            document = cast("Any", document)[step] if is_real else document
-        real += [step] if is_real else []
-    return real
+@cache
+def _schema() -> dict[str, Any]:
+    return SceneDocument.model_json_schema()
 
 
 def _line_of(node: Any, location: Sequence[str | int]) -> int | None:

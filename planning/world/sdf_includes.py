@@ -12,9 +12,7 @@ _IN_PACKAGE = re.compile(r"^(?:package|model)://([^/]+)/?(.*)$")
 _MOST = 200
 
 
-def included_models(
-    file: Path, root: ET.Element, packages: Mapping[str, Path]
-) -> list[ET.Element]:
+def included_models(file: Path, root: ET.Element, packages: Mapping[str, Path]) -> list[ET.Element]:
     """Return the roots of all included descriptions; Drake says which are not there.
 
     Args:

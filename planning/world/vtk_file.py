@@ -8,7 +8,6 @@ from pathlib import Path
 import numpy as np
 
 
-
 def require_sound_vtk(file: Path) -> None:
     """Go on only if a VTK file has every point that its cells name, and all at finite places.
 
