@@ -53,9 +53,17 @@ def create_app(settings: Settings | None = None) -> FastAPI:
 
     @asynccontextmanager
     async def lifespan(app: FastAPI) -> AsyncGenerator[None]:
-        async with open_desk(chosen) as (desk, shelf):
-            app.state.desk, app.state.scenes = desk, shelf
-            yield
+        app.state.start_fault = None
+        has_started = False
+        try:
+            async with open_desk(chosen) as (desk, shelf):
+                app.state.desk, app.state.scenes = desk, shelf
+                has_started = True
+                yield
+        except Exception as fault:
+            if not has_started:
+                app.state.start_fault = fault  # what runs the app says it in a sentence
+            raise
 
     app = FastAPI(
         title="Wayproof",

@@ -64,9 +64,12 @@ def respond(error: WayproofError) -> ProblemResponse:
     """Return the answer to a request that ended with one of our errors."""
     status = status_of_error(error)
     content = problem_of(error.code, status, error.detail, finite(error.evidence))
-    is_passing = status in {429, 503}
-    headers = {"Retry-After": str(math.ceil(error.evidence.get("retry_after", 1)))}
-    return ProblemResponse(content, status, headers if is_passing else None)
+    headers: dict[str, str] = {}
+    if status in {429, 503}:
+        headers["Retry-After"] = str(math.ceil(error.evidence.get("retry_after", 1)))
+    if status in {408, 413}:  # the rest of the body is not waited for
+        headers["Connection"] = "close"
+    return ProblemResponse(content, status, headers)
 
 
 def refusal_of(

@@ -156,12 +156,18 @@ class _Keeper:
 
     def robot(self, model: str) -> KeptFiles:
         if model not in self.robots:
-            source = self.library.find(model)
-            cards = [source.card_file] if source.card_file else []
-            is_named = source.card_file is not None and model in self.library.names
-            with told_as({str(source.file.parent): model} if is_named else {}):
+            with told_as(self._names(model)):
+                source = self.library.find(model)
+                cards = [source.card_file] if source.card_file else []
                 self.robots[model] = self._kept(model, source.file, cards)
         return self.robots[model]
+
+    def _names(self, model: str) -> dict[str, str]:
+        """Return how robots that are asked for by name know the library's folders."""
+        if model not in self.library.names:
+            return {}
+        roots = self.library.roots
+        return {str(root / model): model for root in roots} | {str(root): "" for root in roots}
 
     def mesh(self, thing: SceneObject, index: int) -> KeptFiles:
         assert isinstance(thing.shape, Mesh)  # noqa: S101  (the caller's case)

@@ -99,7 +99,7 @@ def _included(file: Path, name: str) -> ET.Element:
     path = file.parent / name
     if not path.is_file():
         message = f"{file.name} includes {name!r}, which is not at {path}"
-        raise AssetNotFound(message, {"uri": name, "known": [str(file.parent)]})
+        raise AssetNotFound(message, {"uri": name, "known": []})
     try:
         return xml_root(path.read_bytes())
     except ValueError as fault:

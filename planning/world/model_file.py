@@ -179,7 +179,7 @@ def package_folder(file: Path, name: str, uri: str) -> Path:
         if (folder / name).is_dir():
             return folder / name
     message = f"{file.name} names {uri!r}, but no folder above it is the package {name!r}"
-    raise AssetNotFound(message, {"uri": uri, "known": [str(p) for p in file.parents[:3]]})
+    raise AssetNotFound(message, {"uri": uri, "known": [p.name for p in file.parents[:3]]})
 
 
 def _equalities(file: Path, root: ET.Element) -> list[Mimic]:

@@ -6,6 +6,7 @@ from typing import Annotated, Any
 import typer
 
 from service.cli.goal import goal_of, group_of
+from service.cli.options import MAX_SEED, above_zero
 from service.cli.plan import finished, write
 from service.cli.screen import console, follow, show_execution, show_failure, show_plans, unit_of
 from service.cli.session import scene_text, session
@@ -20,8 +21,10 @@ _WAYPOINTS = ("pick", "place")
 def demo(
     *,
     out: Annotated[Path, typer.Option(help="Folder for the replays.")] = Path("out"),
-    speed: Annotated[float, typer.Option(help="Pace of the execution; 1 is real time.")] = 1.0,
-    seed: Annotated[int, typer.Option(help="Of all randomness.")] = 1,
+    speed: Annotated[
+        float, typer.Option(help="Pace of the execution; 1 is real time.", callback=above_zero)
+    ] = 1.0,
+    seed: Annotated[int, typer.Option(help="Of all randomness.", min=0, max=MAX_SEED)] = 1,
     server: Annotated[str | None, typer.Option(help="URL of a running server.")] = None,
 ) -> None:
     """Plan home -> pick -> place in a bundled scene, execute both, and write the replays."""
