@@ -27,8 +27,9 @@ from service.settings import Settings
 
 _DESCRIPTION = (
     "Plans robot motion and proves it. SI units, radians, quaternions as `[w, x, y, z]`. Unknown "
-    "fields, unknown query parameters and non-finite numbers are refused. Errors are "
-    "`application/problem+json` (RFC 9457)."
+    "fields, unknown query parameters, keys given twice and non-finite numbers are refused. Bodies "
+    "are `application/json`, of at most 4 MiB; scenes may have 32 MiB, or be YAML of 2 MB. Errors "
+    "are `application/problem+json` (RFC 9457)."
 )
 _ROUTES = (
     scenes,

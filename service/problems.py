@@ -20,7 +20,7 @@ from service.strict_route import CarriedRefusal, body_schema
 
 MEDIA_TYPE = "application/problem+json"
 _MAX_FAULTS = 20
-_CODES = {
+CODES = {
     400: "unreadable_body",
     404: "not_found",
     405: "method_not_allowed",
@@ -130,7 +130,7 @@ def _on_http_error(request: Request, error: Exception) -> ProblemResponse:
     assert isinstance(error, HTTPException)  # noqa: S101
     if isinstance(error, CarriedRefusal):
         return respond(error.refusal)
-    code = _CODES.get(error.status_code, "http_error")
+    code = CODES.get(error.status_code, "http_error")
     detail = str(error.detail)
     if error.status_code in {404, 405}:
         detail = (

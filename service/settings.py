@@ -87,6 +87,13 @@ class Settings(BaseSettings):
         return self.database_url or f"sqlite:///{self.data_dir / 'wayproof.sqlite'}"
 
     @property
+    def owner(self) -> str:
+        """What tells the database of a data folder from another one; no password is in it."""
+        if self.database_url is None:
+            return "the data folder"
+        return self.database_url.rpartition("@")[2]
+
+    @property
     def is_loopback(self) -> bool:
         """Whether only this machine can reach the server."""
         if self.host == "localhost":

@@ -115,7 +115,7 @@ def build_alone(thing: SceneRobot | SceneObject, kept: KeptScene) -> None:
 
 def _add_robot(build: Build, robot: SceneRobot, kept: KeptScene) -> None:
     source = kept.source(robot.name)
-    file = inspect_model(source.file)
+    file = inspect_model(source.file, kept.store.meshes)
     parser = build.builder.parser()
     parser.SetAutoRenaming(value=True)
     packages = parser.package_map()
@@ -142,7 +142,7 @@ def _add_robot(build: Build, robot: SceneRobot, kept: KeptScene) -> None:
     build.warnings += visual_only(build.builder.scene_graph(), build.plant, instances, robot.name)
     loaded = LoadedRobot(robot, source, file, instances[0])
     build.robots.append(loaded)
-    require_kept(build, instances, source.file, kept.folder(robot.name))
+    require_kept(build, instances, source.file, (kept.folder(robot.name), kept.store.meshes))
     _weld_base(build, loaded)
     for joint in file.floating:
         _add_floating(build, robot.name, joint)

@@ -71,7 +71,7 @@ class KeptScene:
             str(self.store.folder_of(kept.sha256)): _origin(kept)
             for kept in self.scene.files.values()
         }
-        with told_as(found):
+        with told_as({**found, str(self.store.meshes): "meshes"}):
             yield
 
 

@@ -79,8 +79,12 @@ class ModelFile:
     shapes: tuple[StatedShape, ...]
 
 
-def inspect_model(file: Path) -> ModelFile:
+def inspect_model(file: Path, twins: Path) -> ModelFile:
     """Return what a description says, if it is safe to give to Drake.
+
+    Args:
+        file: The description.
+        twins: Folder of meshes that are made from those that Drake does not read.
 
     Raises:
         AssetNotFound: A package, mesh or included MJCF file that it names is not there.
@@ -114,7 +118,7 @@ def inspect_model(file: Path) -> ModelFile:
         mimics=tuple(_equalities(file, root) if is_mjcf else _mimics(file, models)),
         effort=_efforts(root),
         packages=packages,
-        rewritten=with_readable_meshes(file, root, meshes, always=is_nameless or includes),
+        rewritten=with_readable_meshes(file, root, meshes, twins, always=is_nameless or includes),
         disabled_pairs=tuple(_disabled_pairs(file)),
         shapes=tuple(shape for model in models for shape in stated_shapes(model)),
     )

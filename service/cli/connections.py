@@ -6,7 +6,7 @@ has no more files: a few hundred half-sent requests then deafen it.
 
 import asyncio
 import resource
-from typing import Any, override
+from typing import Any, cast
 
 from uvicorn.protocols.http.auto import AutoHTTPProtocol
 
@@ -68,61 +68,61 @@ def most_connections(wanted: int) -> int:
     return max(1, min(wanted, soft - _OTHER_FILES))
 
 
-def bounded_protocol(connections: Connections) -> type[asyncio.Protocol]:
-    """Return uvicorn's protocol, within bounds."""
-    base: Any = AutoHTTPProtocol
+class _Bounded:
+    """What uvicorn's protocols lack, to be mixed into one of them."""
 
-    class BoundedProtocol(base):
-        """A connection that is closed if the headers of a request do not arrive in time."""
+    connections: Connections
+    loop: asyncio.AbstractEventLoop
+    transport: asyncio.Transport
+    cycle: Any
+    _timer: asyncio.TimerHandle | None = None
 
-        _timer: asyncio.TimerHandle | None = None
+    def connection_made(self, transport: Any) -> None:
+        cast("Any", super()).connection_made(transport)
+        if self.connections.add(self):
+            self._begin()
+        else:
+            transport.write(_FULL)
+            transport.close()
 
-        @override
-        def connection_made(self, transport: Any) -> None:
-            super().connection_made(transport)
-            if connections.add(self):
-                self._begin()
-            else:
-                transport.write(_FULL)
-                transport.close()
-
-        @override
-        def data_received(self, data: bytes) -> None:
-            super().data_received(data)
-            if self._is_asking:
-                self._end()
-                connections.mark(self, silent=False)
-            else:
-                self._begin()
-
-        @override
-        def on_response_complete(self) -> None:
-            super().on_response_complete()
-            connections.mark(self, silent=True)
-
-        @override
-        def connection_lost(self, exc: Exception | None) -> None:
+    def data_received(self, data: bytes) -> None:
+        cast("Any", super()).data_received(data)
+        if self._is_asking:
             self._end()
-            connections.remove(self)
-            super().connection_lost(exc)
+            self.connections.mark(self, silent=False)
+        else:
+            self._begin()
 
-        @property
-        def _is_asking(self) -> bool:
-            return self.cycle is not None and not self.cycle.response_complete
+    def on_response_complete(self) -> None:
+        cast("Any", super()).on_response_complete()
+        self.connections.mark(self, silent=True)
 
-        def _begin(self) -> None:
-            if self._timer is None:
-                self._timer = self.loop.call_later(connections.header_timeout, self._on_late)
+    def connection_lost(self, exc: Exception | None) -> None:
+        self._end()
+        self.connections.remove(self)
+        cast("Any", super()).connection_lost(exc)
 
-        def _end(self) -> None:
-            if self._timer is not None:
-                self._timer.cancel()
-                self._timer = None
+    @property
+    def _is_asking(self) -> bool:
+        return self.cycle is not None and not self.cycle.response_complete
 
-        def _on_late(self) -> None:
+    def _begin(self) -> None:
+        if self._timer is None:
+            self._timer = self.loop.call_later(self.connections.header_timeout, self._on_late)
+
+    def _end(self) -> None:
+        if self._timer is not None:
+            self._timer.cancel()
             self._timer = None
-            if not self._is_asking and not self.transport.is_closing():
-                self.transport.write(_LATE)
-                self.transport.close()
 
-    return BoundedProtocol
+    def _on_late(self) -> None:
+        self._timer = None
+        if not self._is_asking and not self.transport.is_closing():
+            self.transport.write(_LATE)
+            self.transport.close()
+
+
+def bounded_protocol(connections: Connections) -> type[asyncio.Protocol]:
+    """Return uvicorn's protocol, for connections that are closed if they take too long."""
+    bases = (_Bounded, cast("Any", AutoHTTPProtocol))
+    return type("BoundedProtocol", bases, {"connections": connections})
