@@ -208,7 +208,7 @@ def _add_object(build: Build, thing: SceneObject, path: str) -> None:
             body, x_og, shape, thing.name, CoulombFriction(0.9, 0.8)
         )
         build.plant.RegisterVisualGeometry(body, x_og, shape, thing.name, color)
-    except (RuntimeError, ValueError) as fault:
+    except (RuntimeError, ValueError, SystemExit) as fault:
         message = f"{path}: object {thing.name!r} does not load: {fault}"
         raise SceneInvalid(message, {"path": path}) from fault
     if thing.attached is None:

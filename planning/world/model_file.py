@@ -162,7 +162,8 @@ def _find_meshes(file: Path, root: ET.Element) -> tuple[dict[str, Path], dict[st
             meshes[uri] = (mesh_folder if root.tag == "mujoco" else file.parent) / uri
         meshes[uri] = Path(os.path.normpath(meshes[uri]))  # as Drake does
         if not meshes[uri].is_file():
-            message = f"{file.name} names the mesh {uri!r}, which is not at {meshes[uri]}"
+            place = os.path.relpath(meshes[uri], file.parent)
+            message = f"{file.name} names the mesh {uri!r}, and there is no {place!r} beside it"
             raise AssetNotFound(message, {"uri": uri, "known": sorted(packages)})
         require_sound_mesh(meshes[uri], file.name)
     return packages, meshes

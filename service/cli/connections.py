@@ -71,7 +71,7 @@ def most_connections(wanted: int) -> int:
 class _Bounded:
     """What uvicorn's protocols lack, to be mixed into one of them."""
 
-    connections: Connections
+    bounds: Connections
     loop: asyncio.AbstractEventLoop
     transport: asyncio.Transport
     cycle: Any
@@ -79,7 +79,7 @@ class _Bounded:
 
     def connection_made(self, transport: Any) -> None:
         cast("Any", super()).connection_made(transport)
-        if self.connections.add(self):
+        if self.bounds.add(self):
             self._begin()
         else:
             transport.write(_FULL)
@@ -89,17 +89,17 @@ class _Bounded:
         cast("Any", super()).data_received(data)
         if self._is_asking:
             self._end()
-            self.connections.mark(self, silent=False)
+            self.bounds.mark(self, silent=False)
         else:
             self._begin()
 
     def on_response_complete(self) -> None:
         cast("Any", super()).on_response_complete()
-        self.connections.mark(self, silent=True)
+        self.bounds.mark(self, silent=True)
 
     def connection_lost(self, exc: Exception | None) -> None:
         self._end()
-        self.connections.remove(self)
+        self.bounds.remove(self)
         cast("Any", super()).connection_lost(exc)
 
     @property
@@ -108,7 +108,7 @@ class _Bounded:
 
     def _begin(self) -> None:
         if self._timer is None:
-            self._timer = self.loop.call_later(self.connections.header_timeout, self._on_late)
+            self._timer = self.loop.call_later(self.bounds.header_timeout, self._on_late)
 
     def _end(self) -> None:
         if self._timer is not None:
@@ -125,4 +125,4 @@ class _Bounded:
 def bounded_protocol(connections: Connections) -> type[asyncio.Protocol]:
     """Return uvicorn's protocol, for connections that are closed if they take too long."""
     bases = (_Bounded, cast("Any", AutoHTTPProtocol))
-    return type("BoundedProtocol", bases, {"connections": connections})
+    return type("BoundedProtocol", bases, {"bounds": connections})

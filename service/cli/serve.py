@@ -50,7 +50,8 @@ def serve(  # noqa: PLR0913  (one parameter per option)
 
     level = "info" if verbose else "warning"
     try:
-        run(settings, bound, log_level=level, leashed=leashed, on_listening=tell)
+        with bound:
+            run(settings, bound, log_level=level, leashed=leashed, on_listening=tell)
     except CannotStart as fault:
         typer.echo(f"the server does not start: {fault}", err=True)
         raise typer.Exit(1) from fault

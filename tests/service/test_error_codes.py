@@ -22,7 +22,9 @@ def codes():
     for module in walk_packages(service.__path__, "service."):
         if not module.name.endswith("__main__"):
             import_module(module.name)
-    ours = {kind for kind in classes_below(WayproofError) if kind.__module__.split(".")[0] != "tests"}
+    ours = {
+        kind for kind in classes_below(WayproofError) if kind.__module__.split(".")[0] != "tests"
+    }
     own = {kind.__dict__["code"] for kind in ours if "code" in kind.__dict__}
     return own - {WayproofError.code} | set(CODES.values()) | {"http_error"}
 

@@ -41,6 +41,10 @@ def include(uri, name="p"):
     return f"<include><uri>{uri}</uri><name>{name}</name></include>"
 
 
+def twice(uri):
+    return include(uri) + include(uri, "q")
+
+
 BODY = '<body name="a"><joint name="j" type="hinge" range="-1 1"/><geom type="sphere" size=".1"/>'
 BODY += '<inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/></body>'
 
@@ -67,13 +71,14 @@ ROBOTS = {
         urdf(limit=limits(velocity=-1)), INVALID, "joint 'j': limit velocity -1 must not be"
     ),
     "effort below zero": robot(urdf(limit=limits(effort=-1)), INVALID, "limit effort -1"),
-    "effort of a word": robot(urdf(limit=limits(effort="much")), INVALID, "limit effort has 'much'"),
+    "effort of a word": robot(urdf(limit=limits(effort="much")), INVALID, "effort has 'much'"),
     "limit of NaN": robot(urdf(limit=limits(lower="nan")), INVALID, "limit lower has 'nan'"),
     "scope in a link": robot(urdf(link="a::b"), INVALID, "link 'a::b'"),
     "box of no size": robot(urdf('<box size="0 1 1"/>'), INVALID, "box size must be positive"),
     "sphere of infinite size": robot(urdf('<sphere radius="inf"/>'), INVALID, "finite"),
     "mass below zero": robot(
-        urdf(more='<link name="c"><inertial><mass value="-1"/></inertial></link>'), INVALID, "mass -1"
+        urdf(more='<link name="c"><inertial><mass value="-1"/></inertial></link>'), INVALID,
+        "mass -1",
     ),
     "mesh of a scheme": robot(
         urdf('<mesh filename="http://x.example/a.obj"/>'), "asset_not_found", "package://"
@@ -91,7 +96,7 @@ ROBOTS = {
     ),
     "SDF that doubles": (
         {
-            **{f"{i}.sdf": sdf(include(f"{i + 1}.sdf") + include(f"{i + 1}.sdf", "q")) for i in range(12)},
+            **{f"{i}.sdf": sdf(twice(f"{i + 1}.sdf")) for i in range(12)},
             "r.sdf": sdf(include("0.sdf")),
         },
         INVALID, "more than 200",
@@ -163,7 +168,7 @@ _VTK += "0 0 0\n1 0 0\n0 1 0\n0 0 1\nCELLS 1 5\n4 0 1 2 3\nCELL_TYPES 1\n10\n"
 MESHES = {
     "sound glTF": (gltf("scene", to=0), None, ""),
     "buffer of a folder above": (gltf("buffers", 0, "uri", to="../"), INVALID, "buffers.0.uri"),
-    "buffer of a file above": (gltf("buffers", 0, "uri", to="../x.bin"), INVALID, "leaves the folder"),
+    "buffer of a file above": (gltf("buffers", 0, "uri", to="../x.bin"), INVALID, "leaves"),
     "buffer of the web": (gltf("buffers", 0, "uri", to="http://x/y"), INVALID, "leaves the folder"),
     "buffer that is short": (
         gltf("buffers", 0, "uri", to="x.bin", **{"x.bin": "abc"}), INVALID, "buffers.0 has 3 bytes"

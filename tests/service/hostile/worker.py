@@ -20,7 +20,8 @@ def main():
             answer = {"status": status_of(error), "text": end.text}
         elif end.kind is FrameKind.CRASH:
             answer = {"status": 503, "text": json.dumps({"code": "crash", "detail": end.text})}
-        print(json.dumps(answer), flush=True)
+        sys.stdout.write(json.dumps(answer) + "\n")
+        sys.stdout.flush()
 
 
 if __name__ == "__main__":
