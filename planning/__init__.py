@@ -101,6 +101,7 @@ if TYPE_CHECKING:
     from planning.world.scene_file import parse_scene, read_scene, with_line
     from planning.world.scene_writer import scene_document
     from planning.world.simulation import Simulation
+    from planning.world.trial import tried
     from planning.world.world import World
 
 _DOORS = {
@@ -203,6 +204,7 @@ _DOORS = {
     "stop_motion": "planning.splice",
     "trace_line": "planning.line",
     "trajectory_through": "planning.domain.interpolation",
+    "tried": "planning.world.trial",
     "unproven_samples": "planning.sampled_motion",
     "with_line": "planning.world.scene_file",
 }
@@ -307,6 +309,7 @@ __all__ = [
     "stop_motion",
     "trace_line",
     "trajectory_through",
+    "tried",
     "unproven_samples",
     "with_line",
 ]

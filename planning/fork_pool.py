@@ -102,15 +102,16 @@ def _children(work: Work, count: int, processes: int) -> Generator[list[int]]:
                 cleanup.callback(os.close, near)
                 with ExitStack() as mine:
                     mine.callback(os.close, far)
-                    child = _fork()
+                    child = fork()
                     if not child:
                         _serve(work, queue, far, parent)
-                cleanup.callback(_end, child)
+                cleanup.callback(end, child)
                 pipes.append(near)
         yield pipes
 
 
-def _fork() -> int:
+def fork() -> int:
+    """Fork this process, which has one Python thread; return 0 in the child."""
     with warnings.catch_warnings():
         # There is one Python thread; those of the linear algebra library survive forks by its
         # own handlers (pthread_atfork).
@@ -118,17 +119,24 @@ def _fork() -> int:
         return os.fork()
 
 
-def _end(child: int) -> None:
+def die_with_parent() -> None:
+    """Have this process, a fork, end when the one that forked it does."""
+    ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
+
+
+def end(child: int) -> int:
+    """End a forked process, and return how it ended (waitpid(2)); 0 if that is not known."""
     with suppress(ProcessLookupError):
         os.kill(child, signal.SIGKILL)
     with suppress(ChildProcessError):
-        os.waitpid(child, 0)
+        return os.waitpid(child, 0)[1]
+    return 0
 
 
 def _serve(work: Work, queue: int, far: int, parent: int) -> None:
     """Do pieces until none is left; never return."""
     try:
-        ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
+        die_with_parent()
         while os.getppid() == parent and (number := os.read(queue, _NUMBER.size)):
             k: int = _NUMBER.unpack(number)[0]
             try:

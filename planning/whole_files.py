@@ -40,23 +40,26 @@ def write_durably(target: Path, content: bytes) -> None:
         os.close(folder)
 
 
-def clear_out(folder: Path, most_bytes: int) -> None:
-    """Remove the JSON files of a folder that were not touched for longest, if there is too much.
+def clear_out(folder: Path, most_bytes: int, pattern: str = "*.json", in_use: float = 0.0) -> None:
+    """Remove the files of a folder that were not touched for longest, if there is too much.
 
     Args:
         folder: Whose files whoever uses them touches, so that they stay.
         most_bytes: Of all together; the last one that was touched stays whatever its size.
+        pattern: Of their names.
+        in_use: Those that were touched so shortly before the last one stay [s].
 
     Raises:
         OSError: One cannot be removed; one that is gone already is no fault.
     """
     found: list[tuple[float, int, Path]] = []
-    for file in folder.glob("*.json"):
+    for file in folder.glob(pattern):
         with suppress(FileNotFoundError):
             status = file.stat()
             found.append((status.st_mtime, status.st_size, file))
     total = 0
-    for place, (_, size, file) in enumerate(sorted(found, reverse=True)):
+    newest = max((touched for touched, *_ in found), default=0.0)
+    for place, (touched, size, file) in enumerate(sorted(found, reverse=True)):
         total += size
-        if place and total > most_bytes:
+        if place and total > most_bytes and newest - touched >= in_use:
             file.unlink(missing_ok=True)

@@ -8,6 +8,7 @@ from fastapi import Depends, FastAPI
 from service import openapi, problems
 from service.body_limit import BodyLimit
 from service.engine import open_desk
+from service.gate import Gate
 from service.plans.versions import versions
 from service.routes import (
     executions,
@@ -26,8 +27,9 @@ from service.settings import Settings
 
 _DESCRIPTION = (
     "Plans robot motion and proves it. SI units, radians, quaternions as `[w, x, y, z]`. Unknown "
-    "fields, unknown query parameters and non-finite numbers are refused. Errors are "
-    "`application/problem+json` (RFC 9457)."
+    "fields, unknown query parameters, keys given twice and non-finite numbers are refused. Bodies "
+    "are `application/json`, of at most 4 MiB; scenes may have 32 MiB, or be YAML of 2 MB. Errors "
+    "are `application/problem+json` (RFC 9457)."
 )
 _ROUTES = (
     scenes,
@@ -59,9 +61,17 @@ def create_app(
 
     @asynccontextmanager
     async def lifespan(app: FastAPI) -> AsyncGenerator[None]:
-        async with open_desk(chosen, on_taken) as (desk, shelf):
-            app.state.desk, app.state.scenes = desk, shelf
-            yield
+        app.state.start_fault = None
+        has_started = False
+        try:
+            async with open_desk(chosen, on_taken) as (desk, shelf):
+                app.state.desk, app.state.scenes = desk, shelf
+                has_started = True
+                yield
+        except Exception as fault:
+            if not has_started:
+                app.state.start_fault = fault  # what runs the app says it in a sentence
+            raise
 
     app = FastAPI(
         title="Wayproof",
@@ -73,7 +83,10 @@ def create_app(
         redirect_slashes=False,
     )
     app.state.settings = chosen
-    app.add_middleware(BodyLimit, max_scene_bytes=chosen.max_body_bytes)
+    app.add_middleware(
+        BodyLimit, max_scene_bytes=chosen.max_body_bytes, allowed=chosen.body_timeout
+    )
+    app.add_middleware(Gate, settings=chosen)
     problems.install(app)
     openapi.install(app)
     for part in _ROUTES:

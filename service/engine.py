@@ -1,5 +1,6 @@
 """open_desk(): store, dispatcher and slots, for as long as the server runs."""
 
+import asyncio
 from collections.abc import AsyncGenerator, Callable
 from contextlib import asynccontextmanager
 from functools import partial
@@ -16,6 +17,7 @@ from service.jobs.store import JobStore
 from service.plans.versions import versions
 from service.scenes.shelf import SceneShelf
 from service.scenes.store import SceneStore
+from service.scenes.sweeping import Sweeper
 from service.settings import Settings
 
 # What the forkserver imports once, so that every worker has Drake and OMPL from its birth.
@@ -58,11 +60,25 @@ async def open_desk(
             shelf = SceneShelf(scenes)
             desk = Desk(settings, store, dispatcher, shelf)
             shelf.settle = partial(settled, scenes=shelf, desk=desk)
-            yield desk, shelf
+            async with _swept(Sweeper(engine, settings.data_dir, settings.owner)) as sweeper:
+                shelf.forgotten = sweeper.ask
+                yield desk, shelf
         finally:
             await dispatcher.stop()
     finally:
         engine.dispose()
+
+
+@asynccontextmanager
+async def _swept(sweeper: Sweeper) -> AsyncGenerator[Sweeper]:
+    """Have a sweeper sweep once, and whenever it is asked to."""
+    sweeper.ask()
+    work = asyncio.get_running_loop().create_task(sweeper.run())
+    try:
+        yield sweeper
+    finally:
+        work.cancel()
+        await asyncio.gather(work, return_exceptions=True)
 
 
 # How long a canceled job may take to end by itself [s]: a robot comes to rest on its path first.

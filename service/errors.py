@@ -29,6 +29,27 @@ class UnreadableBody(Refusal):
     status = 400
 
 
+class HostNotAllowed(Refusal):
+    """The request is for a server of another name; evidence: `host`."""
+
+    code = "host_not_allowed"
+    status = 400
+
+
+class OriginNotAllowed(Refusal):
+    """A web page of another origin asks; evidence: `origin`."""
+
+    code = "origin_not_allowed"
+    status = 403
+
+
+class RequestTimeout(Refusal):
+    """The body did not arrive in time; evidence: `allowed` [s]."""
+
+    code = "request_timeout"
+    status = 408
+
+
 class UnknownResource(Refusal):
     """There is nothing of that id; evidence: `kind`, `id`."""
 

@@ -14,16 +14,18 @@ from starlette.exceptions import HTTPException
 from starlette.routing import Match
 
 from planning.errors import WayproofError
+from planning.faults import Fault, faults_of, message_of
 from service.errors import Refusal, RequestInvalid, UnreadableBody, problem_of
 from service.errors import status_of as status_of_error
 from service.jobs.database import is_of_database
 from service.jobs.errors import DatabaseUnavailable
+from service.strict_route import CarriedRefusal, body_schema
 
 MEDIA_TYPE = "application/problem+json"
 _MAX_FAULTS = 20
 # When to ask again a server whose database does nothing [s].
 _RETRY_AFTER = 5
-_CODES = {
+CODES = {
     400: "unreadable_body",
     404: "not_found",
     405: "method_not_allowed",
@@ -68,31 +70,56 @@ def respond(error: WayproofError) -> ProblemResponse:
     """Return the answer to a request that ended with one of our errors."""
     status = status_of_error(error)
     content = problem_of(error.code, status, error.detail, finite(error.evidence))
-    is_passing = status in {429, 503}
-    headers = {"Retry-After": str(math.ceil(error.evidence.get("retry_after", 1)))}
-    return ProblemResponse(content, status, headers if is_passing else None)
+    headers: dict[str, str] = {}
+    if status in {429, 503}:
+        headers["Retry-After"] = str(math.ceil(error.evidence.get("retry_after", 1)))
+    if status in {408, 413}:  # the rest of the body is not waited for
+        headers["Connection"] = "close"
+    return ProblemResponse(content, status, headers)
 
 
-def refusal_of(faults: Sequence[Mapping[str, Any]]) -> Refusal:
-    """Return our error for pydantic's or FastAPI's list of faults."""
+def refusal_of(
+    faults: Sequence[Mapping[str, Any]], body: Any = None, schema: Mapping[str, Any] | None = None
+) -> Refusal:
+    """Return our error for pydantic's or FastAPI's list of faults.
+
+    Args:
+        faults: Whose locations begin with `body`, `query`, `path` or `header`.
+        body: As it was decoded.
+        schema: JSON schema of what the body should be.
+    """
     first = faults[0]
     if first["type"] == "json_invalid":
         reason = first.get("ctx", {}).get("error", "not JSON")
         evidence = {"position": first["loc"][-1], "reason": reason}
         return UnreadableBody(f"the body is not JSON: {reason}", evidence)
-    shown = [_fault(fault) for fault in faults[:_MAX_FAULTS]]
-    more = f" (and {len(faults) - 1} more faults)" if len(faults) > 1 else ""
+    told = _told(faults, body, schema)
+    shown = [_shown(fault) for fault in told[:_MAX_FAULTS]]
+    more = f" (and {len(told) - 1} more faults)" if len(told) > 1 else ""
     detail = f"{shown[0]['path'] or 'body'}: {shown[0]['message']}{more}"
     return RequestInvalid(detail, {"faults": shown})
 
 
-def _fault(fault: Mapping[str, Any]) -> dict[str, Any]:
+def _told(
+    faults: Sequence[Mapping[str, Any]], body: Any, schema: Mapping[str, Any] | None
+) -> list[Fault]:
+    """Return faults with their place in the request; those of the body by what it is meant as."""
+    of_body = [fault for fault in faults if fault["loc"][:1] == ("body",)]
+    others = [fault for fault in faults if fault["loc"][:1] != ("body",)]
+    whole = {"$defs": (schema or {}).get("$defs", {}), "properties": {"body": schema or {}}}
+    around = {} if body is None else {"body": body}
+    return [
+        *faults_of(of_body, around, whole),
+        *(Fault(tuple(fault["loc"]), message_of(fault), fault["type"]) for fault in others),
+    ]
+
+
+def _shown(fault: Fault) -> dict[str, Any]:
     """Return what helps of a fault; the input is left out, it may be huge."""
-    # Steps like `list[float]` are pydantic's names for the branches of a union.
-    steps = [str(step)[:80] for step in fault["loc"]]
-    path = ".".join(step for step in steps if "[" not in step)
-    message = str(fault["msg"]).removeprefix("Value error, ")[:500]
-    return {"path": path, "message": message, "type": fault["type"]}
+    place = fault.steps[0] if fault.steps else "body"
+    pointer = fault.pointer.removeprefix("/body") if place == "body" else ""
+    shown = {"path": fault.path, "pointer": pointer, "message": fault.message, "type": fault.type}
+    return {**shown, "nearest": list(fault.nearest)}
 
 
 def _on_error(_: Request, error: Exception) -> ProblemResponse:
@@ -100,14 +127,16 @@ def _on_error(_: Request, error: Exception) -> ProblemResponse:
     return respond(error)
 
 
-def _on_validation_error(_: Request, error: Exception) -> ProblemResponse:
+def _on_validation_error(request: Request, error: Exception) -> ProblemResponse:
     assert isinstance(error, RequestValidationError)  # noqa: S101
-    return respond(refusal_of(error.errors()))
+    return respond(refusal_of(error.errors(), error.body, body_schema(request)))
 
 
 def _on_http_error(request: Request, error: Exception) -> ProblemResponse:
     assert isinstance(error, HTTPException)  # noqa: S101
-    code = _CODES.get(error.status_code, "http_error")
+    if isinstance(error, CarriedRefusal):
+        return respond(error.refusal)
+    code = CODES.get(error.status_code, "http_error")
     detail = str(error.detail)
     if error.status_code in {404, 405}:
         detail = (

@@ -8,6 +8,8 @@ from typing import Literal
 from pydantic import Field
 from pydantic_settings import BaseSettings, SettingsConfigDict
 
+_TEST_HOSTS = {"inline": ("testserver",), "process": ()}
+
 
 def default_data_dir() -> Path:
     """Return the user's state folder for this program (XDG base directories)."""
@@ -52,6 +54,24 @@ class Settings(BaseSettings):
         description="Whether scenes may name robot and mesh files by path; null for only if the "
         "server listens on a loopback address",
     )
+    allowed_hosts: tuple[str, ...] | None = Field(
+        default=None,
+        description="Names that requests may know the server by (`Host`), `*.example.org` for all "
+        "below one; null for this machine's own names on a loopback address, else for any",
+    )
+    allowed_origins: tuple[str, ...] = Field(
+        default=(),
+        description="Web pages of other origins that may ask, such as `https://ui.example.org`",
+    )
+    header_timeout: float = Field(
+        default=10.0, gt=0, description="Within which the headers of a request arrive [s]"
+    )
+    body_timeout: float = Field(
+        default=60.0, gt=0, description="Within which the body of a request arrives [s]"
+    )
+    max_connections: int = Field(
+        default=1000, ge=1, description="Open connections; the one that says least makes room"
+    )
     max_body_bytes: int = Field(default=32 * 1024 * 1024, ge=1024)
     max_wait: float = Field(default=60.0, gt=0, description="Longest `?wait=` [s]")
     query_timeout: float = Field(default=60.0, gt=0, description="For checks, IK and so on [s]")
@@ -67,6 +87,13 @@ class Settings(BaseSettings):
         return self.database_url or f"sqlite:///{self.data_dir / 'wayproof.sqlite'}"
 
     @property
+    def owner(self) -> str:
+        """What tells the database of a data folder from another one; no password is in it."""
+        if self.database_url is None:
+            return "the data folder"
+        return self.database_url.rpartition("@")[2]
+
+    @property
     def is_loopback(self) -> bool:
         """Whether only this machine can reach the server."""
         if self.host == "localhost":
@@ -75,6 +102,17 @@ class Settings(BaseSettings):
             return ipaddress.ip_address(self.host).is_loopback
         except ValueError:
             return False
+
+    @property
+    def hosts(self) -> tuple[str, ...]:
+        """Names that requests may know the server by, in `Host`'s form."""
+        if self.allowed_hosts is not None:
+            return self.allowed_hosts
+        if not self.is_loopback:
+            return ("*",)
+        own = f"[{self.host}]" if ":" in self.host else self.host
+        # The last is what starlette's test client says, which has no server to name.
+        return ("localhost", "127.0.0.1", "[::1]", own, *_TEST_HOSTS[self.engine])
 
     @property
     def may_load_paths(self) -> bool:

@@ -15,6 +15,9 @@ import numpy as np
 import pytest
 from hypothesis import is_hypothesis_test
 
+# What can be made again stays with the checkout, so that runs share it: it is not the user's.
+os.environ["XDG_CACHE_HOME"] = str(Path(__file__).parents[1] / ".pytest_cache" / "caches")
+
 import planning
 from planning.domain.deadline import Deadline
 from planning.domain.joints import Joint, JointGroup, JointLimits, JointType

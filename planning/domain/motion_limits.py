@@ -7,7 +7,7 @@ from planning.domain.constraint import PlacedBox
 from planning.domain.joints import Joint
 from planning.domain.payload import Payload
 from planning.domain.value import Value
-from planning.errors import UnknownName
+from planning.errors import ProblemInvalid, UnknownName
 
 # Lowest and highest acceleration of joints [rad/s^2 or m/s^2], by name.
 type AccelerationBounds = Mapping[str, tuple[float, float]]
@@ -83,3 +83,10 @@ class MotionLimits(Value):
     acceleration_bounds: AccelerationBounds = field(default_factory=dict)
     effort: bool = False
     payload: Payload | None = None
+
+
+def no_efforts(group: str) -> ProblemInvalid:
+    """Return the error for a group whose efforts shall be kept, and nothing limits them."""
+    message = f"effort: no joint of {group!r} has a limit on its force or torque that could be "
+    message += "kept; state one (URDF's `effort`, or `limits` in robot.yaml), or leave it out"
+    return ProblemInvalid(message, {"field": "effort", "group": group})

@@ -1,10 +1,11 @@
 """Coverings: a convex shape between spheres around it and spheres inside it."""
 
 import json
+import os
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cache, lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -19,12 +20,13 @@ from planning.kernel.outer_polytope import OuterPolytope
 from planning.kernel.outer_spheres import outer_spheres
 from planning.kernel.shape import ConvexShape, ShapeKind
 from planning.kernel.solid import Solid
-from planning.whole_files import write_whole
+from planning.whole_files import clear_out, write_whole
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # Of what is computed here: a covering of another version is not read.
 VERSION = 2
+_MOST_BYTES = 2**28
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,6 +96,8 @@ def stored_covering(
     """
     file = folder / f"{digest((shape, version))}.json"
     known = _read(file)
+    with suppress(OSError):
+        os.utime(file)
     if known is None:
         known = make(shape)
         _write(file, known)
@@ -131,3 +135,10 @@ def _write(file: Path, covering: Covering) -> None:
     }
     with suppress(OSError):
         write_whole(file, json.dumps(document))
+        _trim(file.parent)
+
+
+@cache
+def _trim(folder: Path) -> None:
+    """Remove what was not used for longest if there is too much: once for a process."""
+    clear_out(folder, _MOST_BYTES)

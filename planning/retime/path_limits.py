@@ -1,6 +1,9 @@
 """The path limits of one group that the options of the timing ask for."""
 
+import numpy as np
+
 from planning.domain.joints import JointGroup
+from planning.domain.motion_limits import no_efforts
 from planning.domain.options import RetimeOptions
 from planning.retime.path_limit import PathLimit
 from planning.retime.signed_acceleration import SignedAcceleration
@@ -18,7 +21,8 @@ def path_limits(world: World, group: JointGroup, options: RetimeOptions) -> tupl
 
     Raises:
         UnknownName: A frame does not exist.
-        ProblemInvalid: The group does not move the payload.
+        ProblemInvalid: The group does not move the payload, or no joint of it has a limit on
+            effort that could be kept.
     """
     return (
         *_of_joints(group, options),
@@ -38,8 +42,10 @@ def _of_joints(group: JointGroup, options: RetimeOptions) -> tuple[SignedAcceler
 def _of_efforts(world: World, group: JointGroup, options: RetimeOptions) -> tuple[TorqueLimit, ...]:
     if not options.effort:
         return ()
-    dynamics = GroupDynamics(world, group, options.payload)
-    return (TorqueLimit(group, dynamics, world.limits(group).effort),)
+    efforts = world.limits(group).effort
+    if not np.isfinite(efforts).any():
+        raise no_efforts(group.name)
+    return (TorqueLimit(group, GroupDynamics(world, group, options.payload), efforts),)
 
 
 def _of_frames(

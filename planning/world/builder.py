@@ -1,6 +1,7 @@
 """Build a scene in Drake."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +18,7 @@ from pydrake.planning import RobotDiagramBuilder
 
 from planning.domain.pose import Pose
 from planning.domain.scene import Scene, SceneFrame, SceneObject, SceneRobot
+from planning.domain.shapes import Mesh
 from planning.errors import ModelInvalid, SceneInvalid, UnknownName
 from planning.world.base_weld import weld_base
 from planning.world.collision_count import collision_counts, require_shapes
@@ -35,6 +37,7 @@ from planning.world.model_warnings import parser_warnings, visual_only
 from planning.world.only_kept import require_kept
 from planning.world.scene_build import Build, LoadedRobot, refuse_second
 from planning.world.shapes import drake_shape
+from planning.world.sound_mesh import require_sound_mesh
 from planning.world.unchecked_pairs import unchecked_pairs
 
 DEFAULT_COLOR = np.array([0.72, 0.62, 0.48, 1.0])
@@ -100,9 +103,20 @@ def build_diagram(
     return model, tuple(build.robots)
 
 
+def build_alone(thing: SceneRobot | SceneObject, kept: KeptScene) -> None:
+    """Build one robot, or one object, and nothing else; raises as `build_diagram`."""
+    builder: Any = RobotDiagramBuilder(time_step=0.001)
+    build = Build(builder, builder.plant())
+    if isinstance(thing, SceneRobot):
+        _add_robot(build, replace(thing, base=Pose.identity()), kept)
+    else:
+        _add_object(build, replace(kept.thing(thing), attached=None), thing.name)
+    build.plant.Finalize()
+
+
 def _add_robot(build: Build, robot: SceneRobot, kept: KeptScene) -> None:
     source = kept.source(robot.name)
-    file = inspect_model(source.file)
+    file = inspect_model(source.file, kept.store.meshes)
     parser = build.builder.parser()
     parser.SetAutoRenaming(value=True)
     packages = parser.package_map()
@@ -129,7 +143,7 @@ def _add_robot(build: Build, robot: SceneRobot, kept: KeptScene) -> None:
     build.warnings += visual_only(build.builder.scene_graph(), build.plant, instances, robot.name)
     loaded = LoadedRobot(robot, source, file, instances[0])
     build.robots.append(loaded)
-    require_kept(build, instances, source.file, kept.folder(robot.name))
+    require_kept(build, instances, source.file, (kept.folder(robot.name), kept.store.meshes))
     weld_base(build, loaded, instances)
     build.warnings += [_has_no_end(robot.name, joint) for joint in file.unlimited]
     for joint in file.floating:
@@ -171,6 +185,8 @@ def _format_of(file: Path) -> str:
 
 
 def _add_object(build: Build, thing: SceneObject, path: str) -> None:
+    if isinstance(thing.shape, Mesh):
+        require_sound_mesh(Path(thing.shape.uri), f"{path}: object {thing.name!r}")
     try:
         shape, x_og = drake_shape(thing.shape), RigidTransform()
         instance = build.plant.AddModelInstance(thing.name)
@@ -182,7 +198,7 @@ def _add_object(build: Build, thing: SceneObject, path: str) -> None:
             body, x_og, shape, thing.name, CoulombFriction(0.9, 0.8)
         )
         build.plant.RegisterVisualGeometry(body, x_og, shape, thing.name, color)
-    except (RuntimeError, ValueError) as fault:
+    except (RuntimeError, ValueError, SystemExit) as fault:
         message = f"{path}: object {thing.name!r} does not load: {fault}"
         raise SceneInvalid(message, {"path": path}) from fault
     if thing.attached is None:

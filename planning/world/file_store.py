@@ -24,6 +24,11 @@ class FileStore:
 
     folder: Path
 
+    @property
+    def meshes(self) -> Path:
+        """Folder of meshes that were made from others; they can be made again."""
+        return self.folder / "meshes"
+
     def put(self, content: bytes) -> str:
         """Keep some bytes, and return their sha256.
 
@@ -33,6 +38,8 @@ class FileStore:
         sha256 = hashlib.sha256(content).hexdigest()
         if self._read(sha256) != content:
             write_durably(self._file(sha256), content)
+        else:
+            self._file(sha256).touch()  # it is in use again
         return sha256
 
     def get(self, sha256: str) -> bytes:
@@ -45,7 +52,7 @@ class FileStore:
         if content is None or hashlib.sha256(content).hexdigest() != sha256:
             state = "not there" if content is None else "damaged"
             message = f"a file that the scene was made from, sha256 {sha256}, is {state}"
-            raise AssetNotFound(message, {"uri": f"sha256:{sha256}", "known": [str(self.folder)]})
+            raise AssetNotFound(message, {"uri": f"sha256:{sha256}", "known": []})
         return content
 
     def unfold(self, sha256: Mapping[str, str]) -> Path:
@@ -61,6 +68,8 @@ class FileStore:
         target = self.folder_of(sha256)
         if _found_in(target) != dict(sha256):
             self._write_folder(target, dict(sha256))
+        with suppress(OSError):
+            target.touch()  # it is in use again
         return target
 
     def folder_of(self, sha256: Mapping[str, str]) -> Path:

@@ -24,12 +24,10 @@ class KeptScene:
     Attributes:
         scene: With `files` of all its robots and meshes, and of nothing else.
         store: Where they are.
-        found: The folder where files were read just now, by that of their copies.
     """
 
     scene: Scene
     store: FileStore
-    found: Mapping[str, str]
 
     def folder(self, robot: str) -> Path:
         """Return the folder that the copies of a robot's files are in."""
@@ -69,25 +67,51 @@ class KeptScene:
             AssetNotFound: As it was raised inside.
             SceneInvalid: As it was raised inside.
         """
-        try:
+        found = {
+            str(self.store.folder_of(kept.sha256)): _origin(kept)
+            for kept in self.scene.files.values()
+        }
+        with told_as({**found, str(self.store.meshes): "meshes"}):
             yield
-        except (ModelInvalid, AssetNotFound, SceneInvalid) as fault:
-            raise type(fault)(
-                self._as_found(fault.detail), self._as_found(fault.evidence)
-            ) from fault
 
-    def _as_found(self, content: Any) -> Any:
-        match content:
-            case str():
-                for copy, folder in self.found.items():
-                    content = content.replace(copy, folder)
-                return content
-            case Mapping():
-                return {key: self._as_found(item) for key, item in content.items()}
-            case list() | tuple():
-                return [self._as_found(item) for item in content]
-            case _:
-                return content
+
+@contextmanager
+def told_as(names: Mapping[str, str]) -> Generator[None]:
+    """Have faults name folders as somebody else knows them.
+
+    Args:
+        names: What stands for each folder; faults of files that are not in any stay as they are.
+
+    Raises:
+        ModelInvalid: As it was raised inside.
+        AssetNotFound: As it was raised inside.
+        SceneInvalid: As it was raised inside.
+    """
+    try:
+        yield
+    except (ModelInvalid, AssetNotFound, SceneInvalid) as fault:
+        raise type(fault)(_retold(fault.detail, names), _retold(fault.evidence, names)) from fault
+
+
+def _retold(content: Any, names: Mapping[str, str]) -> Any:
+    match content:
+        case str():
+            for folder, name in names.items():
+                content = content.replace(folder, name)
+            return content
+        case Mapping():
+            return {key: _retold(item, names) for key, item in content.items()}
+        case list() | tuple():
+            return [_retold(item, names) for item in content]
+        case _:
+            return content
+
+
+def _origin(kept: KeptFiles) -> str:
+    """Return what the folder of the files is called: a robot's name, or where its path says."""
+    if "/" not in kept.named and kept.named != kept.main:
+        return kept.named
+    return kept.named.removesuffix(kept.main).rstrip("/") or "."
 
 
 def keep_files(scene: Scene, library: ModelLibrary) -> KeptScene:
@@ -113,7 +137,7 @@ def keep_files(scene: Scene, library: ModelLibrary) -> KeptScene:
         if isinstance(thing.shape, Mesh):
             known = _known(scene, thing.name, thing.shape.uri)
             files[thing.name] = known or keeper.mesh(thing, i)
-    return KeptScene(replace(scene, files=files), keeper.store, keeper.found)
+    return KeptScene(replace(scene, files=files), keeper.store)
 
 
 def _known(scene: Scene, name: str, named: str) -> KeptFiles | None:
@@ -127,16 +151,23 @@ class _Keeper:
 
     library: ModelLibrary
     store: FileStore
-    found: dict[str, str] = field(default_factory=dict)
     robots: dict[str, KeptFiles] = field(default_factory=dict)
     meshes: dict[str, KeptFiles] = field(default_factory=dict)
 
     def robot(self, model: str) -> KeptFiles:
         if model not in self.robots:
-            source = self.library.find(model)
-            cards = [source.card_file] if source.card_file else []
-            self.robots[model] = self._kept(model, source.file, cards)
+            with told_as(self._names(model)):
+                source = self.library.find(model)
+                cards = [source.card_file] if source.card_file else []
+                self.robots[model] = self._kept(model, source.file, cards)
         return self.robots[model]
+
+    def _names(self, model: str) -> dict[str, str]:
+        """Return how robots that are asked for by name know the library's folders."""
+        if model not in self.library.names:
+            return {}
+        roots = self.library.roots
+        return {str(root / model): model for root in roots} | {str(root): "" for root in roots}
 
     def mesh(self, thing: SceneObject, index: int) -> KeptFiles:
         assert isinstance(thing.shape, Mesh)  # noqa: S101  (the caller's case)
@@ -154,6 +185,4 @@ class _Keeper:
     def _kept(self, named: str, main: Path, cards: Sequence[Path]) -> KeptFiles:
         found = find_files(main, cards)
         sha256 = {path: self.store.put(content) for path, content in found.content.items()}
-        kept = KeptFiles(named, found.main, found.path(cards[0]) if cards else "", sha256)
-        self.found[str(self.store.folder_of(sha256))] = str(found.folder)
-        return kept
+        return KeptFiles(named, found.main, found.path(cards[0]) if cards else "", sha256)

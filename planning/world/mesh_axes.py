@@ -5,6 +5,7 @@ from typing import Any
 from xml.etree import ElementTree as ET
 
 import numpy as np
+from defusedxml.ElementTree import iterparse
 from jaxtyping import Float64
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
@@ -45,7 +46,7 @@ def collada_asset(content: bytes) -> tuple[float, str]:
     Raises:
         ValueError: They are none.
     """
-    for _, element in ET.iterparse(BytesIO(content), events=("end",)):  # noqa: S314  (stops early)
+    for _, element in iterparse(BytesIO(content), events=("end",), forbid_dtd=True):
         if element.tag.rpartition("}")[2] == "asset":
             return _unit(element), _axis(element)
     return 1.0, "Y_UP"

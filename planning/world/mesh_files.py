@@ -2,13 +2,16 @@
 
 import hashlib
 import os
+import re
 from importlib.metadata import version
 from io import BytesIO
 from pathlib import Path
 from xml.etree import ElementTree as ET
 
+import numpy as np
+
 from planning.errors import ModelInvalid
-from planning.whole_files import write_whole
+from planning.whole_files import clear_out, write_whole
 from planning.world.mesh_axes import upright
 
 _READ_BY_DRAKE = (".obj", ".vtk", ".gltf")
@@ -16,12 +19,14 @@ _READ_IN_MJCF = (".obj",)
 _CONVERTED = (".stl", ".dae", ".ply", ".off", ".glb")
 # To be raised with every change of what a mesh becomes here: twins of another version are not read.
 _VERSION = 2
-_SHA256_DIGITS = 64
+_TWIN = re.compile(r"^[0-9a-f]{64}-(.*)\.obj$")
+# What loaded worlds read again, for a replay, was touched when they were loaded [s].
+_MOST_BYTES, _IN_USE = 2**29, 3600.0
 _LONGEST_NAME = 100
 
 
 def with_readable_meshes(
-    file: Path, root: ET.Element, meshes: dict[str, Path], *, always: bool = False
+    file: Path, root: ET.Element, meshes: dict[str, Path], folder: Path, *, always: bool = False
 ) -> str | None:
     """Return the description with every mesh as the address of one that Drake reads.
 
@@ -33,6 +38,7 @@ def with_readable_meshes(
         file: The description.
         root: The description, parsed; left as it is.
         meshes: Where each mesh is, by the name that the description gives it.
+        folder: Of meshes that were made from others.
         always: Return the description even if Drake reads all of its meshes.
 
     Raises:
@@ -42,7 +48,7 @@ def with_readable_meshes(
     read = _READ_IN_MJCF if is_mjcf else _READ_BY_DRAKE
     if not always and all(path.suffix.lower() in read for path in meshes.values()):
         return None
-    twins = {name: _readable(file, path, read) for name, path in meshes.items()}
+    twins = {name: _readable(file, path, read, folder) for name, path in meshes.items()}
     paths = {name: str(twin) if is_mjcf else twin.as_uri() for name, twin in twins.items()}
     copy = ET.fromstring(ET.tostring(root))  # noqa: S314  (our own output)
     for element in copy.iter():
@@ -78,7 +84,7 @@ def _tame_colors(root: ET.Element) -> None:
             known[material.get("name", "")] = color.get("rgba", "")
 
 
-def _readable(file: Path, mesh: Path, read: tuple[str, ...]) -> Path:
+def _readable(file: Path, mesh: Path, read: tuple[str, ...], folder: Path) -> Path:
     """Return the mesh itself if it is `read`, or its OBJ twin, made when it is first asked for."""
     suffix = mesh.suffix.lower()
     if suffix in read:
@@ -89,27 +95,29 @@ def _readable(file: Path, mesh: Path, read: tuple[str, ...]) -> Path:
         raise ModelInvalid(message, {"file": str(file), "reason": message})
     content = mesh.read_bytes()
     named = f"{hashlib.sha256(content).hexdigest()}-{mesh.stem[:_LONGEST_NAME]}{suffix}.obj"
-    target = twins_folder() / named
-    if not target.is_file():
+    target = folder / twins_version() / named
+    if target.is_file():
+        target.touch()
+    else:
         try:
             text = _as_obj(content, suffix)
         except Exception as fault:  # trimesh's readers raise whatever their formats do
             message = f"{file.name}: mesh {mesh.name} cannot be read: {fault}"
             raise ModelInvalid(message, {"file": str(file), "reason": str(fault)}) from fault
         write_whole(target, text)
+        clear_out(target.parent, _MOST_BYTES, "*.obj", _IN_USE)
     return target
 
 
 def name_of(mesh: Path) -> str:
     """Return the name of a mesh's file, of a twin that of what it was made from."""
-    if mesh.is_relative_to(twins_folder()):
-        return mesh.stem[_SHA256_DIGITS + 1 :]
-    return mesh.name
+    twin = _TWIN.match(mesh.name)
+    return twin[1] if twin else mesh.name
 
 
-def twins_folder() -> Path:
-    """Return the folder of meshes that were made from others by this version of the code."""
-    return cache_folder() / "meshes" / f"{_VERSION}-{version('trimesh')}"
+def twins_version() -> str:
+    """Return the name of the folder of meshes that this version of the code makes from others."""
+    return f"{_VERSION}-{version('trimesh')}"
 
 
 def _as_obj(content: bytes, suffix: str) -> str:
@@ -118,6 +126,9 @@ def _as_obj(content: bytes, suffix: str) -> str:
     from trimesh.exchange.obj import export_obj  # noqa: PLC0415
 
     loaded = trimesh.load(BytesIO(content), file_type=suffix[1:], force="mesh")
+    if not np.isfinite(loaded.vertices).all():
+        message = "a vertex is at no place: its coordinates are not finite"
+        raise ValueError(message)
     loaded.apply_transform(upright(content, suffix))
     text: str = export_obj(loaded, include_texture=False)
     return text

@@ -1,12 +1,14 @@
 """What MJCF says that Drake's parser passes over, often without a word."""
 
 import math
+import os
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from xml.etree import ElementTree as ET
 
 from planning.errors import AssetNotFound, ModelInvalid
+from planning.world.xml_file import xml_root
 
 # Bodies and geoms inside these never reach Drake's plant.
 _UNREAD = ("attach", "composite", "flex", "flexcomp", "frame", "replicate")
@@ -65,31 +67,43 @@ def with_includes(file: Path, root: ET.Element) -> bool:
 
     Raises:
         AssetNotFound: An included file is not there.
-        ModelInvalid: It is not XML, or files include each other without end.
+        ModelInvalid: It is not XML, or includes itself, or too many are included.
     """
-    for count in range(_MOST_INCLUDES):
-        parents = [parent for parent in root.iter() if parent.find("include") is not None]
-        if not parents:
-            return count > 0
-        for parent in parents:
-            for include in parent.findall("include"):
-                place = list(parent).index(include)
-                parent[place : place + 1] = list(_included(file, include.get("file", "")))
-    raise _invalid(file, f"files include each other, more than {_MOST_INCLUDES} deep")
+    return bool(_expand(file, root, (_resolved(file, file.name),), _MOST_INCLUDES))
+
+
+def _expand(file: Path, root: ET.Element, chain: tuple[Path, ...], left: int) -> int:
+    """Put in what the last file of a chain includes; return how many were put in."""
+    count = 0
+    for parent in [parent for parent in root.iter() if parent.find("include") is not None]:
+        for include in parent.findall("include"):
+            name = include.get("file", "")
+            path = _resolved(file, name)
+            if path in chain:
+                circle = " -> ".join(step.name for step in (*chain[chain.index(path) :], path))
+                raise _invalid(file, f"it includes itself: {circle}")
+            inner = _included(file, name)
+            count += 1 + _expand(file, inner, (*chain, path), left - count - 1)
+            if count > left:
+                raise _invalid(file, f"more than {_MOST_INCLUDES} files are included")
+            place = list(parent).index(include)
+            parent[place : place + 1] = list(inner)
+    return count
+
+
+def _resolved(file: Path, name: str) -> Path:
+    return Path(os.path.normpath(file.parent / name))
 
 
 def _included(file: Path, name: str) -> ET.Element:
     path = file.parent / name
     if not path.is_file():
         message = f"{file.name} includes {name!r}, which is not at {path}"
-        raise AssetNotFound(message, {"uri": name, "known": [str(file.parent)]})
-    content = path.read_bytes()
+        raise AssetNotFound(message, {"uri": name, "known": []})
     try:
-        if b"<!DOCTYPE" in content or b"<!ENTITY" in content:
-            raise ValueError("document types and entities are not allowed")  # noqa: TRY301
-        return ET.fromstring(content)  # noqa: S314  (entities were refused above)
-    except (ET.ParseError, ValueError) as fault:
-        raise _invalid(file, f"the included {name!r} is not XML: {fault}") from fault
+        return xml_root(path.read_bytes())
+    except ValueError as fault:
+        raise _invalid(file, f"the included {name!r} cannot be read: {fault}") from fault
 
 
 def refuse_unread(file: Path, root: ET.Element) -> None:

@@ -5,29 +5,22 @@ accepts negative masses; URDF's `floating` joints, `mimic` and MJCF's equalities
 over. A description is refused here for all of the former, and the latter are returned.
 """
 
-import math
 import os
 import re
 from dataclasses import dataclass
 from pathlib import Path
 from xml.etree import ElementTree as ET
 
-from planning.errors import AssetNotFound, ModelInvalid
+from planning.errors import AssetNotFound
 from planning.world.collision_count import StatedShape, stated_shapes
 from planning.world.mesh_files import with_readable_meshes
 from planning.world.missing_limits import unlimited_joints
 from planning.world.mjcf_file import joint_equalities, refuse_unread, with_includes
-from planning.world.model_library import expansion
+from planning.world.model_faults import invalid, number_in, refuse_faults
 from planning.world.sdf_includes import included_models
+from planning.world.sound_mesh import require_sound_mesh
+from planning.world.xml_file import xml_root
 
-_MAX_BYTES = 20_000_000
-_POSITIVE = {
-    "box": ("size",),
-    "sphere": ("radius",),
-    "cylinder": ("radius", "length"),
-    "capsule": ("radius", "length"),
-    "ellipsoid": ("a", "b", "c"),
-}
 PACKAGE = re.compile(r"^(?:package|model)://([^/]+)/(.*)$")
 
 
@@ -89,27 +82,28 @@ class ModelFile:
     unlimited: tuple[str, ...]
 
 
-def inspect_model(file: Path) -> ModelFile:
+def inspect_model(file: Path, twins: Path) -> ModelFile:
     """Return what a description says, if it is safe to give to Drake.
+
+    Args:
+        file: The description.
+        twins: Folder of meshes that are made from those that Drake does not read.
 
     Raises:
         AssetNotFound: A package, mesh or included MJCF file that it names is not there.
-        ModelInvalid: It is not XML, too large, or has entities, sizes that are not positive, or
-            masses that are negative; or it is MJCF with what Drake leaves out.
+        ModelInvalid: It is not XML, too large, has a document type, includes itself, or says what
+            Drake stumbles over (`refuse_faults`); or it is MJCF with what Drake leaves out.
     """
     root = _parse(file)
     is_mjcf = root.tag == "mujoco"
     includes = is_mjcf and with_includes(file, root)
     if is_mjcf:
         refuse_unread(file, root)
-    for element in root.iter():
-        if "xacro" in element.tag:
-            raise _invalid(file, f"this is xacro source; expand it first: {expansion(file.name)}")
-        _refuse_bad_sizes(file, element)
+    refuse_faults(file, root)
     packages, meshes = _find_meshes(file, root)
     models = [root, *included_models(file, root, packages)]
-    for element in (element for model in models[1:] for element in model.iter()):
-        _refuse_bad_sizes(file, element)
+    for model in models[1:]:
+        refuse_faults(file, model)
     is_nameless = is_mjcf and not root.get("model")
     if is_nameless:  # MuJoCo needs no name, Drake does
         root.set("model", file.stem)
@@ -127,7 +121,7 @@ def inspect_model(file: Path) -> ModelFile:
         mimics=tuple(_equalities(file, root) if is_mjcf else _mimics(file, models)),
         effort=_efforts(root),
         packages=packages,
-        rewritten=with_readable_meshes(file, root, meshes, always=is_nameless or includes),
+        rewritten=with_readable_meshes(file, root, meshes, twins, always=is_nameless or includes),
         disabled_pairs=tuple(_disabled_pairs(file)),
         shapes=tuple(shape for model in models for shape in stated_shapes(model)),
         unlimited=unlimited_joints(models),
@@ -135,49 +129,18 @@ def inspect_model(file: Path) -> ModelFile:
 
 
 def plain_root(content: bytes) -> ET.Element | None:
-    """Return the root of an XML text that is safe to parse: not too long, and without entities."""
-    if len(content) > _MAX_BYTES or b"<!DOCTYPE" in content or b"<!ENTITY" in content:
-        return None
+    """Return the root of an XML text that is safe to parse; None for any other."""
     try:
-        return ET.fromstring(content)  # noqa: S314  (has no entities)
-    except (ET.ParseError, ValueError):
+        return xml_root(content)
+    except ValueError:
         return None
 
 
 def _parse(file: Path) -> ET.Element:
-    content = file.read_bytes()
-    if len(content) > _MAX_BYTES:
-        raise _invalid(file, f"it has {len(content)} bytes; at most {_MAX_BYTES} are read")
-    if b"<!DOCTYPE" in content or b"<!ENTITY" in content:
-        raise _invalid(file, "document types and entities are not allowed")
     try:
-        return ET.fromstring(content)  # noqa: S314  (entities were refused above)
-    except (ET.ParseError, ValueError) as fault:
-        raise _invalid(file, f"not XML: {fault}") from fault
-
-
-def _refuse_bad_sizes(file: Path, element: ET.Element) -> None:
-    tag = element.tag.rsplit("}", 1)[-1].removeprefix("drake:")
-    if tag == "mass":
-        mass = element.get("value", element.text)
-        if mass is not None and not _number(file, tag, mass) >= 0:
-            raise _invalid(file, f"mass {mass} must not be negative")
-    for size in _POSITIVE.get(tag, ()):
-        child = element.find(size)
-        text = element.get(size) or (child.text if child is not None else None)
-        for word in (text or "").split():
-            if not _number(file, tag, word) > 0:
-                raise _invalid(file, f"{tag} {size} must be positive, got {text!r}")
-
-
-def _number(file: Path, tag: str, word: str) -> float:
-    try:
-        number = float(word)
+        return xml_root(file.read_bytes())
     except ValueError as fault:
-        raise _invalid(file, f"{tag} has {word!r} where a number is wanted") from fault
-    if not math.isfinite(number):
-        raise _invalid(file, f"{tag} has {word!r} where a finite number is wanted")
-    return number
+        raise invalid(file, str(fault)) from fault
 
 
 def _find_meshes(file: Path, root: ET.Element) -> tuple[dict[str, Path], dict[str, Path]]:
@@ -203,8 +166,10 @@ def _find_meshes(file: Path, root: ET.Element) -> tuple[dict[str, Path], dict[st
             meshes[uri] = (mesh_folder if root.tag == "mujoco" else file.parent) / uri
         meshes[uri] = Path(os.path.normpath(meshes[uri]))  # as Drake does
         if not meshes[uri].is_file():
-            message = f"{file.name} names the mesh {uri!r}, which is not at {meshes[uri]}"
+            place = os.path.relpath(meshes[uri], file.parent)
+            message = f"{file.name} names the mesh {uri!r}, and there is no {place!r} beside it"
             raise AssetNotFound(message, {"uri": uri, "known": sorted(packages)})
+        require_sound_mesh(meshes[uri], file.name)
     return packages, meshes
 
 
@@ -223,7 +188,7 @@ def package_folder(file: Path, name: str, uri: str) -> Path:
         if (folder / name).is_dir():
             return folder / name
     message = f"{file.name} names {uri!r}, but no folder above it is the package {name!r}"
-    raise AssetNotFound(message, {"uri": uri, "known": [str(p) for p in file.parents[:3]]})
+    raise AssetNotFound(message, {"uri": uri, "known": [p.name for p in file.parents[:3]]})
 
 
 def _equalities(file: Path, root: ET.Element) -> list[Mimic]:
@@ -242,14 +207,14 @@ def _mimics(file: Path, models: list[ET.Element]) -> list[Mimic]:
             continue
         offset = mimic.get("offset") or mimic.findtext("offset") or "0"
         word = mimic.get("multiplier") or mimic.findtext("multiplier") or "1"
-        multiplier = _number(file, "mimic", word)
-        reference = _number(file, "mimic", mimic.findtext("reference") or "0")
+        multiplier = number_in(file, "mimic", word)
+        reference = number_in(file, "mimic", mimic.findtext("reference") or "0")
         found.append(
             Mimic(
                 joint.get("name", ""),
                 mimic.get("joint", ""),
                 multiplier,
-                _number(file, "mimic", offset) - multiplier * reference,
+                number_in(file, "mimic", offset) - multiplier * reference,
             )
         )
     return found
@@ -259,13 +224,13 @@ def _floating(file: Path, joint: ET.Element) -> FloatingJoint:
     """Read a joint with its `origin`."""
     origin = joint.find("origin")
     xyz, rpy = (
-        tuple(_number(file, "origin", word) for word in words.split())
+        tuple(number_in(file, "origin", word) for word in words.split())
         for words in (
             "0 0 0" if origin is None else origin.get(name, "0 0 0") for name in ("xyz", "rpy")
         )
     )
     if len(xyz) != 3 or len(rpy) != 3:
-        raise _invalid(file, f"the origin of joint {joint.get('name')!r} is not of three numbers")
+        raise invalid(file, f"the origin of joint {joint.get('name')!r} is not of three numbers")
     return FloatingJoint(
         joint.get("name", ""), _link(joint, "parent"), _link(joint, "child"), xyz, rpy
     )
@@ -277,7 +242,7 @@ def _efforts(root: ET.Element) -> dict[str, float]:
         limit = joint.find("limit")
         word = limit.get("effort") if limit is not None else None
         if word is not None:
-            efforts[joint.get("name", "")] = float(word)
+            efforts[joint.get("name", "")] = float(word)  # was looked at (`refuse_faults`)
     return efforts
 
 
@@ -293,7 +258,3 @@ def _disabled_pairs(file: Path) -> list[tuple[str, str]]:
 def _link(joint: ET.Element, role: str) -> str:
     element = joint.find(role)
     return "" if element is None else element.get("link", "")
-
-
-def _invalid(file: Path, reason: str) -> ModelInvalid:
-    return ModelInvalid(f"{file.name}: {reason}", {"file": str(file), "reason": reason})

@@ -8,12 +8,14 @@ from pydrake.geometry import Convex, Mesh, Role
 from pydrake.multibody.tree import ModelInstanceIndex
 
 from planning.errors import ModelInvalid
-from planning.world.mesh_files import twins_folder
 from planning.world.scene_build import Build
 
 
 def require_kept(
-    build: Build, instances: Sequence[ModelInstanceIndex], description: Path, folder: Path
+    build: Build,
+    instances: Sequence[ModelInstanceIndex],
+    description: Path,
+    folders: Sequence[Path],
 ) -> None:
     """Go on only if every mesh of a robot is a kept file, or was made from one.
 
@@ -21,13 +23,13 @@ def require_kept(
         build: With the robot.
         instances: The robot's.
         description: Of the robot, among its kept files.
-        folder: That its kept files are in.
+        folders: That its kept files are in, and what was made from them.
 
     Raises:
         ModelInvalid: Drake has read another one, which may change without notice.
     """
     for file in _mesh_files(build, instances):
-        if not any(file.is_relative_to(kept) for kept in (folder, twins_folder())):
+        if not any(file.is_relative_to(kept) for kept in folders):
             message = f"{description.name} names {str(file)!r} in a way that cannot be kept: name "
             message += "it relative to the description, or by package://"
             raise ModelInvalid(message, {"file": str(description), "reason": message})

@@ -9,6 +9,7 @@ from pydantic import Field, ValidationError
 
 from planning.errors import ModelInvalid
 from planning.world.strict import Boolean, Number, Positive, Strictest
+from planning.world.yaml_text import read_yaml
 
 type Range = Annotated[list[Number], Field(min_length=2, max_length=2)]
 
@@ -80,7 +81,7 @@ class RobotCard(Strictest):
 @lru_cache(maxsize=64)
 def _parsed(text: str) -> RobotCard:
     """Return the card in a text; to parse it takes longer than to read all other files."""
-    return RobotCard.model_validate(yaml.safe_load(text))
+    return RobotCard.model_validate(read_yaml(text)[0])
 
 
 def read_robot_card(path: Path) -> RobotCard:

@@ -1,6 +1,7 @@
 """Read a scene from YAML, JSON or a decoded document; say which line is at fault."""
 
 from collections.abc import Mapping, Sequence
+from functools import cache
 from pathlib import Path
 from typing import Any, cast
 
@@ -9,28 +10,13 @@ from pydantic import ValidationError
 
 from planning.domain.scene import Scene
 from planning.errors import AssetNotFound, SceneInvalid
+from planning.faults import faults_of
 from planning.world.scene_document import SceneDocument
+from planning.world.yaml_text import read_yaml
 
 # A scene of a thousand obstacles is 100 kB; libyaml's tree of 8 MB takes minutes and gigabytes.
 MAX_TEXT_BYTES = 4_000_000
-MAX_EVENTS = 500_000
-MAX_DEPTH = 64
 _MAX_FAULTS = 20
-
-
-def _refuse_bombs(text: str | bytes) -> None:
-    """Raise on aliases and endless nesting, by a pass over the events that builds nothing."""
-    depth = 0
-    for count, event in enumerate(yaml.parse(text, Loader=yaml.CSafeLoader)):
-        if isinstance(event, yaml.AliasEvent):
-            raise yaml.YAMLError(_at("aliases are not allowed in scenes", event.start_mark))
-        if isinstance(event, yaml.CollectionStartEvent):
-            depth += 1
-        elif isinstance(event, yaml.CollectionEndEvent):
-            depth -= 1
-        if count > MAX_EVENTS or depth > MAX_DEPTH:
-            limits = f"at most {MAX_EVENTS} values, nested at most {MAX_DEPTH} deep"
-            raise yaml.YAMLError(_at(f"too large for a scene: {limits}", event.start_mark))
 
 
 def parse_scene(source: str | bytes | Mapping[str, Any], name: str = "the scene") -> Scene:
@@ -49,11 +35,8 @@ def parse_scene(source: str | bytes | Mapping[str, Any], name: str = "the scene"
         message = f"{name} has {len(source)} bytes; at most {MAX_TEXT_BYTES} are read"
         raise SceneInvalid(message, {"bytes": len(source), "bound": MAX_TEXT_BYTES})
     try:
-        _refuse_bombs(source)
-        node: Any = yaml.compose(source, Loader=yaml.CSafeLoader)
-        _refuse_repeated_keys(node)
-        document: Any = yaml.load(source, Loader=yaml.CSafeLoader)
-    except (yaml.YAMLError, ValueError, RecursionError) as fault:
+        document, node = read_yaml(source)
+    except yaml.YAMLError as fault:
         raise _unreadable(fault, name) from fault
     if not isinstance(document, Mapping):
         kind = type(document).__name__
@@ -95,34 +78,29 @@ def _validate(document: Mapping[str, Any], node: Any, name: str) -> Scene:
     try:
         return SceneDocument.model_validate(document).value()
     except ValidationError as refusal:
-        faults = [
-            {
-                "path": ".".join(str(step) for step in _real_steps(document, fault["loc"])),
-                "line": _line_of(node, fault["loc"]),
-                "message": fault["msg"].removeprefix("Value error, "),
-            }
-            for fault in refusal.errors(include_url=False, include_context=False)[:_MAX_FAULTS]
-        ]
+        found = refusal.errors(include_url=False, include_context=False)
+    faults = [
+        {
+            "path": fault.path,
+            "pointer": fault.pointer,
+            "line": _line_of(node, fault.steps),
+            "message": fault.message,
+            "nearest": list(fault.nearest),
+        }
+        for fault in faults_of(cast("Any", found), document, _schema())
+    ]
     first = faults[0]
     where = f", line {first['line']}" if first["line"] else ""
     more = f" (and {len(faults) - 1} more faults)" if len(faults) > 1 else ""
     place = first["path"] or "the document"
     message = f"{name}{where}: {place}: {first['message']}{more}"
-    raise SceneInvalid(message, {"path": first["path"], "line": first["line"], "faults": faults})
+    evidence = {"path": first["path"], "pointer": first["pointer"], "line": first["line"]}
+    raise SceneInvalid(message, {**evidence, "faults": faults[:_MAX_FAULTS]})
 
 
-def _real_steps(document: Any, location: Sequence[str | int]) -> list[str | int]:
-    """Return the location without the steps that pydantic made up, such as a union's branches."""
-    real: list[str | int] = []
-    for i, step in enumerate(location):
-        if isinstance(document, Mapping):
-            is_real = step in document or i == len(location) - 1
-            document = cast("Any", document).get(step) if is_real else document
-        else:
-            is_real = isinstance(document, list) and step in range(len(document))
-            document = cast("Any", document)[step] if is_real else document
-        real += [step] if is_real else []
-    return real
+@cache
+def _schema() -> dict[str, Any]:
+    return SceneDocument.model_json_schema()
 
 
 def _line_of(node: Any, location: Sequence[str | int]) -> int | None:
@@ -145,26 +123,6 @@ def _children(node: Any) -> dict[str | int, tuple[int, Any]]:
     if isinstance(node, yaml.SequenceNode):
         return {i: (child.start_mark.line, child) for i, child in enumerate(node.value)}
     return {}
-
-
-def _refuse_repeated_keys(node: Any) -> None:
-    """Raise on a key that is given twice: YAML would silently keep the last one."""
-    pending = [node]
-    while pending:
-        current = pending.pop()
-        if isinstance(current, yaml.MappingNode):
-            seen: set[str] = set()
-            for key, child in current.value:
-                if key.value in seen:
-                    raise yaml.YAMLError(_at(f"key {key.value!r} is given twice", key.start_mark))
-                seen.add(str(key.value))
-                pending.append(child)
-        elif isinstance(current, yaml.SequenceNode):
-            pending += current.value
-
-
-def _at(problem: str, mark: Any) -> str:
-    return f"line {mark.line + 1}: {problem}"
 
 
 def _unreadable(fault: Exception, name: str) -> SceneInvalid:

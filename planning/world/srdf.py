@@ -6,6 +6,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from xml.etree import ElementTree as ET
 
+from planning.world.xml_file import xml_root
+
 
 @dataclass(frozen=True)
 class SrdfGroup:
@@ -45,7 +47,7 @@ def read_srdf(urdf: Path, movable: Mapping[str, int]) -> Srdf:
     file = _srdf_file(urdf)
     if file is None:
         return Srdf()
-    root = ET.parse(file).getroot()  # noqa: S314  (was inspected)
+    root = xml_root(file.read_bytes())
     groups = _groups(_Reader(root, _parent_joints(urdf)), movable)
     warnings: list[str] = []
     configurations: dict[str, dict[str, tuple[float, ...]]] = {}
@@ -81,7 +83,7 @@ def end_effector_joints(urdf: Path) -> set[str]:
     file = _srdf_file(urdf)
     if file is None:
         return set()
-    reader = _Reader(ET.parse(file).getroot(), _parent_joints(urdf))  # noqa: S314  (was inspected)
+    reader = _Reader(xml_root(file.read_bytes()), _parent_joints(urdf))
     return {joint for name in reader.hands for joint in reader.members(name)}
 
 
@@ -188,7 +190,7 @@ def _srdf_file(urdf: Path) -> Path | None:
 def _parent_joints(urdf: Path) -> dict[str, tuple[str, str]]:
     """Return (joint, parent link) of every link."""
     parents: dict[str, tuple[str, str]] = {}
-    for joint in ET.parse(urdf).getroot().findall("joint"):  # noqa: S314  (was inspected)
+    for joint in xml_root(urdf.read_bytes()).findall("joint"):
         parent, child = joint.find("parent"), joint.find("child")
         if parent is not None and child is not None:
             parents[child.get("link", "")] = (joint.get("name", ""), parent.get("link", ""))

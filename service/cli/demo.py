@@ -7,6 +7,7 @@ from typing import Annotated, Any
 import typer
 from rich.table import Table
 
+from service.cli.options import MAX_SEED, above_zero
 from service.cli.plan import finished
 from service.cli.screen import console, follow, show_failure
 from service.cli.session import scene_text, session
@@ -69,8 +70,10 @@ _STORY = (
 def demo(
     *,
     out: Annotated[Path, typer.Option(help="Folder for the replay.")] = Path("out"),
-    speed: Annotated[float, typer.Option(help="Pace of the execution; 1 is real time.")] = 1.0,
-    seed: Annotated[int, typer.Option(help="Of all randomness.")] = 1,
+    speed: Annotated[
+        float, typer.Option(help="Pace of the execution; 1 is real time.", callback=above_zero)
+    ] = 1.0,
+    seed: Annotated[int, typer.Option(help="Of all randomness.", min=0, max=MAX_SEED)] = 1,
     server: Annotated[str | None, typer.Option(help="URL of a running server.")] = None,
 ) -> None:
     """Fetch a can over HTTP: plan, prove and execute every motion, and write a replay of all."""

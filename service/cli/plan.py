@@ -6,6 +6,7 @@ from typing import Annotated, Any
 import typer
 
 from service.cli.goal import goal_of, group_of, start_of
+from service.cli.options import MAX_SEED, above_zero
 from service.cli.screen import console, follow, show_failure, show_plans, unit_of
 from service.cli.session import scene_text, session
 from service.client.client import Client
@@ -20,8 +21,10 @@ def plan(  # noqa: PLR0913  (one parameter per option)
         str | None, typer.Option("--from", help="A configuration; else the scene's state.")
     ] = None,
     group: Annotated[str | None, typer.Option(help="What moves; else the first group.")] = None,
-    seed: Annotated[int, typer.Option(help="Of all randomness.")] = 0,
-    seconds: Annotated[float, typer.Option(help="Allowed planning time [s].")] = 10.0,
+    seed: Annotated[int, typer.Option(help="Of all randomness.", min=0, max=MAX_SEED)] = 0,
+    seconds: Annotated[
+        float, typer.Option(help="Allowed planning time [s].", callback=above_zero)
+    ] = 10.0,
     out: Annotated[
         Path | None,
         typer.Option(help="Where to write the motion: .json (everything), .csv or .html (replay)."),

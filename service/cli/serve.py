@@ -7,6 +7,7 @@ from typing import Annotated, Any
 
 import typer
 from pydantic import ValidationError
+from pydantic_settings import SettingsError
 
 from service.settings import Settings
 
@@ -36,19 +37,42 @@ def serve(  # noqa: PLR0913  (one parameter per option)
         "plan_slots": plan_slots,
         "engine": engine,
     }
-    from service.cli.server import run  # noqa: PLC0415  (other commands do without a server)
+    from service.cli.server import CannotStart, run  # noqa: PLC0415  (others do without a server)
 
-    try:
-        settings = Settings(**{name: item for name, item in chosen.items() if item is not None})
-    except ValidationError as fault:
-        typer.echo(f"the settings are wrong: {fault}", err=True)
-        raise typer.Exit(2) from fault
+    settings = settings_of({name: item for name, item in chosen.items() if item is not None})
     bound = bind(settings.host, settings.port)
     url = url_of(bound)
-    if announce is not None:
-        announce.write_text(json.dumps({"url": url}), encoding="utf-8")
-    typer.echo(f"Wayproof listens on {url}  (documentation: {url}/docs)", err=True)
-    run(settings, bound, log_level="info" if verbose else "warning", leashed=leashed)
+
+    def tell() -> None:
+        if announce is not None:
+            announce.write_text(json.dumps({"url": url}), encoding="utf-8")
+        typer.echo(f"Wayproof listens on {url}  (documentation: {url}/docs)", err=True)
+
+    level = "info" if verbose else "warning"
+    try:
+        with bound:
+            run(settings, bound, log_level=level, leashed=leashed, on_listening=tell)
+    except CannotStart as fault:
+        typer.echo(f"the server does not start: {fault}", err=True)
+        raise typer.Exit(1) from fault
+
+
+def settings_of(chosen: dict[str, Any]) -> Settings:
+    """Return the settings by options and environment.
+
+    Raises:
+        typer.Exit: With 2, after a sentence for each that is wrong.
+    """
+    try:
+        return Settings(**chosen)
+    except ValidationError as fault:
+        for one in fault.errors():
+            name = ".".join(map(str, one["loc"]))
+            typer.echo(f"the setting {name} is wrong: {one['msg']}", err=True)
+        raise typer.Exit(2) from fault
+    except SettingsError as fault:
+        typer.echo(f"the settings are wrong: {fault}", err=True)
+        raise typer.Exit(2) from fault
 
 
 def bind(host: str, port: int) -> socket.socket:

@@ -1,14 +1,19 @@
 """The server process: uvicorn around the app."""
 
+import logging
 import socket
 import sys
 import threading
+from collections.abc import Callable
 from typing import override
 
 import uvicorn
 from fastapi import FastAPI
+from sqlalchemy.exc import SQLAlchemyError
 
+from planning.errors import WayproofError
 from service.app import create_app
+from service.cli.connections import Connections, bounded_protocol, most_connections
 from service.settings import Settings
 
 # Streams of events would hold a stopping server without end [s].
@@ -17,14 +22,77 @@ _GRACE = 2
 TAKEN = 3
 
 
-class _Server(uvicorn.Server):
-    """Brings robots to rest as soon as it is told to stop, not when its clients have gone."""
+class CannotStart(Exception):
+    """The server cannot start, for a reason that its operator can change."""
 
-    def __init__(self, config: uvicorn.Config, app: FastAPI) -> None:
-        """Serve `app`."""
+
+def run(
+    settings: Settings,
+    bound: socket.socket,
+    *,
+    log_level: str,
+    leashed: bool,
+    on_listening: Callable[[], None],
+) -> None:
+    """Serve on a bound socket until told to stop.
+
+    Args:
+        settings: How the service runs.
+        bound: Where it listens.
+        log_level: Of uvicorn.
+        leashed: Whether to stop when stdin closes, that is, when what started it is gone.
+        on_listening: Called once it takes requests.
+
+    Raises:
+        CannotStart: The data folder, the database or the address is not to be had.
+        SystemExit: Another server took the database over.
+    """
+
+    def give_up() -> None:
+        server.give_up()
+
+    app = create_app(settings, give_up)
+    most = most_connections(settings.max_connections)
+    config = uvicorn.Config(
+        app,
+        log_level=log_level,
+        timeout_graceful_shutdown=_GRACE,
+        http=bounded_protocol(Connections(most, settings.header_timeout)),
+    )
+    server = _Server(config, app, on_listening)
+    if leashed:
+        threading.Thread(target=_stop_with_stdin, args=(server,), daemon=True).start()
+    server.run(sockets=[bound])
+    if server.is_taken:
+        raise SystemExit(TAKEN)
+
+
+class _Server(uvicorn.Server):
+    """Says when it listens, and why it cannot; brings robots to rest before clients have gone."""
+
+    def __init__(
+        self, config: uvicorn.Config, app: FastAPI, on_listening: Callable[[], None]
+    ) -> None:
         super().__init__(config)
         self.is_taken = False
         self._app = app
+        self._on_listening = on_listening
+
+    @override
+    async def startup(self, sockets: list[socket.socket] | None = None) -> None:
+        log = logging.getLogger("uvicorn.error")
+        log.addFilter(self._is_news)
+        try:
+            await super().startup(sockets)
+        except SystemExit as ended:  # of the app's lifespan, whose fault it keeps
+            raise self._reason() or ended from None
+        except OSError as fault:
+            await self.lifespan.shutdown()
+            message = f"cannot listen: {fault.strerror or fault}"
+            raise CannotStart(message) from fault
+        finally:
+            log.removeFilter(self._is_news)
+        self._on_listening()
 
     @override
     async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
@@ -36,31 +104,23 @@ class _Server(uvicorn.Server):
         """Stop, because another server has the database."""
         self.is_taken = self.should_exit = True
 
+    def _is_news(self, _: logging.LogRecord) -> bool:
+        """Uvicorn logs the whole traceback of a fault that takes one sentence."""
+        return self._reason() is None
 
-def run(settings: Settings, bound: socket.socket, *, log_level: str, leashed: bool) -> None:
-    """Serve on a bound socket until told to stop.
-
-    Args:
-        settings: How the service runs.
-        bound: Where it listens.
-        log_level: Of uvicorn.
-        leashed: Whether to stop when stdin closes, that is, when its parent is gone.
-
-    Raises:
-        SystemExit: Another server took the database over.
-    """
-
-    def give_up() -> None:
-        server.give_up()
-
-    app = create_app(settings, give_up)
-    config = uvicorn.Config(app, log_level=log_level, timeout_graceful_shutdown=_GRACE)
-    server = _Server(config, app)
-    if leashed:
-        threading.Thread(target=_stop_with_stdin, args=(server,), daemon=True).start()
-    server.run(sockets=[bound])
-    if server.is_taken:
-        raise SystemExit(TAKEN)
+    def _reason(self) -> CannotStart | None:
+        fault: BaseException | None = getattr(self._app.state, "start_fault", None)
+        match fault:
+            case WayproofError():
+                return CannotStart(fault.detail)
+            case OSError():
+                name = fault.filename or "the data folder"
+                return CannotStart(f"cannot use {name}: {fault.strerror or fault}")
+            case SQLAlchemyError():
+                reason = str(getattr(fault, "orig", None) or fault).splitlines()[0]
+                return CannotStart(f"cannot use the database: {reason}")
+            case _:
+                return None
 
 
 def _stop_with_stdin(server: uvicorn.Server) -> None:

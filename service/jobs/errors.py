@@ -70,7 +70,7 @@ class ServerRestarted(PlanningFailure):
 
 
 class InternalError(PlanningFailure):
-    """The task raised what it should not; evidence: `exception`, `traceback`."""
+    """The task raised what it should not; evidence: `exception`, `reference` in the log."""
 
     code = "internal_error"
     stage = "worker"

@@ -2,7 +2,8 @@
 
 import importlib
 import json
-import traceback
+import logging
+import secrets
 from dataclasses import dataclass
 from typing import Any
 
@@ -15,6 +16,7 @@ from service.jobs.outline import outline_of, without
 
 # Events are for people; whatever is larger belongs into the result.
 MAX_EVENT = 64 * 1024
+_log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True)
@@ -70,7 +72,9 @@ def event_text(data: dict[str, Any]) -> str:
 
 
 def _internal(fault: BaseException) -> InternalError:
-    lines = traceback.format_exception(fault)[-6:]
-    evidence = {"exception": repr(fault)[:500], "traceback": "".join(lines)[-3000:]}
-    what = f"the task failed in a way that is our fault: {type(fault).__name__}: {fault}"
-    return InternalError(what[:500], evidence)
+    """Return the error for a fault of ours; what it says of our code is for our log alone."""
+    reference = secrets.token_hex(4)
+    _log.error("a task failed (%s)", reference, exc_info=fault)
+    kind = type(fault).__name__
+    what = f"the task failed in a way that is our fault: {kind}; the server's log says more under "
+    return InternalError(what + reference, {"exception": kind, "reference": reference})

@@ -5,9 +5,11 @@ from typing import Annotated, Any
 from fastapi import Header, Path, Query
 
 _DESCRIPTIONS = {
-    400: "The body or a parameter cannot be read",
+    400: "The body or a parameter cannot be read, or the server is not meant by that name",
+    403: "A page of another origin asks",
     404: "There is no such resource",
     405: "The resource does not do that",
+    408: "The body did not arrive in time",
     409: "Impossible in this scene or state",
     413: "The body is too large",
     415: "The body has a content type that is not read here",
@@ -19,14 +21,18 @@ _DESCRIPTIONS = {
 
 
 def problems(*statuses: int) -> dict[int | str, dict[str, Any]]:
-    """Return the declaration of problem documents for these statuses, and for 500 and 503."""
+    """Return the declaration of problem documents for these statuses, and for those of them all.
+
+    What takes a body, and so has 413, can also have 408 and 415.
+    """
+    of_bodies = {408, 415} if 413 in statuses else set[int]()
     schema = {"$ref": "#/components/schemas/Problem"}
     return {
         status: {
             "description": _DESCRIPTIONS[status],
             "content": {"application/problem+json": {"schema": schema}},
         }
-        for status in sorted({*statuses, 500, 503})
+        for status in sorted({*statuses, *of_bodies, 400, 403, 500, 503})
     }
 
 

@@ -21,8 +21,9 @@ from service.schemas.execution import (
     ExecutionRequest,
     SpeedRequest,
 )
+from service.strict_route import StrictRoute
 
-router = APIRouter(prefix="/v1/executions", tags=["executions"])
+router = APIRouter(route_class=StrictRoute, prefix="/v1/executions", tags=["executions"])
 type OfScene = Annotated[str | None, Query(max_length=128, description="Only those in this scene")]
 
 

@@ -9,8 +9,9 @@ from service.dependencies import DeskDep
 from service.errors import UnknownResource
 from service.routes.answers import problems
 from service.schemas.summary import ModelList, ModelWire
+from service.strict_route import StrictRoute
 
-router = APIRouter(prefix="/v1/models", tags=["models"])
+router = APIRouter(route_class=StrictRoute, prefix="/v1/models", tags=["models"])
 
 
 @router.get(

@@ -20,8 +20,10 @@ from service.schemas.own_motion import (
     RetimeRequest,
     RetimeResponse,
 )
+from service.strict_route import StrictRoute
 
 router = APIRouter(
+    route_class=StrictRoute,
     prefix="/v1/trajectories",
     tags=["trajectories"],
     responses=problems(400, 404, 409, 413, 422, 429, 503),

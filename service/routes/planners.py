@@ -5,8 +5,9 @@ from fastapi import APIRouter
 from service.dependencies import DeskDep
 from service.routes.answers import problems
 from service.schemas.planner import PlannerList
+from service.strict_route import StrictRoute
 
-router = APIRouter(prefix="/v1/planners", tags=["planners"])
+router = APIRouter(route_class=StrictRoute, prefix="/v1/planners", tags=["planners"])
 
 
 @router.get(

@@ -18,8 +18,9 @@ from service.routes.submission import SubmissionDep, taken_in
 from service.schemas.graph import PlannerGraphWire
 from service.schemas.job import Job, JobPage, JobState
 from service.schemas.plan import PlanRequest
+from service.strict_route import StrictRoute
 
-router = APIRouter(prefix="/v1/plans", tags=["plans"])
+router = APIRouter(route_class=StrictRoute, prefix="/v1/plans", tags=["plans"])
 type State = Annotated[JobState | None, Query(description="Only those in this state")]
 type OfScene = Annotated[str | None, Query(max_length=128, description="Only those in this scene")]
 

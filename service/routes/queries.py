@@ -15,8 +15,10 @@ from service.scenes.preflight import (
 from service.schemas.check import CheckRequest, CheckResponse
 from service.schemas.kinematics import FkRequest, FkResponse, IkRequest, IkResponse
 from service.schemas.line import LineRequest, LineResponse
+from service.strict_route import StrictRoute
 
 router = APIRouter(
+    route_class=StrictRoute,
     prefix="/v1/scenes/{scene}",
     tags=["queries"],
     responses=problems(400, 404, 409, 413, 422, 429, 503),

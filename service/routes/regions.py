@@ -15,8 +15,9 @@ from service.routes.answers import Cursor, LastEventId, Limit, SceneId, problems
 from service.routes.streaming import EVENTS, server_sent
 from service.routes.submission import SubmissionDep, taken_in
 from service.schemas.regions import RegionsJob, RegionsPage, RegionsRequest
+from service.strict_route import StrictRoute
 
-router = APIRouter(prefix="/v1", tags=["regions"])
+router = APIRouter(route_class=StrictRoute, prefix="/v1", tags=["regions"])
 
 
 @router.post(

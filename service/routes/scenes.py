@@ -16,8 +16,9 @@ from service.scenes.wire import scene_brief, scene_resource
 from service.schemas.scene import Scene, ScenePage
 from service.schemas.scene_edit import SceneEdit
 from service.schemas.scene_examples import REQUEST_BODY
+from service.strict_route import StrictRoute
 
-router = APIRouter(prefix="/v1/scenes", tags=["scenes"])
+router = APIRouter(route_class=StrictRoute, prefix="/v1/scenes", tags=["scenes"])
 
 # Each may need a world of its own in memory.
 _MOST_MOTIONS = 32

@@ -9,8 +9,9 @@ from service.dependencies import DeskDep, PlanJob
 from service.plans.wire import motion_of, polynomial_of, sampling_of
 from service.routes.answers import problems
 from service.schemas.trajectory import TrajectoryWire
+from service.strict_route import StrictRoute
 
-router = APIRouter(prefix="/v1/plans/{plan}", tags=["plans"])
+router = APIRouter(route_class=StrictRoute, prefix="/v1/plans/{plan}", tags=["plans"])
 
 type Format = Annotated[Literal["json", "csv"], Query(description="What to answer with")]
 type Period = Annotated[

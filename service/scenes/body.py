@@ -1,11 +1,11 @@
 """The body of a posted scene: which language it is in, and its text."""
 
-from email.message import Message
 from typing import Literal
 
 from fastapi import Request
 
 from service.errors import BodyTooLarge, UnreadableBody, UnsupportedMediaType
+from service.strict_route import kind_of
 
 type Media = Literal["json", "yaml"]
 
@@ -40,9 +40,7 @@ def media_of(content_type: str) -> Media:
     Raises:
         UnsupportedMediaType: None that is read here.
     """
-    message = Message()
-    message["content-type"] = content_type
-    kind = message.get_content_type()
+    kind = kind_of(content_type)
     if kind == "application/json" or kind.endswith("+json"):
         return "json"
     if kind in YAML_TYPES or kind.endswith("+yaml"):

@@ -4,7 +4,7 @@ from collections.abc import Iterable, Sequence
 from typing import Any
 
 from planning.domain.joints import Joint, JointType
-from planning.errors import UnknownName
+from planning.errors import ModelInvalid, UnknownName
 from service.errors import WrongCount
 from service.scenes.records import SceneRecord
 from service.schemas.constraint import (
@@ -35,12 +35,25 @@ def require_group(scene: SceneRecord, name: str) -> Group:
 
     Raises:
         UnknownName: The scene has none of that name.
+        ModelInvalid: It is a robot's, none of whose joints moves.
     """
     groups: list[Group] = scene.summary["groups"]
     for group in groups:
         if name == group["name"] or name in group["aliases"]:
+            if not group["joints"]:
+                raise _still(name, scene)
             return group
+    if name in (robot["name"] for robot in scene.document["robots"]):
+        raise _still(name, scene)
     raise UnknownName.among("group", name, [group["name"] for group in groups])
+
+
+def _still(name: str, scene: SceneRecord) -> ModelInvalid:
+    robot = name.partition("::")[0]
+    models = {entry["name"]: entry["model"] for entry in scene.document["robots"]}
+    reason = "no joint of it moves, so there is nothing to plan for: it can only be an obstacle"
+    evidence = {"file": models.get(robot, ""), "reason": reason, "robot": robot}
+    return ModelInvalid(f"robot {robot!r}: {reason}", evidence)
 
 
 def joints_of(group: Group) -> list[Joint]:

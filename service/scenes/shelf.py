@@ -18,12 +18,14 @@ class SceneShelf:
     Attributes:
         settle: What the latest revision goes through before it is given out: it returns the one
             that knows where executions left the robots.
+        forgotten: Called after a scene was deleted.
     """
 
     def __init__(self, store: SceneStore) -> None:
         """Ask `store`."""
         self._store = store
         self.settle: Callable[[SceneRecord], Awaitable[SceneRecord]] | None = None
+        self.forgotten: Callable[[], None] | None = None
 
     async def add(self, loaded: dict[str, Any]) -> SceneRecord:
         """Record a scene that a slot has loaded."""
@@ -70,6 +72,8 @@ class SceneShelf:
             UnknownResource: There is none.
         """
         await to_thread.run_sync(self._store.delete, identifier)
+        if self.forgotten is not None:
+            self.forgotten()
 
     async def file(self, record: SceneRecord) -> Path:
         """Return the file of a scene's document."""

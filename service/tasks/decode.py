@@ -1,7 +1,5 @@
 """Texts of scenes: YAML or JSON, refused early if they are bombs."""
 
-import json
-from collections import Counter
 from collections.abc import Mapping
 from typing import Any
 
@@ -11,6 +9,8 @@ from planning import SceneDocument, parse_scene
 from planning.domain.scene import Scene
 from planning.errors import SceneInvalid
 from service.errors import UnreadableBody
+from service.json_body import RepeatedKey
+from service.json_body import decode_json as decode
 
 # Ten thousand obstacles have 200,000 values. Every fault of a document costs a kilobyte and ten
 # microseconds to report, so a list or an object of any length could be all faults.
@@ -53,7 +53,11 @@ def decode_json(text: str) -> Mapping[str, Any]:
         SceneInvalid: It is no object, or gives a key twice, or is absurdly large.
     """
     try:
-        decoded = json.loads(text, object_pairs_hook=_distinct)
+        decoded = decode(text)
+    except RepeatedKey as repeated:
+        fault = repeated.fault
+        message = f"the scene: {fault.path}: {fault.message}"
+        raise SceneInvalid(message, {"path": fault.path, "pointer": fault.pointer}) from repeated
     except (ValueError, RecursionError) as fault:
         reason = str(fault)[:200] or type(fault).__name__
         message = f"the body is not JSON: {reason}"
@@ -63,17 +67,6 @@ def decode_json(text: str) -> Mapping[str, Any]:
         raise SceneInvalid(message, {"path": ""})
     _refuse_absurd(decoded)
     return decoded
-
-
-def _distinct(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
-    """Build an object whose keys are all different: JSON would keep the last of two."""
-    built = dict(pairs)
-    if len(built) < len(pairs):
-        counts = Counter(key for key, _ in pairs)
-        twice = next(key for key, count in counts.items() if count > 1)
-        message = f"key {twice[:80]!r} is given twice"
-        raise SceneInvalid(message, {"path": twice[:80]})
-    return built
 
 
 def _refuse_long(text: str) -> None:

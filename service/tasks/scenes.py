@@ -10,6 +10,7 @@ from planning import (
     load_world,
     parse_scene,
     scene_document,
+    tried,
     with_line,
 )
 from planning.errors import SceneInvalid
@@ -32,7 +33,7 @@ def load_scene(payload: dict[str, Any], _: Channel) -> dict[str, Any]:
     scene, document = decode_scene(payload["text"], payload["media"])
     library = library_of(payload["library"])
     try:
-        world = load_world(scene, library)
+        world = load_world(tried(scene, library), library)
     except SceneInvalid as fault:
         raise with_line(fault, payload["text"]) from fault
     return _loaded(world, library, document)
@@ -53,7 +54,7 @@ def revise_scene(payload: dict[str, Any], _: Channel) -> dict[str, Any]:
     operations = [operation_value(wire) for wire in request.operations]
     edited = edit_scene(replace(posted.value(), files=files), operations, library)
     document = scene_document(edited, like=posted).model_dump(mode="json", exclude_none=True)
-    scene = replace(parse_scene(document), files=edited.files)
+    scene = tried(replace(parse_scene(document), files=edited.files), library)
     return _loaded(load_world(scene, library), library, document)
 
 

@@ -43,7 +43,7 @@ def test_results_failures_and_blunders_come_back(tmp_path: Path, inline: bool) -
             codes = [job.failure["code"] for job in ended[2:]]
             assert codes == ["internal_error", "worker_crashed", "worker_crashed", "internal_error"]
             assert ended[3].failure["evidence"]["reason"] == "SystemExit: 3"
-            assert "KeyError" in ended[2].failure["evidence"]["traceback"]
+            assert ended[2].failure["evidence"]["exception"] == "KeyError"
             types = [event.type for event in store.events(jobs[0].id)]
             assert types == ["queued", "started", "stage", "finished"]
             assert ended[0].stage == "echo"

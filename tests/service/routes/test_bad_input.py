@@ -172,7 +172,8 @@ BAD_BODIES = {
     "not UTF-8": ("application/json", b'{"scene": "\xff"}', 400),
     "a list": ("application/json", b"[]", 422),
     "deep": ("application/json", b"[" * 1_000_000, 400),
-    "another type": ("text/plain", b"{}", 422),
+    "another type": ("text/plain", b"{}", 415),
+    "no type": ("", b"{}", 415),
 }
 
 

@@ -1,0 +1,183 @@
+"""Faults of a document, as pydantic tells them, for those who wrote it.
+
+Pydantic's locations have steps of its own (branches of unions), and its message for a field that
+is not there does not say which are.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from planning.errors import UnknownName
+
+type Step = str | int
+type Schema = Mapping[str, Any]
+
+_UNKNOWN_FIELD, _MISSING_FIELD = "extra_forbidden", "missing"
+_LONGEST = 500
+# Of one inside the other: `positions` by joint, each a number or several.
+_MOST_UNIONS = 4
+
+
+@dataclass(frozen=True)
+class Fault:
+    """What is wrong with one part of a document.
+
+    Attributes:
+        steps: Keys and indices from the root to the part.
+        message: What is wrong, for a person.
+        type: Pydantic's name for the kind of fault.
+        nearest: Fields that may have been meant.
+    """
+
+    steps: tuple[Step, ...]
+    message: str
+    type: str
+    nearest: tuple[str, ...] = ()
+
+    @property
+    def path(self) -> str:
+        """The steps with dots between, as scene files name parts."""
+        return ".".join(str(step)[:80] for step in self.steps)
+
+    @property
+    def pointer(self) -> str:
+        """The steps as a JSON pointer (RFC 6901)."""
+        steps = (str(step)[:200].replace("~", "~0").replace("/", "~1") for step in self.steps)
+        return "".join(f"/{step}" for step in steps)
+
+
+def faults_of(found: Sequence[Mapping[str, Any]], document: Any, schema: Schema) -> list[Fault]:
+    """Return the faults of a document, without those of branches that it does not mean.
+
+    Args:
+        found: Pydantic's list of errors; their locations begin at the document's root.
+        document: What was validated.
+        schema: JSON schema of its model.
+    """
+    for depth in range(_MOST_UNIONS):
+        found = _of_meant_branches(found, document, depth)
+    faults = [_fault(one, document, schema) for one in found]
+    # A field that is misspelt says more than the one that is missing because of it.
+    return sorted(faults, key=lambda fault: not fault.nearest)
+
+
+def _fault(found: Mapping[str, Any], document: Any, schema: Schema) -> Fault:
+    steps = _real_steps(found, document)
+    if found["type"] == _UNKNOWN_FIELD and steps:
+        known = fields_at(schema, document, steps[:-1])
+        unknown = UnknownName.among("field", str(steps[-1])[:80], known)
+        nearest = tuple(unknown.evidence["nearest"])
+        return Fault(steps, unknown.detail[:_LONGEST], found["type"], nearest)
+    return Fault(steps, message_of(found), found["type"])
+
+
+def message_of(found: Mapping[str, Any]) -> str:
+    """Return what one of pydantic's errors says."""
+    return str(found["msg"]).removeprefix("Value error, ")[:_LONGEST]
+
+
+def _of_meant_branches(
+    found: Sequence[Mapping[str, Any]], document: Any, depth: int
+) -> list[Mapping[str, Any]]:
+    """Return the faults of the branch of each union that is the likeliest to be meant.
+
+    Of unions inside so many others. That is one whose kind of value the document has, and of these
+    the one with the fewest faults.
+    """
+    branches: dict[tuple[Step, ...], list[Mapping[str, Any]]] = {}
+    forks = [_fork(one, document, depth) for one in found]
+    for one, fork in zip(found, forks, strict=True):
+        if fork is not None:
+            branches.setdefault(fork, []).append(one)
+    best: dict[tuple[Step, ...], tuple[Step, ...]] = {}
+    for fork in branches:
+        union = fork[:-1]
+        best[union] = min(
+            best.get(union, fork), fork, key=lambda at: _strangeness(at, branches[at])
+        )
+    kept = zip(found, forks, strict=True)
+    return [one for one, fork in kept if fork is None or best[fork[:-1]] == fork]
+
+
+def _strangeness(fork: tuple[Step, ...], faults: Sequence[Mapping[str, Any]]) -> tuple[bool, int]:
+    is_of_another_kind = any(
+        len(one["loc"]) == len(fork) and str(one["type"]).endswith("_type") for one in faults
+    )
+    return is_of_another_kind, len(faults)
+
+
+def _fork(found: Mapping[str, Any], document: Any, depth: int) -> tuple[Step, ...] | None:
+    """Return the location of a branch, inside so many others; None where there is none."""
+    location, left = found["loc"], depth
+    for i, step in enumerate(location):
+        if _has(document, step):
+            document = document[step]
+        elif not _is_field(found, i):
+            if left == 0:
+                return tuple(location[: i + 1])
+            left -= 1
+    return None
+
+
+def _is_field(found: Mapping[str, Any], i: int) -> bool:
+    """Return whether a step that the document does not have is a field, and no branch."""
+    is_last = i == len(found["loc"]) - 1
+    return is_last and found["type"] in (_UNKNOWN_FIELD, _MISSING_FIELD)
+
+
+def _has(document: Any, step: Step) -> bool:
+    if isinstance(document, Mapping):
+        return step in document
+    return isinstance(document, list) and isinstance(step, int) and 0 <= step < len(document)
+
+
+def _real_steps(found: Mapping[str, Any], document: Any) -> tuple[Step, ...]:
+    """Return the location of a fault without the steps that pydantic made up."""
+    real: list[Step] = []
+    for i, step in enumerate(found["loc"]):
+        if _has(document, step):
+            document = document[step]
+            real.append(step)
+        elif _is_field(found, i):
+            real.append(step)
+    return tuple(real)
+
+
+def fields_at(schema: Schema, document: Any, steps: Sequence[Step]) -> list[str]:
+    """Return the fields that a part of a document may have, by the JSON schema of the whole."""
+    meant = list(_meant(schema, document, schema))
+    for step in steps:
+        document = document[step] if _has(document, step) else None
+        below = [child for part in meant for child in _below(part, step)]
+        meant = [one for child in below for one in _meant(child, document, schema)]
+    return sorted({name for part in meant for name in part.get("properties", {})})
+
+
+def _below(part: Schema, step: Step) -> Iterator[Schema]:
+    inner = part.get("items") if isinstance(step, int) else None
+    if inner is None and isinstance(step, str):
+        inner = part.get("properties", {}).get(step, part.get("additionalProperties"))
+    if isinstance(inner, Mapping):
+        yield inner
+
+
+def _meant(part: Schema, document: Any, root: Schema) -> Iterator[Schema]:
+    """Yield the schemas of a union that a document can mean, by the constants that they want."""
+    if "$ref" in part:
+        name = str(part["$ref"]).rsplit("/", 1)[-1]
+        yield from _meant(root["$defs"][name], document, root)
+        return
+    unions = [branch for kind in ("anyOf", "oneOf", "allOf") for branch in part.get(kind, [])]
+    for branch in unions:
+        yield from _meant(branch, document, root)
+    if not unions and not _is_other(part, document):
+        yield part
+
+
+def _is_other(part: Schema, document: Any) -> bool:
+    properties = part.get("properties", {})
+    return isinstance(document, Mapping) and any(
+        "const" in field and name in document and document[name] != field["const"]
+        for name, field in properties.items()
+    )

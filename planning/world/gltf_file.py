@@ -1,0 +1,201 @@
+"""require_sound_gltf(): whether a glTF points only at what it has (glTF 2.0, section 3.6).
+
+The loader that Drake uses reads beyond the end of buffers, follows children in circles, and takes
+indices as they are; each of these ends the process.
+"""
+
+import base64
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+from urllib.parse import unquote
+
+_COMPONENT_BYTES = {5120: 1, 5121: 1, 5122: 2, 5123: 2, 5125: 4, 5126: 4}
+_NUM_COMPONENTS = {
+    "SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT2": 4, "MAT3": 9, "MAT4": 16,
+}  # fmt: skip
+# By which a part of each list names others, and the list that these are in.
+_POINTERS = {
+    "bufferViews": {"buffer": "buffers"},
+    "accessors": {"bufferView": "bufferViews"},
+    "nodes": {"mesh": "meshes", "skin": "skins", "camera": "cameras"},
+}
+
+
+def require_sound_gltf(file: Path) -> None:
+    """Go on only if everything that a glTF refers to is there.
+
+    Raises:
+        ValueError: It is not; the message names the element, such as `accessor 3`.
+    """
+    try:
+        document = json.loads(file.read_bytes())
+    except (ValueError, RecursionError) as fault:
+        message = f"it is not JSON: {str(fault)[:200]}"
+        raise ValueError(message) from fault
+    if not isinstance(document, dict):
+        message = "it is no JSON object"
+        raise ValueError(message)  # noqa: TRY004  (the caller's one kind of fault)
+    _Gltf(document, file.parent).require_sound()
+
+
+class _Gltf:
+    """A document, and the folder that its buffers are in."""
+
+    def __init__(self, document: Mapping[str, Any], folder: Path) -> None:
+        self._document = document
+        self._folder = folder
+
+    def require_sound(self) -> None:
+        for name, pointers in _POINTERS.items():
+            for i, part in enumerate(self._list(name)):
+                for field in pointers.keys() & part.keys():
+                    self._at(pointers[field], part[field], f"{name}.{i}.{field}")
+        checks = {
+            "buffers": self._check_buffer,
+            "bufferViews": self._check_view,
+            "accessors": self._check_accessor,
+            "meshes": self._check_mesh,
+        }
+        for name, check in checks.items():
+            for i, part in enumerate(self._list(name)):
+                check(i, part)
+        self._check_tree()
+
+    def _list(self, name: str) -> list[Mapping[str, Any]]:
+        parts = self._document.get(name, [])
+        if not isinstance(parts, list) or not all(isinstance(part, dict) for part in parts):
+            message = f"`{name}` is no list of objects"
+            raise ValueError(message)
+        return parts
+
+    def _at(self, name: str, index: Any, where: str) -> Mapping[str, Any]:
+        parts = self._list(name)
+        if isinstance(index, bool) or not isinstance(index, int) or not 0 <= index < len(parts):
+            message = f"{where} is {index!r}, and there are {len(parts)} {name}"
+            raise ValueError(message)
+        return parts[index]
+
+    def _check_buffer(self, i: int, buffer: Mapping[str, Any]) -> None:
+        length, uri = _size(buffer, "byteLength", f"buffers.{i}", least=1), buffer.get("uri", "")
+        if not isinstance(uri, str) or not uri:
+            message = f"buffers.{i}.uri is missing"
+            raise ValueError(message)
+        if uri.startswith("data:"):
+            there = _data_length(uri, i)
+        else:
+            path = (self._folder / unquote(uri)).resolve()
+            if "://" in uri or not path.is_relative_to(self._folder.resolve()):
+                message = f"buffers.{i}.uri {uri[:80]!r} leaves the folder of the file"
+                raise ValueError(message)
+            if not path.is_file():
+                message = f"buffers.{i}.uri {uri[:80]!r} is no file there"
+                raise ValueError(message)
+            there = path.stat().st_size
+        if there < length:
+            message = f"buffers.{i} has {there} bytes, and byteLength says {length}"
+            raise ValueError(message)
+
+    def _check_view(self, i: int, view: Mapping[str, Any]) -> None:
+        where = f"bufferViews.{i}"
+        buffer = self._at("buffers", view.get("buffer"), f"{where}.buffer")
+        end = _size(view, "byteOffset", where, 0) + _size(view, "byteLength", where, least=1)
+        if end > buffer["byteLength"]:
+            message = f"{where} ends at byte {end} of a buffer of {buffer['byteLength']}"
+            raise ValueError(message)
+
+    def _check_accessor(self, i: int, accessor: Mapping[str, Any]) -> None:
+        where = f"accessors.{i}"
+        sizes = (accessor.get("componentType"), accessor.get("type"))
+        if sizes[0] not in _COMPONENT_BYTES or sizes[1] not in _NUM_COMPONENTS:
+            message = f"{where} is of no componentType and type that there are: {list(sizes)}"
+            raise ValueError(message)
+        item = _COMPONENT_BYTES[sizes[0]] * _NUM_COMPONENTS[sizes[1]]
+        count = _size(accessor, "count", where, least=1)
+        if "bufferView" in accessor:
+            self._check_span(where, accessor, item, count)
+        elif "sparse" not in accessor:
+            message = f"{where} has neither bufferView nor sparse"
+            raise ValueError(message)
+        if "sparse" in accessor:
+            message = f"{where}.sparse is not read: write the values out"
+            raise ValueError(message)
+
+    def _check_span(self, where: str, accessor: Mapping[str, Any], item: int, count: int) -> None:
+        view = self._at("bufferViews", accessor["bufferView"], f"{where}.bufferView")
+        stride = _size(view, "byteStride", "bufferViews", item)
+        end = _size(accessor, "byteOffset", where, 0) + max(stride, item) * (count - 1) + item
+        if end > view["byteLength"]:
+            message = f"{where} ends at byte {end} of a bufferView of {view['byteLength']}"
+            raise ValueError(message)
+
+    def _check_mesh(self, i: int, mesh: Mapping[str, Any]) -> None:
+        primitives = mesh.get("primitives")
+        if not isinstance(primitives, list) or not primitives:
+            message = f"meshes.{i} has no primitives"
+            raise ValueError(message)
+        for k, primitive in enumerate(primitives):
+            where = f"meshes.{i}.primitives.{k}"
+            attributes = primitive.get("attributes") if isinstance(primitive, dict) else None
+            if not isinstance(attributes, dict) or "POSITION" not in attributes:
+                message = f"{where} has no attribute POSITION"
+                raise ValueError(message)
+            for name, index in attributes.items():
+                self._at("accessors", index, f"{where}.attributes.{name}")
+            if "indices" in primitive:
+                self._at("accessors", primitive["indices"], f"{where}.indices")
+
+    def _check_tree(self) -> None:
+        """Nodes have one parent at most, and none is its own ancestor."""
+        seen: set[int] = set()
+        children: dict[int, list[int]] = {}
+        for i, node in enumerate(self._list("nodes")):
+            children[i] = self._indices(node.get("children", []), f"nodes.{i}.children")
+            twice = seen.intersection(children[i]) or len(set(children[i])) < len(children[i])
+            seen.update(children[i])
+            if twice:
+                message = f"nodes.{i}.children: a node is the child of two, or twice"
+                raise ValueError(message)
+        pending, met = [i for i in children if i not in seen], 0
+        while pending:
+            met += 1
+            pending += children[pending.pop()]
+        if met < len(children):
+            message = "nodes: some are their own ancestors, by `children`"
+            raise ValueError(message)
+        for i, scene in enumerate(self._list("scenes")):
+            self._indices(scene.get("nodes", []), f"scenes.{i}.nodes")
+        if "scene" in self._document:
+            self._at("scenes", self._document["scene"], "scene")
+
+    def _indices(self, indices: Any, where: str) -> list[int]:
+        if not isinstance(indices, list):
+            message = f"{where} is no list"
+            raise ValueError(message)  # noqa: TRY004
+        for index in indices:
+            self._at("nodes", index, where)
+        return indices
+
+
+def _size(
+    part: Mapping[str, Any], field: str, where: str, default: int | None = None, least: int = 0
+) -> int:
+    """Return a whole number of bytes or items."""
+    value = part.get(field, default)
+    if isinstance(value, bool) or not isinstance(value, int) or not least <= value < 2**40:
+        message = f"{where}.{field} is {value!r}, which is no size"
+        raise ValueError(message)
+    return value
+
+
+def _data_length(uri: str, i: int) -> int:
+    head, _, text = uri.partition(",")
+    if not head.endswith(";base64"):
+        message = f"buffers.{i}.uri is no base64 data"
+        raise ValueError(message)
+    try:
+        return len(base64.b64decode(text, validate=True))
+    except ValueError as fault:
+        message = f"buffers.{i}.uri is no base64 data: {fault}"
+        raise ValueError(message) from fault

@@ -1,0 +1,76 @@
+"""require_sound_vtk(): whether the cells of a VTK file (legacy format, ASCII) have their points.
+
+VTK reads points that are not there, and sets aside whatever memory the file announces.
+"""
+
+from pathlib import Path
+
+import numpy as np
+
+
+def require_sound_vtk(file: Path) -> None:
+    """Go on only if a VTK file has every point that its cells name, and all at finite places.
+
+    Raises:
+        ValueError: It does not, or is not written as text; the message names the list.
+    """
+    words = file.read_bytes().split()
+    if b"BINARY" in words[:20]:
+        message = "it is BINARY, which cannot be looked at before it is read: write it as ASCII"
+        raise ValueError(message)
+    if b"POINTS" not in words or b"CELLS" not in words:
+        return  # what is neither Drake refuses
+    count, points = _list(words, b"POINTS", 3)
+    if not np.isfinite(_numbers(points[:], np.float64, "POINTS")).all():
+        message = "POINTS: one of them is at no place"
+        raise ValueError(message)
+    for k, index in enumerate(_connectivity(words)):
+        if not 0 <= index < count:
+            message = f"CELLS: number {k} in the list is point {index}, and there are {count}"
+            raise ValueError(message)
+
+
+def _list(words: list[bytes], name: bytes, per_item: int) -> tuple[int, list[bytes]]:
+    """Return the length that a list announces, and its words after `name n type`."""
+    at = words.index(name)
+    count = int(_numbers(words[at + 1 : at + 2], np.int64, name.decode())[0])
+    found = words[at + 3 : at + 3 + per_item * count] if count >= 0 else []
+    if len(found) < per_item * count or count < 1:
+        message = f"{name.decode()}: {count} are announced, and {len(found) // per_item} are there"
+        raise ValueError(message)
+    return count, found
+
+
+def _connectivity(words: list[bytes]) -> list[int]:
+    """Return the points of all cells; the file gives them with counts between, or since 5.1 not."""
+    if b"CONNECTIVITY" in words:
+        at = words.index(b"CONNECTIVITY") + 2
+        stop = next((k for k in range(at, len(words)) if not _is_whole(words[k])), len(words))
+        return _numbers(words[at:stop], np.int64, "CONNECTIVITY").tolist()
+    at = words.index(b"CELLS")
+    cells, size = _numbers(words[at + 1 : at + 3], np.int64, "CELLS").tolist()
+    listed = _numbers(words[at + 3 : at + 3 + size], np.int64, "CELLS").tolist()
+    if len(listed) < size or cells < 1:
+        message = f"CELLS: {size} numbers are announced, and {len(listed)} are there"
+        raise ValueError(message)
+    found: list[int] = []
+    place = 0
+    for _ in range(cells):
+        if place >= size or place + listed[place] >= size or listed[place] < 1:
+            message = f"CELLS: {cells} are announced, and fewer are there"
+            raise ValueError(message)
+        found += listed[place + 1 : place + 1 + listed[place]]
+        place += 1 + listed[place]
+    return found
+
+
+def _is_whole(word: bytes) -> bool:
+    return word.removeprefix(b"-").isdigit()
+
+
+def _numbers(words: list[bytes], kind: type, name: str) -> np.ndarray:
+    try:
+        return np.array(words).astype(kind)
+    except (ValueError, OverflowError) as fault:
+        message = f"{name}: {str(fault)[:100]}"
+        raise ValueError(message) from fault

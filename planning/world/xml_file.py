@@ -1,0 +1,44 @@
+"""xml_root(): XML that is harmless to read, or the reason why it is not.
+
+Whatever the encoding: document types are refused by the parser that meets them (defusedxml), so
+that no entity is ever defined.
+"""
+
+from xml.etree import ElementTree as ET
+
+import defusedxml.ElementTree as DefusedET
+from defusedxml.common import DefusedXmlException
+
+MAX_BYTES = 20_000_000
+# Drake's own parser goes 500 deep; a body inside a body, and so on, is one level of a robot.
+MAX_DEPTH = 400
+
+
+def xml_root(content: bytes) -> ET.Element:
+    """Return the root of an XML text.
+
+    Raises:
+        ValueError: It is not XML, too large or too deep, or has a document type.
+    """
+    if len(content) > MAX_BYTES:
+        message = f"it has {len(content)} bytes; at most {MAX_BYTES} are read"
+        raise ValueError(message)
+    try:
+        root: ET.Element = DefusedET.fromstring(content, forbid_dtd=True)
+    except DefusedXmlException as fault:
+        raise ValueError("document types and entities are not allowed") from fault
+    except (ET.ParseError, ValueError, LookupError) as fault:
+        message = f"not XML: {fault}"
+        raise ValueError(message) from fault
+    _require_flat(root)
+    return root
+
+
+def _require_flat(root: ET.Element) -> None:
+    level = [root]
+    for _ in range(MAX_DEPTH):
+        level = [child for element in level for child in element]
+        if not level:
+            return
+    message = f"<{level[0].tag}> is nested more than {MAX_DEPTH} deep"
+    raise ValueError(message)

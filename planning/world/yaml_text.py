@@ -1,0 +1,79 @@
+"""read_yaml(): YAML that is what it looks like: no aliases, no key twice, keys of text only."""
+
+from typing import Any
+
+import yaml
+
+MAX_EVENTS = 500_000
+MAX_DEPTH = 64
+_TEXT = "tag:yaml.org,2002:str"
+
+
+def read_yaml(text: str | bytes) -> tuple[Any, Any]:
+    """Return what a YAML text says, and its tree of nodes, which know their lines.
+
+    Raises:
+        yaml.YAMLError: It is not YAML, or uses what is refused; the message has the line.
+    """
+    try:
+        _refuse_bombs(text)
+        node: Any = yaml.compose(text, Loader=yaml.CSafeLoader)
+        _refuse_repeated_keys(node)
+        return yaml.load(text, Loader=yaml.CSafeLoader), node
+    # PyYAML's constructors of scalars raise these at words that are not of their tag.
+    except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError) as fault:
+        message = f"a value is not of its tag: {str(fault)[:200]}"
+        raise yaml.YAMLError(message) from fault
+    except RecursionError as fault:
+        message = f"nested more than {MAX_DEPTH} deep"
+        raise yaml.YAMLError(message) from fault
+
+
+def _refuse_bombs(text: str | bytes) -> None:
+    """Raise on aliases and endless nesting, by a pass over the events that builds nothing."""
+    depth = 0
+    for count, event in enumerate(yaml.parse(text, Loader=yaml.CSafeLoader)):
+        if isinstance(event, yaml.AliasEvent):
+            raise yaml.YAMLError(_at("aliases are not allowed", event.start_mark))
+        if isinstance(event, yaml.CollectionStartEvent):
+            depth += 1
+        elif isinstance(event, yaml.CollectionEndEvent):
+            depth -= 1
+        if count > MAX_EVENTS or depth > MAX_DEPTH:
+            limits = f"at most {MAX_EVENTS} values, nested at most {MAX_DEPTH} deep"
+            raise yaml.YAMLError(_at(f"too large: {limits}", event.start_mark))
+
+
+def _refuse_repeated_keys(node: Any) -> None:
+    """Raise on a key that is given twice: YAML would silently keep the last one."""
+    pending = [node]
+    while pending:
+        current = pending.pop()
+        if isinstance(current, yaml.MappingNode):
+            seen: set[str] = set()
+            for key, child in current.value:
+                _refuse_strange_key(key)
+                if key.value in seen:
+                    raise yaml.YAMLError(_at(f"key {key.value!r} is given twice", key.start_mark))
+                seen.add(str(key.value))
+                pending.append(child)
+        elif isinstance(current, yaml.SequenceNode):
+            pending += current.value
+
+
+def _refuse_strange_key(key: Any) -> None:
+    """Raise on a key that is a list or a mapping, or no text: no scene has one."""
+    if isinstance(key, yaml.ScalarNode):
+        if key.tag != _TEXT:
+            problem = f"the key {key.value!r} is no text: put it in quotes if it is meant"
+            raise yaml.YAMLError(_at(problem, key.start_mark))
+        return
+    kind = "mapping" if isinstance(key, yaml.MappingNode) else "list"
+    problem = f"a key must be text, and here is a {kind}"
+    if isinstance(key, yaml.MappingNode):
+        problem += "; `{{ ... }}` is a template that was not filled in, or wants quotes"
+    raise yaml.YAMLError(_at(problem, key.start_mark))
+
+
+def _at(problem: str, mark: Any) -> str:
+    return f"line {mark.line + 1}: {problem}"

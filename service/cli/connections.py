@@ -1,0 +1,128 @@
+"""Connections: how many there are, and how long each may take to say what it wants.
+
+Uvicorn waits for ever for the rest of a request's headers, and takes connections until the process
+has no more files: a few hundred half-sent requests then deafen it.
+"""
+
+import asyncio
+import resource
+from typing import Any, cast
+
+from uvicorn.protocols.http.auto import AutoHTTPProtocol
+
+# Files that are no connections: the database, workers' sockets, the log.
+_OTHER_FILES = 128
+_LATE = b"HTTP/1.1 408 Request Timeout\r\nContent-Length: 0\r\nConnection: close\r\n\r\n"
+_FULL = (
+    b"HTTP/1.1 503 Service Unavailable\r\nContent-Length: 0\r\nRetry-After: 1\r\n"
+    b"Connection: close\r\n\r\n"
+)
+
+
+class Connections:
+    """The connections of one server, those that say nothing in the order in which they began to."""
+
+    def __init__(self, most: int, header_timeout: float) -> None:
+        """Allow `most` at once, and each `header_timeout` [s] for the headers of a request."""
+        self.header_timeout = header_timeout
+        self._most = most
+        self._all: set[Any] = set()
+        self._silent: dict[Any, None] = {}
+
+    def add(self, connection: Any) -> bool:
+        """Take a connection in, in the place of the one that is silent for longest if need be.
+
+        Returns:
+            Whether there is room for it.
+        """
+        while len(self._all) >= self._most and self._silent:
+            oldest = next(iter(self._silent))
+            self.remove(oldest)
+            oldest.transport.abort()
+        if len(self._all) >= self._most:
+            return False
+        self._all.add(connection)
+        self._silent[connection] = None
+        return True
+
+    def remove(self, connection: Any) -> None:
+        """Forget a connection."""
+        self._all.discard(connection)
+        self._silent.pop(connection, None)
+
+    def mark(self, connection: Any, *, silent: bool) -> None:
+        """Note whether a connection has asked for something that is being answered."""
+        if not silent:
+            self._silent.pop(connection, None)
+        elif connection in self._all:
+            self._silent[connection] = None
+
+
+def most_connections(wanted: int) -> int:
+    """Return how many connections there can be: as many as wanted, if there are files for them."""
+    soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
+    needed = wanted + _OTHER_FILES
+    if soft < needed:
+        soft = min(needed, hard)
+        resource.setrlimit(resource.RLIMIT_NOFILE, (soft, hard))
+    return max(1, min(wanted, soft - _OTHER_FILES))
+
+
+class _Bounded:
+    """What uvicorn's protocols lack, to be mixed into one of them."""
+
+    bounds: Connections
+    loop: asyncio.AbstractEventLoop
+    transport: asyncio.Transport
+    cycle: Any
+    _timer: asyncio.TimerHandle | None = None
+
+    def connection_made(self, transport: Any) -> None:
+        cast("Any", super()).connection_made(transport)
+        if self.bounds.add(self):
+            self._begin()
+        else:
+            transport.write(_FULL)
+            transport.close()
+
+    def data_received(self, data: bytes) -> None:
+        cast("Any", super()).data_received(data)
+        if self._is_asking:
+            self._end()
+            self.bounds.mark(self, silent=False)
+        else:
+            self._begin()
+
+    def on_response_complete(self) -> None:
+        cast("Any", super()).on_response_complete()
+        self.bounds.mark(self, silent=True)
+
+    def connection_lost(self, exc: Exception | None) -> None:
+        self._end()
+        self.bounds.remove(self)
+        cast("Any", super()).connection_lost(exc)
+
+    @property
+    def _is_asking(self) -> bool:
+        return self.cycle is not None and not self.cycle.response_complete
+
+    def _begin(self) -> None:
+        if self._timer is None:
+            self._timer = self.loop.call_later(self.bounds.header_timeout, self._on_late)
+
+    def _end(self) -> None:
+        if self._timer is not None:
+            self._timer.cancel()
+            self._timer = None
+
+    def _on_late(self) -> None:
+        self._timer = None
+        if not self._is_asking and not self.transport.is_closing():
+            self.transport.write(_LATE)
+            self.transport.close()
+
+
+def bounded_protocol(connections: Connections) -> type[asyncio.Protocol]:
+    """Return uvicorn's protocol, for connections that are closed if they take too long."""
+    bases = (_Bounded, cast("Any", AutoHTTPProtocol))
+    return type("BoundedProtocol", bases, {"bounds": connections})

@@ -1,0 +1,28 @@
+"""A worker that loads scenes as the service's do: a JSON document a line, an answer a line."""
+
+import json
+import sys
+
+from service.errors import status_of
+from service.jobs.error_text import error_in
+from service.jobs.link import FrameKind
+from service.jobs.task import run_task
+
+
+def main():
+    library = {"model_roots": [], "allow_paths": True, "copies": sys.argv[1]}
+    for line in sys.stdin:
+        payload = {"text": line, "media": "json", "library": library}
+        end = run_task("service.tasks.scenes:load_scene", json.dumps(payload), None)
+        answer = {"status": 201, "text": ""}
+        if end.kind is FrameKind.FAILURE:
+            error = error_in(end.text)
+            answer = {"status": status_of(error), "text": end.text}
+        elif end.kind is FrameKind.CRASH:
+            answer = {"status": 503, "text": json.dumps({"code": "crash", "detail": end.text})}
+        sys.stdout.write(json.dumps(answer) + "\n")
+        sys.stdout.flush()
+
+
+if __name__ == "__main__":
+    main()
