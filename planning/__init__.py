@@ -101,7 +101,6 @@ if TYPE_CHECKING:
     from planning.world.scene_file import parse_scene, read_scene, with_line
     from planning.world.scene_writer import scene_document
     from planning.world.simulation import Simulation
-    from planning.world.trial import tried
     from planning.world.world import World
 
 _DOORS = {
@@ -204,7 +203,6 @@ _DOORS = {
     "stop_motion": "planning.splice",
     "trace_line": "planning.line",
     "trajectory_through": "planning.domain.interpolation",
-    "tried": "planning.world.trial",
     "unproven_samples": "planning.sampled_motion",
     "with_line": "planning.world.scene_file",
 }
@@ -309,7 +307,6 @@ __all__ = [
     "stop_motion",
     "trace_line",
     "trajectory_through",
-    "tried",
     "unproven_samples",
     "with_line",
 ]

@@ -5,7 +5,7 @@ is not there does not say which are.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from planning.errors import UnknownName
@@ -58,8 +58,18 @@ def faults_of(found: Sequence[Mapping[str, Any]], document: Any, schema: Schema)
     for depth in range(_MOST_UNIONS):
         found = _of_meant_branches(found, document, depth)
     faults = [_fault(one, document, schema) for one in found]
-    # A field that is misspelt says more than the one that is missing because of it.
-    return sorted(faults, key=lambda fault: not fault.nearest)
+    return [_explained(fault, faults) for fault in faults]
+
+
+def _explained(fault: Fault, faults: Sequence[Fault]) -> Fault:
+    """Return the fault of a missing field with the misspelt one that may have been meant."""
+    if fault.type != _MISSING_FIELD:
+        return fault
+    for other in faults:
+        is_beside = other.steps[:-1] == fault.steps[:-1]
+        if is_beside and other.nearest[:1] == fault.steps[-1:]:
+            return replace(fault, message=f"{fault.message}: {other.message}"[:_LONGEST])
+    return fault
 
 
 def _fault(found: Mapping[str, Any], document: Any, schema: Schema) -> Fault:

@@ -105,7 +105,7 @@ def _children(work: Work, count: int, processes: int) -> Generator[list[int]]:
                     child = fork()
                     if not child:
                         _serve(work, queue, far, parent)
-                cleanup.callback(end, child)
+                cleanup.callback(end_fork, child)
                 pipes.append(near)
         yield pipes
 
@@ -124,7 +124,7 @@ def die_with_parent() -> None:
     ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
 
 
-def end(child: int) -> int:
+def end_fork(child: int) -> int:
     """End a forked process, and return how it ended (waitpid(2)); 0 if that is not known."""
     with suppress(ProcessLookupError):
         os.kill(child, signal.SIGKILL)

@@ -6,6 +6,7 @@ import re
 from importlib.metadata import version
 from io import BytesIO
 from pathlib import Path
+from typing import Any
 from xml.etree import ElementTree as ET
 
 import numpy as np
@@ -125,7 +126,7 @@ def _as_obj(content: bytes, suffix: str) -> str:
     import trimesh  # noqa: PLC0415
     from trimesh.exchange.obj import export_obj  # noqa: PLC0415
 
-    loaded = trimesh.load(BytesIO(content), file_type=suffix[1:], force="mesh")
+    loaded: Any = trimesh.load(BytesIO(content), file_type=suffix[1:], force="mesh")
     if not np.isfinite(loaded.vertices).all():
         message = "a vertex is at no place: its coordinates are not finite"
         raise ValueError(message)

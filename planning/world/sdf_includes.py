@@ -24,7 +24,7 @@ def included_models(file: Path, root: ET.Element, packages: Mapping[str, Path]) 
         ModelInvalid: A file includes itself, directly or through others, or too many are included.
     """
     found: list[ET.Element] = []
-    pending = [((file.resolve(),), root)]
+    pending: list[tuple[tuple[Path, ...], ET.Element]] = [((file.resolve(),), root)]
     while pending:
         chain, current = pending.pop()
         for uri in current.iterfind(".//include/uri"):

@@ -16,7 +16,7 @@ from pathlib import Path
 from planning.domain.scene import Scene, SceneObject, SceneRobot
 from planning.domain.shapes import Mesh
 from planning.errors import ModelInvalid
-from planning.fork_pool import die_with_parent, end, fork
+from planning.fork_pool import die_with_parent, end_fork, fork
 from planning.world.builder import build_alone
 from planning.world.keep_files import KeptScene, keep_files
 from planning.world.model_library import ModelLibrary
@@ -79,7 +79,7 @@ def _try(kept: KeptScene, things: Sequence[Thing], longest: float) -> None:
         number, why = _watch(near, longest)
     finally:
         os.close(near)
-        status = end(child)
+        status = end_fork(child)
     if why == _ENDED and os.WIFSIGNALED(status):
         why = f"the process that loads it ends by {signal.Signals(os.WTERMSIG(status)).name}"
     if why:

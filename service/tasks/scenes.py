@@ -10,10 +10,10 @@ from planning import (
     load_world,
     parse_scene,
     scene_document,
-    tried,
     with_line,
 )
 from planning.errors import SceneInvalid
+from planning.world.trial import tried
 from service.convert.scene_edits import operation_value
 from service.convert.summaries import scene_wire
 from service.schemas.scene_edit import SceneEdit
