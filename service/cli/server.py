@@ -1,5 +1,6 @@
 """The server process: uvicorn around the app."""
 
+import os
 import socket
 import sys
 import threading
@@ -64,5 +65,7 @@ def run(settings: Settings, bound: socket.socket, *, log_level: str, leashed: bo
 
 
 def _stop_with_stdin(server: uvicorn.Server) -> None:
-    sys.stdin.buffer.read()
+    # Not by a buffered reader: an interpreter that ends cannot take its lock, and aborts.
+    while os.read(sys.stdin.fileno(), 4096):
+        pass
     server.should_exit = True
