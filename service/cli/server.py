@@ -1,6 +1,7 @@
 """The server process: uvicorn around the app."""
 
 import logging
+import os
 import socket
 import sys
 import threading
@@ -124,5 +125,7 @@ class _Server(uvicorn.Server):
 
 
 def _stop_with_stdin(server: uvicorn.Server) -> None:
-    sys.stdin.buffer.read()
+    # Not by a buffered reader: an interpreter that ends cannot take its lock, and aborts.
+    while os.read(sys.stdin.fileno(), 4096):
+        pass
     server.should_exit = True

@@ -4,6 +4,7 @@ import os
 import resource
 import signal
 import threading
+from contextlib import ExitStack, contextmanager
 
 import httpx
 import numpy as np
@@ -58,6 +59,36 @@ class Motion:
         return np.allclose(status["positions"], there, atol=0.01)
 
 
+def workers_of(running):
+    """The processes that run tasks: children of the forkserver, which is the server's child."""
+    parents = living()
+    return [pid for pid in parents if parents.get(parents[pid]) == running.process.pid]
+
+
+@contextmanager
+def held(workers):
+    """Stop processes meanwhile."""
+    try:
+        for pid in workers:
+            os.kill(pid, signal.SIGSTOP)
+        yield
+    finally:
+        for pid in set(workers) & set(living()):
+            os.kill(pid, signal.SIGCONT)
+
+
+@contextmanager
+def full_disk(running):
+    """The server's files may not grow: SQLite's writes fail as they do on a full disk."""
+    pid = running.process.pid
+    before = resource.prlimit(pid, resource.RLIMIT_FSIZE)
+    resource.prlimit(pid, resource.RLIMIT_FSIZE, (1, before[1]))
+    try:
+        yield
+    finally:
+        resource.prlimit(pid, resource.RLIMIT_FSIZE, before)
+
+
 def check_steered(motion):
     """Every request is obeyed and answered, and says what is not recorded."""
     for what, body in (("pause", {}), ("speed", {"speed": 0.03}), ("resume", {})):
@@ -89,55 +120,35 @@ def test_a_robot_is_steered_and_stopped_while_the_database_is_locked(folder, run
 
 
 def test_a_robot_is_steered_and_stopped_while_the_disk_is_full(running):
-    """The server's files may not grow: SQLite's writes fail as they do on a full disk."""
     motion = Motion(running)
-    pid = running.process.pid
-    before = resource.prlimit(pid, resource.RLIMIT_FSIZE)
-    resource.prlimit(pid, resource.RLIMIT_FSIZE, (1, before[1]))
-    try:
+    with full_disk(running):
         at_rest = check_steered(motion)
         refused = httpx.post(f"{running.url}/v1/plans", json=motion.plan["request"], timeout=120)
         assert refused.status_code == 503
         assert refused.json()["code"] == "database_unavailable"
         assert int(refused.headers["retry-after"]) > 0
-    finally:
-        resource.prlimit(pid, resource.RLIMIT_FSIZE, before)
     check_recorded(motion, at_rest)
 
 
 def test_a_plan_that_ends_while_the_disk_is_full_succeeds(running):
     scene = running.client.add_scene(ARM)
-    pid = running.process.pid
-    before = resource.prlimit(pid, resource.RLIMIT_FSIZE)
-    # A planner that uses all the time it has.
-    search = {"planner": "RRTstar", "allowed_planning_time": 4.0}
-    job = running.client.submit_plan(request_of(scene, search=search, refine={"method": "none"}))
-    path = f"/v1/plans/{job.id}"
-    until(lambda: running.ask("GET", path)["stage"] == "search")
-    resource.prlimit(pid, resource.RLIMIT_FSIZE, (1, before[1]))
-    try:
-        until(lambda: "end" in running.ask("GET", path)["unrecorded"])
+    with ExitStack() as stack:
+        with held(workers_of(running)):
+            job = running.client.submit_plan(request_of(scene, refine={"method": "none"}))
+            until(lambda: running.client.plan(job.id).state == "running")
+            stack.enter_context(full_disk(running))
+        until(lambda: "end" in running.client.plan(job.id).unrecorded)
         # It is not given up after the few seconds in which a busy database is asked again.
         threading.Event().wait(6.0)
-        assert running.ask("GET", path)["state"] == "running"
-    finally:
-        resource.prlimit(pid, resource.RLIMIT_FSIZE, before)
-    ended = until(lambda: (now := running.ask("GET", path))["finished_at"] and now)
-    assert (ended["state"], ended["failure"], ended["unrecorded"]) == ("succeeded", None, [])
+        assert running.client.plan(job.id).state == "running"
+    ended = until(lambda: (now := running.client.plan(job.id)).finished_at and now)
+    assert (ended.state, ended.failure, ended.unrecorded) == ("succeeded", None, [])
 
 
 def test_a_worker_that_hangs_ends_its_execution_with_a_reason(running):
     motion = Motion(running)
-    parents = living()
-    workers = [pid for pid in parents if parents.get(parents[pid]) == running.process.pid]
-    try:
-        for pid in workers:
-            os.kill(pid, signal.SIGSTOP)
+    with held(workers_of(running)):
         ended = motion.ended()
-    finally:
-        for pid in workers:
-            if pid in living():
-                os.kill(pid, signal.SIGCONT)
     assert ended["state"] == "aborted"
     assert ended["failure"]["code"] == "worker_unresponsive"
     assert Motion(running).post("cancel")["state"] in {"canceling", "canceled"}
