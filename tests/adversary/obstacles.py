@@ -42,7 +42,7 @@ def _somewhere(rng: np.random.Generator, stage: Stage, motion: Document) -> tupl
     """Return where a solid that moves is at some instant, and how large it is."""
     pieces, local, _ = around(motion, rng.random() * motion["breaks"][-1], 0.0, 1)
     solids = stage.solids(positions(motion, pieces, local), 1)
-    moved = [s for s in solids if not s.is_half_space and stage.holder(s.body) != stage.robot.root]
+    moved = [s for s in solids if not s.is_half_space and stage.is_moved(s.body)]
     if not moved:
         return np.zeros(3), stage.size
     solid = moved[int(rng.integers(len(moved)))]
@@ -67,6 +67,6 @@ def push(stage: Stage, motion: Document, thing: Document, gap: float) -> None:
 def approach(stage: Stage, motion: Document, thing: Document) -> Seen | None:
     """Return how near what moves comes to a thing that is not there yet."""
     stage.add(thing)
-    seen = stage.worst(motion, Look(only=frozenset([thing["name"]]), count=60, rounds=2))
+    seen = stage.worst(motion, Look(None, only=frozenset([thing["name"]]), count=60, rounds=2))
     stage.remove(thing)
     return seen

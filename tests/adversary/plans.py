@@ -34,7 +34,7 @@ def draw(rng: np.random.Generator, folder: Path) -> Document:
         case["objects"].append(held_thing(rng, robot))
     read = Setting.lay_out(case, folder).robot
     ends = [{j.name: _somewhere(rng, j) for j in read.leaders} for _ in range(2)]
-    stage = Stage(read, case, np.eye(4))
+    stage = Stage(read, case, np.eye(4), {})
     direct = straight(ends)
     for i in range(int(rng.integers(0, 3))):
         case["objects"].append(random_obstacle(rng, stage, direct, f"o{i}"))
