@@ -13,6 +13,7 @@ from tests.adversary import (
     neighbours,
     plans,
     rates,
+    samples,
     torques,
     winding,
     wire,
@@ -21,6 +22,7 @@ from tests.adversary import (
 KINDS = {
     "clearance": clearance,
     "rates": rates,
+    "samples": samples,
     "jumps": jumps,
     "neighbours": neighbours,
     "floats": floats,

@@ -19,7 +19,7 @@ _KINDS = (*SCALARS, *SCALARS, "planar")
 
 
 def draw(rng: np.random.Generator, folder: Path) -> Document:
-    """Return a robot of large links, and a motion of it on which, most often, neighbours collide."""
+    """Return a robot of large links, and a motion on which, most often, neighbours collide."""
     for _ in range(8):
         case = _robot(rng)
         stage = Stage.of(Setting.lay_out(case, folder))

@@ -110,7 +110,7 @@ class Stage:
             shift = np.eye(4)
             if not (thing.get("on") and "pose" not in thing):
                 shift[:3, 3] = by * way / np.linalg.norm(way)
-            moved._things.append(({**thing, "pose_shift": shift}, geometry))  # noqa: SLF001  (its own)
+            moved._things.append(({**thing, "pose_shift": shift}, geometry))
         return moved
 
     @property
