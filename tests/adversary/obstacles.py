@@ -16,9 +16,13 @@ GAPS = (-1e-3, -1e-5, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 1e-1)
 
 
 def random_obstacle(
-    rng: np.random.Generator, stage: Stage, motion: Document, name: str
+    rng: np.random.Generator,
+    stage: Stage,
+    motion: Document,
+    name: str,
+    gaps: tuple[float, ...] = GAPS,
 ) -> Document:
-    """Return an obstacle whose least distance from what moves is near one of the `GAPS`."""
+    """Return an obstacle that is nearly a gap, a share of the size, from what moves."""
     is_ground = rng.random() < 0.15
     extent = stage.size * 10 ** rng.uniform(-0.7, 0.5)
     shape = {"half_space": {}} if is_ground else random_shape(rng, extent)
@@ -29,7 +33,7 @@ def random_obstacle(
     start = middle + outward / np.linalg.norm(outward) * away
     thing: Document = {"name": name, "shape": shape, "rpy": rpy, "xyz": start.tolist()}
     thing["as_mesh"] = bool(rng.random() < 0.3)
-    push(stage, motion, thing, stage.size * float(rng.choice(GAPS)))
+    push(stage, motion, thing, stage.size * float(rng.choice(gaps)))
     if is_ground and rng.random() < 0.5:
         # A half space has no middle: from here it is the same one.
         angle, far = rng.uniform(0, 2 * np.pi), stage.size * 10 ** rng.uniform(1, 3)

@@ -1,6 +1,5 @@
 """What motions that were delivered keep: exactly, and as a receiver reads their samples."""
 
-
 import numpy as np
 
 from tests.adversary.cases import Document, Outcome, Setting
@@ -38,7 +37,8 @@ def read_samples(names: list[str], told: Document, kind: str) -> Document:
             if kind == "linear":
                 pieces.append([[0.0], (step / h).tolist()])
             else:
-                pieces.append(hermite(h, step, v[two][:, [i]], a[two][:, [i]]).tolist())
+                degree = 3 if kind == "cubic" else 5
+                pieces.append(hermite(h, step, v[two][:, [i]], a[two][:, [i]], degree).tolist())
         parts[name.removeprefix("r::")] = {"bases": p[:-1, [i]].tolist(), "coefficients": pieces}
     return {"breaks": times.tolist(), "joints": parts}
 

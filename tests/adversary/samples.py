@@ -21,6 +21,8 @@ from tests.adversary.readings import hold_delivered, read_samples
 from tests.adversary.robots import SCALARS, random_robot
 from tests.adversary.surroundings import Stage
 
+# What an obstacle is apart from what moves, as a share of the size.
+_GAPS = (1e-5, 1e-4, 1e-3, 1e-2)
 # Nearer samples than these are too many to look at [s, of the duration].
 _FINEST = 1e-3
 
@@ -41,7 +43,7 @@ def draw(rng: np.random.Generator, folder: Path) -> Document:
         return draw(rng, folder)
     motion = _within(rng, stage, motion)
     for i in range(int(rng.integers(1, 4))):
-        case["objects"].append(random_obstacle(rng, stage, motion, f"o{i}"))
+        case["objects"].append(random_obstacle(rng, stage, motion, f"o{i}", _GAPS))
         stage.add(case["objects"][-1])
     width = motion["breaks"][-1]
     period = float(width * 10 ** rng.uniform(-2, -0.3))
@@ -83,13 +85,15 @@ def _sample(
     outcome: Outcome, setting: Setting, stage: Stage, question: Document, clearance: float
 ) -> None:
     longest = question["motion"]["breaks"][-1]
+    # Of samples that are evenly apart it is said of these alone.
+    follows = planning.Sampling(**question["sampling"]).follows_pieces
     told = _told(outcome, setting, question, question["sampling"], clearance)
     for proof in told.interpolations if told else ():
         outcome.count(f"{proof.kind} proven", proof.proven)
         if proof.proven:
             _hold(outcome, setting, stage, told.samples, proof.kind)
         period = proof.up_to_period
-        if period is None or not _FINEST * longest < period:
+        if not follows or period is None or not _FINEST * longest < period:
             continue
         outcome.count(f"{proof.kind} proven up to a period")
         again = _told(outcome, setting, question, {"period": min(period, longest)}, clearance)

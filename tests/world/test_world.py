@@ -262,3 +262,19 @@ def test_sdf_and_mjcf_load_as_well(tmp_path: Path) -> None:
     for file in (sdf, mjcf):
         world = load(f"robots: [{{name: a, model: {file}}}]")
         assert "a::j" in world.group("a").position_names
+
+
+def test_a_scene_in_which_nothing_moves_loads_without_groups(tmp_path: Path) -> None:
+    # Drake's collision checker ends the process where no model instance moves.
+    box = '<collision><geometry><box size="1 1 1"/></geometry></collision>'
+    joint = '<joint name="j" type="fixed"><parent link="base"/><child link="a"/></joint>'
+    file = tmp_path / "still.urdf"
+    file.write_text(
+        f'<robot name="m"><link name="base"/><link name="a">{box}</link>{joint}</robot>'
+    )
+    document = {"name": "s", "robots": [{"name": "r", "model": str(file)}]}
+    world = planning.load_world(planning.parse_scene(document))
+    assert "r::a" in world.summary.bodies
+    assert not world.summary.groups
+    with pytest.raises(UnknownName):
+        world.group("r")
