@@ -169,12 +169,22 @@ class Setting:
         if "margin" in question:
             more["margin"] = question["margin"]
         if "options" in question:
-            more["options"] = planning.RetimeOptions(**question["options"])
+            more["options"] = options_of(question)
         curve = self.curve(question["motion"])
         try:
             return planning.certify_trajectory(self.world, "r", curve, deadline=deadline, **more)
         except WayproofError as fault:
             return fault
+
+
+def options_of(question: Document) -> Any:
+    """Return the limits of a question."""
+    options = dict(question.get("options", {}))
+    if "payload" in options:
+        options["payload"] = planning.Payload.from_parts(**options["payload"])
+    if "tool_limits" in options:
+        options["tool_limits"] = tuple(planning.ToolLimit(**t) for t in options["tool_limits"])
+    return planning.RetimeOptions(**options)
 
 
 def check_of(certificate: Any, name: str) -> Any:
