@@ -1,7 +1,8 @@
 """An attack as a document, and the same loaded: files on disk, a world, and the judge's robot.
 
 A case is JSON: `robot` (`robots.py`), `base`, `objects`, `card` (a robot.yaml) or None, and
-`questions`, each with a `motion` and what it is held against. `kind` says who judges it.
+`questions`, each with a `motion` and what it is held against. `kind` says who judges it. `others`
+are robots that stand beside it (`crew.py`), and `more` is the rest of the scene's document.
 """
 
 import json
@@ -91,7 +92,11 @@ class Setting:
                 )
         if case.get("card"):
             files["robot.yaml"] = yaml.safe_dump(case["card"])
+        for other in case.get("others", []):
+            own = urdf_files(other["robot"])
+            files |= {f"{other['name']}/{name}": text for name, text in own.items()}
         for name, text in files.items():
+            (folder / name).parent.mkdir(exist_ok=True)
             (folder / name).write_text(text)
         return cls(case, folder)
 
@@ -113,12 +118,19 @@ class Setting:
         if self.case.get("positions"):
             robot["positions"] = self.case["positions"]
         objects = [self._object(thing) for thing in self.case.get("objects", [])]
+        others = [self._other(other) for other in self.case.get("others", [])]
         return {
             "name": "attack",
-            "robots": [robot],
+            "robots": [*others, robot] if self.case.get("last") else [robot, *others],
             "objects": objects,
             **self.case.get("more", {}),
         }
+
+    def _other(self, other: Document) -> Document:
+        xyz, rpy = other["base"]
+        model = str(self.folder / other["name"] / "robot.urdf")
+        pose, positions = {"position": xyz, "rpy": rpy}, other["positions"]
+        return {"name": other["name"], "model": model, "base": pose, "positions": positions}
 
     def _object(self, thing: Document) -> Document:
         shape = thing["shape"]
@@ -127,8 +139,9 @@ class Setting:
         pose = {"position": thing["xyz"], "rpy": thing["rpy"]}
         entry = {"name": thing["name"], "shape": shape, "pose": pose}
         if thing.get("on"):
-            entry |= {"movable": True, "attached": {"frame": f"r::{thing['on']}"}}
-        return entry
+            frame = f"{thing.get('robot', 'r')}::{thing['on']}"
+            entry |= {"movable": True, "attached": {"frame": frame}}
+        return entry | thing.get("weight", {})
 
     @cached_property
     def world(self) -> Any:
@@ -156,12 +169,22 @@ class Setting:
         if "margin" in question:
             more["margin"] = question["margin"]
         if "options" in question:
-            more["options"] = planning.RetimeOptions(**question["options"])
+            more["options"] = options_of(question)
         curve = self.curve(question["motion"])
         try:
             return planning.certify_trajectory(self.world, "r", curve, deadline=deadline, **more)
         except WayproofError as fault:
             return fault
+
+
+def options_of(question: Document) -> Any:
+    """Return the limits of a question."""
+    options = dict(question.get("options", {}))
+    if "payload" in options:
+        options["payload"] = planning.Payload.from_parts(**options["payload"])
+    if "tool_limits" in options:
+        options["tool_limits"] = tuple(planning.ToolLimit(**t) for t in options["tool_limits"])
+    return planning.RetimeOptions(**options)
 
 
 def check_of(certificate: Any, name: str) -> Any:

@@ -12,6 +12,7 @@ import numpy as np
 import planning
 from tests.adversary.cases import Document, Outcome, Setting
 from tests.adversary.clearance_judge import ClearanceJudge
+from tests.adversary.crew import random_crew
 from tests.adversary.motions import random_motion
 from tests.adversary.obstacles import random_obstacle
 from tests.adversary.robots import random_robot
@@ -36,6 +37,8 @@ def draw(rng: np.random.Generator, folder: Path) -> Document:
     more = [free_motion(rng, stage) for _ in range(3)]
     motions = [motion, *(m for m in more if m is not None)]
     case["questions"] = [_question(rng, stage, m, i == 0) for i, m in enumerate(motions)]
+    if rng.random() < 0.3:
+        _demand(rng, stage, case)
     return case
 
 
@@ -46,7 +49,27 @@ def _robot_alone(rng: np.random.Generator) -> Document:
     case: Document = {"kind": "clearance", "robot": robot, "base": base, "objects": []}
     if rng.random() < 0.2:
         case["objects"].append(held_thing(rng, robot))
+    if rng.random() < 0.2:
+        case["others"], held = random_crew(rng, robot["size"])
+        case["objects"] += held
+        case["last"] = bool(rng.random() < 0.5)
     return case
+
+
+def _demand(rng: np.random.Generator, stage: Stage, case: Document) -> None:
+    """Let the scene say margins: of some pairs more or less than they keep, and of all others."""
+    question = case["questions"][0]
+    count, found = int(rng.integers(1, 4)), []
+    for _ in range(count):
+        bodies = [str(body) for body in rng.permutation(stage.bodies)[:2]]
+        seen = stage.worst(question["motion"], Look(None, only=frozenset(bodies), rounds=1))
+        if len(bodies) < 2 or seen is None:
+            continue
+        pair = sorted(seen.near.pair)
+        if seen.distance > 0 and pair not in [entry["bodies"] for entry in found]:
+            off = float(rng.choice([-1e-1, -1e-2, -1e-3, 1e-5, 1e-3])) * stage.size
+            found.append({"bodies": pair, "margin": max(0.0, seen.distance + off)})
+    case["more"] = {"margin": question.pop("margin"), "margins": found}
 
 
 def held_thing(rng: np.random.Generator, robot: Document) -> Document:

@@ -25,7 +25,8 @@ class ClearanceJudge:
         self, setting: Setting, stage: Stage, question: Document, outcome: Outcome
     ) -> None:
         self._setting, self._stage, self._outcome = setting, stage, outcome
-        self._motion, self._margin = question["motion"], question.get("margin", 0.0)
+        stated = setting.case.get("more", {}).get("margin", 0.0)
+        self._motion, self._margin = question["motion"], question.get("margin", stated)
         self._slack = SLACK + SHARE * stage.size
 
     @cached_property
@@ -60,7 +61,8 @@ class ClearanceJudge:
     def _hold_margin(self, seen: Seen) -> None:
         if self._is_broken(seen):
             told = f"proven with {self._told(seen)}, margin {self._margin:.9g} m"
-            self._outcome.blame("clearance", told, self._defect)
+            is_neighbours = frozenset(seen.near.pair) in self._stage.unlooked
+            self._outcome.blame("clearance", told, 6 if is_neighbours else self._defect)
 
     def _hold_refusal(self, check: Any, seen: Seen) -> None:
         if seen.spare > max(WIDE, 1e-3 * self._stage.size):
@@ -71,10 +73,14 @@ class ClearanceJudge:
             self._outcome.blame("refused", told, self._defect)
 
     def _hold_numbers(self, certificate: Any, seen: Seen) -> None:
-        """Hold what is said of the smallest distance, which is not that with least to spare."""
-        also = (certificate.time,)
-        look = Look(0.0, self._skip, also=also)
-        least = seen if self._margin == 0 else self._worst(look)
+        """Hold what is said of the smallest distance, which is not that with least to spare.
+
+        It is that of pairs which the motion moves.
+        """
+        fixed = self._stage.fixed
+        look = Look(None, self._skip | fixed, also=(certificate.time,))
+        is_other = self._margin or self._stage.by_pair or frozenset(seen.near.pair) in fixed
+        least = self._worst(look) if is_other else seen
         slack = 2e-7 + 10 * SHARE * self._stage.size
         if least is None:
             return
@@ -85,7 +91,7 @@ class ClearanceJudge:
             bound -= check.resolution
         told = f"said of {certificate.pair} at {certificate.time:.6g} s, but {self._told(least)}"
         if bound > least.distance + slack and confirmed(least.near) < np.inf:
-            self._outcome.blame("least clearance", f"{bound:.9g} m {told}", self._defect)
+            self._outcome.blame("least clearance", f"{bound:.9g} m {told}", self._defect or 15)
         if certificate.min_clearance > 2 * max(least.distance, 0) + 1e-3 * self._stage.size:
             text = f"{certificate.min_clearance:.6g} m {told}"
             self._outcome.blame("min_clearance", text, self._defect or 15)
@@ -108,7 +114,7 @@ class ClearanceJudge:
             return
         rng = np.random.default_rng(0)
         moved = self._stage.displaced(rng, allowed)
-        seen = moved.worst(self._motion, Look(self._margin, self._skip))
+        seen = moved.worst(self._motion, Look(self._margin, self._skip, self._stage.own))
         if seen is not None and self._is_broken(seen):
             text = f"obstacles off by {allowed:.9g} m: {self._told(seen)}"
             self._outcome.blame("robustness", text, self._defect)

@@ -5,11 +5,12 @@ taken by differences of where the judge's kinematics has it; what a joint gives 
 principle, the power of all that per unit of the joint's speed.
 """
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
-from tests.adversary.kinematics import Robot
+from tests.adversary.kinematics import Inertia, Robot
 from tests.adversary.motions import Document, positions, sample_places
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
@@ -17,9 +18,18 @@ type Array = np.ndarray[Any, np.dtype[np.float64]]
 _GRAVITY = np.array([0.0, 0.0, -9.81])
 
 
-def torques(robot: Robot, base: Array, motion: Document, count: int = 300) -> dict[str, Array]:
-    """Return the torque or force of every joint that moves by itself and has one coordinate."""
-    pieces, local, _ = sample_places(motion, count)
+def torques(
+    robot: Robot, base: Array, motion: Document, burdens: Sequence[tuple[str, Inertia]] = ()
+) -> dict[str, Array]:
+    """Return the torque or force of every joint that moves by itself and has one coordinate.
+
+    Args:
+        robot: Whose joints they are.
+        base: X_WB of its root, shape (4, 4).
+        motion: Of its joints.
+        burdens: What links carry besides themselves.
+    """
+    pieces, local, _ = sample_places(motion, _INSTANTS)
     step = 1e-3 * np.diff(motion["breaks"])[pieces]
 
     def placed(shift: float, turn: str = "") -> dict[str, Array]:
@@ -38,7 +48,7 @@ def torques(robot: Robot, base: Array, motion: Document, count: int = 300) -> di
     nudged = {
         name: (placed(0, name), _back(robot, base, motion, pieces, local, name)) for name in wanted
     }
-    for link, weight in robot.inertias.items():
+    for link, weight in [*robot.inertias.items(), *burdens]:
         force, moment = _effort(weight, {s: f[link] for s, f in frames.items()}, step)
         for name, (ahead, behind) in nudged.items():
             shift, turn = _moved(weight, ahead[link], behind[link], frames[0][link])
@@ -46,7 +56,9 @@ def torques(robot: Robot, base: Array, motion: Document, count: int = 300) -> di
     return total
 
 
+# How far a joint is displaced to see what moves [rad or m], and instants of a motion.
 _NUDGE = 1e-5
+_INSTANTS = 300
 
 
 def _back(

@@ -52,7 +52,7 @@ def _shape(rng: np.random.Generator, name: str) -> Document:
         "fromto.xml": _mjcf(f'<geom type="box" fromto="0 0 0 {size} 0 0" size="0.1"/>'),
         "missing.xml": _mjcf('<geom type="mesh" mesh="q"/>'),
     }
-    return {"files": {name: texts[name]}, "objects": [_WALL], "q": [[-0.5], [0.5]]}
+    return {"files": {name: texts[name]}, "around": [_WALL], "q": [[-0.5], [0.5]]}
 
 
 def _reference(rng: np.random.Generator, _: str) -> Document:
@@ -69,11 +69,11 @@ def _reference(rng: np.random.Generator, _: str) -> Document:
     )
     angle = multiplier * (0.0 - reference) + offset
     text = _sdf("<box><size>0.01 0.01 0.01</size></box>", arm + joint)
-    return {"files": {"ref.sdf": text}, "objects": [_post(angle)], "q": [[0.0], [0.1]]}
+    return {"files": {"ref.sdf": text}, "around": [_post(angle)], "q": [[0.0], [0.1]]}
 
 
-def _post(angle: float) -> Document:
-    place = [0.9 * float(np.cos(angle)), 0.9 * float(np.sin(angle)), 0.0]
+def _post(angle: float, height: float = 0.0) -> Document:
+    place = [0.9 * float(np.cos(angle)), 0.9 * float(np.sin(angle)), height]
     return {"name": "post", "shape": {"box": [0.02, 0.02, 0.1]}, "pose": {"position": place}}
 
 
@@ -87,7 +87,7 @@ def _equality(rng: np.random.Generator, _: str) -> Document:
     text = _mjcf('<geom type="box" size="0.005 0.005 0.005"/>', tie, arm)
     return {
         "files": {"tie.xml": text},
-        "objects": [_post(offset)],
+        "around": [_post(offset)],
         "q": [[0.0], [0.1]],
         "only": "r::j",
     }
@@ -109,12 +109,17 @@ def _arm(mesh: str) -> str:
 
 def _collada(rng: np.random.Generator, _: str) -> Document:
     """COLLADA: numbers are in a unit of the file's, and y is up unless it says otherwise."""
-    unit, up = float(rng.choice([1.0, 0.001, 0.01, 0.0254])), str(rng.choice(["Z_UP", "Y_UP"]))
-    corners = meshes.box_corners(np.array([0.2, -0.05, -0.05]), np.array([0.9, 0.05, 0.05]))
-    if up == "Y_UP":
-        corners = np.stack([corners[:, 0], corners[:, 2], -corners[:, 1]], axis=1)
+    unit, up = (
+        float(rng.choice([1.0, 0.001, 0.01, 0.0254])),
+        str(rng.choice(["X_UP", "Y_UP", "Z_UP"])),
+    )
+    # High up, so that no other axis makes the same of it.
+    corners = meshes.box_corners(np.array([0.2, -0.05, 0.3]), np.array([0.9, 0.05, 0.4]))
+    x, y, z = corners.T
+    axes = {"X_UP": (z, -x, -y), "Y_UP": (x, z, -y), "Z_UP": (x, y, z)}
+    corners = np.stack(axes[up], axis=1)
     files = {"r.urdf": _arm("m.dae"), "m.dae": _coded(meshes.dae(corners / unit, unit, up))}
-    return {"files": files, "objects": [_post(0.0)], "q": [[-0.3], [0.3]]}
+    return {"files": files, "around": [_post(0.0, 0.35)], "q": [[-0.3], [0.3]]}
 
 
 def _twins(rng: np.random.Generator, _: str) -> Document:
@@ -125,7 +130,7 @@ def _twins(rng: np.random.Generator, _: str) -> Document:
     files |= {"m.glb": _coded(meshes.glb(corners)), "m.gltf": _coded(meshes.gltf(corners))}
     place = (2 * rng.normal(size=3)).tolist()
     probe = {"name": "probe", "shape": {"sphere": 0.01}, "pose": {"position": place}}
-    return {"files": files, "objects": [probe], "q": [[0.0], [0.1]], "twin": "s.urdf"}
+    return {"files": files, "around": [probe], "q": [[0.0], [0.1]], "twin": "s.urdf"}
 
 
 def _mjcf_mesh(rng: np.random.Generator, _: str) -> Document:
@@ -134,7 +139,7 @@ def _mjcf_mesh(rng: np.random.Generator, _: str) -> Document:
     corners = meshes.box_corners(np.array([0, -0.05, -0.05]), np.array([size, 0.05, 0.05]))
     text = _mjcf('<geom type="mesh" mesh="q"/>', '<asset><mesh name="q" file="q.stl"/></asset>')
     files = {"m.xml": text, "q.stl": _coded(meshes.stl(corners))}
-    return {"files": files, "objects": [_WALL], "q": [[-0.5], [0.5]], "must_load": True}
+    return {"files": files, "around": [_WALL], "q": [[-0.5], [0.5]], "must_load": True}
 
 
 def _concave(rng: np.random.Generator, _: str) -> Document:
@@ -147,7 +152,7 @@ def _concave(rng: np.random.Generator, _: str) -> Document:
     content = meshes.obj(np.concatenate([corners, dent[None]]), triangles)
     return {
         "files": {"r.urdf": _arm("m.obj"), "m.obj": _coded(content)},
-        "objects": [],
+        "around": [],
         "q": [[-0.1], [0.1]],
         "warned": True,
     }
@@ -201,7 +206,7 @@ def judge(case: Document, folder: Path) -> Outcome:
 
 def _world(case: Document, file: Path) -> Any:
     robot = {"name": "r", "model": str(file)}
-    document = {"name": "s", "robots": [robot], "objects": case["objects"]}
+    document = {"name": "s", "robots": [robot], "objects": case["around"]}
     return planning.load_world(planning.parse_scene(document))
 
 

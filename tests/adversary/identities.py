@@ -4,6 +4,7 @@ Files are edited under a scene that is kept, numbers are made that float64 canno
 the same question is asked with the kernel and without.
 """
 
+import copy
 from pathlib import Path
 from typing import Any
 
@@ -24,7 +25,7 @@ def draw(rng: np.random.Generator, folder: Path) -> Document:
     case["questions"] = case["questions"][:1]
     case["questions"][0].pop("robustness", None)
     number = int(2 ** rng.integers(50, 62)) + int(rng.integers(0, 2))
-    edit = str(rng.choice(["shape", "limit"]))
+    edit = str(rng.choice(["shape", "limit", "mesh", "mesh of an object"]))
     return {**case, "kind": "identities", "number": number, "edit": edit}
 
 
@@ -42,15 +43,20 @@ def judge(case: Document, folder: Path) -> Outcome:
         answers[kernel] = setting.ask(question, _PATIENCE)
     if not any(isinstance(answer, Exception) for answer in answers.values()):
         _alike(answers[True][0], answers[False][0], outcome)
-    before = setting.world.digest
     edited = _edited(case)
     if edited is None:
         return outcome
+    outcome.count(f"edits of a {case['edit']}")
     again = Setting.lay_out(edited, folder)
-    if again.world.digest == before:
-        outcome.blame(
-            "digest", f"the same after an edit of a {case['edit']} in the robot's file", 1
-        )
+    if again.world.digest == setting.world.digest:
+        outcome.blame("digest", f"the same after an edit of a {case['edit']}", 1)
+    kept = Setting(case, folder)
+    kept.__dict__["world"] = planning.load_world(setting.world.scene)
+    answer = kept.ask(question, _PATIENCE)
+    if not isinstance(answer, Exception) and not isinstance(answers[True], Exception):
+        outcome.count("asked of what was kept")
+        if answer[0] != answers[True][0]:
+            outcome.blame("kept scene", f"another answer after an edit of a {case['edit']}", 1)
     return outcome
 
 
@@ -76,21 +82,25 @@ def _alike(with_kernel: Any, without: Any, outcome: Outcome) -> None:
 
 
 def _edited(case: Document) -> Document | None:
-    """Return the case with one number of the robot's file changed; None if there is none."""
-    joints = [dict(joint) for joint in case["robot"]["joints"]]
-    links = [
-        {**link, "shapes": [dict(s) for s in link["shapes"]]} for link in case["robot"]["links"]
-    ]
-    if case["edit"] == "limit":
-        found = next((joint for joint in joints if joint["type"] in SCALARS), None)
-        if found is not None:
-            found["velocity"] /= 4
-    else:
-        found = next((shape for link in links for shape in link["shapes"]), None)
-        if found is not None:
-            found["xyz"] = [2 * x + 1e-3 for x in found["xyz"]]
-    return (
-        None
-        if found is None
-        else {**case, "robot": {**case["robot"], "joints": joints, "links": links}}
-    )
+    """Return the case with one number of one of its files changed; None if there is none."""
+    made = copy.deepcopy(case)
+    joints = [joint for joint in made["robot"]["joints"] if joint["type"] in SCALARS]
+    placed = [shape for link in made["robot"]["links"] for shape in link["shapes"]]
+    match case["edit"]:
+        case "limit":
+            for joint in joints[:1]:
+                joint["velocity"] /= 4
+        case "shape":
+            for part in placed[:1]:
+                part["xyz"] = [2 * x + 1e-3 for x in part["xyz"]]
+        case _:
+            things = made["objects"] if "object" in case["edit"] else placed
+            meshes = [part["shape"]["convex"] for part in things if _is_file(part)]
+            for mesh in meshes[:1]:
+                mesh["points"] = [[1.5 * x for x in point] for point in mesh["points"]]
+    return None if made == case else made
+
+
+def _is_file(part: Document) -> bool:
+    """Return whether a shape is a file of its own: an object's is only where it says so."""
+    return "convex" in part["shape"] and part.get("as_mesh", "name" not in part)

@@ -16,9 +16,13 @@ GAPS = (-1e-3, -1e-5, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 1e-1)
 
 
 def random_obstacle(
-    rng: np.random.Generator, stage: Stage, motion: Document, name: str
+    rng: np.random.Generator,
+    stage: Stage,
+    motion: Document,
+    name: str,
+    gaps: tuple[float, ...] = GAPS,
 ) -> Document:
-    """Return an obstacle whose least distance from what moves is near one of the `GAPS`."""
+    """Return an obstacle that is nearly a gap, a share of the size, from what moves."""
     is_ground = rng.random() < 0.15
     extent = stage.size * 10 ** rng.uniform(-0.7, 0.5)
     shape = {"half_space": {}} if is_ground else random_shape(rng, extent)
@@ -29,7 +33,7 @@ def random_obstacle(
     start = middle + outward / np.linalg.norm(outward) * away
     thing: Document = {"name": name, "shape": shape, "rpy": rpy, "xyz": start.tolist()}
     thing["as_mesh"] = bool(rng.random() < 0.3)
-    push(stage, motion, thing, stage.size * float(rng.choice(GAPS)))
+    push(stage, motion, thing, stage.size * float(rng.choice(gaps)))
     if is_ground and rng.random() < 0.5:
         # A half space has no middle: from here it is the same one.
         angle, far = rng.uniform(0, 2 * np.pi), stage.size * 10 ** rng.uniform(1, 3)
@@ -42,7 +46,7 @@ def _somewhere(rng: np.random.Generator, stage: Stage, motion: Document) -> tupl
     """Return where a solid that moves is at some instant, and how large it is."""
     pieces, local, _ = around(motion, rng.random() * motion["breaks"][-1], 0.0, 1)
     solids = stage.solids(positions(motion, pieces, local), 1)
-    moved = [s for s in solids if not s.is_half_space and stage.holder(s.body) != stage.robot.root]
+    moved = [s for s in solids if not s.is_half_space and stage.is_moved(s.body)]
     if not moved:
         return np.zeros(3), stage.size
     solid = moved[int(rng.integers(len(moved)))]
@@ -67,6 +71,6 @@ def push(stage: Stage, motion: Document, thing: Document, gap: float) -> None:
 def approach(stage: Stage, motion: Document, thing: Document) -> Seen | None:
     """Return how near what moves comes to a thing that is not there yet."""
     stage.add(thing)
-    seen = stage.worst(motion, Look(only=frozenset([thing["name"]]), count=60, rounds=2))
+    seen = stage.worst(motion, Look(None, only=frozenset([thing["name"]]), count=60, rounds=2))
     stage.remove(thing)
     return seen

@@ -12,17 +12,13 @@ import numpy as np
 
 from tests.adversary.cases import Document, Outcome, Setting
 from tests.adversary.clearance import held_thing
-from tests.adversary.clearance_judge import SHARE, SLACK, ClearanceJudge
+from tests.adversary.clearance_judge import ClearanceJudge
 from tests.adversary.motions import hermite
 from tests.adversary.obstacles import random_obstacle
-from tests.adversary.peaks import ORDERS, all_peaks, all_ranges
+from tests.adversary.readings import hold_delivered, of_polynomial, read_samples
 from tests.adversary.robots import SCALARS, random_robot
 from tests.adversary.service import ask
-from tests.adversary.surroundings import Look, Stage
-from tests.adversary.unlooked import declared
-
-# Rates of samples are read with rounding in them.
-_RATE = 1e-3
+from tests.adversary.surroundings import Stage
 
 
 def draw(rng: np.random.Generator, folder: Path) -> Document:
@@ -34,7 +30,7 @@ def draw(rng: np.random.Generator, folder: Path) -> Document:
         case["objects"].append(held_thing(rng, robot))
     read = Setting.lay_out(case, folder).robot
     ends = [{j.name: _somewhere(rng, j) for j in read.leaders} for _ in range(2)]
-    stage = Stage(read, case, np.eye(4))
+    stage = Stage(read, case, np.eye(4), {})
     direct = straight(ends)
     for i in range(int(rng.integers(0, 3))):
         case["objects"].append(random_obstacle(rng, stage, direct, f"o{i}"))
@@ -99,28 +95,16 @@ def judge(case: Document, folder: Path) -> Outcome:
         return outcome
     outcome.count("planned")
     _, exact = ask("GET", f"/v1/plans/{job['id']}/trajectory?polynomial=true", None)
-    motion = _of_polynomial(names, exact["polynomial"])
-    _hold(outcome, setting, stage, ("plan", 0), motion)
+    motion = of_polynomial(names, exact["polynomial"])
+    hold_delivered(outcome, setting, stage, ("plan", 0), motion)
     answer = setting.ask({"motion": motion, "options": {"method": question["retime"]["method"]}})
     if isinstance(answer, Exception) or not answer[0].proven:
         outcome.blame("plan", f"delivered, and not proven again: {answer}")
     else:
         ClearanceJudge(setting, stage, {"motion": motion}, outcome).hold(*answer)
     for kind, read in _readings(names, job["result"]["trajectory"]).items():
-        _hold(outcome, setting, stage, (f"samples, {kind}", 3), read)
+        hold_delivered(outcome, setting, stage, (f"samples, {kind}", 3), read)
     return outcome
-
-
-def _of_polynomial(names: list[str], polynomial: Document) -> Document:
-    bases, powers = np.array(polynomial["bases"]), np.array(polynomial["coefficients"])
-    parts = {
-        name.removeprefix("r::"): {
-            "bases": bases[:, [i]].tolist(),
-            "coefficients": powers[:, :, [i]].tolist(),
-        }
-        for i, name in enumerate(names)
-    }
-    return {"breaks": polynomial["breaks"], "joints": parts}
 
 
 def _readings(names: list[str], told: Document) -> dict[str, Document]:
@@ -128,55 +112,4 @@ def _readings(names: list[str], told: Document) -> dict[str, Document]:
     proven = {"linear": True, "quintic": True}
     for entry in told.get("interpolations") or []:
         proven[entry["kind"]] = entry["proven"]
-    return {kind: _read(names, told, kind) for kind in ("linear", "quintic") if proven[kind]}
-
-
-def _read(names: list[str], told: Document, kind: str) -> Document:
-    """Return the motion that samples stand for."""
-    times = np.array(told["times"])
-    p, v, a = (np.array(told[name]) for name in ("positions", "velocities", "accelerations"))
-    parts: Document = {}
-    for i, name in enumerate(names):
-        pieces = []
-        for k, h in enumerate(np.diff(times)):
-            step, two = p[k + 1, [i]] - p[k, [i]], slice(k, k + 2)
-            if kind == "linear":
-                pieces.append([[0.0], (step / h).tolist()])
-            else:
-                pieces.append(hermite(h, step, v[two][:, [i]], a[two][:, [i]]).tolist())
-        parts[name.removeprefix("r::")] = {"bases": p[:-1, [i]].tolist(), "coefficients": pieces}
-    return {"breaks": times.tolist(), "joints": parts}
-
-
-def _hold(
-    outcome: Outcome, setting: Setting, stage: Stage, what: tuple[str, int], motion: Document
-) -> None:
-    """Hold a motion against limits as the file has them, and against obstacles."""
-    label, number = what
-    robot = setting.robot
-    for name, (low, high) in all_ranges(robot, motion).items():
-        joint = robot.by_name[name]
-        excess = max(joint.lower - low, high - joint.upper)
-        if np.isfinite(joint.lower) and excess > 2e-6:
-            outcome.blame(
-                label, f"{name} {excess:.4g} beyond its position", 5 if joint.leader else number
-            )
-    orders = ["velocity"] if "linear" in label else ["velocity", "acceleration"]
-    for rate in orders:
-        for (name, _), top in all_peaks(robot, motion, ORDERS[rate]).items():
-            joint = robot.by_name[name]
-            # Where a file states no acceleration, it is two times the velocity.
-            limit = joint.velocity * (1.0 if rate == "velocity" else 2.0)
-            if top > limit * (1 + _RATE) and not (joint.leader and rate != "velocity"):
-                outcome.blame(
-                    label,
-                    f"{name} at {top / limit:.4g} of its {rate}",
-                    5 if joint.leader else number,
-                )
-    seen = stage.worst(motion, Look(skip=declared(setting, stage)))
-    if seen is not None and seen.distance < -SLACK - SHARE * stage.size:
-        outcome.blame(
-            label,
-            f"{seen.near.pair} {seen.distance:.6g} m apart at {seen.time:.4g} s",
-            number or stage.suspect,
-        )
+    return {kind: read_samples(names, told, kind) for kind in ("linear", "quintic") if proven[kind]}

@@ -34,7 +34,17 @@ def shrunk(case: Document, fails: Callable[[Document], bool], most: int = _MOST)
 
 def _smaller(case: Document) -> Iterator[Document]:
     """Yield cases with a little less in them, what saves most first."""
-    for make in (_questions, _objects, _links, _shapes, _pieces, _plain, _rounded):
+    for make in (
+        _questions,
+        _objects,
+        _others,
+        _demands,
+        _links,
+        _shapes,
+        _pieces,
+        _plain,
+        _rounded,
+    ):
         yield from make(case)
 
 
@@ -52,6 +62,23 @@ def _objects(case: Document) -> Iterator[Document]:
     for i in range(len(case.get("objects", []))):
         made = _changed(case)
         del made["objects"][i]
+        yield made
+
+
+def _others(case: Document) -> Iterator[Document]:
+    """Leave out a robot that stands, with what it holds."""
+    for other in case.get("others", []):
+        made = _changed(case)
+        made["others"] = [entry for entry in made["others"] if entry["name"] != other["name"]]
+        made["objects"] = [t for t in made["objects"] if t.get("robot", "r") != other["name"]]
+        yield made
+
+
+def _demands(case: Document) -> Iterator[Document]:
+    """Leave out a margin of a pair."""
+    for i in range(len(case.get("more", {}).get("margins", []))):
+        made = _changed(case)
+        del made["more"]["margins"][i]
         yield made
 
 

@@ -1,12 +1,15 @@
 """What is where during a motion: solids of every body, and the pairs that must keep apart."""
 
+from collections.abc import Mapping
 from collections.abc import Set as AbstractSet
 from dataclasses import dataclass, field
+from itertools import combinations
 from typing import Any
 
 import numpy as np
 
 from tests.adversary.cases import Document, Setting
+from tests.adversary.crew import Standing, read_crew
 from tests.adversary.distances import Near, Solid, make_geometry, nearest
 from tests.adversary.kinematics import Robot, pose_matrix
 from tests.adversary.motions import around, positions, sample_places
@@ -21,7 +24,8 @@ class Look:
     """What of a motion is looked at, and how.
 
     Attributes:
-        margin: Of pairs that are not both of the robot [m].
+        margin: Of pairs that are not both of one robot, unless the scene has another for them
+            [m]; None for no margins at all.
         skip: Pairs that are not looked at.
         only: Bodies one of which is in every pair; empty for all.
         until: End of what is looked at [s].
@@ -30,7 +34,7 @@ class Look:
         rounds: How often the neighbourhood of the nearest is looked at again, six times as finely.
     """
 
-    margin: float = 0.0
+    margin: float | None = 0.0
     skip: AbstractSet[Pair] = field(default_factory=frozenset)
     only: AbstractSet[str] = field(default_factory=frozenset)
     until: float = np.inf
@@ -61,10 +65,16 @@ class Stage:
     Attributes:
         unlooked: Pairs that the product does not look at: links that a joint joins, unless it says
             otherwise.
+        by_pair: Margins that the scene has for single pairs [m].
     """
 
-    def __init__(self, robot: Robot, case: Document, base: Array) -> None:
+    def __init__(
+        self, robot: Robot, case: Document, base: Array, crew: Mapping[str, Standing]
+    ) -> None:
         self.robot, self.base, self.size = robot, base, float(case["robot"]["size"])
+        self._case, self._crew = case, crew
+        entries = case.get("more", {}).get("margins", [])
+        self.by_pair = {frozenset(entry["bodies"]): float(entry["margin"]) for entry in entries}
         self._shapes = [
             (f"r::{link}", shape, pose, make_geometry(shape, self.size))
             for link, shapes in robot.shapes.items()
@@ -72,30 +82,41 @@ class Stage:
         ]
         self.unlooked = {frozenset((f"r::{j.parent}", f"r::{j.child}")) for j in robot.joints}
         self._things: list[tuple[Document, Any]] = []
-        for thing in case.get("objects", []):
+        standing = [thing for other in crew.values() for thing in other.things()]
+        for thing in [*standing, *case.get("objects", [])]:
             self.add(thing)
 
     @classmethod
     def of(cls, setting: Setting) -> "Stage":
-        return cls(setting.robot, setting.case, setting.base)
+        crew = read_crew(setting.case, setting.folder)
+        return cls(setting.robot, setting.case, setting.base, crew)
 
     def add(self, thing: Document) -> None:
         """Put one more object there."""
-        self._things.append((thing, make_geometry(thing["shape"], self.size)))
+        other = self._crew.get(thing.get("robot", ""))
+        placed = thing if other is None else other.held(thing)
+        self._things.append((placed, make_geometry(thing["shape"], self.size)))
 
     def remove(self, thing: Document) -> None:
         """Take an object away."""
-        self._things = [entry for entry in self._things if entry[0] is not thing]
+        name = thing["name"]
+        self._things = [entry for entry in self._things if entry[0]["name"] != name]
 
     def displaced(self, rng: np.random.Generator, by: float) -> "Stage":
         """Return the same with every obstacle moved by so much [m], each its own way."""
-        things = []
-        for thing, _ in self._things:
+        moved = Stage(self.robot, {**self._case, "objects": []}, self.base, {})
+        for thing, geometry in self._things:
             way = rng.normal(size=3)
-            shift = np.zeros(3) if thing.get("on") else by * way / np.linalg.norm(way)
-            things.append({**thing, "xyz": (np.array(thing["xyz"]) + shift).tolist()})
-        case = {"robot": {"size": self.size}, "objects": things}
-        return Stage(self.robot, case, self.base)
+            shift = np.eye(4)
+            if not (thing.get("on") and "pose" not in thing):
+                shift[:3, 3] = by * way / np.linalg.norm(way)
+            moved._things.append(({**thing, "pose_shift": shift}, geometry))
+        return moved
+
+    @property
+    def own(self) -> frozenset[str]:
+        """The bodies of the robot that moves, and what it holds."""
+        return frozenset(body for body in self.bodies if self.owner(body) == "r")
 
     @property
     def suspect(self) -> int:
@@ -110,8 +131,8 @@ class Stage:
     @property
     def bodies(self) -> list[str]:
         """Names of all that has a shape."""
-        links = list(dict.fromkeys(body for body, *_ in self._shapes))
-        return links + [thing["name"] for thing, _ in self._things]
+        links = [body for body, *_ in self._shapes]
+        return list(dict.fromkeys([*links, *(thing["name"] for thing, _ in self._things)]))
 
     def solids(self, q: dict[str, Array], count: int) -> list[Solid]:
         """Return every solid at some configurations."""
@@ -122,22 +143,44 @@ class Stage:
         ]
         world = np.broadcast_to(np.eye(4), (count, 4, 4))
         for thing, geometry in self._things:
-            frame = placed[thing["on"]] if thing.get("on") else world
-            pose = frame @ pose_matrix(thing["xyz"], thing["rpy"])
+            if "pose" in thing:
+                pose = world @ thing["pose"]
+            else:
+                frame = placed[thing["on"]] if thing.get("on") else world
+                pose = frame @ pose_matrix(thing["xyz"], thing["rpy"])
+            if "pose_shift" in thing:
+                pose = thing["pose_shift"] @ pose
             shape = thing["shape"]
             found.append(Solid(thing["name"], shape, pose, geometry, radius_of(shape)))
         return found
 
     def holder(self, body: str) -> str:
-        """Return the link that a body is rigid with; the root is rigid with the world."""
-        link = body[3:] if body.startswith("r::") else self._held(body) or self.robot.root
-        return self.robot.rigid_with(link)
+        """Return what a body is rigid with: a link; the root is rigid with the world."""
+        if body.startswith("r::"):
+            return self.robot.rigid_with(body[3:])
+        thing = self._thing(body)
+        return thing.get("cluster") or self.robot.rigid_with(
+            self.robot.root if "pose" in thing else thing.get("on") or self.robot.root
+        )
 
-    def _held(self, body: str) -> str:
-        return next((t.get("on", "") for t, _ in self._things if t["name"] == body), "")
+    def _thing(self, body: str) -> Document:
+        return next((thing for thing, _ in self._things if thing["name"] == body), {})
 
-    def _is_own(self, body: str) -> bool:
-        return body.startswith("r::") or bool(self._held(body))
+    def owner(self, body: str) -> str:
+        """Return the robot that a body is part of, or held by; "" for what stands by itself."""
+        robot, has_robot, _ = body.partition("::")
+        thing = {} if has_robot else self._thing(body)
+        return robot if has_robot else thing.get("robot", "r") if thing.get("on") else ""
+
+    def is_moved(self, body: str) -> bool:
+        """Return whether a body may move with the robot."""
+        return self.owner(body) == "r" and self.holder(body) != self.robot.root
+
+    @property
+    def fixed(self) -> set[Pair]:
+        """The pairs that a motion moves neither body of."""
+        still = [body for body in self.bodies if not self.is_moved(body)]
+        return {frozenset(pair) for pair in combinations(still, 2)}
 
     def is_rigid(self, pair: Pair) -> bool:
         """Return whether nothing moves two bodies against each other."""
@@ -151,9 +194,16 @@ class Stage:
                 names = frozenset((a.body, b.body))
                 is_meant = not look.only or bool(names & look.only)
                 if is_meant and names not in look.skip and not self.is_rigid(names):
-                    own = self._is_own(a.body) and self._is_own(b.body)
-                    found.append((a, b, 0.0 if own else look.margin))
+                    found.append((a, b, self._margin(names, look)))
         return found
+
+    def _margin(self, pair: Pair, look: Look) -> float:
+        """Return the distance that two bodies owe each other [m]."""
+        if look.margin is None:
+            return 0.0
+        owners = {self.owner(body) for body in pair}
+        is_one_robot = len(owners) == 1 and owners != {""}
+        return self.by_pair.get(pair, 0.0 if is_one_robot else look.margin)
 
     def worst(self, motion: Document, look: Look) -> Seen | None:
         """Return where a motion has the least to spare; None if nothing can touch."""

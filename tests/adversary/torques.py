@@ -1,9 +1,10 @@
-"""Attack on torques: limits of effort just above or below what a motion takes."""
+"""Attack on torques: limits of effort just above or below what a motion takes, with burdens."""
 
 from pathlib import Path
 
 import numpy as np
 
+from tests.adversary.burdens import burdens_of, random_burdens
 from tests.adversary.cases import Document, Outcome, Setting, check_of
 from tests.adversary.dynamics import torques
 from tests.adversary.motions import random_motion
@@ -22,14 +23,18 @@ def draw(rng: np.random.Generator, folder: Path) -> Document:
     )
     for link in robot["links"]:
         link["shapes"] = []
+    turn = rng.uniform(-3, 3, size=3) * (rng.random() < 0.5)
     case: Document = {"kind": "torques", "robot": robot, "objects": []}
+    case["base"] = [[0.0] * 3, turn.tolist()]
+    held, options = random_burdens(rng, robot)
+    case["objects"] += [held] if held else []
     setting = Setting.lay_out(case, folder)
     motion = random_motion(
         rng, setting.robot.leaders, size=size, duration=float(10 ** rng.uniform(-0.3, 1))
     )
-    peaks = {
-        k: float(np.abs(v).max()) for k, v in torques(setting.robot, setting.base, motion).items()
-    }
+    case["questions"] = [{"motion": motion, "options": {"effort": True, **options}}]
+    found = torques(setting.robot, setting.base, motion, burdens_of(case))
+    peaks = {name: float(np.abs(row).max()) for name, row in found.items()}
     victim = str(rng.choice(list(peaks)))
     for joint in robot["joints"]:
         if joint["name"] in peaks:
@@ -39,7 +44,6 @@ def draw(rng: np.random.Generator, folder: Path) -> Document:
                 else 10.0
             )
             joint["effort"] = max(peaks[joint["name"]] * factor, 1e-6 * size)
-    case["questions"] = [{"motion": motion, "options": {"effort": True}}]
     return case
 
 
@@ -53,7 +57,7 @@ def judge(case: Document, folder: Path) -> Outcome:
         outcome.blame("error", f"{type(answer).__name__}: {answer}")
         return outcome
     robot = setting.robot
-    own = torques(robot, setting.base, question["motion"])
+    own = torques(robot, setting.base, question["motion"], burdens_of(case))
     uses = {
         name: float(np.abs(row).max()) / robot.by_name[name].effort for name, row in own.items()
     }

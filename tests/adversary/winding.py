@@ -14,7 +14,7 @@ import planning
 from planning.errors import WayproofError
 from tests.adversary.cases import PATIENCE, Document, Outcome, Setting
 from tests.adversary.kinematics import Robot
-from tests.adversary.motions import hermite, positions
+from tests.adversary.motions import around, hermite, positions
 from tests.adversary.robots import random_robot
 from tests.adversary.surroundings import Look, Stage
 
@@ -53,7 +53,21 @@ def draw(rng: np.random.Generator, folder: Path) -> Document:
         },
     }
     case["questions"] = [question]
+    if question["by_samples"]:
+        case["objects"] = _in_the_way(rng, Stage(read, case, np.eye(4), {}), meant(question))
     return case
+
+
+def _in_the_way(rng: np.random.Generator, stage: Stage, motion: Document) -> list[Document]:
+    """Return a ball where something is on the way that the numbers say, if anything moves."""
+    pieces, local, _ = around(motion, rng.uniform(0.2, 0.8) * motion["breaks"][-1], 0.0, 1)
+    solids = stage.solids(positions(motion, pieces, local), 1)
+    moved = [solid for solid in solids if stage.is_moved(solid.body)]
+    if not moved:
+        return []
+    place = moved[int(rng.integers(len(moved)))].middles[0]
+    ball = {"name": "ball", "shape": {"sphere": 0.02}, "rpy": [0.0] * 3}
+    return [{**ball, "xyz": [float(x) for x in place]}]
 
 
 def _turns(rng: np.random.Generator, kind: str, rows: int) -> list[int]:

@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from service.tasks.worlds import MAX_WORLDS
 from tests.adversary.cases import Document, Outcome, Setting
 from tests.adversary.kinematics import pose_matrix
 from tests.adversary.plans import straight
@@ -99,6 +100,7 @@ def _edited(setting: Setting, scene: str, question: Document, outcome: Outcome) 
     _, posted = ask("POST", "/v1/scenes", first.document)
     old = _certify(posted["id"], motion)
     again = Setting.lay_out(case, setting.folder)
+    _crowd_out()
     _, anew = ask("POST", "/v1/scenes", again.document)
     new = _certify(anew["id"], motion)
     kept = _certify(posted["id"], motion)
@@ -109,6 +111,12 @@ def _edited(setting: Setting, scene: str, question: Document, outcome: Outcome) 
     if old and kept and old != kept:
         outcome.blame("kept scene", "another answer of a scene whose file was edited", 1)
     outcome.count("proven before", bool(before and before["proven"]))
+
+
+def _crowd_out() -> None:
+    """Load so many other scenes that none of those before is still loaded."""
+    for i in range(MAX_WORLDS):
+        ask("POST", "/v1/scenes", {"name": f"other{i}", "robots": [{"name": "r", "model": "car"}]})
 
 
 def _obstructed(setting: Setting, scene: str, question: Document, outcome: Outcome) -> None:

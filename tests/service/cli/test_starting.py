@@ -1,9 +1,8 @@
 """A server that cannot start says why in a sentence; one that can says where, once it listens."""
 
+import os
 import socket
 import sys
-import threading
-from types import SimpleNamespace
 
 import pytest
 from typer.testing import CliRunner
@@ -102,9 +101,8 @@ def test_numbers_that_are_none(arguments):
 
 
 def test_it_says_that_it_listens_once_it_does(settings, monkeypatch):
-    released = threading.Event()
-    buffer = SimpleNamespace(read=released.wait)
-    monkeypatch.setattr(sys, "stdin", SimpleNamespace(buffer=buffer))
+    read, write = os.pipe()
+    monkeypatch.setattr(sys, "stdin", os.fdopen(read))
     bound = bind("127.0.0.1", 0)
     address = bound.getsockname()
     with pytest.raises(ConnectionRefusedError):
@@ -114,7 +112,7 @@ def test_it_says_that_it_listens_once_it_does(settings, monkeypatch):
     def on_listening():
         with socket.create_connection(address):
             reached.append(True)
-        released.set()
+        os.close(write)
 
     run(settings, bound, log_level="critical", leashed=True, on_listening=on_listening)
     assert reached == [True]
