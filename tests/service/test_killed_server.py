@@ -103,7 +103,8 @@ def test_the_same_request_gives_the_same_bytes(left, restarted):
 @pytest.mark.usefixtures("canceled")
 def test_plans_use_the_regions_that_had_grown(left, restarted):
     goal = {"type": "configuration", "name": "beyond"}
-    request = {"scene": left.square, "group": "body", "goal": goal, "search": {"planner": "GCS"}}
+    search = {"planner": "GCS", "allowed_planning_time": 60.0}
+    request = {"scene": left.square, "group": "body", "goal": goal, "search": search}
     plan = restarted.ask("POST", "/v1/plans?wait=60", request)
     used = plan["result"]["stages"]["search"]["regions"]["digest"]
     assert used == left.grown["summary"]["digest"]

@@ -1,5 +1,6 @@
 """`warnings` of a scene's summary say what is not what it seems."""
 
+import logging
 from collections.abc import Callable
 from pathlib import Path
 
@@ -7,6 +8,7 @@ import pytest
 import trimesh
 
 import planning
+from planning.world.model_warnings import parser_warnings
 from planning.world.world import World
 
 LINK = '<link name="a">{}</link>'
@@ -94,3 +96,16 @@ def test_what_the_parser_leaves_out_is_told(tmp_path: Path) -> None:
     (warning,) = world.summary.warnings
     assert warning.startswith("r: line 3: ")
     assert "axis2" in warning
+
+
+def test_errors_of_the_parser_go_on_to_the_log_and_its_warnings_do_not(
+    caplog: pytest.LogCaptureFixture,
+) -> None:
+    drake, said = logging.getLogger("drake"), list[str]()
+    with parser_warnings("r", said):
+        drake.warning("odd")
+        drake.error("bad")
+    drake.warning("not asked for")
+    drake.critical("worse")
+    assert said == ["r: odd"]
+    assert [record.getMessage() for record in caplog.records] == ["bad", "worse"]

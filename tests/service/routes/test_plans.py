@@ -189,19 +189,17 @@ def test_a_pose_is_approached_in_a_straight_line(client, scene):
     assert shares + funnel["distinct"] / funnel["tried"] == pytest.approx(1)
 
 
-def test_a_way_straight_up_is_a_plan(client, scene):
+def test_a_way_straight_up_is_a_plan(client, request_of):
     goal = {"type": "line", "displacement": {"vector": [0, 0, 0.05]}}
-    request = {"scene": scene, "group": "arm", "goal": goal}
-    job = client.post("/v1/plans?wait=60", json=request).json()
+    job = client.post("/v1/plans?wait=60", json=request_of(goal=goal)).json()
     assert job["state"] == "succeeded", job["failure"]
     (part,) = job["result"]["parts"]
     assert (part["kind"], part["length"]) == ("line", pytest.approx(0.05))
 
 
-def test_a_blocked_line_is_a_failure_with_its_evidence(client, scene):
+def test_a_blocked_line_is_a_failure_with_its_evidence(client, request_of):
     goal = {"type": "line", "pose": {"position": [0, 0, 0], "frame": "block"}}
-    request = {"scene": scene, "group": "arm", "goal": goal}
-    job = client.post("/v1/plans?wait=60", json=request).json()
+    job = client.post("/v1/plans?wait=60", json=request_of(goal=goal)).json()
     assert job["state"] == "failed"
     failure = job["failure"]
     assert (failure["code"], failure["stage"]) == ("line_blocked", "goals")
