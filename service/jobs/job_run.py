@@ -121,9 +121,11 @@ class JobRun:
     async def run(self, slot: Slot) -> bool:
         """Run the job in a slot, which is given back; return whether it is queued again."""
         store, identifier = self._recording.store, self.job.id
-        start = partial(self._recording.move, is_durable=False)
+        start = partial(store.start, identifier)
+        # What the database forgot to have begun would be begun once more, and could not end.
+        lasting = store.may_crash_alone
         try:
-            self._started = await start(identifier, partial(store.start, identifier))
+            self._started = await self._recording.move(identifier, start, is_durable=lasting)
         except DatabaseTaken:
             return False
         except Exception:  # noqa: BLE001  (it is queued still)

@@ -62,7 +62,14 @@ class OwnershipWatch:
         self._threads = ThreadPoolExecutor(1, "ownership")
 
     async def run(self) -> None:
-        """Watch until the database is another's."""
+        """Watch until the database is another's, or this is canceled."""
+        try:
+            await self._watch()
+        finally:
+            # A question that is still asked could take the lock after it was released.
+            await asyncio.to_thread(self._threads.shutdown)
+
+    async def _watch(self) -> None:
         while True:
             await asyncio.sleep(self._patience.period)
             if await self._ask(self._ownership.holds):

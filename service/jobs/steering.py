@@ -65,15 +65,17 @@ class Steering:
         self, identifier: str, what: str, write: Callable[[], Coroutine[Any, Any, T]]
     ) -> T | None:
         """Return what a write gives, None if it has to be made later."""
-        work = asyncio.get_running_loop().create_task(
-            self._recording.insist(identifier, what, write)
-        )
+
+        async def record() -> T | None:
+            try:
+                return await self._recording.insist(identifier, what, write)
+            except DatabaseTaken:
+                return None
+
+        work = asyncio.get_running_loop().create_task(record())
         self._floor.keep(work)
         done, _ = await asyncio.wait({work}, timeout=_PROMPT)
-        try:
-            return work.result() if done else None
-        except DatabaseTaken:
-            return None
+        return work.result() if done else None
 
     async def _write_cancel(self, identifier: str) -> Job:
         work = partial(self._cancel_in_store, identifier)

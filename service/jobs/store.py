@@ -62,6 +62,11 @@ class JobStore:
         metadata.create_all(self._engine)
         fill_briefs(self._engine)
 
+    @property
+    def may_crash_alone(self) -> bool:
+        """Whether the database may die while we live: then it forgets what was not durable."""
+        return self._engine.dialect.name != "sqlite"
+
     def fence(self, epoch: int) -> None:
         """Write only as long as the owner of the database is the one of an epoch."""
         self._epoch = epoch

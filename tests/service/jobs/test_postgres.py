@@ -2,7 +2,7 @@
 
 import asyncio
 import threading
-from contextlib import asynccontextmanager
+from contextlib import asynccontextmanager, contextmanager
 
 import pytest
 from sqlalchemy import text
@@ -22,6 +22,7 @@ from tests.service.jobs.postgres import cluster
 from tests.service.jobs.test_briefs import check_upgrade
 from tests.service.jobs.test_stopping import eventually, moving
 from tests.service.servers import server as real_server
+from tests.service.servers import until
 
 # Nothing is noticed by looking at the lock.
 BLIND = Patience(period=10 * GUARD)
@@ -134,7 +135,7 @@ def test_jobs_on_postgresql(url):
         engine.dispose()
 
 
-def test_a_restart_of_the_database_stops_nothing_and_lets_nobody_in(server, url, tmp_path):
+def test_a_restart_of_the_database_stops_nothing_and_lets_no_other_in(server, url, tmp_path):
     async def story():
         async with serving(url, QUICK) as (dispatcher, store):
             job, live = await moves(dispatcher, tmp_path)
@@ -143,7 +144,9 @@ def test_a_restart_of_the_database_stops_nothing_and_lets_nobody_in(server, url,
             await eventually(lambda: place(live) > stopped)
             await asyncio.to_thread(server.start)
             rival = open_engine(url)
-            await eventually(lambda: is_refused(Ownership(rival)))
+            await eventually(lambda: has_owner(rival))
+            with pytest.raises(DatabaseInUse):
+                await asyncio.to_thread(Ownership(rival).take)
             rival.dispose()
             before = place(live)
             await eventually(lambda: place(live) > before)
@@ -155,14 +158,11 @@ def test_a_restart_of_the_database_stops_nothing_and_lets_nobody_in(server, url,
     asyncio.run(story())
 
 
-def is_refused(rival):
-    """Whether a rival is kept out; one that got in goes out again."""
-    try:
-        rival.take()
-    except DatabaseInUse:
-        return True
-    rival.release()
-    return False
+def has_owner(engine):
+    """Whether the lock is held: the owner took it again."""
+    held = text("SELECT count(*) FROM pg_locks WHERE locktype = 'advisory' AND granted")
+    with engine.connect() as connection:
+        return connection.execute(held).scalar_one() == 1
 
 
 def test_two_servers_never_run_one_job(url, tmp_path):
@@ -204,33 +204,37 @@ def test_one_who_looks_at_a_lock_that_another_has_gives_up(url, tmp_path):
             live = dispatcher.live(job.id)
             await eventually(lambda: live.latest("stage"))
             await eventually(lambda: not live.unrecorded)
-            rival = await asyncio.to_thread(take_by_force, url)
-            await asyncio.wait_for(live.concluded.wait(), GUARD)
-            assert dispatcher.is_taken
-            with rival.begin() as connection:
+            with taken_by_force(url) as rival:
+                await asyncio.wait_for(live.concluded.wait(), GUARD)
+                assert dispatcher.is_taken
                 state = text("SELECT state FROM jobs WHERE id = :id")
-                assert connection.execute(state, {"id": job.id}).scalar_one() == "running"
-            rival.dispose()
+                assert rival.execute(state, {"id": job.id}).scalar_one() == "running"
 
     asyncio.run(story())
 
 
-def take_by_force(url):
-    """Wait in line for the lock, end its owner, and count the epoch up; the engine holds it."""
+@contextmanager
+def taken_by_force(url):
+    """Wait in line for the lock, end its owner, and count the epoch up; yields a connection."""
     engine = open_engine(url)
-    waits = engine.connect().execution_options(isolation_level="AUTOCOMMIT")
-    key = {"key": 0x57_61_79_70}
-    lock = threading.Thread(target=waits.execute, args=(text("SELECT pg_advisory_lock(:key)"), key))
+    waits, other = (
+        engine.connect().execution_options(isolation_level="AUTOCOMMIT") for _ in range(2)
+    )
+    take = text("SELECT pg_advisory_lock(:key)"), {"key": 0x57_61_79_70}
+    lock = threading.Thread(target=waits.execute, args=take)
     lock.start()
-    in_line = text("SELECT count(*) FROM pg_locks WHERE locktype = 'advisory' AND NOT granted")
-    ending = text(f"{END_OWNER} AND granted")
-    with engine.connect().execution_options(isolation_level="AUTOCOMMIT") as connection:
-        while not connection.execute(in_line).scalar_one():
-            pass
-        connection.execute(ending)
-        lock.join()
-        connection.execute(text("UPDATE job_owner SET epoch = epoch + 1"))
-    return engine
+    try:
+        in_line = text("SELECT count(*) FROM pg_locks WHERE locktype = 'advisory' AND NOT granted")
+        until(lambda: other.execute(in_line).scalar_one())
+        other.execute(text(f"{END_OWNER} AND granted"))
+        lock.join(GUARD)
+        other.execute(text("UPDATE job_owner SET epoch = epoch + 1"))
+        yield other
+    finally:
+        for connection in (waits, other):
+            connection.invalidate()
+            connection.close()
+        engine.dispose()
 
 
 def test_what_moves_comes_to_rest_if_the_database_stays_away(server, url, tmp_path):
@@ -252,7 +256,5 @@ def test_what_moves_comes_to_rest_if_the_database_stays_away(server, url, tmp_pa
 
 
 def test_a_server_that_has_lost_its_database_ends(url, tmp_path):
-    with real_server(tmp_path, WAYPROOF_DATABASE_URL=url) as lost:
-        rival = take_by_force(url)
+    with real_server(tmp_path, WAYPROOF_DATABASE_URL=url) as lost, taken_by_force(url):
         assert lost.process.wait(GUARD) == TAKEN
-        rival.dispose()
