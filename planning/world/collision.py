@@ -181,10 +181,7 @@ def bare_checker(model: DrakeModel) -> SceneGraphCollisionChecker:
     plant = model.plant
     movers = [plant.get_joint(index).child_body() for index in model.joint_indices.values()]
     held = [plant.get_body(model.bodies[name]) for name in model.owners]
-    # Drake ends the process if there is none: of a scene in which nothing moves it is any robot.
-    named = [plant.get_body(index) for name, index in model.bodies.items() if "::" in name]
-    parts = [*movers, *held] or named
-    robots = sorted({body.model_instance() for body in parts}, key=int)
+    robots = sorted({body.model_instance() for body in [*movers, *held]}, key=int)
     return distance_checker(model, robots)
 
 
