@@ -4,6 +4,7 @@ The parsers of meshes and descriptions are C++ that trusts its input: some files
 or fill its memory. So what a stranger's file makes of a process is seen in a fork of this one.
 """
 
+import faulthandler
 import os
 import resource
 import selectors
@@ -91,6 +92,7 @@ def _load(kept: KeptScene, things: Sequence[Thing], far: int, parent: int) -> No
     try:
         die_with_parent()
         if os.getppid() == parent:
+            faulthandler.disable()  # what the file does is told by the parent, in a sentence
             _bound_memory()
             for _ in map(partial(_load_one, kept, far), things):
                 pass
