@@ -20,6 +20,9 @@ from tests.adversary.shapes import random_shape
 from tests.adversary.surroundings import Look, Stage
 from tests.adversary.unlooked import adjacent
 
+# Margins that a scene may state are no larger, by far [m].
+_MOST = 8.0
+
 
 def draw(rng: np.random.Generator, folder: Path) -> Document:
     """Return a case: a robot among obstacles, and motions of it."""
@@ -66,10 +69,11 @@ def _demand(rng: np.random.Generator, stage: Stage, case: Document) -> None:
         if len(bodies) < 2 or seen is None:
             continue
         pair = sorted(seen.near.pair)
-        if seen.distance > 0 and pair not in [entry["bodies"] for entry in found]:
-            off = float(rng.choice([-1e-1, -1e-2, -1e-3, 1e-5, 1e-3])) * stage.size
-            found.append({"bodies": pair, "margin": max(0.0, seen.distance + off)})
-    case["more"] = {"margin": question.pop("margin"), "margins": found}
+        if 0 < seen.distance < _MOST and pair not in [entry["bodies"] for entry in found]:
+            off = float(rng.choice([-1e-1, -1e-3, 1e-4, 1e-3, 1e-1])) * stage.size
+            found.append({"bodies": pair, "margin": min(max(0.0, seen.distance + off), _MOST)})
+    margin = min(question.pop("margin"), _MOST) * float(rng.random() < 0.4)
+    case["more"] = {"margin": margin, "margins": found}
 
 
 def held_thing(rng: np.random.Generator, robot: Document) -> Document:
