@@ -4,6 +4,7 @@ Obstacles are pushed until the first motion passes them by a chosen distance; th
 asked about with a margin near the distance that they truly keep.
 """
 
+from itertools import combinations
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +20,9 @@ from tests.adversary.robots import random_robot
 from tests.adversary.shapes import random_shape
 from tests.adversary.surroundings import Look, Stage
 from tests.adversary.unlooked import adjacent
+
+# Margins that a scene may state are no larger, by far [m].
+_MOST = 8.0
 
 
 def draw(rng: np.random.Generator, folder: Path) -> Document:
@@ -58,18 +62,18 @@ def _robot_alone(rng: np.random.Generator) -> Document:
 
 def _demand(rng: np.random.Generator, stage: Stage, case: Document) -> None:
     """Let the scene say margins: of some pairs more or less than they keep, and of all others."""
-    question = case["questions"][0]
-    count, found = int(rng.integers(1, 4)), []
-    for _ in range(count):
-        bodies = [str(body) for body in rng.permutation(stage.bodies)[:2]]
-        seen = stage.worst(question["motion"], Look(None, only=frozenset(bodies), rounds=1))
-        if len(bodies) < 2 or seen is None:
-            continue
-        pair = sorted(seen.near.pair)
-        if seen.distance > 0 and pair not in [entry["bodies"] for entry in found]:
-            off = float(rng.choice([-1e-1, -1e-2, -1e-3, 1e-5, 1e-3])) * stage.size
-            found.append({"bodies": pair, "margin": max(0.0, seen.distance + off)})
-    case["more"] = {"margin": question.pop("margin"), "margins": found}
+    question, found = case["questions"][0], []
+    pairs = [pair for pair in combinations(stage.bodies, 2) if not stage.is_rigid(frozenset(pair))]
+    every = {frozenset(pair) for pair in pairs}
+    for i in rng.permutation(len(pairs))[: int(rng.integers(1, 4))]:
+        pair = frozenset(pairs[i])
+        seen = stage.worst(question["motion"], Look(None, every - {pair}, pair, rounds=1))
+        if seen is not None and 0 < seen.distance < _MOST:
+            off = float(rng.choice([-1e-1, -1e-3, 1e-4, 1e-3, 1e-1])) * stage.size
+            margin = min(max(0.0, seen.distance + off), _MOST)
+            found.append({"bodies": sorted(pair), "margin": margin})
+    margin = min(question.pop("margin"), _MOST) * float(rng.random() < 0.4)
+    case["more"] = {"margin": margin, "margins": found}
 
 
 def held_thing(rng: np.random.Generator, robot: Document) -> Document:

@@ -65,7 +65,11 @@ class ClearanceJudge:
             self._outcome.blame("clearance", told, 6 if is_neighbours else self._defect)
 
     def _hold_refusal(self, check: Any, seen: Seen) -> None:
-        if seen.spare > max(WIDE, 1e-3 * self._stage.size):
+        # Among many pairs not all distances are measured: then and there they are.
+        look = Look(self._margin, self._skip, also=(check.time,), count=1, rounds=0)
+        there = self._worst(look)
+        least = min(seen.spare, np.inf if there is None else there.spare)
+        if least > max(WIDE, 1e-3 * self._stage.size):
             said = (
                 f"{check.where} {check.value:.6g} +- {check.resolution:.3g} m at {check.time:.6g} s"
             )

@@ -4,6 +4,10 @@
     python -m tests.adversary.run --kind all --seed 0 --cases 500        # many
     python -m tests.adversary.run --kind clearance --seed 17 --shrink    # cut down, and printed
     python -m tests.adversary.run --case FILE                            # one that was printed
+    python -m tests.adversary.run --kind all --cases 500 --journal FILE  # goes on where it ended
+
+A journal has a line for every block of seeds that is done; the same command with it does the others
+and tells of all. It is of one version of the code: begin another after every change.
 
 One integer makes a case again. What is wrong is told with the number of the defect that it is
 likely to be, 0 for one that is not known. What is refused though it is kept by far is told too.
@@ -22,6 +26,7 @@ import numpy as np
 
 from tests.adversary import service
 from tests.adversary.cases import Claim, Document, Outcome
+from tests.adversary.journal import Journal, blocks
 from tests.adversary.kinds import KINDS
 from tests.adversary.shrink import shrunk
 
@@ -62,22 +67,41 @@ def command(kind: str, seed: int) -> str:
     return f"python -m tests.adversary.run --kind {kind} --seed {seed}"
 
 
-def _campaign(kinds: list[str], seed: int, cases: int) -> tuple[Outcome, Counter[str]]:
+def _campaign(kinds: list[str], seeds: range, journal: Path | None) -> tuple[Outcome, Counter[str]]:
     total = Outcome()
     found: Counter[str] = Counter()
+    known = Journal.read(journal)
     for kind in kinds:
-        begin, asked = time.process_time(), total.counts.get("asked", 0)
-        for number in range(seed, seed + cases):
-            _, outcome = attack(kind, number)
-            total.add(outcome)
-            for claim in [*outcome.wrong, *outcome.refused]:
-                key = f"{kind}: {claim.what} (#{claim.issue})"
-                found[key] += 1
-                if found[key] <= _TOLD:
-                    print(f"{command(kind, number)}: {claim.what} (#{claim.issue}): {claim.said}")
-        spent, questions = time.process_time() - begin, total.counts.get("asked", 0) - asked
-        print(f"{kind}: {cases} cases, {questions} questions, {spent:.1f} s", flush=True)
+        spent = 0.0
+        for block in blocks(seeds):
+            done = known.get(kind, block)
+            if done is None:
+                begin = time.process_time()
+                outcome = _attack_all(kind, block, found)
+                done = known.put(kind, block, outcome, time.process_time() - begin)
+            else:
+                found.update(f"{kind}: {c.what} (#{c.issue})" for c in done.claims)
+            total.add(done.outcome)
+            spent += done.seconds
+        each = spent / max(len(seeds), 1)
+        told = f"seeds {seeds.start} to {seeds.stop - 1}, {spent:.1f} s, {each:.3f} s a case"
+        print(f"{kind}: {told}", flush=True)
     return total, found
+
+
+def _attack_all(kind: str, seeds: range, found: Counter[str]) -> Outcome:
+    """Attack with some seeds, and tell the first claims of each sort."""
+    total = Outcome()
+    for number in seeds:
+        _, outcome = attack(kind, number)
+        total.add(outcome)
+        for claim in [*outcome.wrong, *outcome.refused]:
+            key = f"{kind}: {claim.what} (#{claim.issue})"
+            found[key] += 1
+            if found[key] <= _TOLD:
+                said = f"{claim.what} (#{claim.issue}): {claim.said}"
+                print(f"{command(kind, number)}: {said}", flush=True)
+    return total
 
 
 def _one(case: Document, *, shrink: bool) -> int:
@@ -97,6 +121,7 @@ def main() -> int:
     parser.add_argument("--cases", type=int, default=1)
     parser.add_argument("--shrink", action="store_true")
     parser.add_argument("--case", type=Path)
+    parser.add_argument("--journal", type=Path)
     options = parser.parse_args()
     try:
         if options.case is not None:
@@ -104,7 +129,8 @@ def main() -> int:
         if options.shrink:
             return _one(draw(options.kind, options.seed), shrink=True)
         kinds = list(KINDS) if options.kind == "all" else [options.kind]
-        total, found = _campaign(kinds, options.seed, options.cases)
+        seeds = range(options.seed, options.seed + options.cases)
+        total, found = _campaign(kinds, seeds, options.journal)
         print(json.dumps(total.counts, indent=1))
         print(f"{len(total.wrong)} wrong, {len(total.refused)} refused though kept by far")
         for what, count in found.most_common():

@@ -26,14 +26,18 @@ type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # What a file's velocity makes of limits on acceleration and jerk that it does not state.
 _ASSUMED = {1: 1.0, 2: 2.0, 3: 20.0}
-_GAPS = (1e-3, 1e-2, 1e-1)
+_GAPS = (1e-6, 1e-5, 1e-4, 1e-2)
 _SAME, _SHARE = 1e-5, 1e-3
 
 
 def draw(rng: np.random.Generator, folder: Path) -> Document:
     """Return a motion within limits, which of them may differ by sign, and when to stop it."""
     size = float(rng.choice([0.1, 1.0, 1.0, 10.0]))
-    robot = random_robot(rng, kinds=(*SCALARS, "fixed"), size=size, mimics=0.2)
+    robot = random_robot(rng, kinds=(*SCALARS, "fixed"), size=size, mimics=0.3)
+    for joint in robot["joints"]:
+        if "mimic" in joint:
+            # So that what follows may be what limits a stop.
+            joint["velocity"] *= float(10 ** rng.uniform(-1, 0))
     case: Document = {"kind": "stops", "robot": robot, "objects": []}
     stage = Stage.of(Setting.lay_out(case, folder))
     motion = free_motion(rng, stage, pieces=int(rng.integers(1, 4)), degree=5)
@@ -41,7 +45,7 @@ def draw(rng: np.random.Generator, folder: Path) -> Document:
         return draw(rng, folder)
     jerk = bool(rng.random() < 0.4)
     motion = slowed(motion, _least(stage, motion, jerk=jerk) * float(rng.choice([1.001, 1.1, 2.0])))
-    for i in range(int(rng.integers(0, 3))):
+    for i in range(int(rng.choice([0, 2, 4]))):
         case["objects"].append(random_obstacle(rng, stage, motion, f"o{i}", _GAPS))
         stage.add(case["objects"][-1])
     question: Document = {"motion": motion, "options": {"method": "ruckig" if jerk else "toppra"}}

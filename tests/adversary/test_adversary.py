@@ -29,6 +29,10 @@ CASES = {
     "identities": 1,
     "plans": 2,
     "wire": 4,
+    "executions": 2,
+    "neighbours": 6,
+    "samples": 4,
+    "stops": 4,
 }
 # Seeds of one test in the campaign.
 BLOCK = 20

@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 import planning
-from tests.adversary.cases import Outcome, Setting, check_of
+from tests.adversary.cases import Claim, Outcome, Setting, check_of
 from tests.adversary.clearance_judge import ClearanceJudge
 from tests.adversary.distances import distance, make_solid
+from tests.adversary.journal import Journal, blocks
 from tests.adversary.kinematics import pose_matrix
 from tests.adversary.motions import around, positions, random_motion, sample_places
 from tests.adversary.peaks import all_peaks, rise
@@ -71,7 +72,7 @@ def _placed(stage: Stage, motion: dict, time: float) -> dict[str, np.ndarray]:
 def test_an_obstacle_that_is_kept_from_the_product_is_found(tmp_path) -> None:
     found = 0
     for seed in range(6):
-        case = draw("clearance", seed)
+        case = draw("clearance", seed) | {"more": {}}
         bare = Setting.lay_out({**case, "objects": []}, tmp_path)
         setting = Setting.lay_out(case, tmp_path)
         answer = bare.ask({**case["questions"][0], "margin": 0.0})
@@ -132,3 +133,19 @@ def test_peaks_count_what_follows(tmp_path) -> None:
     for joint in setting.robot.joints:
         leader, factor = setting.robot.factor(joint.name)
         assert peaks[joint.name, ""] == pytest.approx(abs(factor) * peaks[leader, ""])
+
+
+def test_a_campaign_goes_on_where_it_ended(tmp_path) -> None:
+    file, seeds = tmp_path / "journal", range(35, 62)
+    parts = list(blocks(seeds))
+    assert [number for part in parts for number in part] == list(seeds)
+    outcome = Outcome([Claim("clearance", "said", 6)], [], {"asked": 4})
+    Journal.read(file).put("clearance", parts[0], outcome, 1.5)
+    with file.open("a") as journal:
+        journal.write('["clearance", 40, 60, {"outc')
+    again = Journal.read(file)
+    assert again.get("clearance", parts[0]).outcome == outcome
+    assert again.get("clearance", parts[0]).seconds == 1.5
+    assert again.get("clearance", parts[1]) is None
+    again.put("clearance", parts[1], Outcome(), 0.1)
+    assert set(Journal.read(file).known) == {("clearance", 35, 40), ("clearance", 40, 60)}
