@@ -222,7 +222,7 @@ def test_a_job_shows_the_versions_that_ran_it_and_no_others(tmp_path: Path) -> N
             for job in jobs:
                 assert job.made_by is None
                 assert (await dispatcher.wait(job.id, GUARD)).made_by == {"tests": "1"}
-            again = await dispatcher.submit(spec("stubborn"))
+            again = await dispatcher.submit(spec("spin"))
             await eventually(lambda: dispatcher.live(again.id).latest("stage"))
             return [*(job.id for job in jobs), again.id]
 
