@@ -1,7 +1,7 @@
 """toppra's linear programs, without all that importing toppra's front door imports.
 
 The package as such imports pyplot, for methods that draw: a third of the time in which a process
-gets ready to plan. Here it stays shut until something is asked of it that only it has.
+gets ready to plan. Here that is deferred until something is asked of it that only it has.
 """
 
 import logging
@@ -9,30 +9,31 @@ import sys
 import warnings
 from importlib.util import find_spec, module_from_spec
 from types import ModuleType
-from typing import Any
+from typing import Any, override
 
 
-class _Shut(ModuleType):
+class _DeferredPackage(ModuleType):
     """A package whose own code runs when something is asked for that is not there yet."""
 
+    @override
     def __getattr__(self, name: str) -> Any:
         spec = self.__spec__
-        self.__class__ = ModuleType
+        object.__setattr__(self, "__class__", ModuleType)
         if spec is not None and spec.loader is not None:
             spec.loader.exec_module(self)
         return getattr(self, name)
 
 
-def _shut(name: str) -> None:
+def _defer(name: str) -> None:
     """Let parts of a package be imported without its own code, if that has not run yet."""
     spec = find_spec(name)
     if name not in sys.modules and spec is not None:
         package = module_from_spec(spec)
-        package.__class__ = _Shut
+        package.__class__ = _DeferredPackage
         sys.modules[name] = package
 
 
-_shut("toppra")
+_defer("toppra")
 with warnings.catch_warnings():
     warnings.simplefilter("ignore")
     from toppra.constraint import ConstraintType, DiscretizationType, LinearConstraint
