@@ -131,6 +131,18 @@ class DistanceProbe:
         """Return Drake's ids, the bodies and the distance of geometries at most so far apart."""
         return [(ids, bodies, length) for ids, bodies, length, _ in self._measured(full, distance)]
 
+    def nearest_within(
+        self, full: Float64[np.ndarray, " num_positions"], horizon: float, least: float = 0.0
+    ) -> tuple[BodyPair, ...]:
+        """Return the nearest pair within a horizon [m], and all that are as near as `least` [m].
+
+        No distance is larger than the true one. Only of these pairs it is looked for: that takes
+        longer than Drake's distances, which may be larger.
+        """
+        met = self.pairs_within(full, horizon)
+        reach = max(least, met[0].distance, 0.0) if met else least
+        return self.pairs_within(full, reach, exactly=True)
+
     def violations(self, full: Float64[np.ndarray, " num_positions"]) -> tuple[BodyPair, ...]:
         """Return every pair of bodies that is nearer than its margin, nearest first."""
         found = self.pairs_within(full, max(self._margins.largest, 1e-9), exactly=True)

@@ -102,7 +102,8 @@ def test_numbers_that_are_none(arguments):
 
 def test_it_says_that_it_listens_once_it_does(settings, monkeypatch):
     read, write = os.pipe()
-    monkeypatch.setattr(sys, "stdin", os.fdopen(read))
+    stdin = os.fdopen(read)
+    monkeypatch.setattr(sys, "stdin", stdin)
     bound = bind("127.0.0.1", 0)
     address = bound.getsockname()
     with pytest.raises(ConnectionRefusedError):
@@ -114,5 +115,6 @@ def test_it_says_that_it_listens_once_it_does(settings, monkeypatch):
             reached.append(True)
         os.close(write)
 
-    run(settings, bound, log_level="critical", leashed=True, on_listening=on_listening)
+    with stdin:
+        run(settings, bound, log_level="critical", leashed=True, on_listening=on_listening)
     assert reached == [True]

@@ -229,7 +229,7 @@ def test_a_job_shows_the_versions_that_ran_it_and_no_others(tmp_path: Path) -> N
     async def second(good: str, bad: str, again: str) -> None:
         async with running(tmp_path, version="2") as (dispatcher, store):
             assert [store.get(job).made_by for job in (good, bad)] == [{"tests": "1"}] * 2
-            await eventually(lambda: dispatcher.live(again).latest("stage"))
+            await eventually(lambda: (run := dispatcher.live(again)) and run.latest("stage"))
             await dispatcher.cancel(again)
             assert (await dispatcher.wait(again, GUARD)).made_by == {"tests": "2"}
             made_by = [job.made_by["tests"] for job in store.page("plan")]

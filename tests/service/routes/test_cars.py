@@ -94,7 +94,13 @@ def test_no_regions_are_grown_for_cars(client, scene):
     ("space", "detail"),
     [
         ({"turning_radius": -1}, ".turning_radius: Input should be greater than or equal to 0.001"),
-        ({"turning_radius": 1, "turning": 1}, ".turning: Extra inputs are not permitted"),
+        (
+            {"turning_radius": 1, "turning": 1},
+            (
+                ".turning: field 'turning' does not exist; did you mean 'turning_radius'? "
+                "fields: ['reverse', 'turning_radius']"
+            ),
+        ),
         ({}, ".turning_radius: Field required"),
         ("car", ": Input should be 'full' or 'position'"),
     ],
