@@ -92,7 +92,7 @@ def _of_meant_branches(
 ) -> list[Mapping[str, Any]]:
     """Return the faults of the branch of each union that is the likeliest to be meant.
 
-    Of unions inside so many others. That is one whose kind of value the document has, and of these
+    Of unions inside as many others. That is one whose kind of value the document has, and of these
     the one with the fewest faults.
     """
     branches: dict[tuple[Step, ...], list[Mapping[str, Any]]] = {}
@@ -118,7 +118,7 @@ def _strangeness(fork: tuple[Step, ...], faults: Sequence[Mapping[str, Any]]) ->
 
 
 def _fork(found: Mapping[str, Any], document: Any, depth: int) -> tuple[Step, ...] | None:
-    """Return the location of a branch, inside so many others; None where there is none."""
+    """Return the location of a branch, inside that many others; None where there is none."""
     location, left = found["loc"], depth
     for i, step in enumerate(location):
         if _has(document, step):

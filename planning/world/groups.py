@@ -37,7 +37,7 @@ class RobotGroups:
         default: Name of the group that the bare robot name stands for.
         groups: By name within the robot.
         configurations: Values by configuration and group name.
-        assumed: Joints whose rate limits nobody states, so that ours are assumed.
+        assumed: Joints whose rate limits are not stated, so that ours are assumed.
         warnings: What its SRDF says that is not read.
     """
 

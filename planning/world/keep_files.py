@@ -77,7 +77,7 @@ class KeptScene:
 
 @contextmanager
 def told_as(names: Mapping[str, str]) -> Generator[None]:
-    """Have faults name folders as somebody else knows them.
+    """Have faults name folders as the caller knows them.
 
     Args:
         names: What stands for each folder; faults of files that are not in any stay as they are.

@@ -17,7 +17,7 @@ class WantedGroups:
         default: Of the group that the bare robot name stands for.
         groups: Joints and tool frames, by name; none are the group's last link.
         configurations: Values by configuration and group.
-        assumed: Joints whose rate limits nobody states.
+        assumed: Joints whose rate limits are not stated.
         warnings: What is not read.
     """
 

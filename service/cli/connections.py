@@ -1,7 +1,7 @@
 """Connections: how many there are, and how long each may take to say what it wants.
 
-Uvicorn waits for ever for the rest of a request's headers, and takes connections until the process
-has no more files: a few hundred half-sent requests then deafen it.
+Uvicorn waits without end for the rest of a request's headers, and takes connections until the
+process has no more files: a few hundred half-sent requests then deafen it.
 """
 
 import asyncio
