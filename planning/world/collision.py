@@ -23,6 +23,9 @@ from planning.world.true_lengths import TrueLengths, farther
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
+# A distance that is measured again, among others, differs by less [m].
+_SAME = 1e-9
+
 
 class DrakeCollisionOracle:
     """Says whether configurations of a group keep their distances; one context, one thread."""
@@ -136,11 +139,11 @@ class DistanceProbe:
     ) -> tuple[BodyPair, ...]:
         """Return the nearest pair within a horizon [m], and all that are as near as `least` [m].
 
-        No distance is larger than the true one. Only of these pairs it is looked for: that takes
-        longer than Drake's distances, which may be larger.
+        No distance is larger than the true one. Drake's may be, and say how far to look for true
+        ones, which take longer.
         """
         met = self.pairs_within(full, horizon)
-        reach = max(least, met[0].distance, 0.0) if met else least
+        reach = max(least, met[0].distance + _SAME, 0.0) if met else least
         return self.pairs_within(full, reach, exactly=True)
 
     def violations(self, full: Float64[np.ndarray, " num_positions"]) -> tuple[BodyPair, ...]:

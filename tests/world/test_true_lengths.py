@@ -73,3 +73,28 @@ def test_no_distance_is_larger_than_the_true_one(tmp_path: Path, held: str, stil
         for margin, keeps in ((0.9999 * low, True), (high + 1e-9, False)):
             (held_to,) = planning.check_configurations(world, "r", q[None], margin)
             assert held_to.valid == keeps
+
+
+@pytest.mark.campaign
+def test_the_nearest_is_that_of_all_true_distances(tmp_path: Path) -> None:
+    file = tmp_path / "mover.urdf"
+    file.write_text(MOVER)
+    rng = rng_of(4)
+    held = {"name": "held", "shape": SHAPES["cylinder"], "attached": {"frame": "r::a"}}
+    things = [{**held, "movable": True}]
+    for i, shape in enumerate(list(SHAPES.values()) * 2):
+        place = {"position": rng.normal(0, 3, 3).tolist()}
+        things.append({"name": f"o{i}", "shape": shape, "pose": place})
+    scene = {"robots": [{"name": "r", "model": str(file)}], "objects": things}
+    world = planning.load_world(planning.parse_scene(scene))
+    probe, group = world.distance_probe(world.margins()), world.group("r")
+    for _ in range(num_cases(12)):
+        turn = rng.normal(size=4)
+        q = np.concatenate([turn / np.linalg.norm(turn), rng.normal(0, 2, 3)])
+        full = world.embed(group, q)
+        every = probe.pairs_within(full, 100.0, exactly=True)
+        least = float(rng.uniform(0, 3))
+        found = probe.nearest_within(full, 100.0, least)
+        assert found[0].distance == pytest.approx(every[0].distance, abs=1e-9)
+        near = {pair.bodies for pair in every if pair.distance < least - 1e-9}
+        assert near <= {pair.bodies for pair in found}
