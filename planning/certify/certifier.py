@@ -25,6 +25,7 @@ from planning.domain.deadline import Deadline
 from planning.domain.options import CertifyOptions
 from planning.domain.report import CertifyReport
 from planning.world.drake_model import DrakeModel
+from planning.world.unchecked_pairs import unchecked_pairs
 
 __all__ = ["CertifyRequest", "certify", "certify_places"]
 
@@ -119,7 +120,7 @@ def _certify(
         checks += stop
     points = nearest_points(model, request, clearance.nearest)
     verdict = _verdict(request, checks, clearance, points)
-    return replace(verdict, unchecked=model.unchecked), report
+    return replace(verdict, unchecked=unchecked_pairs(model)), report
 
 
 def _malformed(form: Check) -> Certificate:

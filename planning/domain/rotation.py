@@ -87,8 +87,20 @@ def from_matrix(r: Float64[np.ndarray, "3 3"]) -> Float64[np.ndarray, "4"]:
 
 def from_rpy(rpy: Float64[np.ndarray, "3"]) -> Float64[np.ndarray, "4"]:
     """Return the unit quaternion of roll, pitch, yaw [rad] about fixed x, y, z (URDF's)."""
-    roll, pitch, yaw = np.diag(rpy)
-    return multiply(multiply(exp(yaw), exp(pitch)), exp(roll))
+    roll, pitch, yaw = (tuple(turn) for turn in exp(np.diag(rpy)).tolist())
+    return np.array(_product(_product(yaw, pitch), roll))
+
+
+def _product(a: tuple[float, ...], b: tuple[float, ...]) -> tuple[float, ...]:
+    """Return the Hamilton product of two quaternions: of plain numbers, as scenes have many."""
+    aw, ax, ay, az = a
+    bw, bx, by, bz = b
+    return (
+        aw * bw - ax * bx - ay * by - az * bz,
+        aw * bx + ax * bw + ay * bz - az * by,
+        aw * by - ax * bz + ay * bw + az * bx,
+        aw * bz + ax * by - ay * bx + az * bw,
+    )
 
 
 def rotate(a: Float64[np.ndarray, "*#n 4"], p: Float64[np.ndarray, "*#n 3"]) -> Array:

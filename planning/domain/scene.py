@@ -68,6 +68,8 @@ class SceneObject(Value):
     mass: float | None = None
     center_of_mass: Float64[np.ndarray, "3"] | None = None
 
+    _is_fed_once = True
+
 
 @dataclass(frozen=True, eq=False)
 class SceneFrame(Value):
@@ -82,6 +84,8 @@ class SceneFrame(Value):
     name: str
     parent: str
     pose: Pose
+
+    _is_fed_once = True
 
 
 @dataclass(frozen=True, eq=False)

@@ -6,12 +6,17 @@ import math
 import struct
 from collections.abc import Mapping, Sequence
 from enum import Enum
-from typing import Any, cast, override
+from functools import cache
+from typing import Any, ClassVar, cast, override
 
 import numpy as np
 
 # Numbers, truth values and text of fixed width. Long doubles have bytes that mean nothing.
 _ARRAYS = frozenset("?bBhHiIlLqQefdFDSU")
+# What is no container, and what most parts of a value are.
+_PLAIN = frozenset({str, float, int, bool, type(None)})
+# Where a value of a class that is fed once keeps its bytes.
+_FED = "_fed_bytes"
 
 
 def frozen(array: Any) -> np.ndarray[Any, np.dtype[np.float64]]:
@@ -46,7 +51,12 @@ class Value:
     Arrays are float64, copied and read-only from construction on and again after unpickling
     (numpy drops the flag on the way); int32 stays int32, for numbers of rows. Equality is equality
     of content, bit for bit.
+
+    A class of which there are thousands in another value, most of them the same as before, may set
+    `_is_fed_once`: the bytes that its values add to a digest are then worked out once.
     """
+
+    _is_fed_once: ClassVar[bool] = False
 
     def __post_init__(self) -> None:
         """Freeze every array."""
@@ -58,6 +68,10 @@ class Value:
         for name, item in list(state.items()):
             content = _kept(item) if isinstance(item, np.ndarray) else item
             object.__setattr__(self, name, content)
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Return the fields alone."""
+        return {name: item for name, item in self.__dict__.items() if name != _FED}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         """Restore from a pickle with the arrays frozen again."""
@@ -90,15 +104,18 @@ def digest(content: Any) -> str:
 
 
 def _feed(sha: Any, content: Any) -> None:
+    if type(content) in _PLAIN:
+        sha.update(_scalar(content))
+        return
     match content:
         case np.ndarray():
             _refuse_without_content(content)
             sha.update(f"array{content.dtype.str}{content.shape}".encode())
             sha.update(np.ascontiguousarray(content).tobytes())
+        case Value() if content._is_fed_once:  # noqa: SLF001  (one of this file)
+            sha.update(_fed_once(content))
         case Value():
-            names = [field.name for field in dataclasses.fields(cast("Any", content))]
-            kind = f"value {type(content).__qualname__}"
-            _feed_all(sha, kind, [part for n in names for part in (n, getattr(content, n))])
+            _feed_value(sha, content)
         case Mapping():
             items = [part for key in sorted(content) for part in (key, content[key])]
             _feed_all(sha, "map", items)
@@ -115,6 +132,41 @@ def _refuse_without_content(array: Any) -> None:
         raise TypeError(message)
 
 
+def _feed_value(sha: Any, content: Any) -> None:
+    """Feed what a list of all fields' names and contents would."""
+    kind, fields = _outline(type(content))
+    sha.update(kind)
+    for name, said in fields:
+        sha.update(said)
+        _feed(sha, getattr(content, name))
+
+
+@cache
+def _outline(kind: type[Any]) -> tuple[bytes, tuple[tuple[str, bytes], ...]]:
+    """Return what begins the bytes of a class, and its fields' names with their own bytes."""
+    names = [field.name for field in dataclasses.fields(kind)]
+    begin = f"value {kind.__qualname__}({2 * len(names)})".encode()
+    return begin, tuple((name, _scalar(name)) for name in names)
+
+
+class _Bytes:
+    """Takes what a hash takes, and keeps it."""
+
+    def __init__(self) -> None:
+        self.parts: list[bytes] = []
+        self.update = self.parts.append
+
+
+def _fed_once(content: Any) -> bytes:
+    """Return what a value adds to a digest, from the value itself the second time."""
+    known = content.__dict__.get(_FED)
+    if known is None:
+        taken = _Bytes()
+        _feed_value(taken, content)
+        known = content.__dict__[_FED] = b"".join(taken.parts)
+    return known
+
+
 def _feed_all(sha: Any, kind: str, items: Sequence[Any]) -> None:
     sha.update(f"{kind}({len(items)})".encode())
     for item in items:
@@ -122,6 +174,8 @@ def _feed_all(sha: Any, kind: str, items: Sequence[Any]) -> None:
 
 
 def _scalar(content: Any) -> bytes:
+    if type(content) is float:
+        return b"number" + struct.pack("<d", content)
     match content:
         case Enum():
             return _scalar(content.value)

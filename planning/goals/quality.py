@@ -55,7 +55,7 @@ class QualityProbe:
 
     def _nearest(self, full: Array) -> BodyPair | None:
         for horizon in _HORIZONS:
-            pairs = self._distances.pairs_within(full, horizon)
+            pairs = self._distances.with_nearest(full, 0.0, horizon)
             if pairs:
                 return pairs[0]
         return None

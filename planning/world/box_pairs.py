@@ -6,10 +6,11 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 from jaxtyping import Float64, Int
-from pydrake.geometry import Box, GeometryId
+from pydrake.geometry import Box, GeometryId, Role
 from pydrake.planning import RobotDiagram
 
 from planning.kernel.box_distance import box_distances
+from planning.world.candidates import candidates_of
 from planning.world.drake_model import DrakeModel
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
@@ -77,10 +78,10 @@ def box_pairs_of(model: DrakeModel) -> BoxPairs:
 
 def _pairs(model: DrakeModel) -> BoxPairs:
     inspector: Any = model.scene_graph.model_inspector()
+    every = inspector.GetAllGeometryIds(Role.kProximity)
+    known = {i for i in every if isinstance(inspector.GetShape(i), Box)}
     pairs: list[tuple[GeometryId, GeometryId]] = [
-        pair
-        for pair in sorted(inspector.GetCollisionCandidates())
-        if all(isinstance(inspector.GetShape(i), Box) for i in pair)
+        (a, b) for a, b in candidates_of(model).pairs_of_drake if a in known and b in known
     ]
     boxes = sorted({i for pair in pairs for i in pair})
     place = {i: k for k, i in enumerate(boxes)}

@@ -72,7 +72,7 @@ def check_configurations(
     for i, row in enumerate(configurations):
         q = require_positions(joints, row, f"configurations.{i}")
         full = world.embed(joints, q)
-        pairs = probe.pairs_within(full, _HORIZON)
+        pairs = probe.with_nearest(full, margins.largest, _HORIZON)
         near = tuple(pair for pair in pairs if pair.distance < margins.of(*pair.bodies))
         outside = _outside(joints.position_names, q, limits.lower, limits.upper)
         nearest = pairs[0] if pairs else None

@@ -1,6 +1,6 @@
 """What robots hold: objects that follow a frame of a robot instead of standing in the world."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable
 from typing import Any
 
 from pydrake.multibody.plant import MultibodyPlant
@@ -11,12 +11,12 @@ from planning.domain.scene_tree import hold_of, parents
 from planning.errors import SceneInvalid, UnknownName
 
 
-def require_owners(scene: Scene, frames: Mapping[str, Frame]) -> dict[str, str]:
+def require_owners(scene: Scene, frames: Collection[str]) -> dict[str, str]:
     """Return the robot that holds each attached object.
 
     Args:
         scene: With or without attached objects.
-        frames: Everything that an object may be attached to, by full name.
+        frames: Full names of everything that an object may be attached to.
 
     Raises:
         SceneInvalid: The frame does not exist, or is no robot's; evidence has the `path`.

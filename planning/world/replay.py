@@ -5,6 +5,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float64
 from pydrake.geometry import (
+    CalcObb,
     Cylinder,
     GeometryId,
     HalfSpace,
@@ -20,6 +21,7 @@ from pydrake.multibody.tree import Frame
 from planning.domain.curve import TimedTrajectory
 from planning.domain.joints import JointGroup, JointType
 from planning.world.camera import SolidBox, place_camera
+from planning.world.builder import DEFAULT_COLOR
 from planning.world.half_space_plate import plate_under
 from planning.world.world import World
 
@@ -32,6 +34,8 @@ _AXIS_LENGTH, _AXIS_RADIUS = 0.06, 0.0025
 # Twice the number of frames gives a smoother line than the animation needs.
 _TRACE_POINTS_PER_FRAME = 2
 _FOREVER = 1_000_000
+# Of thousands of objects so many count as being in the camera's way.
+_MOST_IN_THE_WAY = 200
 # Of longer motions there are fewer frames a second, so that a browser can open the page.
 MOST_FRAMES = 10_000
 
@@ -81,6 +85,7 @@ class _Replay:
         drawn = {**self._draw_bodies(), **self._draw_frames()}
         for path, frame in drawn.items():
             self._meshcat.SetTransform(path, frame.CalcPoseInWorld(self._context))
+        self._draw_standing()
         self._draw_half_spaces(self._aim_camera(group, states))
         self._draw_trace(group, self._states(group, trajectory, rate * _TRACE_POINTS_PER_FRAME))
         self._meshcat.SetAnimation(self._animation(drawn, states, rate))
@@ -129,6 +134,17 @@ class _Replay:
         self._meshcat.SetObject(path, shape, color)
         self._meshcat.SetTransform(path, self._inspector.GetPoseInFrame(geometry))
 
+    def _draw_standing(self) -> None:
+        """Draw what stands outside of Drake's model."""
+        standing = self._world.drake.standing
+        for thing, shape, pose in zip(
+            standing.things, standing.drake_shapes, standing.poses, strict=True
+        ):
+            path = f"/bodies/{thing.name}"
+            color = DEFAULT_COLOR if thing.color is None else thing.color
+            self._meshcat.SetObject(f"{path}/0", shape, Rgba(*color))
+            self._meshcat.SetTransform(path, pose)
+
     def _draw_half_spaces(self, points: Array) -> None:
         """Draw every half space as a plate under some points in world, shape (n, 3)."""
         for path, geometry, color in self._flat:
@@ -150,7 +166,11 @@ class _Replay:
         drawn: dict[str, Frame] = {}
         for named in self._world.scene.frames:
             path = f"/frames/{named.name}"
-            drawn[path] = self._world.drake.frames[named.name]
+            standing = self._world.drake.standing.frames.get(named.name)
+            if standing is None:
+                drawn[path] = self._world.drake.frames[named.name]
+            else:
+                self._meshcat.SetTransform(path, standing)
             for i, turn in enumerate(turns):
                 center = _AXIS_LENGTH / 2 * np.eye(3)[i]
                 self._meshcat.SetObject(f"{path}/{i}", bar, _AXIS_COLORS[i])
@@ -206,6 +226,18 @@ class _Replay:
                 if box is not None:
                     x_wb = x_wf @ self._inspector.GetPoseInFrame(geometry) @ box.pose()
                     boxes.append(SolidBox(x_wb.GetAsMatrix4(), np.array(box.half_width())))
+        return boxes if moving else boxes + self._largest_standing()
+
+    def _largest_standing(self) -> list[SolidBox]:
+        """Return boxes around what stands outside of Drake's model: of the largest objects."""
+        standing = self._world.drake.standing
+        radii = standing.balls[1]
+        boxes: list[SolidBox] = []
+        for row in np.argsort(-radii, kind="stable")[:_MOST_IN_THE_WAY].tolist():
+            box = CalcObb(standing.drake_shapes[row])
+            if box is not None:
+                x_wb = standing.poses[row] @ box.pose()
+                boxes.append(SolidBox(x_wb.GetAsMatrix4(), np.array(box.half_width())))
         return boxes
 
 
