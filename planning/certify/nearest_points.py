@@ -74,7 +74,9 @@ def _placed(shapes: CollisionShapes, near: NearStanding, geometry: GeometryId) -
     return shapes.rows[own], pose.rotation().matrix(), pose.translation()
 
 
-def _above(model: DrakeModel, near: NearStanding, ids: tuple[GeometryId, ...], flat: list[bool]) -> Array:
+def _above(
+    model: DrakeModel, near: NearStanding, ids: tuple[GeometryId, ...], flat: list[bool]
+) -> Array:
     """Return the lowest point of a shape over a half space, which Drake does not find, and below.
 
     Two half spaces have no nearest points.

@@ -87,7 +87,12 @@ def from_matrix(r: Float64[np.ndarray, "3 3"]) -> Float64[np.ndarray, "4"]:
 
 def from_rpy(rpy: Float64[np.ndarray, "3"]) -> Float64[np.ndarray, "4"]:
     """Return the unit quaternion of roll, pitch, yaw [rad] about fixed x, y, z (URDF's)."""
-    roll, pitch, yaw = (tuple(turn) for turn in exp(np.diag(rpy)).tolist())
+    # What `exp` gives of turns about one axis each, without its stacks: scenes have thousands.
+    half_sinc = 0.5 * np.sinc(np.abs(rpy) / (2 * np.pi))
+    nil = (half_sinc * 0.0).tolist()
+    w, s = np.cos(np.abs(rpy) / 2).tolist(), (half_sinc * rpy).tolist()
+    roll, pitch = (w[0], s[0], nil[0], nil[0]), (w[1], nil[1], s[1], nil[1])
+    yaw = (w[2], nil[2], nil[2], s[2])
     return np.array(_product(_product(yaw, pitch), roll))
 
 

@@ -7,14 +7,15 @@ import struct
 from collections.abc import Mapping, Sequence
 from enum import Enum
 from functools import cache
-from typing import Any, ClassVar, cast, override
+from typing import Any, ClassVar, override
 
 import numpy as np
 
 # Numbers, truth values and text of fixed width. Long doubles have bytes that mean nothing.
+_ROWS = np.dtype(np.int32)
 _ARRAYS = frozenset("?bBhHiIlLqQefdFDSU")
 # What is no container, and what most parts of a value are.
-_PLAIN = frozenset({str, float, int, bool, type(None)})
+_PLAIN = frozenset({str, int, bool, type(None)})
 # Where a value of a class that is fed once keeps its bytes.
 _FED = "_fed_bytes"
 
@@ -23,7 +24,7 @@ def frozen(array: Any) -> np.ndarray[Any, np.dtype[np.float64]]:
     """Return a read-only float64 copy, or the array itself if it is one already."""
     if (
         isinstance(array, np.ndarray)
-        and array.dtype == np.float64
+        and array.dtype.char == "d"
         and not array.flags.writeable
         and array.flags.c_contiguous
         and array.base is None
@@ -42,7 +43,7 @@ def _frozen_rows(rows: Any) -> Any:
 
 
 def _kept(array: Any) -> Any:
-    return _frozen_rows(array) if array.dtype == np.int32 else frozen(array)
+    return _frozen_rows(array) if array.dtype == _ROWS else frozen(array)
 
 
 class Value:
@@ -104,6 +105,9 @@ def digest(content: Any) -> str:
 
 
 def _feed(sha: Any, content: Any) -> None:
+    if type(content) is float:
+        sha.update(b"number" + struct.pack("<d", content))
+        return
     if type(content) in _PLAIN:
         sha.update(_scalar(content))
         return
@@ -174,8 +178,6 @@ def _feed_all(sha: Any, kind: str, items: Sequence[Any]) -> None:
 
 
 def _scalar(content: Any) -> bytes:
-    if type(content) is float:
-        return b"number" + struct.pack("<d", content)
     match content:
         case Enum():
             return _scalar(content.value)

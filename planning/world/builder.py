@@ -112,7 +112,9 @@ def build_diagram(
 
 def _add_robot(build: Build, robot: SceneRobot, kept: KeptScene) -> None:
     source = kept.source(robot.name)
-    file = inspect_model(source.file)
+    # Copies of files never change: robots of one model are looked at once.
+    file = build.files.get(source.file) or inspect_model(source.file)
+    build.files[source.file] = file
     parser = build.builder.parser()
     parser.SetAutoRenaming(value=True)
     packages = parser.package_map()
@@ -213,9 +215,7 @@ def _add_object(build: Build, thing: SceneObject, path: str) -> None:
     build.frames[thing.name] = body.body_frame()
 
 
-def _attach(
-    build: Build, scene: Scene, standing: Mapping[str, RigidTransform]
-) -> dict[str, str]:
+def _attach(build: Build, scene: Scene, standing: Mapping[str, RigidTransform]) -> dict[str, str]:
     """Weld every attached object to its frame and return the robots that hold them."""
     owners = require_owners(scene, {*build.frames, *standing})
     for thing in scene.objects:

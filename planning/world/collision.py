@@ -13,11 +13,16 @@ from planning.domain import motion_samples
 from planning.domain.body_pair import BodyPair
 from planning.domain.joints import JointGroup
 from planning.domain.manifold import Manifold
+from planning.world.candidates import candidates_of
 from planning.world.drake_model import DrakeModel
 from planning.world.half_spaces import leave_out_half_spaces
 from planning.world.margins import PairMargins
 from planning.world.measured_pairs import MeasuredMargins, measured_pairs_of
 from planning.world.near_standing import NearStanding
+
+# Of more pairs than these the nearest one is looked for nearby first [m]: looking far takes longer.
+_MANY = 10_000
+_HORIZONS = (0.01, 0.1, 0.5)
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
@@ -132,11 +137,19 @@ class DistanceProbe:
 
         There may be others; none is farther apart than `horizon` [m].
         """
-        if not len(self._model.standing):
-            return self.pairs_within(full, horizon)
+        found: tuple[BodyPair, ...] = ()
+        for reach in self._reaches(full, distance, horizon):
+            found = self.pairs_within(full, reach)
+            if found:
+                break
+        return found
+
+    def _reaches(self, full: Array, distance: float, horizon: float) -> Iterator[float]:
+        """Yield how far to look [m], from near to far where there are many pairs."""
+        if len(candidates_of(self._model).rows) > _MANY:
+            yield from (max(distance, reach) for reach in _HORIZONS if reach < horizon)
         self._near.go_to(full)
-        enough = max(distance, self._near.surely_within())
-        return self.pairs_within(full, min(enough, horizon))
+        yield min(max(distance, self._near.surely_within()), horizon)
 
     def violations(self, full: Float64[np.ndarray, " num_positions"]) -> tuple[BodyPair, ...]:
         """Return every pair of bodies that is nearer than its margin, nearest first."""

@@ -7,7 +7,7 @@ from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import BodyIndex, Frame
 
 from planning.domain.scene import Scene
-from planning.domain.scene_tree import hold_of, parents
+from planning.domain.scene_tree import holder_of, parents
 from planning.errors import SceneInvalid, UnknownName
 
 
@@ -30,7 +30,7 @@ def require_owners(scene: Scene, frames: Collection[str]) -> dict[str, str]:
         if frame not in frames:
             fault = UnknownName.among("frame", frame, frames)
             raise SceneInvalid(f"{path}: {fault.detail}", {"path": path, **fault.evidence})
-        robot = hold_of(frame, above).robot
+        robot = holder_of(frame, above)
         if robot is None:
             message = f"{path}: {frame!r} is no frame of a robot, so nothing can be attached to it"
             raise SceneInvalid(message, {"path": path, "frame": frame})

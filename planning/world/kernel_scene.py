@@ -14,7 +14,7 @@ from pydrake.math import RigidTransform
 from planning.kernel.covering import Covering, cached_covering
 from planning.kernel.native import native
 from planning.kernel.shape import ConvexShape, ShapeKind
-from planning.world.candidates import candidates_of
+from planning.world.candidates import Candidates, candidates_of
 from planning.world.convex_shapes import convex_shape
 from planning.world.drake_model import DrakeModel
 from planning.world.kernel_tree import add_tree, flat_transform
@@ -34,17 +34,35 @@ class KernelScene:
 
     Attributes:
         native: The kernel's Scene.
-        pairs: Both geometries of every pair that may collide, in the kernel's order.
-        bodies: Full names of their bodies.
+        candidates: All pairs that may collide, in the kernel's order.
         is_of_one_robot: Whether both belong to one robot, shape (num_pairs,).
         links: For every body's index, its link and X_LB.
     """
 
     native: Any
-    pairs: tuple[tuple[GeometryId, GeometryId], ...]
-    bodies: tuple[tuple[str, str], ...]
+    candidates: Candidates
     is_of_one_robot: Bool[np.ndarray, " num_pairs"]
     links: dict[int, tuple[int, RigidTransform]]
+
+    @property
+    def pairs(self) -> tuple[tuple[GeometryId, GeometryId], ...]:
+        """Both geometries of every pair, in the kernel's order."""
+        return self.candidates.pairs
+
+    @property
+    def bodies(self) -> tuple[tuple[str, str], ...]:
+        """Full names of their bodies."""
+        return self.candidates.pair_names
+
+    def pair(self, row: int) -> tuple[GeometryId, GeometryId]:
+        """Return both geometries of one pair."""
+        a, b = self.candidates.rows[row]
+        return self.candidates.ids[a], self.candidates.ids[b]
+
+    def names(self, row: int) -> tuple[str, str]:
+        """Return the full names of their bodies."""
+        a, b = self.candidates.rows[row]
+        return self.candidates.names[a], self.candidates.names[b]
 
     def demands(self, margins: PairMargins) -> Float64[np.ndarray, " num_pairs"]:
         """Return the margin of every pair [m]; as `PairMargins.of`, but of all pairs at once."""
@@ -118,8 +136,7 @@ def kernel_scene(model: DrakeModel) -> KernelScene | None:
     a, b = owners[candidates.rows].T
     return KernelScene(
         native=scene,
-        pairs=candidates.pairs,
-        bodies=candidates.pair_names,
+        candidates=candidates,
         is_of_one_robot=(a == b) & (a >= 0),
         links=tree.bodies,
     )

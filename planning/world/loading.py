@@ -16,7 +16,7 @@ from planning.world.standing_build import MOST_IN_MODEL, standing_names
 from planning.world.world import World
 
 # Groups whose judges are made at once; those of others when they are first asked for.
-_MOST_READY = 8
+_MOST_READY = 4
 # What Drake alone bears: its tables have a row for every pair of shapes, and so has each context.
 MOST_FOR_DRAKE = 1_000
 
@@ -55,10 +55,11 @@ def load_world(
     kept = keep_files(scene, chosen)
     with kept.faults_as_found():
         names = standing_names(kept.scene, most_in_model) if kernel else frozenset[str]()
-        found = reused(kept, names, like, kernel=kernel) or _built(kept, names, kernel=kernel)
-        world = World(kept.scene, chosen, *found)
+        shared = reused(kept, names, like, kernel=kernel)
+        world = World(kept.scene, chosen, *(shared or _built(kept, names, kernel=kernel)))
         _require_bodies(kept.scene, world.drake)
-        _make_ready(world)
+        if shared is None:
+            _make_ready(world)
         return world
 
 

@@ -64,7 +64,7 @@ class NearStanding:
             self.show(rows.tolist())
             yield rows.tolist(), True
             return
-        for i, some in enumerate(batched(rows.tolist(), MOST_SHOWN, strict=False)):
+        for i, some in enumerate(batched(rows.tolist(), MOST_SHOWN)):
             self.show(some)
             yield list(some), i == 0
 
@@ -170,7 +170,7 @@ class NearStanding:
         return np.flatnonzero(self._gaps()[0].min(axis=0) <= reach)
 
     def _gaps(self) -> tuple[Array, Array]:
-        """Return distances of balls, shapes that move by objects, and twice the sum of radii [m]."""
+        """Return gaps of balls, shapes that move by objects, and twice the sums of radii [m]."""
         query = self.query
         own_centers, own_radii = self._balls
         poses = np.array([query.GetPoseInWorld(i).GetAsMatrix4() for i in self._moving])

@@ -20,8 +20,8 @@ from pydrake.multibody.tree import Frame
 
 from planning.domain.curve import TimedTrajectory
 from planning.domain.joints import JointGroup, JointType
-from planning.world.camera import SolidBox, place_camera
 from planning.world.builder import DEFAULT_COLOR
+from planning.world.camera import SolidBox, place_camera
 from planning.world.half_space_plate import plate_under
 from planning.world.world import World
 

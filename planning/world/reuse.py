@@ -7,7 +7,6 @@ ours, and where robots stand is a state: neither is in the model.
 from collections.abc import Sequence
 from dataclasses import replace
 
-
 from planning.domain.scene import Scene, SceneFrame, SceneObject
 from planning.domain.value import digest
 from planning.world.candidates import share_candidates
@@ -15,7 +14,6 @@ from planning.world.drake_model import DrakeModel
 from planning.world.keep_files import KeptScene
 from planning.world.kernel_scene import share_kernel_scene
 from planning.world.scene_build import LoadedRobot
-
 from planning.world.standing_build import standing_frames, transforms
 from planning.world.unchecked_pairs import share_unchecked
 from planning.world.world import World

@@ -1,6 +1,7 @@
 """Build: a scene in Drake while it grows."""
 
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any
 
 from pydrake.multibody.plant import MultibodyPlant
@@ -27,9 +28,10 @@ class LoadedRobot:
 class Build:
     """What grows while the scene is built.
 
-    `standing` has the names of what stands outside of the plant, `placed` those of which the turn
-    has come; `unchecked` has the reason and the evidence of every pair of bodies, by both full names, that
-    collision checks leave out; `warnings` are those of the scene's summary.
+    `files` has what was read of each description; `standing` the names of what stands outside of
+    the plant, `placed` those of which the turn has come; `unchecked` the reason and the evidence of
+    every pair of bodies, by both full names, that collision checks leave out; `warnings` are those
+    of the scene's summary.
     """
 
     builder: Any
@@ -37,6 +39,7 @@ class Build:
     standing: frozenset[str] = frozenset()
     placed: set[str] = field(default_factory=set)
     robots: list[LoadedRobot] = field(default_factory=list)
+    files: dict[Path, ModelFile] = field(default_factory=dict)
     bodies: dict[str, BodyIndex] = field(default_factory=dict)
     frames: dict[str, Frame] = field(default_factory=dict)
     unchecked: dict[frozenset[str], tuple[UncheckedReason, str]] = field(default_factory=dict)

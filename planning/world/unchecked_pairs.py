@@ -49,7 +49,7 @@ def _of_plant(model: DrakeModel) -> list[UncheckedPair]:
             is_fixed = clusters[a] == world and clusters[b] == world
             if is_fixed and not any("::" in name for name in both):
                 continue
-            known = _of_welds(clusters[a] == clusters[b], is_fixed)
+            known = _of_welds(is_welded=clusters[a] == clusters[b], is_fixed=is_fixed)
         found.append(UncheckedPair((both[0], both[1]), *known))
     return found
 
@@ -68,7 +68,7 @@ def _of_standing(model: DrakeModel) -> list[UncheckedPair]:
     fixed = {int(body.index()) for body in plant.GetBodiesWeldedTo(plant.world_body())}
     names = [model.body_names[BodyIndex(body)] for body in _shaped(model) & fixed]
     for name in (name for name in names if "::" in name):
-        known = _of_welds(True, True)
+        known = _of_welds(is_welded=True, is_fixed=True)
         found += [
             UncheckedPair((min(name, other), max(name, other)), *known)
             for other in standing.rows
@@ -83,7 +83,7 @@ def _shaped(model: DrakeModel) -> set[int]:
     return {int(body) for body in candidates.bodies[: candidates.num_of_drake]}
 
 
-def _of_welds(is_welded: bool, is_fixed: bool) -> tuple[UncheckedReason, str]:  # noqa: FBT001
+def _of_welds(*, is_welded: bool, is_fixed: bool) -> tuple[UncheckedReason, str]:
     if is_fixed:
         return "welded_to_world", "both stand in the world"
     if is_welded:
