@@ -1,7 +1,10 @@
 """scene_document(): a scene as the document that describes it."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
 from typing import Any
+
+from pydantic import ValidationError
 
 from planning.domain.pose import Pose
 from planning.domain.scene import Scene, SceneFrame, SceneObject, SceneRobot
@@ -16,7 +19,8 @@ from planning.domain.shapes import (
     Shape,
     Sphere,
 )
-from planning.world.scene_document import SceneDocument
+from planning.errors import SceneInvalid
+from planning.world.scene_document import ObjectDocument, SceneDocument
 from planning.world.scene_file import parse_scene
 
 
@@ -34,7 +38,17 @@ def scene_document(scene: Scene, like: SceneDocument | None = None) -> SceneDocu
     Raises:
         SceneInvalid: The scene has what no document may have, such as too many objects.
     """
-    written: dict[str, Any] = {
+    written = _written(scene)
+    if like is not None:
+        written["robots"] = _kept(written["robots"], scene.robots, like.robots)
+        written["objects"] = _kept(written["objects"], scene.objects, like.objects)
+        written["frames"] = _kept(written["frames"], scene.frames, like.frames)
+    parse_scene(written)
+    return SceneDocument.model_validate(written)
+
+
+def _written(scene: Scene) -> dict[str, Any]:
+    return {
         "name": scene.name,
         "robots": [_robot(robot) for robot in scene.robots],
         "objects": [_object(thing) for thing in scene.objects],
@@ -49,12 +63,63 @@ def scene_document(scene: Scene, like: SceneDocument | None = None) -> SceneDocu
             {"bodies": list(entry.bodies), "margin": entry.margin} for entry in scene.margins
         ],
     }
-    if like is not None:
-        written["robots"] = _kept(written["robots"], scene.robots, like.robots)
-        written["objects"] = _kept(written["objects"], scene.objects, like.objects)
-        written["frames"] = _kept(written["frames"], scene.frames, like.frames)
-    parse_scene(written)
-    return SceneDocument.model_validate(written)
+
+
+def revised_document(
+    edited: Scene, before: Scene, posted: SceneDocument
+) -> tuple[SceneDocument, Scene]:
+    """Return the document of a scene that was edited, and the scene that it describes.
+
+    Only what was edited is written and read again: of ten thousand objects most are as before.
+
+    Args:
+        edited: What `edit_scene` has made of `before`.
+        before: The scene that `posted` describes.
+        posted: Its document.
+
+    Raises:
+        SceneInvalid: The scene has what no document may have, such as too many objects.
+    """
+    things = _entries(edited.objects, before.objects, posted.objects)
+    written = _written(replace(edited, objects=()))
+    written["robots"] = _kept(written["robots"], edited.robots, posted.robots)
+    written["frames"] = _kept(written["frames"], edited.frames, posted.frames)
+    try:
+        document = SceneDocument.model_validate({**written, "objects": [d for d, _ in things]})
+    except ValidationError:
+        parse_scene({**written, "objects": [d.model_dump() for d, _ in things]})  # says what
+        raise
+    rest = document.model_copy(update={"objects": []}).value()
+    scene = replace(rest, objects=tuple(value for _, value in things), files=edited.files)
+    return document, scene
+
+
+def _entries(
+    values: Sequence[SceneObject],
+    before: Sequence[SceneObject],
+    documents: Sequence[ObjectDocument],
+) -> list[tuple[ObjectDocument, SceneObject]]:
+    """Return the documents of objects, with the objects that they describe."""
+    earlier = {
+        value.name: (value, document) for value, document in zip(before, documents, strict=True)
+    }
+    found: list[tuple[ObjectDocument, SceneObject]] = []
+    for value in values:
+        known = earlier.get(value.name)
+        if known is not None and (known[0] is value or known[0] == value):
+            found.append((known[1], known[0]))
+        else:
+            document = _object_document(value)
+            found.append((document, document.value()))
+    return found
+
+
+def _object_document(thing: SceneObject) -> ObjectDocument:
+    try:
+        return ObjectDocument.model_validate(_object(thing))
+    except ValidationError as fault:
+        message = f"object {thing.name!r} cannot be written: {fault.errors()[0]['msg']}"
+        raise SceneInvalid(message, {"path": f"objects.{thing.name}"}) from fault
 
 
 def _kept(written: list[Any], values: Iterable[Any], documents: Iterable[Any]) -> list[Any]:

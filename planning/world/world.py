@@ -82,6 +82,10 @@ class World:
         """sha256 of the scene's content."""
         return self.scene.digest
 
+    def shares_engine_with(self, other: "World") -> bool:
+        """Return whether both were made of one model of Drake's, and so belong to one thread."""
+        return self.drake.diagram is other.drake.diagram
+
     @cached_property
     def _near(self) -> NearStanding:
         """A context for distances, made when it is first needed."""

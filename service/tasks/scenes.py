@@ -8,8 +8,7 @@ from planning import (
     World,
     edit_scene,
     load_world,
-    parse_scene,
-    scene_document,
+    revised_document,
     with_line,
 )
 from planning.errors import SceneInvalid
@@ -19,7 +18,7 @@ from service.schemas.scene_edit import SceneEdit
 from service.tasks.channel import Channel
 from service.tasks.decode import decode_scene
 from service.tasks.scene_files import files_wire, read_posted
-from service.tasks.worlds import keep, library_of
+from service.tasks.worlds import keep, library_of, load_like, take_world
 
 
 def load_scene(payload: dict[str, Any], _: Channel) -> dict[str, Any]:
@@ -51,10 +50,14 @@ def revise_scene(payload: dict[str, Any], _: Channel) -> dict[str, Any]:
     library = library_of(payload["library"])
     posted, files = read_posted(payload)
     operations = [operation_value(wire) for wire in request.operations]
-    edited = edit_scene(replace(posted.value(), files=files), operations, library)
-    document = scene_document(edited, like=posted).model_dump(mode="json", exclude_none=True)
-    scene = replace(parse_scene(document), files=edited.files)
-    return _loaded(load_world(scene, library), library, document)
+    world = take_world(payload)
+    before = replace(posted.value(), files=files) if world is None else world.scene
+    if world is not None:
+        keep(world, library)
+    edited = edit_scene(before, operations, library)
+    document, scene = revised_document(edited, before, posted)
+    plain = document.model_dump(mode="json", exclude_none=True)
+    return _loaded(load_like(scene, library), library, plain)
 
 
 def _loaded(world: World, library: ModelLibrary, document: dict[str, Any]) -> dict[str, Any]:
