@@ -1,6 +1,6 @@
 """KernelScene: a loaded world in the native kernel."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
@@ -66,10 +66,33 @@ class KernelScene:
 
     def demands(self, margins: PairMargins) -> Float64[np.ndarray, " num_pairs"]:
         """Return the margin of every pair [m]; as `PairMargins.of`, but of all pairs at once."""
-        demanded = np.where(self.is_of_one_robot, 0.0, margins.default)
-        for names, margin in margins.by_pair.items():
-            demanded[self._rows.get(names, [])] = margin
-        return demanded
+        return self.by_pair(margins.of, margins.by_pair)
+
+    def by_pair(
+        self, value: Callable[[str, str], float], exceptions: Collection[tuple[str, str]]
+    ) -> Float64[np.ndarray, " num_pairs"]:
+        """Return a number for every pair of bodies, by their full names.
+
+        Args:
+            value: The number; the same for all pairs of one robot, and the same for all others.
+            exceptions: Pairs, by names in sorted order, of which it may be another.
+        """
+        names = set(exceptions)
+        found = np.full(len(self.is_of_one_robot), np.nan)
+        for kind in (self.is_of_one_robot, ~self.is_of_one_robot):
+            some = next(
+                (
+                    pair
+                    for pair in map(self.names, np.flatnonzero(kind).tolist())
+                    if (min(pair), max(pair)) not in names
+                ),
+                None,
+            )
+            if some is not None:
+                found[kind] = value(*some)
+        for pair in names:
+            found[self._rows.get(pair, [])] = value(*pair)
+        return found
 
     @cached_property
     def _rows(self) -> dict[tuple[str, str], list[int]]:
