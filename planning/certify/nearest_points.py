@@ -39,13 +39,13 @@ def nearest_points(
         request: Has the group, its motion, and where all else is.
         spot: Which shapes and when, and what the proof measured then; no points if there are none.
     """
-    shapes = spot.shapes
-    if not shapes:
+    if not spot.shapes:
         return np.zeros((0, 3))
     near = _near(model, request, spot.time)
-    near.show_ids([shapes])
+    pair = spot.shapes[0], spot.shapes[1]
+    near.show_ids([pair])
     query, inspector = near.query, near.query.inspector()
-    a, b = shapes = near.drake_ids(shapes)
+    a, b = shapes = near.drake_ids(pair)
     flat = [isinstance(inspector.GetShape(i), HalfSpace) for i in shapes]
     if any(flat):
         return _above(model, near, shapes, flat)

@@ -68,7 +68,7 @@ class SceneObject(Value):
     mass: float | None = None
     center_of_mass: Float64[np.ndarray, "3"] | None = None
 
-    _is_fed_once = True
+    is_fed_once = True
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,7 +85,7 @@ class SceneFrame(Value):
     parent: str
     pose: Pose
 
-    _is_fed_once = True
+    is_fed_once = True
 
 
 @dataclass(frozen=True, eq=False)

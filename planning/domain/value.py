@@ -54,10 +54,10 @@ class Value:
     of content, bit for bit.
 
     A class of which there are thousands in another value, most of them the same as before, may set
-    `_is_fed_once`: the bytes that its values add to a digest are then worked out once.
+    `is_fed_once`: the bytes that its values add to a digest are then worked out once.
     """
 
-    _is_fed_once: ClassVar[bool] = False
+    is_fed_once: ClassVar[bool] = False
 
     def __post_init__(self) -> None:
         """Freeze every array."""
@@ -70,6 +70,7 @@ class Value:
             content = _kept(item) if isinstance(item, np.ndarray) else item
             object.__setattr__(self, name, content)
 
+    @override
     def __getstate__(self) -> dict[str, Any]:
         """Return the fields alone."""
         return {name: item for name, item in self.__dict__.items() if name != _FED}
@@ -116,7 +117,7 @@ def _feed(sha: Any, content: Any) -> None:
             _refuse_without_content(content)
             sha.update(f"array{content.dtype.str}{content.shape}".encode())
             sha.update(np.ascontiguousarray(content).tobytes())
-        case Value() if content._is_fed_once:  # noqa: SLF001  (one of this file)
+        case Value() if content.is_fed_once:
             sha.update(_fed_once(content))
         case Value():
             _feed_value(sha, content)

@@ -76,7 +76,8 @@ class NearStanding:
             self._enter(measuring_context(self._model))
             self.go_to(full)
             new = list(rows)
-        graph, source = self._model.scene_graph, self._model.plant.get_source_id()
+        graph: Any = self._model.scene_graph
+        source = self._model.plant.get_source_id()
         context: Any = self._query_context
         for row in new:
             instance = self._model.standing.instance(row)

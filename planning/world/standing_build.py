@@ -21,16 +21,20 @@ from planning.world.standing import StandingObjects
 # So many objects that stand in the world Drake's model bears well: it is loaded in a tenth of a
 # second, as most scenes are.
 MOST_IN_MODEL = 48
+_FEW_ROBOTS, _FEW_FRAMES = 4, 500
 
 
 def standing_names(scene: Scene, most: int = MOST_IN_MODEL) -> frozenset[str]:
     """Return the names of the objects that Drake's model does without.
 
-    They are all that stand in the world, if they are more than `most`. Half spaces, which have no
-    end, are always Drake's: there are few.
+    They are all that stand in the world, if they are more than `most`, or if there are many robots
+    or frames: then the model is dear, and an object that is moved must not cost another one. Half
+    spaces, which have no end, are always Drake's: there are few.
     """
     standing = [thing.name for thing in scene.objects if is_apart(thing)]
-    return frozenset(standing) if len(standing) > most else frozenset()
+    is_dear = len(scene.robots) > _FEW_ROBOTS or len(scene.frames) > _FEW_FRAMES
+    is_many = len(standing) > most or is_dear
+    return frozenset(standing) if is_many else frozenset()
 
 
 def is_apart(thing: SceneObject) -> bool:

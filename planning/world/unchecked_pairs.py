@@ -28,8 +28,9 @@ def unchecked_pairs(model: DrakeModel) -> tuple[UncheckedPair, ...]:
 
 
 def share_unchecked(before: DrakeModel, after: DrakeModel) -> None:
-    """Let a model have the pairs of another one, whose objects stood elsewhere."""
-    _found[after.standing] = unchecked_pairs(before)
+    """Let a model have the pairs of another one, with objects elsewhere, if they are known."""
+    if before.standing in _found:
+        _found[after.standing] = _found[before.standing]
 
 
 def _of_plant(model: DrakeModel) -> list[UncheckedPair]:
