@@ -99,7 +99,7 @@ if TYPE_CHECKING:
     from planning.world.scene_document import SceneDocument
     from planning.world.scene_edit import edit_scene
     from planning.world.scene_file import parse_scene, read_scene, with_line
-    from planning.world.scene_writer import revised_document, scene_document
+    from planning.world.scene_writer import scene_document
     from planning.world.simulation import Simulation
     from planning.world.world import World
 
@@ -197,7 +197,6 @@ _DOORS = {
     "sample_motion": "planning.sampled_motion",
     "sample_plan": "planning.sampled_motion",
     "reverse_plan": "planning.reverse",
-    "revised_document": "planning.world.scene_writer",
     "scene_document": "planning.world.scene_writer",
     "solve_ik": "planning.ik",
     "splice_motion": "planning.splice",
@@ -300,7 +299,6 @@ __all__ = [
     "replay_html",
     "retime_path",
     "reverse_plan",
-    "revised_document",
     "sample_motion",
     "sample_plan",
     "scene_document",

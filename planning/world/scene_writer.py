@@ -19,12 +19,13 @@ from planning.domain.shapes import (
     Shape,
     Sphere,
 )
-from planning.errors import SceneInvalid
 from planning.world.scene_document import ObjectDocument, SceneDocument
 from planning.world.scene_file import parse_scene
 
 
-def scene_document(scene: Scene, like: SceneDocument | None = None) -> SceneDocument:
+def scene_document(
+    scene: Scene, like: SceneDocument | None = None, before: Scene | None = None
+) -> SceneDocument:
     """Return the document of a scene.
 
     Read again it gives the same scene, but for the last bit of quaternions that are normalised
@@ -34,17 +35,26 @@ def scene_document(scene: Scene, like: SceneDocument | None = None) -> SceneDocu
         scene: What to describe.
         like: A document of an earlier revision: robots, objects and frames that are as it says
             stay as they are written there, bit for bit.
+        before: The scene that `like` describes, if it is at hand: objects of it need not be read
+            to be known, and of ten thousand most are as before.
 
     Raises:
         SceneInvalid: The scene has what no document may have, such as too many objects.
     """
-    written = _written(scene)
+    written = _written(replace(scene, objects=()))
+    objects: Sequence[Any] = [_object(thing) for thing in scene.objects]
     if like is not None:
         written["robots"] = _kept(written["robots"], scene.robots, like.robots)
-        written["objects"] = _kept(written["objects"], scene.objects, like.objects)
         written["frames"] = _kept(written["frames"], scene.frames, like.frames)
-    parse_scene(written)
-    return SceneDocument.model_validate(written)
+        known = (
+            [document.value() for document in like.objects] if before is None else before.objects
+        )
+        objects = _kept_objects(scene.objects, known, like.objects)
+    try:
+        return SceneDocument.model_validate({**written, "objects": objects})
+    except ValidationError:
+        parse_scene({**written, "objects": list(map(_object, scene.objects))})  # says what is wrong
+        raise
 
 
 def _written(scene: Scene) -> dict[str, Any]:
@@ -65,61 +75,21 @@ def _written(scene: Scene) -> dict[str, Any]:
     }
 
 
-def revised_document(
-    edited: Scene, before: Scene, posted: SceneDocument
-) -> tuple[SceneDocument, Scene]:
-    """Return the document of a scene that was edited, and the scene that it describes.
-
-    Only what was edited is written and read again: of ten thousand objects most are as before.
-
-    Args:
-        edited: What `edit_scene` has made of `before`.
-        before: The scene that `posted` describes.
-        posted: Its document.
-
-    Raises:
-        SceneInvalid: The scene has what no document may have, such as too many objects.
-    """
-    things = _entries(edited.objects, before.objects, posted.objects)
-    written = _written(replace(edited, objects=()))
-    written["robots"] = _kept(written["robots"], edited.robots, posted.robots)
-    written["frames"] = _kept(written["frames"], edited.frames, posted.frames)
-    try:
-        document = SceneDocument.model_validate({**written, "objects": [d for d, _ in things]})
-    except ValidationError:
-        parse_scene({**written, "objects": [d.model_dump() for d, _ in things]})  # says what
-        raise
-    rest = document.model_copy(update={"objects": []}).value()
-    scene = replace(rest, objects=tuple(value for _, value in things), files=edited.files)
-    return document, scene
-
-
-def _entries(
+def _kept_objects(
     values: Sequence[SceneObject],
     before: Sequence[SceneObject],
     documents: Sequence[ObjectDocument],
-) -> list[tuple[ObjectDocument, SceneObject]]:
-    """Return the documents of objects, with the objects that they describe."""
+) -> list[ObjectDocument | dict[str, Any]]:
+    """Return what describes objects: the earlier documents of those that are as before."""
     earlier = {
         value.name: (value, document) for value, document in zip(before, documents, strict=True)
     }
-    found: list[tuple[ObjectDocument, SceneObject]] = []
+    found: list[ObjectDocument | dict[str, Any]] = []
     for value in values:
         known = earlier.get(value.name)
-        if known is not None and (known[0] is value or known[0] == value):
-            found.append((known[1], known[0]))
-        else:
-            document = _object_document(value)
-            found.append((document, document.value()))
+        is_known = known is not None and (known[0] is value or known[0] == value)
+        found.append(known[1] if known is not None and is_known else _object(value))
     return found
-
-
-def _object_document(thing: SceneObject) -> ObjectDocument:
-    try:
-        return ObjectDocument.model_validate(_object(thing))
-    except ValidationError as fault:
-        message = f"object {thing.name!r} cannot be written: {fault.errors()[0]['msg']}"
-        raise SceneInvalid(message, {"path": f"objects.{thing.name}"}) from fault
 
 
 def _kept(written: list[Any], values: Iterable[Any], documents: Iterable[Any]) -> list[Any]:

@@ -8,7 +8,7 @@ from planning import (
     World,
     edit_scene,
     load_world,
-    revised_document,
+    scene_document,
     with_line,
 )
 from planning.errors import SceneInvalid
@@ -55,7 +55,8 @@ def revise_scene(payload: dict[str, Any], _: Channel) -> dict[str, Any]:
     if world is not None:
         keep(world, library)
     edited = edit_scene(before, operations, library)
-    document, scene = revised_document(edited, before, posted)
+    document = scene_document(edited, like=posted, before=before)
+    scene = replace(document.value_after(posted, before), files=edited.files)
     plain = document.model_dump(mode="json", exclude_none=True)
     return _loaded(load_like(scene, library), library, plain)
 
