@@ -17,7 +17,7 @@ FACTOR ?= 40
 SHAPES := --jaxtyping-packages=planning,tests.check
 
 .PHONY: demo test costs check format lint imports types drake-only shapes campaign sanitize setup lock \
-        bench bench-cars bench-kernel bench-mbm bench-regions bench-retime bench-seeds pictures serve clean
+        bench bench-cars bench-kernel bench-loading bench-mbm bench-regions bench-retime bench-seeds pictures serve clean
 
 setup: $(STAMP)
 
@@ -105,6 +105,9 @@ bench-mbm: setup
 
 bench-cars: setup
 	@$(PYTHON) benchmarks/cars.py
+
+bench-loading: setup
+	@$(PYTHON) benchmarks/loading.py
 
 bench-retime: setup
 	@$(PYTHON) -W ignore benchmarks/retime.py

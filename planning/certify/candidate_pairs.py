@@ -1,19 +1,18 @@
 """Pairs of collision shapes that may collide, and what is demanded of each."""
 
 from dataclasses import dataclass
-from typing import Any
 from weakref import WeakKeyDictionary
 
 import numpy as np
 from jaxtyping import Bool, Float64, Int
 from pydrake.geometry import GeometryId
-from pydrake.multibody.tree import BodyIndex
-from pydrake.planning import RobotDiagram
 
 from planning.certify.collision_shapes import CollisionShapes, collision_shapes
 from planning.certify.motion_bounds import MotionBounds
+from planning.world.candidates import Candidates, candidates_of
 from planning.world.drake_model import DrakeModel
 from planning.world.margins import PairMargins
+from planning.world.standing import StandingObjects
 
 type Ids = tuple[GeometryId, GeometryId]
 
@@ -24,14 +23,14 @@ class Geometry:
 
     Attributes:
         shapes: All collision shapes.
-        candidates: Pairs that no filter excludes, in a fixed order.
+        candidates: Pairs of them that no filter excludes, in a fixed order.
     """
 
     shapes: CollisionShapes
-    candidates: tuple[Ids, ...]
+    candidates: Candidates
 
 
-_read: WeakKeyDictionary[RobotDiagram, Geometry] = WeakKeyDictionary()
+_read: WeakKeyDictionary[StandingObjects, Geometry] = WeakKeyDictionary()
 
 
 def geometry_of(model: DrakeModel) -> Geometry:
@@ -40,10 +39,9 @@ def geometry_of(model: DrakeModel) -> Geometry:
     Raises:
         ModelInvalid: A shape of a kind that cannot be certified.
     """
-    found = _read.get(model.diagram)
+    found = _read.get(model.standing)
     if found is None:
-        candidates: list[Ids] = sorted(model.scene_graph.model_inspector().GetCollisionCandidates())
-        found = _read[model.diagram] = Geometry(collision_shapes(model), tuple(candidates))
+        found = _read[model.standing] = Geometry(collision_shapes(model), candidates_of(model))
     return found
 
 
@@ -69,29 +67,19 @@ class CandidatePairs:
 
 
 def candidate_pairs(
-    model: DrakeModel, geometry: Geometry, bounds: MotionBounds, margins: PairMargins
+    geometry: Geometry, bounds: MotionBounds, margins: PairMargins
 ) -> CandidatePairs:
     """Return all pairs of a model, with what one group and one set of margins make of them."""
-    row_of, bodies = geometry.shapes.rows, geometry.shapes.bodies
-    ids = geometry.candidates
-    rows = np.array([[row_of[a], row_of[b]] for a, b in ids], dtype=np.intp).reshape(-1, 2)
-    body_names = _body_names(model)
-    names = tuple((body_names[int(a)], body_names[int(b)]) for a, b in bodies[rows])
+    bodies, candidates = geometry.shapes.bodies, geometry.candidates
+    names, rows = candidates.pair_names, candidates.rows
     demanded = {pair: margins.of(*pair) for pair in set(names)}
-    moved = [bounds.chains[int(a)] != bounds.chains[int(b)] for a, b in bodies[rows]]
-    index = {pair: i for i, pair in enumerate(ids)}
+    moved = [bounds.chains[a] != bounds.chains[b] for a, b in bodies[rows].tolist()]
+    index = {pair: i for i, pair in enumerate(candidates.pairs)}
     return CandidatePairs(
-        ids=ids,
+        ids=candidates.pairs,
         rows=rows,
         names=names,
         margins=np.array([demanded[pair] for pair in names], dtype=np.float64),
         is_moved=np.array(moved, dtype=bool),
         index=index | {(b, a): i for (a, b), i in index.items()},
     )
-
-
-def _body_names(model: DrakeModel) -> dict[int, str]:
-    bodies: list[Any] = [
-        model.plant.get_body(BodyIndex(i)) for i in range(model.plant.num_bodies())
-    ]
-    return {int(b.index()): model.body_names.get(b.index(), b.name()) for b in bodies}

@@ -25,6 +25,7 @@ from planning.domain.deadline import Deadline
 from planning.domain.options import CertifyOptions
 from planning.domain.report import CertifyReport
 from planning.world.drake_model import DrakeModel
+from planning.world.unchecked_pairs import unchecked_pairs
 
 __all__ = ["CertifyRequest", "certify", "certify_places"]
 
@@ -204,5 +205,5 @@ def _verdict(
         checks=checks,
         points=points,
         proven_until=request.trajectory.duration if clearance.check.passed else 0.0,
-        unchecked=model.unchecked,
+        unchecked=unchecked_pairs(model),
     )

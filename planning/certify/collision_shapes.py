@@ -102,12 +102,15 @@ def collision_shapes(model: DrakeModel) -> CollisionShapes:
     Raises:
         ModelInvalid: A shape of a kind that cannot be certified.
     """
-    inspector = model.scene_graph.model_inspector()
-    ids: list[GeometryId] = sorted(inspector.GetAllGeometryIds(Role.kProximity))
-    shapes = [inspector.GetShape(geometry) for geometry in ids]
+    inspector, standing = model.scene_graph.model_inspector(), model.standing
+    of_drake: list[GeometryId] = sorted(inspector.GetAllGeometryIds(Role.kProximity))
+    ids = [*of_drake, *standing.ids]
+    shapes = [*(inspector.GetShape(geometry) for geometry in of_drake), *standing.drake_shapes]
     parts = [_parts(shape) for shape in shapes]
-    poses = [inspector.GetPoseInFrame(geometry) for geometry in ids]
-    bodies = [model.plant.GetBodyFromFrameId(inspector.GetFrameId(i)).index() for i in ids]
+    poses = [*(inspector.GetPoseInFrame(geometry) for geometry in of_drake), *standing.poses]
+    plant = model.plant
+    bodies = [plant.GetBodyFromFrameId(inspector.GetFrameId(i)).index() for i in of_drake]
+    bodies += [plant.world_body().index()] * len(standing)
     spheres = [_sphere(shape, part) for shape, part in zip(shapes, parts, strict=True)]
     width = max((len(part.vertices) for part in parts), default=1)
     padded = [np.resize(part.vertices, (width, 3)) for part in parts]

@@ -138,7 +138,7 @@ def _links(model: DrakeModel, request: CertifyRequest, name: str) -> list[_Link]
     context = model.plant.CreateDefaultContext()
     full = model.embed(request.group, request.reference, request.state)
     model.plant.SetPositions(context, full)
-    frame = model.frames[name]
+    frame = model.frame(name)
     ends: list[tuple[int, MovingJoint, Array, Array]] = []
     for k in chains[int(frame.body().index())]:
         joint = moving[k].joint

@@ -20,7 +20,7 @@ class FramePoses:
     def __init__(self, model: DrakeModel, request: CertifyRequest, name: str) -> None:
         """Prepare; the frame exists."""
         self._model, self._request = model, request
-        self._frame = model.frames[name]
+        self._frame = model.frame(name)
         self._context: Any = model.plant.CreateDefaultContext()
 
     def at_reference(self) -> Float64[np.ndarray, "4 4"]:

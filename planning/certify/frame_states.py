@@ -56,7 +56,7 @@ class FrameStates:
     def __init__(self, model: DrakeModel, request: CertifyRequest, frame: str) -> None:
         """Prepare; the frame exists."""
         self._model, self._request, self._plant = model, request, model.plant
-        self._frame = model.frames[frame]
+        self._frame = model.frame(frame)
         self._context: Any = model.plant.CreateDefaultContext()
         self._columns = model.velocity_indices(request.group)
 

@@ -157,7 +157,7 @@ class _Reading:
         link = self._links[hold.link]
         total = link.inertia + _carried(hold.pose, _pseudo(mass, center, moments))
         if self._payload is not None:
-            frame = self._model.frames[self._payload.frame]
+            frame = self._model.frame(self._payload.frame)
             if frame.body().index() == body.index():
                 added = self._payload
                 shift = skew(added.center_of_mass)

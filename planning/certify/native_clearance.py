@@ -76,7 +76,7 @@ def _check(scene: KernelScene, proof: Any, margins: Any) -> Check:
         unit="m",
         resolution=gap,
         passed=passed,
-        where="-".join(scene.bodies[pair]) if pair >= 0 else "",
+        where="-".join(scene.names(pair)) if pair >= 0 else "",
         time=worst.time,
     )
 
@@ -84,7 +84,7 @@ def _check(scene: KernelScene, proof: Any, margins: Any) -> Check:
 def _spot(scene: KernelScene, seen: Any) -> Spot:
     if seen.pair < 0:
         return Spot()
-    return Spot(scene.pairs[seen.pair], scene.bodies[seen.pair], seen.distance, seen.time)
+    return Spot(scene.pair(seen.pair), scene.names(seen.pair), seen.distance, seen.time)
 
 
 def _worst(proof: Any) -> Any:

@@ -18,6 +18,7 @@ from planning.certify.request import CertifyRequest
 from planning.kernel.separation import nearest_point
 from planning.world.contexts import shared_context
 from planning.world.drake_model import DrakeModel
+from planning.world.near_standing import NearStanding
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 type Placed = tuple[int, Array, Array]
@@ -38,18 +39,19 @@ def nearest_points(
         request: Has the group, its motion, and where all else is.
         spot: Which shapes and when, and what the proof measured then; no points if there are none.
     """
-    shapes = spot.shapes
-    if not shapes:
+    if not spot.shapes:
         return np.zeros((0, 3))
-    query = _query(model, request, spot.time)
-    inspector: Any = model.scene_graph.model_inspector()
-    a, b = shapes
+    near = _near(model, request, spot.time)
+    pair = spot.shapes[0], spot.shapes[1]
+    near.show_ids([pair])
+    query, inspector = near.query, near.query.inspector()
+    a, b = shapes = near.drake_ids(pair)
     flat = [isinstance(inspector.GetShape(i), HalfSpace) for i in shapes]
     if any(flat):
-        return _above(model, query, shapes, flat)
+        return _above(model, near, shapes, flat)
     found = query.ComputeSignedDistancePairClosestPoints(a, b)
     if found.distance > max(spot.distance, 0.0) + _DOUBT:
-        return _searched(model, query, shapes)
+        return _searched(model, near, shapes)
     points = [
         query.GetPoseInWorld(found.id_A).multiply(found.p_ACa),
         query.GetPoseInWorld(found.id_B).multiply(found.p_BCb),
@@ -57,23 +59,24 @@ def nearest_points(
     return np.array(points if found.id_A == a else points[::-1])
 
 
-def _query(model: DrakeModel, request: CertifyRequest, time: float) -> Any:
-    """Return Drake's query object with the motion at an instant."""
-    context = shared_context(model)
+def _near(model: DrakeModel, request: CertifyRequest, time: float) -> NearStanding:
+    """Return a context of Drake's with the motion at an instant."""
+    near = NearStanding(model, None if len(model.standing) else shared_context(model))
     q = request.trajectory.positions(np.array([time]))[0]
-    plant_context = model.plant.GetMyMutableContextFromRoot(context)
-    model.plant.SetPositions(plant_context, model.embed(request.group, q, request.state))
-    query_context = model.scene_graph.GetMyContextFromRoot(context)
-    return model.scene_graph.get_query_output_port().Eval(query_context)
+    near.go_to(model.embed(request.group, q, request.state))
+    return near
 
 
-def _placed(shapes: CollisionShapes, query: Any, geometry: GeometryId) -> Placed:
+def _placed(shapes: CollisionShapes, near: NearStanding, geometry: GeometryId) -> Placed:
     """Return a shape's row, R_WG and p_WG [m]."""
-    pose = query.GetPoseInWorld(geometry)
-    return shapes.rows[geometry], pose.rotation().matrix(), pose.translation()
+    pose = near.query.GetPoseInWorld(geometry)
+    (own, _) = near.own_ids((geometry, geometry))
+    return shapes.rows[own], pose.rotation().matrix(), pose.translation()
 
 
-def _above(model: DrakeModel, query: Any, ids: tuple[GeometryId, ...], flat: list[bool]) -> Array:
+def _above(
+    model: DrakeModel, near: NearStanding, ids: tuple[GeometryId, ...], flat: list[bool]
+) -> Array:
     """Return the lowest point of a shape over a half space, which Drake does not find, and below.
 
     Two half spaces have no nearest points.
@@ -81,15 +84,15 @@ def _above(model: DrakeModel, query: Any, ids: tuple[GeometryId, ...], flat: lis
     if all(flat):
         return np.zeros((0, 3))
     shapes = geometry_of(model).shapes
-    ground, other = (_placed(shapes, query, ids[i]) for i in (flat.index(True), flat.index(False)))
+    ground, other = (_placed(shapes, near, ids[i]) for i in (flat.index(True), flat.index(False)))
     up = ground[1][:, 2]
     lowest = shapes.point(*other, -up)
     foot = lowest - up * (up @ (lowest - ground[2]))
     return np.array([foot, lowest] if flat[0] else [lowest, foot])
 
 
-def _searched(model: DrakeModel, query: Any, ids: tuple[GeometryId, ...]) -> Array:
+def _searched(model: DrakeModel, near: NearStanding, ids: tuple[GeometryId, ...]) -> Array:
     """Return the points by our own search."""
     shapes = geometry_of(model).shapes
-    a, b = (_placed(shapes, query, i) for i in ids)
+    a, b = (_placed(shapes, near, i) for i in ids)
     return nearest_point(lambda n: shapes.point(*a, n), lambda n: shapes.point(*b, n), a[2] - b[2])

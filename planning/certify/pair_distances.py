@@ -20,8 +20,8 @@ from planning.certify.motion_bounds import MotionBounds
 from planning.certify.placed_shapes import PlacedShapes
 from planning.certify.request import CertifyRequest
 from planning.certify.segments import Segment
-from planning.world.contexts import measuring_context
 from planning.world.drake_model import DrakeModel
+from planning.world.near_standing import NearStanding
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 type Indices = np.ndarray[Any, np.dtype[np.intp]]
@@ -66,13 +66,10 @@ class PairDistances:
         geometry = geometry_of(model)
         self._shapes = geometry.shapes
         self._bounds = MotionBounds(model, request.group, geometry.shapes)
-        self.pairs = candidate_pairs(model, geometry, self._bounds, request.margins)
+        self.pairs = candidate_pairs(geometry, self._bounds, request.margins)
         self._is_flat = self._shapes.is_half_space[self.pairs.rows].any(axis=1)
         self._directions = np.full((len(self.pairs.ids), 3), np.nan)
-        self._context = measuring_context(model)
-        self._plant_context = model.plant.GetMyMutableContextFromRoot(self._context)
-        self._query_context = model.scene_graph.GetMyMutableContextFromRoot(self._context)
-        self._port = model.scene_graph.get_query_output_port()
+        self._near = NearStanding(model)
         self._placed = PlacedShapes(model, self._shapes, self._bounds)
         self.go_to(request.trajectory.start)
 
@@ -85,8 +82,8 @@ class PairDistances:
     def go_to(self, q: Float64[np.ndarray, " nq"]) -> None:
         """Put the group at q, and all else where it is."""
         full = self._model.embed(self._group, q, self._state)
-        self._model.plant.SetPositions(self._plant_context, full)
-        self._placed.place(self._plant_context)
+        self._near.go_to(full)
+        self._placed.place(self._near.plant_context)
 
     def approaches(self, segment: Segment, pairs: Indices) -> Float64[np.ndarray, " n"]:
         """Return how much nearer some pairs can come within a segment from its centre [m].
@@ -159,9 +156,10 @@ class PairDistances:
             int(i): self._placed.height(*rows[i].tolist())
             for i in np.flatnonzero(self._is_flat & is_moved)
         }
-        query: Any = self._port.Eval(self._query_context)
-        for found in query.ComputeSignedDistancePairwiseClosestPoints(within):
-            i = self.pairs.index.get((found.id_A, found.id_B), -1)
+        # Of what stands outside of Drake's model those that are shown first are enough to tell of.
+        next(self._near.shown_within(within))
+        for found in self._near.query.ComputeSignedDistancePairwiseClosestPoints(within):
+            i = self.pairs.index.get(self._near.own_ids((found.id_A, found.id_B)), -1)
             if i >= 0 and is_moved[i]:
                 near[i] = float(found.distance)
         return np.array(list(near), dtype=np.intp), np.array(list(near.values()), dtype=np.float64)
@@ -176,22 +174,30 @@ class PairDistances:
 
     def _ask(self, pairs: Indices, within: float) -> tuple[Array, Array]:
         """Return Drake's distances, infinite beyond `within`, and directions from b to a."""
-        query: Any = self._port.Eval(self._query_context)
         distances, directions = np.full(len(pairs), np.inf), np.full((len(pairs), 3), np.nan)
-        if len(pairs) > _FEW:
-            every = query.ComputeSignedDistancePairwiseClosestPoints(within)
-        else:
-            ids = [self.pairs.ids[i] for i in pairs]
-            every = [query.ComputeSignedDistancePairClosestPoints(*both) for both in ids]
         place = {int(pair): i for i, pair in enumerate(pairs)}
-        for found in every:
-            pair = self.pairs.index.get((found.id_A, found.id_B), -1)
+        for found in self._asked(pairs, within):
+            ids = self._near.own_ids((found.id_A, found.id_B))
+            pair = self.pairs.index.get(ids, -1)
             i = place.get(pair, -1)
             if i >= 0:
                 distances[i] = found.distance
-                forwards = found.id_A == self.pairs.ids[pair][0]
+                forwards = ids[0] == self.pairs.ids[pair][0]
                 directions[i] = found.nhat_BA_W if forwards else -found.nhat_BA_W
         return distances, directions
+
+    def _asked(self, pairs: Indices, within: float) -> list[Any]:
+        """Return what Drake says of some pairs, and maybe of others.
+
+        It is not asked of more than it can be shown: those bounds are left to our own search.
+        """
+        ids = [self.pairs.ids[i] for i in pairs]
+        is_shown = self._near.show_ids(ids)
+        query = self._near.query
+        if len(pairs) > _FEW or not is_shown:
+            return list(query.ComputeSignedDistancePairwiseClosestPoints(within))
+        drakes = [self._near.drake_ids(both) for both in ids]
+        return [query.ComputeSignedDistancePairClosestPoints(*both) for both in drakes]
 
 
 def _may_rise(lower: Array, distances: Array, wanted: Array) -> np.ndarray[Any, np.dtype[np.bool_]]:

@@ -62,7 +62,7 @@ class ToolRates:
         """Prepare; the frame exists."""
         self._model, self._request = model, request
         self._plant = model.plant
-        self._frame = model.frames[frame]
+        self._frame = model.frame(frame)
         self._context = model.plant.CreateDefaultContext()
         self._columns, self._members, self._scales = _moving(model, request)
 

@@ -87,8 +87,25 @@ def from_matrix(r: Float64[np.ndarray, "3 3"]) -> Float64[np.ndarray, "4"]:
 
 def from_rpy(rpy: Float64[np.ndarray, "3"]) -> Float64[np.ndarray, "4"]:
     """Return the unit quaternion of roll, pitch, yaw [rad] about fixed x, y, z (URDF's)."""
-    roll, pitch, yaw = np.diag(rpy)
-    return multiply(multiply(exp(yaw), exp(pitch)), exp(roll))
+    # What `exp` gives of turns about one axis each, without its stacks: scenes have thousands.
+    half_sinc = 0.5 * np.sinc(np.abs(rpy) / (2 * np.pi))
+    nil = (half_sinc * 0.0).tolist()
+    w, s = np.cos(np.abs(rpy) / 2).tolist(), (half_sinc * rpy).tolist()
+    roll, pitch = (w[0], s[0], nil[0], nil[0]), (w[1], nil[1], s[1], nil[1])
+    yaw = (w[2], nil[2], nil[2], s[2])
+    return np.array(_product(_product(yaw, pitch), roll))
+
+
+def _product(a: tuple[float, ...], b: tuple[float, ...]) -> tuple[float, ...]:
+    """Return the Hamilton product of two quaternions: of plain numbers, as scenes have many."""
+    aw, ax, ay, az = a
+    bw, bx, by, bz = b
+    return (
+        aw * bw - ax * bx - ay * by - az * bz,
+        aw * bx + ax * bw + ay * bz - az * by,
+        aw * by - ax * bz + ay * bw + az * bx,
+        aw * bz + ax * by - ay * bx + az * bw,
+    )
 
 
 def rotate(a: Float64[np.ndarray, "*#n 4"], p: Float64[np.ndarray, "*#n 3"]) -> Array:

@@ -72,6 +72,8 @@ class SceneObject(Value):
     mass: float | None = None
     center_of_mass: Float64[np.ndarray, "3"] | None = None
 
+    is_fed_once = True
+
 
 @dataclass(frozen=True, eq=False)
 class SceneFrame(Value):
@@ -86,6 +88,8 @@ class SceneFrame(Value):
     name: str
     parent: str
     pose: Pose
+
+    is_fed_once = True
 
 
 @dataclass(frozen=True, eq=False)

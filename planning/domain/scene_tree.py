@@ -26,8 +26,7 @@ class Hold(Value):
     @property
     def robot(self) -> str | None:
         """The robot whose link the root is, or None."""
-        robot, has_robot, _ = self.root.partition("::")
-        return robot if has_robot else None
+        return robot_of(self.root)
 
 
 def parents(scene: Scene) -> dict[str, tuple[str, Pose]]:
@@ -45,13 +44,37 @@ def hold_of(name: str, above: Mapping[str, tuple[str, Pose]]) -> Hold:
     Raises:
         SceneInvalid: It hangs on itself.
     """
-    seen: list[str] = []
     pose = Pose.identity()
+    for step in _way(name, above):
+        name, x_pn = above[step]
+        pose = x_pn @ pose
+    return Hold(name, pose)
+
+
+def holder_of(name: str, above: Mapping[str, tuple[str, Pose]]) -> str | None:
+    """Return the robot that an object, a frame or a link hangs on in the end, or None.
+
+    Raises:
+        SceneInvalid: It hangs on itself.
+    """
+    way = _way(name, above)
+    return robot_of(above[way[-1]][0] if way else name)
+
+
+def robot_of(root: str) -> str | None:
+    """Return the robot of a link, by its full name; None of what is no link."""
+    robot, has_robot, _ = root.partition("::")
+    return robot if has_robot else None
+
+
+def _way(name: str, above: Mapping[str, tuple[str, Pose]]) -> list[str]:
+    """Return what hangs on what, from a name on, as far as the scene says it."""
+    seen: dict[str, None] = {}
     while name in above:
         if name in seen:
-            message = f"{seen[0]!r} hangs on itself: {[*seen, name]}"
-            raise SceneInvalid(message, {"path": "", "names": [*seen, name]})
-        seen.append(name)
-        name, step = above[name]
-        pose = step @ pose
-    return Hold(name, pose)
+            way = list(seen)
+            message = f"{way[0]!r} hangs on itself: {[*way, name]}"
+            raise SceneInvalid(message, {"path": "", "names": [*way, name]})
+        seen[name] = None
+        name = above[name][0]
+    return list(seen)

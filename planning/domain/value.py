@@ -6,19 +6,25 @@ import math
 import struct
 from collections.abc import Mapping, Sequence
 from enum import Enum
-from typing import Any, cast, override
+from functools import cache
+from typing import Any, ClassVar, cast, override
 
 import numpy as np
 
 # Numbers, truth values and text of fixed width. Long doubles have bytes that mean nothing.
+_ROWS = np.dtype(np.int32)
 _ARRAYS = frozenset("?bBhHiIlLqQefdFDSU")
+# What is no container, and what most parts of a value are.
+_PLAIN = frozenset({str, int, bool, type(None)})
+# Where a value of a class that is fed once keeps its bytes.
+_FED = "_fed_bytes"
 
 
 def frozen(array: Any) -> np.ndarray[Any, np.dtype[np.float64]]:
     """Return a read-only float64 copy, or the array itself if it is one already."""
     if (
         isinstance(array, np.ndarray)
-        and array.dtype == np.float64
+        and array.dtype.char == "d"
         and not array.flags.writeable
         and array.flags.c_contiguous
         and array.base is None
@@ -47,7 +53,7 @@ def _are_same(array: Any, other: Any) -> bool:
 
 
 def _kept(array: Any) -> Any:
-    return _frozen_rows(array) if array.dtype == np.int32 else frozen(array)
+    return _frozen_rows(array) if array.dtype == _ROWS else frozen(array)
 
 
 class Value:
@@ -56,7 +62,12 @@ class Value:
     Arrays are float64, copied and read-only from construction on and again after unpickling
     (numpy drops the flag on the way); int32 stays int32, for numbers of rows. Equality is equality
     of content, bit for bit.
+
+    A class of which there are thousands in another value, most of them the same as before, may set
+    `is_fed_once`: the bytes that its values add to a digest are then worked out once.
     """
+
+    is_fed_once: ClassVar[bool] = False
 
     def __post_init__(self) -> None:
         """Freeze every array."""
@@ -68,6 +79,11 @@ class Value:
         for name, item in list(state.items()):
             content = _kept(item) if isinstance(item, np.ndarray) else item
             object.__setattr__(self, name, content)
+
+    @override
+    def __getstate__(self) -> dict[str, Any]:
+        """Return the fields alone."""
+        return {name: item for name, item in self.__dict__.items() if name != _FED}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         """Restore from a pickle with the arrays frozen again."""
@@ -110,15 +126,21 @@ def digest(content: Any) -> str:
 
 
 def _feed(sha: Any, content: Any) -> None:
+    if type(content) is float:
+        sha.update(b"number" + struct.pack("<d", content))
+        return
+    if type(content) in _PLAIN:
+        sha.update(_scalar(content))
+        return
     match content:
         case np.ndarray():
             _refuse_without_content(content)
             sha.update(f"array{content.dtype.str}{content.shape}".encode())
             sha.update(np.ascontiguousarray(content).tobytes())
+        case Value() if content.is_fed_once:
+            sha.update(_fed_once(content))
         case Value():
-            names = [field.name for field in dataclasses.fields(cast("Any", content))]
-            kind = f"value {type(content).__qualname__}"
-            _feed_all(sha, kind, [part for n in names for part in (n, getattr(content, n))])
+            _feed_value(sha, content)
         case Mapping():
             items = [part for key in sorted(content) for part in (key, content[key])]
             _feed_all(sha, "map", items)
@@ -133,6 +155,41 @@ def _refuse_without_content(array: Any) -> None:
     if array.dtype.char not in _ARRAYS:
         message = f"an array of {array.dtype} is not a value and has no digest"
         raise TypeError(message)
+
+
+def _feed_value(sha: Any, content: Any) -> None:
+    """Feed what a list of all fields' names and contents would."""
+    kind, fields = _outline(type(content))
+    sha.update(kind)
+    for name, said in fields:
+        sha.update(said)
+        _feed(sha, getattr(content, name))
+
+
+@cache
+def _outline(kind: type[Any]) -> tuple[bytes, tuple[tuple[str, bytes], ...]]:
+    """Return what begins the bytes of a class, and its fields' names with their own bytes."""
+    names = [field.name for field in dataclasses.fields(kind)]
+    begin = f"value {kind.__qualname__}({2 * len(names)})".encode()
+    return begin, tuple((name, _scalar(name)) for name in names)
+
+
+class _Bytes:
+    """Takes what a hash takes, and keeps it."""
+
+    def __init__(self) -> None:
+        self.parts: list[bytes] = []
+        self.update = self.parts.append
+
+
+def _fed_once(content: Any) -> bytes:
+    """Return what a value adds to a digest, from the value itself the second time."""
+    known = content.__dict__.get(_FED)
+    if known is None:
+        taken = _Bytes()
+        _feed_value(taken, content)
+        known = content.__dict__[_FED] = b"".join(taken.parts)
+    return known
 
 
 def _feed_all(sha: Any, kind: str, items: Sequence[Any]) -> None:

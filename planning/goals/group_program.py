@@ -1,16 +1,20 @@
 """GroupProgram: Drake's InverseKinematics over the coordinates of a group."""
 
+from collections.abc import Callable, Iterable
 from typing import Any
 
 import numpy as np
 from jaxtyping import Float64
+from pydrake.geometry import GeometryId
 from pydrake.multibody.inverse_kinematics import InverseKinematics
 from pydrake.solvers import SnoptSolver, SolverOptions
 
 from planning.domain.joints import JointGroup
 from planning.world.drake_model import Coupling
+from planning.world.near_standing import MOST_SHOWN, NearStanding
 from planning.world.world import World
 
+type Ids = tuple[GeometryId, GeometryId]
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 
@@ -47,6 +51,22 @@ class GroupProgram:
         """Return where the solver ends, which need not be a solution."""
         result = self._solver.Solve(self.ik.prog(), self.full(seed), self._options)
         return np.array(result.GetSolution(self.ik.q())[self.q_indices])
+
+    def show(self, pairs: Iterable[Ids]) -> Callable[[Ids], bool]:
+        """Have Drake's part of the program know what some pairs of shapes are.
+
+        Args:
+            pairs: By Drake's ids, as `DistanceProbe` has them.
+
+        Returns:
+            Whether it knows both shapes of a pair: it is shown the first few dozen objects that
+            stand outside of Drake's model, no more.
+        """
+        near = NearStanding(self._world.drake, self._diagram_context)
+        rows = sorted({row for pair in pairs for i in pair if (row := near.row(i)) is not None})
+        shown = set(rows[:MOST_SHOWN])
+        near.show(sorted(shown))
+        return lambda pair: all((row := near.row(i)) is None or row in shown for i in pair)
 
     def full(self, q: Float64[np.ndarray, " nq"]) -> Array:
         """Return the plant's configuration with the group at q."""

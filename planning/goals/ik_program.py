@@ -31,7 +31,7 @@ class IkProgram:
         self._target = target
         self._manifold = Manifold(group.joints)
         self._plant = world.drake.plant
-        self._frame = world.drake.frames[target.frame]
+        self._frame = world.drake.frame(target.frame)
         self._program = GroupProgram(world, group, _MAJOR_ITERATIONS)
         self._v_indices = world.drake.velocity_indices(group)
         self._constrain()

@@ -90,7 +90,7 @@ def to_pose(world: World, query: GoalQuery, target: Target) -> Pull:
     theta it has the slope of (w theta)^2 there, so both have the same minima once settled.
     """
     metric = query.options.pose_metric
-    frame, origin = world.drake.frames[target.frame], world.drake.plant.world_frame()
+    frame, origin = world.drake.frame(target.frame), world.drake.plant.world_frame()
 
     def pull(program: GroupProgram, q: Array) -> None:
         reached = world.frame_pose(target.frame, world.embed(query.group, q))
@@ -108,8 +108,9 @@ def to_pose(world: World, query: GoalQuery, target: Target) -> Pull:
 def _keep_apart(program: GroupProgram, world: World, least: dict[tuple[Any, Any], float]) -> None:
     """Keep pairs of geometries at least so far apart [m]."""
     rows = half_space_pairs_of(world.drake).index
+    is_known = program.show(least)
     for pair, distance in least.items():
-        if pair not in rows:
+        if pair not in rows and is_known(pair):
             program.ik.AddDistanceConstraint(pair, distance, np.inf)
     heights = {rows[pair]: distance for pair, distance in least.items() if pair in rows}
     if heights:

@@ -42,7 +42,7 @@ def reach_ball(world: World, group: JointGroup, frame: str) -> ReachBall:
     here = world.frame_pose(frame, world.state).position
     if tree is None:
         return ReachBall(here, _UNBOUNDED)
-    drake_frame = drake.frames[frame]
+    drake_frame = drake.frame(frame)
     link, x_lb = tree.bodies[int(drake_frame.body().index())]
     p_lt = x_lb.multiply(drake_frame.GetFixedPoseInBodyFrame()).translation()
     moving = _moving(world, group)

@@ -43,7 +43,7 @@ def removal_that_does(
     """
     options = replace(query.options, max_configurations=1)
     for body in _in_the_way(world, query, search)[:_NUM_BODIES]:
-        margins = query.margins.without(body, world.drake.bodies)
+        margins = query.margins.without(body, world.drake.all_bodies)
         relaxed = replace(query, margins=margins, options=options)
         found = _solutions(world, relaxed, rng, deadline)
         if found:

@@ -24,7 +24,7 @@ def keep_rules(program: GroupProgram, world: World, rules: PathRules) -> None:
             case BoxRule(is_inside=True):
                 half = np.maximum(rule.half - _SLACK, 0.0)
                 program.ik.AddPositionConstraint(
-                    world.drake.frames[rule.motion.frame],
+                    world.drake.frame(rule.motion.frame),
                     np.zeros(3),
                     world.drake.plant.world_frame(),
                     RigidTransform(rule.pose.matrix),
@@ -35,7 +35,7 @@ def keep_rules(program: GroupProgram, world: World, rules: PathRules) -> None:
                 program.ik.AddAngleBetweenVectorsConstraint(
                     world.drake.plant.world_frame(),
                     rule.direction,
-                    world.drake.frames[rule.motion.frame],
+                    world.drake.frame(rule.motion.frame),
                     rule.axis,
                     0.0,
                     max(rule.tolerance - _SLACK, 0.0),

@@ -38,3 +38,20 @@ class ConvexShape(Value):
     size: Float64[np.ndarray, "3"]
     vertices: Float64[np.ndarray, "k 3"]
     planes: Float64[np.ndarray, "f 4"]
+
+    @property
+    def ball(self) -> tuple[Float64[np.ndarray, "3"], float]:
+        """A ball around it: the centre in G [m], shape (3,), and the radius [m]."""
+        size = self.size
+        match self.kind:
+            case ShapeKind.HULL:
+                center = (self.vertices.min(axis=0) + self.vertices.max(axis=0)) / 2
+                return center, float(np.linalg.norm(self.vertices - center, axis=1).max())
+            case ShapeKind.HALF_SPACE:
+                return np.zeros(3), np.inf
+            case ShapeKind.CAPSULE:
+                return np.zeros(3), float(size[0] + size[1])
+            case ShapeKind.ELLIPSOID:
+                return np.zeros(3), float(size.max())
+            case _:
+                return np.zeros(3), float(np.linalg.norm(size))

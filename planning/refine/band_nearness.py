@@ -26,6 +26,11 @@ class BandDemands:
 
     pairs: frozenset[tuple[str, str]]
 
+    @property
+    def exceptions(self) -> frozenset[tuple[str, str]]:
+        """The band's pairs."""
+        return self.pairs
+
     def demanded(self, body_a: str, body_b: str) -> float:
         """Return 0 for the band's pairs [m]."""
         return 0.0 if (min(body_a, body_b), max(body_a, body_b)) in self.pairs else _NEVER

@@ -1,5 +1,6 @@
 """Buffers: how much more than its margin every pair of bodies keeps while we optimise."""
 
+from collections.abc import Collection
 from dataclasses import dataclass, field
 from typing import Protocol, runtime_checkable
 
@@ -24,6 +25,14 @@ class Demands(Protocol):
 
     def demanded(self, body_a: str, body_b: str) -> float:
         """Return the distance that it keeps between two bodies [m]."""
+        ...
+
+    @property
+    def exceptions(self) -> Collection[tuple[str, str]]:
+        """Pairs, by full names in sorted order, that may be kept at a distance of their own.
+
+        All others of one robot are kept at the same distance, and so are all others.
+        """
         ...
 
 
@@ -55,6 +64,11 @@ class Buffers(Value):
                 beyond = pair.distance - margins.of(*pair.bodies)
                 spare[pair.bodies] = min(beyond, spare.get(pair.bodies, np.inf))
         return cls(margins, spare)
+
+    @property
+    def exceptions(self) -> Collection[tuple[str, str]]:
+        """Pairs with margins of their own, and those that are near at an end."""
+        return self.spare.keys() | self.margins.by_pair.keys()
 
     def demanded(self, body_a: str, body_b: str) -> float:
         """Return the distance that the optimiser keeps between two bodies [m]."""

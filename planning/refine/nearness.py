@@ -64,8 +64,7 @@ class KernelNearness:
             model.velocity_indices(group).astype(np.int64),
             model.follow(np.array(state)),
         )
-        demanded = {pair: demands.demanded(*pair) for pair in set(scene.bodies)}
-        self._demanded = np.array([demanded[pair] for pair in scene.bodies])
+        self._demanded = scene.by_pair(demands.demanded, demands.exceptions)
 
     def within(self, qs: Float64[np.ndarray, "m nq"], reach: float) -> Near:
         """Return the pairs with less than `reach` [m] beyond what is demanded."""

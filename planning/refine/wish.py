@@ -31,6 +31,11 @@ class _Wished:
     distance: float
     margins: PairMargins
 
+    @property
+    def exceptions(self) -> tuple[tuple[str, str], ...]:
+        """No pair is an exception."""
+        return ()
+
     def demanded(self, body_a: str, body_b: str) -> float:
         """Return the distance that is wished for between two bodies [m]."""
         return _UNWISHED if self.margins.are_of_one_robot(body_a, body_b) else self.distance

@@ -12,7 +12,7 @@ of our own.
 """
 
 from dataclasses import dataclass
-from itertools import pairwise
+from itertools import pairwise, product
 from typing import Any
 
 import numpy as np
@@ -243,17 +243,22 @@ def _ends(plant: MultibodyPlant, joint: Any) -> tuple[BodyIndex, BodyIndex]:
 
 def _adjacent_candidates(plant: MultibodyPlant, scene_graph: Any) -> dict[Any, list[Any]]:
     """Return pairs of geometries that are looked at, by the joint that joins their bodies."""
-    joints = {
-        frozenset(map(int, _ends(plant, index))): index
-        for index in plant.GetJointIndices()
-        if 0 < plant.get_joint(index).num_velocities() < 6
-    }
     inspector = scene_graph.model_inspector()
+    ordered: list[tuple[int, int, Any, Any]] = []
+    for index in plant.GetJointIndices():
+        joint = plant.get_joint(index)
+        if not 0 < joint.num_velocities() < 6:
+            continue
+        ends = [plant.GetCollisionGeometriesForBody(end) for end in _bodies(joint)]
+        for pair in product(*ends):
+            a, b = sorted(pair)
+            if not inspector.CollisionFiltered(a, b):
+                ordered.append((a.get_value(), b.get_value(), index, (a, b)))
     found: dict[Any, list[Any]] = {}
-    for a, b in sorted(inspector.GetCollisionCandidates()):
-        bodies = frozenset(
-            int(plant.GetBodyFromFrameId(inspector.GetFrameId(i)).index()) for i in (a, b)
-        )
-        if bodies in joints:
-            found.setdefault(joints[bodies], []).append((a, b))
+    for _, _, index, pair in sorted(ordered, key=lambda entry: entry[:2]):
+        found.setdefault(index, []).append(pair)
     return found
+
+
+def _bodies(joint: Any) -> tuple[Any, Any]:
+    return joint.parent_body(), joint.child_body()

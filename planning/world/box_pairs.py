@@ -6,10 +6,11 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 from jaxtyping import Float64, Int
-from pydrake.geometry import Box, GeometryId
+from pydrake.geometry import Box, GeometryId, Role
 from pydrake.planning import RobotDiagram
 
 from planning.kernel.box_distance import box_distances, box_gaps
+from planning.world.candidates import candidates_of
 from planning.world.drake_model import DrakeModel
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
@@ -56,9 +57,7 @@ class BoxPairs:
             return {}
         a, b = self.rows[near].T
         placed = self.halves[a], poses[a], self.halves[b], poses[b]
-        distances, points = box_distances(*placed)
-        gaps = box_gaps(*placed)
-        distances = np.where(gaps <= 0, gaps, distances)
+        distances, points = signed_box_distances(*placed)
         kept = np.flatnonzero(distances <= np.broadcast_to(reach, len(self.ids))[near])
         return {int(near[i]): (float(distances[i]), points[i]) for i in kept}
 
@@ -68,6 +67,25 @@ class BoxPairs:
         local = np.einsum("nji,nj->ni", poses[b, :3, :3], away)
         beyond = np.maximum(np.abs(local) - self.halves[b], 0.0)
         return np.linalg.norm(beyond, axis=1) - np.linalg.norm(self.halves[a], axis=1)
+
+
+def signed_box_distances(
+    halves_a: Float64[np.ndarray, "n 3"],
+    poses_a: Float64[np.ndarray, "n 4 4"],
+    halves_b: Float64[np.ndarray, "n 3"],
+    poses_b: Float64[np.ndarray, "n 4 4"],
+) -> tuple[Float64[np.ndarray, " n"], Float64[np.ndarray, "n 2 3"]]:
+    """Return distances of boxes and their nearest points; of boxes that overlap as `within` says.
+
+    Args:
+        halves_a: Half sizes [m].
+        poses_a: X_WA.
+        halves_b: Half sizes [m].
+        poses_b: X_WB.
+    """
+    distances, points = box_distances(halves_a, poses_a, halves_b, poses_b)
+    gaps = box_gaps(halves_a, poses_a, halves_b, poses_b)
+    return np.where(gaps <= 0, gaps, distances), points
 
 
 _read: WeakKeyDictionary[RobotDiagram, BoxPairs] = WeakKeyDictionary()
@@ -83,12 +101,11 @@ def box_pairs_of(model: DrakeModel) -> BoxPairs:
 
 def _pairs(model: DrakeModel) -> BoxPairs:
     inspector: Any = model.scene_graph.model_inspector()
-    candidates: Any = inspector.GetCollisionCandidates()
-    found = {i for pair in candidates for i in pair}
-    boxed = {i for i in found if isinstance(inspector.GetShape(i), Box)}
-    pairs: list[tuple[GeometryId, GeometryId]] = sorted(
-        pair for pair in candidates if boxed.issuperset(pair)
-    )
+    every = inspector.GetAllGeometryIds(Role.kProximity)
+    known = {i for i in every if isinstance(inspector.GetShape(i), Box)}
+    pairs: list[tuple[GeometryId, GeometryId]] = [
+        (a, b) for a, b in candidates_of(model).pairs_of_drake if a in known and b in known
+    ]
     boxes = sorted({i for pair in pairs for i in pair})
     place = {i: k for k, i in enumerate(boxes)}
     halves = [inspector.GetShape(i).size() / 2 for i in boxes]

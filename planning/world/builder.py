@@ -1,6 +1,6 @@
 """Build a scene in Drake."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -17,9 +17,9 @@ from pydrake.multibody.tree import (
 from pydrake.planning import RobotDiagramBuilder
 
 from planning.domain.pose import Pose
-from planning.domain.scene import Scene, SceneFrame, SceneObject, SceneRobot
+from planning.domain.scene import Scene, SceneObject, SceneRobot
 from planning.domain.shapes import Mesh
-from planning.errors import ModelInvalid, SceneInvalid, UnknownName
+from planning.errors import ModelInvalid, SceneInvalid
 from planning.world.base_weld import weld_base
 from planning.world.collision_count import collision_counts, require_shapes
 from planning.world.collision_filters import (
@@ -29,6 +29,7 @@ from planning.world.collision_filters import (
 )
 from planning.world.couplings import couplings, joint_indices
 from planning.world.drake_model import DrakeModel
+from planning.world.frame_build import add_frames
 from planning.world.holding import require_owners
 from planning.world.keep_files import KeptScene
 from planning.world.mass import spatial_inertia
@@ -38,18 +39,23 @@ from planning.world.only_kept import require_kept
 from planning.world.scene_build import Build, LoadedRobot, refuse_second
 from planning.world.shapes import drake_shape
 from planning.world.sound_mesh import require_sound_mesh
-from planning.world.unchecked_pairs import unchecked_pairs
+from planning.world.standing_build import standing_objects
 
 DEFAULT_COLOR = np.array([0.72, 0.62, 0.48, 1.0])
 
 
 def build_diagram(
-    kept: KeptScene, *, time_step: float = 0.001, kernel: bool = True
+    kept: KeptScene,
+    standing: frozenset[str] = frozenset(),
+    *,
+    time_step: float = 0.001,
+    kernel: bool = True,
 ) -> tuple[DrakeModel, tuple[LoadedRobot, ...]]:
     """Return the scene in Drake, and what is known of each robot.
 
     Args:
         kept: What to build, with its files.
+        standing: Names of the objects that stand outside of Drake's model.
         time_step: Of the plant [s]; matters only to simulation.
         kernel: Whether the native kernel may answer where it is sure.
 
@@ -61,7 +67,7 @@ def build_diagram(
     """
     scene = kept.scene
     builder: Any = RobotDiagramBuilder(time_step=time_step)
-    build = Build(builder, builder.plant())
+    build = Build(builder, builder.plant(), standing)
     build.frames["world"] = build.plant.world_frame()
     build.bodies["world"] = build.plant.world_body().index()
     for i, robot in enumerate(scene.robots):
@@ -69,9 +75,13 @@ def build_diagram(
         _add_robot(build, robot, kept)
     for i, thing in enumerate(scene.objects):
         refuse_second(build, thing.name, f"objects.{i}.name")
-        _add_object(build, kept.thing(thing), f"objects.{i}.shape")
-    _add_frames(build, scene.frames)
-    owners = _attach(build, scene)
+        if thing.name in standing:
+            build.placed.add(thing.name)
+        else:
+            _add_object(build, kept.thing(thing), f"objects.{i}.shape")
+    apart = standing_objects(kept, standing)
+    add_frames(build, scene.frames, apart.frames)
+    owners = _attach(build, scene, apart.frames)
     # Neighbours are left out by evidence, not all of them (`leave_out_neighbours`).
     build.plant.set_adjacent_bodies_collision_filters(False)
     build.plant.Finalize()
@@ -96,8 +106,9 @@ def build_diagram(
             [(robot.scene_robot.name, m) for robot in build.robots for m in robot.file.mimics],
         ),
         owners=owners,
+        standing=apart,
         uses_kernel=kernel,
-        unchecked=unchecked_pairs(build.plant, scene_graph, names, build.unchecked),
+        reasons=build.unchecked,
         warnings=tuple(dict.fromkeys(build.warnings)),
     )
     return model, tuple(build.robots)
@@ -116,7 +127,9 @@ def build_alone(thing: SceneRobot | SceneObject, kept: KeptScene) -> None:
 
 def _add_robot(build: Build, robot: SceneRobot, kept: KeptScene) -> None:
     source = kept.source(robot.name)
-    file = inspect_model(source.file, kept.store.meshes)
+    # Copies of files never change: robots of one model are looked at once.
+    file = build.files.get(source.file) or inspect_model(source.file, kept.store.meshes)
+    build.files[source.file] = file
     parser = build.builder.parser()
     parser.SetAutoRenaming(value=True)
     packages = parser.package_map()
@@ -208,46 +221,14 @@ def _add_object(build: Build, thing: SceneObject, path: str) -> None:
     build.frames[thing.name] = body.body_frame()
 
 
-def _add_frames(build: Build, frames: tuple[SceneFrame, ...]) -> None:
-    """Add frames in an order in which every parent comes first, whatever their own order."""
-    for i, frame in enumerate(frames):
-        refuse_second(build, frame.name, f"frames.{i}.name")
-        if any(other.name == frame.name for other in frames[:i]):
-            message = f"frames.{i}.name: the name {frame.name!r} is taken by another frame"
-            raise SceneInvalid(message, {"path": f"frames.{i}.name", "name": frame.name})
-    pending = list(frames)
-    while pending:
-        ready = [frame for frame in pending if frame.parent in build.frames]
-        if not ready:
-            _refuse_orphan(build, pending, frames)
-        for frame in ready:
-            parent = build.frames[frame.parent]
-            offset = FixedOffsetFrame(
-                f"frame::{frame.name}", parent, RigidTransform(frame.pose.matrix)
-            )
-            build.frames[frame.name] = build.plant.AddFrame(offset)
-            pending.remove(frame)
-
-
-def _attach(build: Build, scene: Scene) -> dict[str, str]:
+def _attach(build: Build, scene: Scene, standing: Mapping[str, RigidTransform]) -> dict[str, str]:
     """Weld every attached object to its frame and return the robots that hold them."""
-    owners = require_owners(scene, build.frames)
+    owners = require_owners(scene, {*build.frames, *standing})
     for thing in scene.objects:
         if thing.attached is not None:
             frame, body = build.frames[thing.attached.frame], build.frames[thing.name]
             build.plant.WeldFrames(frame, body, RigidTransform(thing.pose.matrix))
     return owners
-
-
-def _refuse_orphan(build: Build, pending: list[SceneFrame], frames: tuple[SceneFrame, ...]) -> None:
-    names = [frame.name for frame in pending]
-    for frame in pending:
-        if frame.parent not in names:
-            fault = UnknownName.among("frame", frame.parent, [*build.frames, *names])
-            path = f"frames.{frames.index(frame)}.parent"
-            raise SceneInvalid(f"{path}: {fault.detail}", {"path": path, **fault.evidence})
-    message = f"frames hang on one another in a circle: {names}"
-    raise SceneInvalid(message, {"path": "frames", "frames": names})
 
 
 def pose_of(transform: RigidTransform) -> Pose:

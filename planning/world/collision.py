@@ -1,25 +1,29 @@
 """Collision verdicts on configurations, by Drake's exact geometry."""
 
-from collections.abc import Iterator
-from itertools import combinations
+from collections.abc import Callable, Iterator
+from itertools import chain, combinations
 from typing import Any
 
 import numpy as np
 from jaxtyping import Bool, Float64
 from pydrake.common import Parallelism
 from pydrake.planning import CollisionCheckerParams, SceneGraphCollisionChecker
-from pydrake.systems.framework import Context
 
 from planning.domain import motion_samples
 from planning.domain.body_pair import BodyPair
 from planning.domain.joints import JointGroup
 from planning.domain.manifold import Manifold
-from planning.world.contexts import measuring_context
+from planning.world.candidates import candidates_of
 from planning.world.drake_model import DrakeModel
 from planning.world.half_spaces import leave_out_half_spaces
 from planning.world.margins import PairMargins
 from planning.world.measured_pairs import MeasuredMargins, measured_pairs_of
+from planning.world.near_standing import NearStanding
 from planning.world.true_lengths import TrueLengths, farther
+
+# Of more pairs than these the nearest one is looked for nearby first [m]: looking far takes longer.
+_MANY = 10_000
+_HORIZONS = (0.01, 0.1, 0.5)
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
@@ -36,15 +40,16 @@ class DrakeCollisionOracle:
         group: JointGroup,
         state: Float64[np.ndarray, " num_positions"],
         margins: PairMargins,
-        bare: SceneGraphCollisionChecker | None = None,
+        bare: Callable[[], SceneGraphCollisionChecker] | None = None,
     ) -> None:
-        """Demand `margins` of every pair of bodies; `bare` is the model's `bare_checker`."""
+        """Demand `margins` of every pair of bodies; `bare` gives the model's `bare_checker`."""
         self._model = model
         self._manifold = Manifold.of(group.joints)
-        self._checker: Any = bare.Clone() if bare else bare_checker(model)
+        self._checker: Any = bare().Clone() if bare else bare_checker(model)
         if margins.largest > 0 or margins.by_pair:
             _apply_margins(self._checker, model, margins)
         self._measured = MeasuredMargins(model, margins)
+        self._standing = DistanceProbe(model, margins) if len(model.standing) else None
         self._full = model.follow(np.array(state))
         self._indices = model.position_indices(group)
 
@@ -53,7 +58,7 @@ class DrakeCollisionOracle:
         self._full[self._indices] = q
         self._model.follow(self._full)
         free = bool(self._checker.CheckConfigCollisionFree(self._full))
-        return free and self._measured.are_kept(self._full)
+        return free and self._is_kept(self._full)
 
     def are_free(self, qs: Float64[np.ndarray, "m nq"]) -> Bool[np.ndarray, " m"]:
         """Return the same for each row."""
@@ -62,9 +67,15 @@ class DrakeCollisionOracle:
         self._model.follow(full)
         verdicts = self._checker.CheckConfigsCollisionFree(list(full), parallelize=Parallelism(1))
         free = np.array(verdicts, dtype=bool)
-        for i in np.flatnonzero(free) if self._measured.is_needed else ():
-            free[i] = self._measured.are_kept(full[i])
+        for i in np.flatnonzero(free) if self._measured.is_needed or self._standing else ():
+            free[i] = self._is_kept(full[i])
         return free
+
+    def _is_kept(self, full: Array) -> bool:
+        """Return whether the pairs that Drake's checker does not decide keep their distances."""
+        if not self._measured.are_kept(full):
+            return False
+        return self._standing is None or self._standing.keeps_standing(full)
 
     def is_motion_free(
         self,
@@ -91,17 +102,14 @@ class DistanceProbe:
     """Measures signed distances of pairs of bodies; one context, one thread."""
 
     def __init__(
-        self, model: DrakeModel, margins: PairMargins, context: Context | None = None
+        self, model: DrakeModel, margins: PairMargins, near: NearStanding | None = None
     ) -> None:
-        """Use a `measuring_context` of the model, or make one, which takes longer than a query."""
+        """Use a context of the model, or make one, which takes longer than a query."""
         self._model = model
         self._margins = margins
-        self._context = measuring_context(model) if context is None else context
-        self._plant_context = model.plant.GetMyMutableContextFromRoot(self._context)
-        self._query_port = model.scene_graph.get_query_output_port()
-        self._query_context = model.scene_graph.GetMyContextFromRoot(self._context)
+        self._near = near or NearStanding(model)
         self._ours = measured_pairs_of(model)
-        self._lengths = TrueLengths(model.scene_graph)
+        self._lengths = TrueLengths()
 
     def pairs_within(
         self,
@@ -142,18 +150,34 @@ class DistanceProbe:
         No distance is larger than the true one. Drake's may be, and say how far to look for true
         ones, which take longer.
         """
-        met = self.pairs_within(full, horizon)
+        met: tuple[BodyPair, ...] = ()
+        for reach in self._reaches(full, least, horizon):
+            met = self.pairs_within(full, reach)
+            if met:
+                break
         reach = max(least, met[0].distance + _SAME, 0.0) if met else least
         return self.pairs_within(full, reach, exactly=True)
+
+    def _reaches(self, full: Array, least: float, horizon: float) -> Iterator[float]:
+        """Yield how far to look [m], from near to far where there are many pairs."""
+        if len(candidates_of(self._model).rows) > _MANY:
+            yield from (max(least, reach) for reach in _HORIZONS if reach < horizon)
+        self._near.go_to(full)
+        yield min(max(least, farther(self._near.surely_within())), horizon)
 
     def violations(self, full: Float64[np.ndarray, " num_positions"]) -> tuple[BodyPair, ...]:
         """Return every pair of bodies that is nearer than its margin, nearest first."""
         found = self.pairs_within(full, max(self._margins.largest, 1e-9), exactly=True)
         return tuple(pair for pair in found if pair.distance < self._margins.of(*pair.bodies))
 
-    def _query(self, full: Array) -> Any:
-        self._model.plant.SetPositions(self._plant_context, full)
-        return self._query_port.Eval(self._query_context)
+    def keeps_standing(self, full: Float64[np.ndarray, " num_positions"]) -> bool:
+        """Return whether everything keeps its distance from what stands outside of the model."""
+        standing, reach = self._model.standing.rows, max(self._margins.largest, 1e-9)
+        return all(
+            length > self._margins.of(*bodies)
+            for _, bodies, length, _ in self._measured(full, reach)
+            if not standing.keys().isdisjoint(bodies)
+        )
 
     def _measured(
         self, full: Array, distance: float, *, exactly: bool = False
@@ -162,30 +186,35 @@ class DistanceProbe:
 
         Pairs that are ours are measured here; that boxes overlap Drake knows.
         """
-        query = self._query(full)
+        self._near.go_to(full)
+        for rows, is_first in self._near.shown_within(distance):
+            yield from self._measured_here(rows, distance, is_first=is_first, exactly=exactly)
+
+    def _measured_here(
+        self, rows: list[int], distance: float, *, is_first: bool, exactly: bool
+    ) -> Iterator[tuple[tuple[Any, Any], tuple[str, str], float, Array]]:
+        """Yield the same of what stands in some rows, and at first of the model by itself."""
+        query, near, chosen = self._near.query, self._near, set(rows)
         overlapping: set[tuple[Any, Any]] = set()
         reach = farther(distance) if exactly else distance
         for found in query.ComputeSignedDistancePairwiseClosestPoints(reach):
             ids = found.id_A, found.id_B
-            if self._ours.is_for_drake(ids, found.distance):
+            standing = {near.row(i) for i in ids} - {None}
+            is_asked = standing <= chosen if standing else is_first
+            bodies = near.bodies(ids) if is_asked else None
+            is_ours = near.are_boxes(ids) and found.distance > 0
+            if bodies and not is_ours and self._ours.is_for_drake(ids, found.distance):
                 overlapping.add(ids)
                 length = self._lengths.of(found, query) if exactly else float(found.distance)
                 if length > distance:
                     continue
                 p_wa = query.GetPoseInWorld(found.id_A).multiply(found.p_ACa)
                 p_wb = query.GetPoseInWorld(found.id_B).multiply(found.p_BCb)
-                yield ids, self._bodies(query, ids), length, np.array([p_wa, p_wb])
-        for own in self._ours.within(query, distance):
+                yield ids, bodies, length, np.array([p_wa, p_wb])
+        ours = self._ours.within(query, distance) if is_first else ()
+        for own in chain(ours, near.boxes_within(rows, distance)):
             if own.ids not in overlapping and own.ids[::-1] not in overlapping:
                 yield own.ids, own.bodies, own.length, own.points
-
-    def _bodies(self, query: Any, ids: tuple[Any, Any]) -> tuple[str, str]:
-        inspector = query.inspector()
-        return self._body(inspector, ids[0]), self._body(inspector, ids[1])
-
-    def _body(self, inspector: Any, geometry: Any) -> str:
-        body = self._model.plant.GetBodyFromFrameId(inspector.GetFrameId(geometry))
-        return self._model.body_names.get(body.index(), body.name())
 
 
 def bare_checker(model: DrakeModel) -> SceneGraphCollisionChecker:

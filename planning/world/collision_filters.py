@@ -28,13 +28,14 @@ def allow_collisions(build: Build, scene: Scene) -> None:
         own = [(a, b) for a, b in card.allowed_collisions] if card else robot.file.disabled_pairs
         said = "robot.yaml" if card else "the SRDF beside the description"
         pairs += [("", (f"{prefix}::{a}", f"{prefix}::{b}"), said) for a, b in own]
+    known = build.known_bodies
     for path, pair, said in pairs:
-        unknown = [name for name in pair if name not in build.bodies]
+        unknown = [name for name in pair if name not in known]
         if unknown and path:
-            fault = UnknownName.among("body", unknown[0], build.bodies)
+            fault = UnknownName.among("body", unknown[0], known)
             raise SceneInvalid(f"{path}: {fault.detail}", {"path": path, **fault.evidence})
         if unknown and said == "robot.yaml":
-            raise UnknownName.among("body", unknown[0], build.bodies)
+            raise UnknownName.among("body", unknown[0], known)
         if not unknown:
             _exclude(build, pair)
             build.unchecked[frozenset(pair)] = ("allowed", f"{said} lets them touch")
@@ -47,6 +48,7 @@ def allow_touch(build: Build, scene: Scene) -> None:
         SceneInvalid: A list names a body that does not exist.
     """
     names = {index: name for name, index in build.bodies.items()}
+    known = build.known_bodies
     is_any_held = any(thing.attached is not None for thing in scene.objects)
     arm = [name for robot in build.robots if is_any_held for name in _arm(build, robot)]
     for i, thing in enumerate(scene.objects):
@@ -57,8 +59,8 @@ def allow_touch(build: Build, scene: Scene) -> None:
             found = may_touch(build.plant, build.frames[thing.attached.frame], arm)
             touch = tuple(names[index] for index in found if index in names)
         for k, name in enumerate(touch):
-            if name not in build.bodies:
-                fault = UnknownName.among("body", name, build.bodies)
+            if name not in known:
+                fault = UnknownName.among("body", name, known)
                 path = f"objects.{i}.attached.touch.{k}"
                 raise SceneInvalid(f"{path}: {fault.detail}", {"path": path, **fault.evidence})
             if name != thing.name:
@@ -106,6 +108,8 @@ def leave_out_neighbours(
 
 
 def _exclude(build: Build, pair: tuple[str, str]) -> None:
+    if not build.standing.isdisjoint(pair):
+        return  # no pair of Drake's: `standing_build` has it
     sets = [_geometries(build, build.bodies[name]) for name in pair]
     filters = build.builder.scene_graph().collision_filter_manager()
     filters.Apply(CollisionFilterDeclaration().ExcludeBetween(*sets))

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -12,9 +13,12 @@ from pydrake.multibody.tree import BodyIndex, Frame, JointIndex
 from pydrake.planning import RobotDiagram
 
 from planning.domain.joints import JointGroup
-from planning.domain.unchecked_pair import UncheckedPair
+from planning.domain.unchecked_pair import UncheckedReason
+from planning.errors import ProblemInvalid
+from planning.world.standing import StandingObjects
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
+type Reasons = Mapping[frozenset[str], tuple[UncheckedReason, str]]
 type Indices = np.ndarray[Any, np.dtype[np.intp]]
 
 
@@ -30,7 +34,7 @@ class Coupling:
     offset: float
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class DrakeModel:
     """A scene in Drake. Never leaves the process, never crosses a stage as a value.
 
@@ -38,14 +42,15 @@ class DrakeModel:
         diagram: Owns the plant and the scene graph; stages make their own contexts of it.
         plant: Finalized.
         scene_graph: With every allowed collision filtered out.
-        body_names: Full name of every body.
+        body_names: Full name of every body of the plant.
         bodies: The same, by full name.
-        frames: Drake frames by full name; "world" is one of them.
+        frames: Drake's frames by full name; "world" is one of them.
         joint_indices: Drake's joint by full name.
         couplings: Mimic joints, none before its leader; the plant itself does not know of them.
         owners: The robot that holds an object, by the object's name.
+        standing: Objects that the plant and the scene graph do not have.
         uses_kernel: Whether the native kernel may answer where it is sure, or Drake always does.
-        unchecked: Pairs of bodies that no collision check looks at, with the reason for each.
+        reasons: Why pairs of bodies were left out of collision checks, as far as we did that.
         warnings: What was found odd while the scene was built.
     """
 
@@ -58,12 +63,34 @@ class DrakeModel:
     joint_indices: Mapping[str, JointIndex]
     couplings: tuple[Coupling, ...]
     owners: Mapping[str, str] = field(default_factory=dict)
+    standing: StandingObjects = field(default_factory=StandingObjects)
     uses_kernel: bool = True
-    unchecked: tuple[UncheckedPair, ...] = ()
+    reasons: Reasons = field(default_factory=dict)
     warnings: tuple[str, ...] = ()
     _known: dict[tuple[str, ...], tuple[Indices, Indices]] = field(
         default_factory=dict, init=False, repr=False, compare=False
     )
+
+    @cached_property
+    def all_bodies(self) -> frozenset[str]:
+        """Full names of the plant's bodies and of what stands outside of it."""
+        return frozenset({*self.bodies, *self.standing.rows})
+
+    @property
+    def all_frames(self) -> set[str]:
+        """Full names of Drake's frames and of those that stand outside of its plant."""
+        return {*self.frames, *self.standing.frames}
+
+    def frame(self, name: str) -> Frame:
+        """Return Drake's frame of a name that exists.
+
+        Raises:
+            ProblemInvalid: It stands in the world, where one is needed that can move.
+        """
+        if name in self.standing.frames:
+            message = f"frame {name!r} stands in the world: one is needed that can move"
+            raise ProblemInvalid(message, {"field": "frame", "frame": name})
+        return self.frames[name]
 
     @property
     def mimics(self) -> tuple[tuple[int, int, float], ...]:

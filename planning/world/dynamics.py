@@ -164,7 +164,7 @@ def require_burden(
     moved |= {c.follower_velocity for c in model.following(group)}
     joints = [model.plant.get_joint(index) for index in model.joint_indices.values()]
     moving = [joint.index() for joint in joints if joint.velocity_start() in moved]
-    body = model.frames[payload.frame].body().index()
+    body = model.frame(payload.frame).body().index()
     if body not in model.plant.GetBodiesKinematicallyAffectedBy(moving):
         message = f"{field}.frame: {group.name!r} does not move {payload.frame!r}"
         evidence = {"field": f"{field}.frame", "tool_frames": list(group.tool_frames)}
@@ -173,7 +173,7 @@ def require_burden(
 
 def _load(model: DrakeModel, context: Any, payload: Payload) -> None:
     """Add a payload to the body that its frame is fixed to, in a context alone."""
-    frame = model.frames[payload.frame]
+    frame = model.frame(payload.frame)
     body: Any = model.plant.get_body(frame.body().index())
     x_bf = frame.GetFixedPoseInBodyFrame()
     (xx, xy, xz), (_, yy, yz), (*_, zz) = payload.inertia

@@ -10,13 +10,13 @@ from typing import Any
 from weakref import WeakKeyDictionary
 
 import numpy as np
-from pydrake.geometry import Role
-from pydrake.planning import RobotDiagram
 
 from planning.domain.joints import JointGroup
 from planning.domain.manifold import Manifold
 from planning.domain.value import digest
+from planning.world.candidates import candidates_of
 from planning.world.convex_shapes import convex_shape
+from planning.world.standing import StandingObjects
 from planning.world.world import World
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
@@ -26,12 +26,12 @@ type Array = np.ndarray[Any, np.dtype[np.float64]]
 _NUM_PROBES = 4
 
 
-_known: WeakKeyDictionary[RobotDiagram, dict[str, str]] = WeakKeyDictionary()
+_known: WeakKeyDictionary[StandingObjects, dict[str, str]] = WeakKeyDictionary()
 
 
 def collision_fingerprint(world: World, group: JointGroup) -> str:
     """Return the sha256 of shapes, which of them may touch, and where the group takes them."""
-    known = _known.setdefault(world.drake.diagram, {})
+    known = _known.setdefault(world.drake.standing, {})
     if group.name not in known:
         known[group.name] = _taken(world, group)
     return known[group.name]
@@ -39,16 +39,15 @@ def collision_fingerprint(world: World, group: JointGroup) -> str:
 
 def _taken(world: World, group: JointGroup) -> str:
     inspector = world.drake.scene_graph.model_inspector()
-    ids = sorted(
-        inspector.GetAllGeometryIds(Role.kProximity), key=lambda geometry: geometry.get_value()
-    )
-    place = {geometry: row for row, geometry in enumerate(ids)}
-    pairs = sorted(
-        tuple(sorted((place[a], place[b]))) for a, b in inspector.GetCollisionCandidates()
-    )
+    candidates, standing = candidates_of(world.drake), world.drake.standing
+    ids = candidates.ids[: candidates.num_of_drake]
+    alone = [
+        [thing.name, x.GetAsMatrix34(), shape]
+        for thing, x, shape in zip(standing.things, standing.poses, standing.shapes, strict=True)
+    ]
     return digest((
-        [_geometry(world, inspector, geometry) for geometry in ids],
-        np.array(pairs, dtype=np.int32),
+        [_geometry(world, inspector, geometry) for geometry in ids] + alone,
+        candidates.rows.astype(np.int32),
         list(group.position_names),
         _body_poses(world, group),
         world.drake.owners,

@@ -24,6 +24,7 @@ from pydrake.planning import RobotDiagram
 from planning.errors import ModelInvalid
 from planning.kernel.shape import ConvexShape, ShapeKind
 from planning.kernel.support import farthest_point
+from planning.world.candidates import candidates_of
 from planning.world.convex_shapes import convex_shape
 from planning.world.drake_model import DrakeModel
 
@@ -107,6 +108,18 @@ def has_half_space(inspector: Any, pair: Ids) -> bool:
     return any(isinstance(inspector.GetShape(i), HalfSpace) for i in pair)
 
 
+def has_half_space_that_moves(model: DrakeModel) -> bool:
+    """Return whether a body of the model that moves has a half space."""
+    plant, inspector = model.plant, model.scene_graph.model_inspector()
+    fixed = {int(body.index()) for body in plant.GetBodiesWeldedTo(plant.world_body())}
+    return any(
+        isinstance(inspector.GetShape(geometry), HalfSpace)
+        for index in model.body_names
+        if int(index) not in fixed
+        for geometry in plant.GetCollisionGeometriesForBody(plant.get_body(index))
+    )
+
+
 def measurable(inspector: Any, geometry: GeometryId) -> ConvexShape:
     """Return a geometry's shape as one that can be held over a half space.
 
@@ -134,10 +147,10 @@ def leave_out_half_spaces(scene_graph: SceneGraph, context: Any) -> None:
 
 def _pairs(model: DrakeModel) -> HalfSpacePairs:
     inspector: Any = model.scene_graph.model_inspector()
-    candidates: Any = inspector.GetCollisionCandidates()
-    found = {i for pair in candidates for i in pair}
-    flat = {i for i in found if isinstance(inspector.GetShape(i), HalfSpace)}
-    ids: list[Ids] = sorted(pair for pair in candidates if not flat.isdisjoint(pair))
+    every = inspector.GetAllGeometryIds(Role.kProximity)
+    flat = {i for i in every if isinstance(inspector.GetShape(i), HalfSpace)}
+    pairs = candidates_of(model).pairs_of_drake if flat else []
+    ids: list[Ids] = [pair for pair in pairs if not flat.isdisjoint(pair)]
     return HalfSpacePairs(
         ids=tuple(ids),
         bodies=tuple((_body(model, a), _body(model, b)) for a, b in ids),

@@ -1,22 +1,22 @@
 """What robots hold: objects that follow a frame of a robot instead of standing in the world."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable
 from typing import Any
 
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import BodyIndex, Frame
 
 from planning.domain.scene import Scene
-from planning.domain.scene_tree import hold_of, parents
+from planning.domain.scene_tree import holder_of, parents
 from planning.errors import SceneInvalid, UnknownName
 
 
-def require_owners(scene: Scene, frames: Mapping[str, Frame]) -> dict[str, str]:
+def require_owners(scene: Scene, frames: Collection[str]) -> dict[str, str]:
     """Return the robot that holds each attached object.
 
     Args:
         scene: With or without attached objects.
-        frames: Everything that an object may be attached to, by full name.
+        frames: Full names of everything that an object may be attached to.
 
     Raises:
         SceneInvalid: The frame does not exist, or is no robot's; evidence has the `path`.
@@ -30,7 +30,7 @@ def require_owners(scene: Scene, frames: Mapping[str, Frame]) -> dict[str, str]:
         if frame not in frames:
             fault = UnknownName.among("frame", frame, frames)
             raise SceneInvalid(f"{path}: {fault.detail}", {"path": path, **fault.evidence})
-        robot = hold_of(frame, above).robot
+        robot = holder_of(frame, above)
         if robot is None:
             message = f"{path}: {frame!r} is no frame of a robot, so nothing can be attached to it"
             raise SceneInvalid(message, {"path": path, "frame": frame})

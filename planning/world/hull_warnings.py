@@ -18,14 +18,18 @@ _SMALLEST_EXCESS = 0.01
 def hull_warnings(model: DrakeModel) -> tuple[str, ...]:
     """Return a warning for every body with a mesh that is checked as its larger convex hull."""
     inspector = model.scene_graph.model_inspector()
+    shapes = [
+        (name, inspector.GetShape(geometry))
+        for name, index in model.bodies.items()
+        for geometry in model.plant.GetCollisionGeometriesForBody(model.plant.get_body(index))
+    ]
+    shapes += list(zip(model.standing.rows, model.standing.drake_shapes, strict=True))
     found: list[str] = []
-    for name, index in model.bodies.items():
-        for geometry in model.plant.GetCollisionGeometriesForBody(model.plant.get_body(index)):
-            shape = inspector.GetShape(geometry)
-            if isinstance(shape, Mesh | Convex) and shape.source().is_path():
-                path, scale = Path(shape.source().path()), np.asarray(shape.scale3()).tolist()
-                text = _warning(path, tuple(scale), path.stat().st_mtime_ns)
-                found += [f"{name}: {text}"] if text else []
+    for name, shape in shapes:
+        if isinstance(shape, Mesh | Convex) and shape.source().is_path():
+            path, scale = Path(shape.source().path()), np.asarray(shape.scale3()).tolist()
+            text = _warning(path, tuple(scale), path.stat().st_mtime_ns)
+            found += [f"{name}: {text}"] if text else []
     return tuple(dict.fromkeys(found))
 
 

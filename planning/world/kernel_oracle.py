@@ -1,5 +1,6 @@
 """Collision verdicts by the native kernel where it is sure, and by Drake where it is not."""
 
+from collections.abc import Callable
 from functools import cached_property
 from typing import Any
 
@@ -37,11 +38,11 @@ class KernelCollisionOracle:
         group: JointGroup,
         state: Float64[np.ndarray, " num_positions"],
         margins: PairMargins,
-        bare: SceneGraphCollisionChecker | None = None,
+        bare: Callable[[], SceneGraphCollisionChecker] | None = None,
     ) -> None:
         """Prepare the kernel for a group whose verdicts demand `margins` of every pair.
 
-        `bare` is the model's `bare_checker`, if there is one already.
+        `bare` gives the model's `bare_checker`.
         """
         self.num_left = 0
         self._drake_arguments = model, group, state, margins, bare

@@ -1,26 +1,27 @@
 """KernelScene: a loaded world in the native kernel."""
 
-from dataclasses import dataclass
+from collections.abc import Callable, Collection, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 from weakref import WeakKeyDictionary
 
 import numpy as np
 from jaxtyping import Bool, Float64
-from pydrake.geometry import GeometryId, Role
+from pydrake.geometry import GeometryId
 from pydrake.math import RigidTransform
-from pydrake.multibody.tree import BodyIndex
-from pydrake.planning import RobotDiagram
 
 from planning.kernel.covering import Covering, cached_covering
 from planning.kernel.native import native
 from planning.kernel.shape import ConvexShape, ShapeKind
+from planning.world.candidates import Candidates, candidates_of
 from planning.world.convex_shapes import convex_shape
 from planning.world.drake_model import DrakeModel
 from planning.world.kernel_tree import add_tree, flat_transform
 from planning.world.link_tree import WORLD, link_tree
 from planning.world.margins import PairMargins
 from planning.world.mesh_files import cache_folder
+from planning.world.standing import StandingObjects
 
 # The kernel's numbers for kinds of shapes (shape.hpp).
 _KINDS = tuple(ShapeKind)
@@ -33,24 +34,65 @@ class KernelScene:
 
     Attributes:
         native: The kernel's Scene.
-        pairs: Both geometries of every pair that may collide, in the kernel's order.
-        bodies: Full names of their bodies.
+        candidates: All pairs that may collide, in the kernel's order.
         is_of_one_robot: Whether both belong to one robot, shape (num_pairs,).
         links: For every body's index, its link and X_LB.
     """
 
     native: Any
-    pairs: tuple[tuple[GeometryId, GeometryId], ...]
-    bodies: tuple[tuple[str, str], ...]
+    candidates: Candidates
     is_of_one_robot: Bool[np.ndarray, " num_pairs"]
     links: dict[int, tuple[int, RigidTransform]]
 
+    @property
+    def pairs(self) -> tuple[tuple[GeometryId, GeometryId], ...]:
+        """Both geometries of every pair, in the kernel's order."""
+        return self.candidates.pairs
+
+    @property
+    def bodies(self) -> tuple[tuple[str, str], ...]:
+        """Full names of their bodies."""
+        return self.candidates.pair_names
+
+    def pair(self, row: int) -> tuple[GeometryId, GeometryId]:
+        """Return both geometries of one pair."""
+        a, b = self.candidates.rows[row]
+        return self.candidates.ids[a], self.candidates.ids[b]
+
+    def names(self, row: int) -> tuple[str, str]:
+        """Return the full names of their bodies."""
+        a, b = self.candidates.rows[row]
+        return self.candidates.names[a], self.candidates.names[b]
+
     def demands(self, margins: PairMargins) -> Float64[np.ndarray, " num_pairs"]:
         """Return the margin of every pair [m]; as `PairMargins.of`, but of all pairs at once."""
-        demanded = np.where(self.is_of_one_robot, 0.0, margins.default)
-        for names, margin in margins.by_pair.items():
-            demanded[self._rows.get(names, [])] = margin
-        return demanded
+        return self.by_pair(margins.of, margins.by_pair)
+
+    def by_pair(
+        self, value: Callable[[str, str], float], exceptions: Collection[tuple[str, str]]
+    ) -> Float64[np.ndarray, " num_pairs"]:
+        """Return a number for every pair of bodies, by their full names.
+
+        Args:
+            value: The number; the same for all pairs of one robot, and the same for all others.
+            exceptions: Pairs, by names in sorted order, of which it may be another.
+        """
+        names = set(exceptions)
+        found = np.full(len(self.is_of_one_robot), np.nan)
+        for kind in (self.is_of_one_robot, ~self.is_of_one_robot):
+            some = next(
+                (
+                    pair
+                    for pair in map(self.names, np.flatnonzero(kind).tolist())
+                    if (min(pair), max(pair)) not in names
+                ),
+                None,
+            )
+            if some is not None:
+                found[kind] = value(*some)
+        for pair in names:
+            found[self._rows.get(pair, [])] = value(*pair)
+        return found
 
     @cached_property
     def _rows(self) -> dict[tuple[str, str], list[int]]:
@@ -60,7 +102,7 @@ class KernelScene:
         return rows
 
 
-_made: WeakKeyDictionary[RobotDiagram, KernelScene | None] = WeakKeyDictionary()
+_made: WeakKeyDictionary[StandingObjects, KernelScene | None] = WeakKeyDictionary()
 
 
 def kernel_scene_of(model: DrakeModel) -> KernelScene | None:
@@ -70,9 +112,22 @@ def kernel_scene_of(model: DrakeModel) -> KernelScene | None:
     """
     if not model.uses_kernel:
         return None
-    if model.diagram not in _made:
-        _made[model.diagram] = kernel_scene(model)
-    return _made[model.diagram]
+    if model.standing not in _made:
+        _made[model.standing] = kernel_scene(model)
+    return _made[model.standing]
+
+
+def share_kernel_scene(before: DrakeModel, after: DrakeModel, rows: Sequence[int]) -> None:
+    """Let a model have the kernel's scene of another one, some rows of `standing` elsewhere."""
+    scene = kernel_scene_of(before)
+    if scene is None:
+        _made[after.standing] = None
+        return
+    first = candidates_of(before).num_of_drake
+    geometries = np.array([first + row for row in rows], dtype=np.int64)
+    flat = [flat_transform(after.standing.poses[row]) for row in rows]
+    moved = scene.native.with_poses(geometries, np.array(flat, dtype=np.float64).reshape(-1, 12))
+    _made[after.standing] = replace(scene, native=moved)
 
 
 def kernel_scene(model: DrakeModel) -> KernelScene | None:
@@ -84,31 +139,28 @@ def kernel_scene(model: DrakeModel) -> KernelScene | None:
     module, tree = native(), link_tree(model)
     if module is None or tree is None:
         return None
-    inspector = model.scene_graph.model_inspector()
-    ids: list[GeometryId] = sorted(inspector.GetAllGeometryIds(Role.kProximity))
+    inspector: Any = model.scene_graph.model_inspector()
+    candidates, standing = candidates_of(model), model.standing
+    ids = candidates.ids[: candidates.num_of_drake]
     shapes = [convex_shape(inspector.GetShape(i)) for i in ids]
     if None in shapes:
         return None
     scene = module.Scene(model.plant.num_positions(), model.plant.num_velocities())
     add_tree(scene, model, tree)
-    owners: dict[GeometryId, Any] = {
-        i: model.plant.GetBodyFromFrameId(inspector.GetFrameId(i)).index() for i in ids
-    }
-    for i, shape in zip(ids, shapes, strict=True):
+    for i, body, shape in zip(ids, candidates.bodies, shapes, strict=False):
         assert shape is not None  # noqa: S101  (looked at above)
-        link, x_lb = tree.bodies[int(owners[i])]
+        link, x_lb = tree.bodies[int(body)]
         _add_geometry(scene, link, x_lb.multiply(inspector.GetPoseInFrame(i)), shape)
-    row = {i: k for k, i in enumerate(ids)}
-    pairs: list[tuple[GeometryId, GeometryId]] = sorted(inspector.GetCollisionCandidates())
-    for a, b in pairs:
-        scene.add_pair(row[a], row[b])
-    bodies = tuple((_name(model, owners[a]), _name(model, owners[b])) for a, b in pairs)
+    for x, shape in zip(standing.poses, standing.shapes, strict=True):
+        _add_geometry(scene, WORLD, x, shape)
+    scene.add_pairs(candidates.rows.astype(np.int64).ravel())
     bare = PairMargins(1.0, owners=model.owners)
+    owners = bare.robots_of(candidates.names)
+    a, b = owners[candidates.rows].T
     return KernelScene(
         native=scene,
-        pairs=tuple(pairs),
-        bodies=bodies,
-        is_of_one_robot=np.array([bare.are_of_one_robot(*pair) for pair in bodies], dtype=bool),
+        candidates=candidates,
+        is_of_one_robot=(a == b) & (a >= 0),
         links=tree.bodies,
     )
 
@@ -130,7 +182,3 @@ def _add_geometry(scene: Any, link: int, x_lg: RigidTransform, shape: ConvexShap
         covering.inner,
         covering.bound,
     )
-
-
-def _name(model: DrakeModel, body: BodyIndex) -> str:
-    return model.body_names.get(body, model.plant.get_body(body).name())

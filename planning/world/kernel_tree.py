@@ -34,7 +34,7 @@ def kernel_chain(
     if module is None or made is None:
         return None
     scene, tree = made
-    drake_frame = model.frames[frame]
+    drake_frame = model.frame(frame)
     link, x_lb = tree.bodies[int(drake_frame.body().index())]
     return module.Chain(
         scene,

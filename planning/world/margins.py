@@ -1,7 +1,10 @@
 """PairMargins: the distance that is demanded of two bodies."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+
+import numpy as np
+from jaxtyping import Int
 
 from planning.domain.value import Value
 
@@ -44,6 +47,15 @@ class PairMargins(Value):
         """Return whether two bodies are parts of one robot, or held by it."""
         robot_a, robot_b = self._robot(body_a), self._robot(body_b)
         return robot_a is not None and robot_a == robot_b
+
+    def robots_of(self, bodies: Sequence[str]) -> Int[np.ndarray, " n"]:
+        """Return a number for the robot of each body, by full names; -1 for that of none."""
+        numbers: dict[str, int] = {}
+        robots = [self._robot(body) for body in bodies]
+        return np.array(
+            [-1 if robot is None else numbers.setdefault(robot, len(numbers)) for robot in robots],
+            dtype=np.intp,
+        )
 
     def _robot(self, body: str) -> str | None:
         robot, has_robot, _ = body.partition("::")

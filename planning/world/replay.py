@@ -20,7 +20,7 @@ from planning.domain.joints import JointGroup, JointType
 from planning.world.camera import SolidBox, place_camera
 from planning.world.half_space_plate import plate_under
 from planning.world.replay_page import Label, Section, labelled
-from planning.world.replay_view import ShownBody, WorldView
+from planning.world.replay_view import ShownBody, ShownShape, WorldView
 from planning.world.world import World
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
@@ -115,7 +115,7 @@ class _Replay:
         self._views = [views.setdefault(id(m.world), WorldView(m.world)) for m in motions]
         self._states = [motion.states(rate) for motion in motions]
         self._drawn: dict[str, ShownBody] = {}
-        self._flat: list[tuple[WorldView, ShownBody, str, Any]] = []
+        self._flat: list[tuple[WorldView, ShownBody, str, ShownShape]] = []
 
     def page(self) -> str:
         """Draw everything and return the page."""
@@ -145,21 +145,20 @@ class _Replay:
             if shown.path in self._drawn:
                 continue
             self._drawn[shown.path] = shown
-            for i, geometry in enumerate(shown.geometries):
-                path, shape = f"{shown.path}/{i}", view.inspector.GetShape(geometry)
-                if isinstance(shape, HalfSpace):  # drawn where the camera looks, once it does
-                    self._flat.append((view, shown, path, geometry))
+            for i, drawn in enumerate(shown.shapes):
+                path = f"{shown.path}/{i}"
+                if isinstance(drawn.shape, HalfSpace):  # drawn where the camera looks, once it does
+                    self._flat.append((view, shown, path, drawn))
                     continue
-                self._meshcat.SetObject(path, shape, view.color(shown.body, geometry))
-                self._meshcat.SetTransform(path, view.inspector.GetPoseInFrame(geometry))
+                self._meshcat.SetObject(path, drawn.shape, drawn.color)
+                self._meshcat.SetTransform(path, drawn.X_BS)
 
     def _draw_half_spaces(self, points: Array) -> None:
         """Draw every half space as a plate under some points in world, shape (n, 3)."""
-        for view, shown, path, geometry in self._flat:
-            x_bg = view.inspector.GetPoseInFrame(geometry)
-            plate, x_gp = plate_under(view.pose_of(shown.body) @ x_bg, points)
-            self._meshcat.SetObject(path, plate, view.color(shown.body, geometry))
-            self._meshcat.SetTransform(path, x_bg @ x_gp)
+        for view, shown, path, drawn in self._flat:
+            plate, x_gp = plate_under(view.poses[shown.path] @ drawn.X_BS, points)
+            self._meshcat.SetObject(path, plate, drawn.color)
+            self._meshcat.SetTransform(path, drawn.X_BS @ x_gp)
 
     def _draw_frames(self, view: WorldView) -> None:
         """Draw the scene's named frames as small triads."""

@@ -2,15 +2,17 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 from jaxtyping import Float64
-from pydrake.geometry import GeometryId, Rgba, Role
+from pydrake.geometry import CalcObb, GeometryId, Rgba, Role
 from pydrake.math import RigidTransform
 from pydrake.multibody.tree import Frame, RigidBody
 
 from planning.domain.joints import JointGroup
+from planning.world.builder import DEFAULT_COLOR
 from planning.world.camera import SolidBox, WatchedPoint
 from planning.world.world import World
 
@@ -25,6 +27,25 @@ _PALETTE = (
     Rgba(0.64, 0.58, 0.74),
     Rgba(0.70, 0.70, 0.70),
 )
+# Of thousands of objects so many count as being in the camera's way.
+_MOST_IN_THE_WAY = 200
+
+
+@dataclass(frozen=True)
+class ShownShape:
+    """A shape that is drawn.
+
+    Attributes:
+        shape: Drake's.
+        X_BS: Its pose on its body.
+        color: As its description says, or one of ours.
+        box: The box around it, on the shape; None for what has no end.
+    """
+
+    shape: Any
+    X_BS: RigidTransform
+    color: Rgba
+    box: Any
 
 
 @dataclass(frozen=True)
@@ -34,14 +55,14 @@ class ShownBody:
     Attributes:
         name: Its full name.
         path: Its place in Meshcat's tree.
-        body: Drake's.
-        geometries: What is drawn of it: what it looks like, else its collision shapes.
+        body: Drake's; None if it stands outside of Drake's model.
+        shapes: What is drawn of it: what it looks like, else its collision shapes.
     """
 
     name: str
     path: str
-    body: RigidBody
-    geometries: tuple[GeometryId, ...]
+    body: RigidBody | None
+    shapes: tuple[ShownShape, ...]
 
 
 class WorldView:
@@ -50,17 +71,26 @@ class WorldView:
     def __init__(self, world: World) -> None:
         """Find what shows."""
         self.world = world
-        self.inspector: Any = world.drake.scene_graph.model_inspector()
+        self._inspector: Any = world.drake.scene_graph.model_inspector()
         self._plant = world.drake.plant
         self._root = world.drake.diagram.CreateDefaultContext()
         self._context = self._plant.GetMyMutableContextFromRoot(self._root)
         fixed = self._plant.GetBodiesWeldedTo(self._plant.world_body())
         self._fixed = {body.index() for body in fixed}
-        self.bodies = self._shown_bodies()
+        standing = world.drake.standing
+        self.bodies = [*self._shown_bodies(), *self._standing_bodies()]
         named = {f"/frames/{frame.name}": frame.name for frame in world.scene.frames}
+        self._standing = {
+            path: standing.frames[name] for path, name in named.items() if name in standing.frames
+        }
+        poses = zip(standing.things, standing.poses, strict=True)
+        self._standing |= {_path(thing.name): pose for thing, pose in poses}
         self._frames: dict[str, Frame] = {
-            **{shown.path: shown.body.body_frame() for shown in self.bodies},
-            **{path: world.drake.frames[name] for path, name in named.items()},
+            shown.path: shown.body.body_frame() for shown in self.bodies if shown.body is not None
+        } | {
+            path: world.drake.frames[name]
+            for path, name in named.items()
+            if path not in self._standing
         }
         self._moving = {p: f for p, f in self._frames.items() if self._moves(f.body())}
 
@@ -71,25 +101,13 @@ class WorldView:
     @property
     def poses(self) -> dict[str, RigidTransform]:
         """X_WF of everything that shows, by path."""
-        return {p: f.CalcPoseInWorld(self._context) for p, f in self._frames.items()}
+        found = {p: f.CalcPoseInWorld(self._context) for p, f in self._frames.items()}
+        return found | self._standing
 
     @property
     def moving_poses(self) -> dict[str, RigidTransform]:
         """X_WF of what shows and is not fixed to the world, by path."""
         return {p: f.CalcPoseInWorld(self._context) for p, f in self._moving.items()}
-
-    def color(self, body: RigidBody, geometry: GeometryId) -> Rgba:
-        """Return the colour of a geometry, as its description says or one of ours."""
-        # Drake answers None for a geometry that only collides, whatever its stubs say.
-        properties: Any = self.inspector.GetIllustrationProperties(geometry)
-        if properties is not None and properties.HasProperty("phong", "diffuse"):
-            found: Rgba = properties.GetProperty("phong", "diffuse")
-            return found
-        return _PALETTE[int(body.index()) % len(_PALETTE)]
-
-    def pose_of(self, body: RigidBody) -> RigidTransform:
-        """Return X_WB of a body."""
-        return self._plant.EvalBodyPoseInWorld(self._context, body)
 
     def tool(self, group: JointGroup) -> Array:
         """Return where the default tool frame of a group is, p_WF, shape (3,)."""
@@ -100,15 +118,24 @@ class WorldView:
         """Return the boxes around what shows and moves, or around what shows and does not."""
         boxes: list[SolidBox] = []
         for shown in self.bodies:
-            if self._moves(shown.body) is not moving:
+            if shown.body is None or self._moves(shown.body) is not moving:
                 continue
-            x_wb = self.pose_of(shown.body)
-            for geometry in shown.geometries:
-                box = self.inspector.GetObbInGeometryFrame(geometry)
-                if box is not None:
-                    x_wo = x_wb @ self.inspector.GetPoseInFrame(geometry) @ box.pose()
-                    boxes.append(SolidBox(x_wo.GetAsMatrix4(), np.array(box.half_width())))
-        return boxes
+            x_wb = self._plant.EvalBodyPoseInWorld(self._context, shown.body)
+            boxes += [_solid(x_wb, drawn) for drawn in shown.shapes if drawn.box is not None]
+        return boxes if moving else boxes + self._largest_standing
+
+    @cached_property
+    def _largest_standing(self) -> list[SolidBox]:
+        """Boxes around the largest objects that stand outside of Drake's model."""
+        apart = [shown for shown in self.bodies if shown.body is None]
+        radii = self.world.drake.standing.balls[1]
+        largest = [apart[row] for row in np.argsort(-radii, kind="stable")[:_MOST_IN_THE_WAY]]
+        return [
+            _solid(self._standing[shown.path], drawn)
+            for shown in largest
+            for drawn in shown.shapes
+            if drawn.box is not None
+        ]
 
     def watched(self, group: JointGroup, states: Sequence[Array]) -> list[WatchedPoint]:
         """Return the default tool frame at some states, with what may hide it there."""
@@ -128,11 +155,48 @@ class WorldView:
             frame = self._plant.GetBodyFrameIdIfExists(index)
             if frame is None:
                 continue
-            geometries = self.inspector.GetGeometries(
+            geometries = self._inspector.GetGeometries(
                 frame, Role.kIllustration
-            ) or self.inspector.GetGeometries(frame, Role.kProximity)
+            ) or self._inspector.GetGeometries(frame, Role.kProximity)
             if geometries:
-                path = f"/bodies/{name.replace('::', '/')}"
                 body = self._plant.get_body(index)
-                found.append(ShownBody(name, path, body, tuple(geometries)))
+                shapes = tuple(self._shape(body, geometry) for geometry in geometries)
+                found.append(ShownBody(name, _path(name), body, shapes))
         return found
+
+    def _shape(self, body: RigidBody, geometry: GeometryId) -> ShownShape:
+        inspector = self._inspector
+        return ShownShape(
+            inspector.GetShape(geometry),
+            inspector.GetPoseInFrame(geometry),
+            self._color(body, geometry),
+            inspector.GetObbInGeometryFrame(geometry),
+        )
+
+    def _color(self, body: RigidBody, geometry: GeometryId) -> Rgba:
+        # Drake answers None for a geometry that only collides, whatever its stubs say.
+        properties: Any = self._inspector.GetIllustrationProperties(geometry)
+        if properties is not None and properties.HasProperty("phong", "diffuse"):
+            found: Rgba = properties.GetProperty("phong", "diffuse")
+            return found
+        return _PALETTE[int(body.index()) % len(_PALETTE)]
+
+    def _standing_bodies(self) -> list[ShownBody]:
+        standing = self.world.drake.standing
+        found: list[ShownBody] = []
+        for thing, shape in zip(standing.things, standing.drake_shapes, strict=True):
+            color = Rgba(*(DEFAULT_COLOR if thing.color is None else thing.color))
+            drawn = ShownShape(shape, RigidTransform(), color, CalcObb(shape))
+            found.append(ShownBody(thing.name, _path(thing.name), None, (drawn,)))
+        return found
+
+
+def _path(name: str) -> str:
+    """Return the place of a body in Meshcat's tree."""
+    return f"/bodies/{name.replace('::', '/')}"
+
+
+def _solid(x_wb: RigidTransform, drawn: ShownShape) -> SolidBox:
+    """Return the box around a shape, in world."""
+    x_wo = x_wb @ drawn.X_BS @ drawn.box.pose()
+    return SolidBox(x_wo.GetAsMatrix4(), np.array(drawn.box.half_width()))

@@ -1,6 +1,7 @@
 """Build: a scene in Drake while it grows."""
 
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any
 
 from pydrake.multibody.plant import MultibodyPlant
@@ -27,17 +28,27 @@ class LoadedRobot:
 class Build:
     """What grows while the scene is built.
 
-    `unchecked` has the reason and the evidence of every pair of bodies, by both full names, that
-    collision checks leave out; `warnings` are those of the scene's summary.
+    `files` has what was read of each description; `standing` the names of what stands outside of
+    the plant, `placed` those of which the turn has come; `unchecked` the reason and the evidence of
+    every pair of bodies, by both full names, that collision checks leave out; `warnings` are those
+    of the scene's summary.
     """
 
     builder: Any
     plant: MultibodyPlant
+    standing: frozenset[str] = frozenset()
+    placed: set[str] = field(default_factory=set)
     robots: list[LoadedRobot] = field(default_factory=list)
+    files: dict[Path, ModelFile] = field(default_factory=dict)
     bodies: dict[str, BodyIndex] = field(default_factory=dict)
     frames: dict[str, Frame] = field(default_factory=dict)
     unchecked: dict[frozenset[str], tuple[UncheckedReason, str]] = field(default_factory=dict)
     warnings: list[str] = field(default_factory=list)
+
+    @property
+    def known_bodies(self) -> set[str]:
+        """The names of all bodies, in the plant or not."""
+        return {*self.bodies, *self.standing}
 
 
 def refuse_second(build: Build, name: str, path: str) -> None:
@@ -46,7 +57,7 @@ def refuse_second(build: Build, name: str, path: str) -> None:
     Raises:
         SceneInvalid: Something has.
     """
-    taken = name in build.bodies or name in build.frames
+    taken = name in build.bodies or name in build.frames or name in build.placed
     if taken or any(robot.scene_robot.name == name for robot in build.robots):
         message = f"{path}: the name {name!r} is taken; robots, objects and frames share names"
         raise SceneInvalid(message, {"path": path, "name": name})

@@ -1,7 +1,10 @@
 """scene_document(): a scene as the document that describes it."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
 from typing import Any
+
+from pydantic import ValidationError
 
 from planning.domain.pose import Pose
 from planning.domain.scene import Scene, SceneFrame, SceneObject, SceneRobot
@@ -16,11 +19,13 @@ from planning.domain.shapes import (
     Shape,
     Sphere,
 )
-from planning.world.scene_document import SceneDocument
+from planning.world.scene_document import ObjectDocument, SceneDocument
 from planning.world.scene_file import parse_scene
 
 
-def scene_document(scene: Scene, like: SceneDocument | None = None) -> SceneDocument:
+def scene_document(
+    scene: Scene, like: SceneDocument | None = None, before: Scene | None = None
+) -> SceneDocument:
     """Return the document of a scene.
 
     Read again it gives the same scene, but for the last bit of quaternions that are normalised
@@ -30,11 +35,30 @@ def scene_document(scene: Scene, like: SceneDocument | None = None) -> SceneDocu
         scene: What to describe.
         like: A document of an earlier revision: robots, objects and frames that are as it says
             stay as they are written there, bit for bit.
+        before: The scene that `like` describes, if it is at hand: objects of it need not be read
+            to be known, and of ten thousand most are as before.
 
     Raises:
         SceneInvalid: The scene has what no document may have, such as too many objects.
     """
-    written: dict[str, Any] = {
+    written = _written(replace(scene, objects=()))
+    objects: Sequence[Any] = [_object(thing) for thing in scene.objects]
+    if like is not None:
+        written["robots"] = _kept(written["robots"], scene.robots, like.robots)
+        written["frames"] = _kept(written["frames"], scene.frames, like.frames)
+        known = (
+            [document.value() for document in like.objects] if before is None else before.objects
+        )
+        objects = _kept_objects(scene.objects, known, like.objects)
+    try:
+        return SceneDocument.model_validate({**written, "objects": objects})
+    except ValidationError:
+        parse_scene({**written, "objects": list(map(_object, scene.objects))})  # says what is wrong
+        raise
+
+
+def _written(scene: Scene) -> dict[str, Any]:
+    return {
         "name": scene.name,
         "robots": [_robot(robot) for robot in scene.robots],
         "objects": [_object(thing) for thing in scene.objects],
@@ -49,12 +73,23 @@ def scene_document(scene: Scene, like: SceneDocument | None = None) -> SceneDocu
             {"bodies": list(entry.bodies), "margin": entry.margin} for entry in scene.margins
         ],
     }
-    if like is not None:
-        written["robots"] = _kept(written["robots"], scene.robots, like.robots)
-        written["objects"] = _kept(written["objects"], scene.objects, like.objects)
-        written["frames"] = _kept(written["frames"], scene.frames, like.frames)
-    parse_scene(written)
-    return SceneDocument.model_validate(written)
+
+
+def _kept_objects(
+    values: Sequence[SceneObject],
+    before: Sequence[SceneObject],
+    documents: Sequence[ObjectDocument],
+) -> list[ObjectDocument | dict[str, Any]]:
+    """Return what describes objects: the earlier documents of those that are as before."""
+    earlier = {
+        value.name: (value, document) for value, document in zip(before, documents, strict=True)
+    }
+    found: list[ObjectDocument | dict[str, Any]] = []
+    for value in values:
+        known = earlier.get(value.name)
+        is_known = known is not None and (known[0] is value or known[0] == value)
+        found.append(known[1] if known is not None and is_known else _object(value))
+    return found
 
 
 def _kept(written: list[Any], values: Iterable[Any], documents: Iterable[Any]) -> list[Any]:

@@ -79,7 +79,7 @@ class ShapeDocument(Strictest):
 
     @model_validator(mode="after")
     def _exactly_one(self) -> "ShapeDocument":
-        given = sorted(name for name in type(self).model_fields if getattr(self, name) is not None)
+        given = sorted(name for name, shape in self.__dict__.items() if shape is not None)
         if len(given) != 1:
             names = sorted(type(self).model_fields)
             message = f"give exactly one shape of {names}, got {given}"

@@ -35,6 +35,8 @@ class Simulation:
     """A group of a world, simulated. It owns its context; the world stays as it is.
 
     Not promised: joint friction, motors or gears; contacts are Drake's compliant point contacts.
+    What stands outside of Drake's model, in scenes of many objects, is seen to be touched but does
+    not push back.
     """
 
     def __init__(
@@ -78,6 +80,7 @@ class Simulation:
         self._tau = plant.get_applied_generalized_force_input_port().FixValue(
             self._context, np.zeros(plant.num_velocities())
         )
+        self._probe = world.distance_probe(world.margins()) if len(self._model.standing) else None
         self._simulator = Simulator(self._model.diagram, self._root)
         self._simulator.Initialize()
         self._v_desired = self._vdot_desired = self._error = np.zeros(len(self._in_v))
@@ -184,8 +187,20 @@ class Simulation:
         infos = [
             results.point_pair_contact_info(i) for i in range(results.num_point_pair_contacts())
         ]
-        return [
+        touching = [
             self._body_pair(info) for info in infos if info.point_pair().depth > self._contact_depth
+        ]
+        return touching + self._touching_standing()
+
+    def _touching_standing(self) -> list[BodyPair]:
+        """Return what touches an object outside of Drake's model, which stops nothing by itself."""
+        if self._probe is None:
+            return []
+        rows = self._model.standing.rows
+        return [
+            pair
+            for pair in self._probe.pairs_within(self.state, -self._contact_depth)
+            if not rows.keys().isdisjoint(pair.bodies)
         ]
 
     def _body_pair(self, info: PointPairContactInfo) -> BodyPair:

@@ -8,6 +8,7 @@ import numpy as np
 from planning.domain.body_pair import BodyPair
 from planning.domain.joints import JointGroup, JointType
 from planning.world.collision import DistanceProbe
+from planning.world.margins import PairMargins
 
 if TYPE_CHECKING:
     from planning.world.world import World
@@ -16,6 +17,8 @@ type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # Configurations beside the scene's own in which pairs are looked at that touch there.
 _NUM_TRIED = 20
+# Groups whose judges are asked: of more, making them takes longer than measuring everything.
+_MOST_ASKED = 4
 # Pairs that are told one by one.
 _MOST_TOLD = 10
 # Beyond a limit by this much is at the limit [rad or m].
@@ -30,12 +33,12 @@ def start_warnings(world: "World") -> tuple[str, ...]:
     """Return what makes every plan fail that begins at the scene's positions.
 
     Pairs of links of one robot that touch in all configurations that are tried are offered as
-    an edit that lets them touch. Where nothing touches, this takes one collision check per group.
+    an edit that lets them touch. Where nothing touches, this takes one collision check per group,
+    or one for all.
     """
     margins = world.margins()
-    oracles = [(world.collision_oracle(g, margins), world.positions(g)) for g in world.groups]
     touching: tuple[BodyPair, ...] = ()
-    if not all(oracle.is_free(q) for oracle, q in oracles):
+    if not _is_free(world, margins):
         touching = world.distance_probe(margins).violations(world.state)
     told = [_text(world, pair) for pair in touching[:_MOST_TOLD]]
     if len(touching) > _MOST_TOLD:
@@ -49,6 +52,14 @@ def start_warnings(world: "World") -> tuple[str, ...]:
             f"scene with {json.dumps({'operations': operations})}"
         )
     return (*told, *_configuration_warnings(world))
+
+
+def _is_free(world: "World", margins: PairMargins) -> bool:
+    """Return whether everything keeps its distance; False where only the probe can say it."""
+    if len(world.groups) > _MOST_ASKED:
+        return False
+    oracles = [(world.collision_oracle(g, margins), world.positions(g)) for g in world.groups]
+    return all(oracle.is_free(q) for oracle, q in oracles)
 
 
 def _text(world: "World", pair: BodyPair) -> str:

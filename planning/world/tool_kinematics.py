@@ -104,7 +104,7 @@ class ToolKinematics:
         for c in drake.following(self._group):
             member, scale = led[c.leader_velocity]
             led[c.follower_velocity] = member, scale * c.multiplier
-        tool = drake.frames[self.frame].body().index()
+        tool = drake.frame(self.frame).body().index()
         found = [
             (column, *led[column])
             for column in list(led)[len(own) :]
@@ -129,7 +129,7 @@ class ToolKinematics:
         """Return Drake's Jacobians by all velocities of the plant, shape (n, 6, num_velocities)."""
         plant, context = self._world.drake.plant, self._context
         frame, world, origin = (
-            self._world.drake.frames[self.frame],
+            self._world.drake.frame(self.frame),
             plant.world_frame(),
             np.zeros(3),
         )

@@ -27,11 +27,10 @@ def farther(distance: float) -> float:
 
 
 class TrueLengths:
-    """Distances of geometries of one scene graph."""
+    """Distances of geometries, of a model or shown to a context of it (`NearStanding`)."""
 
-    def __init__(self, scene_graph: Any) -> None:
+    def __init__(self) -> None:
         """Prepare; shapes are read when they are first needed."""
-        self._inspector = scene_graph.model_inspector()
         self._shapes: dict[GeometryId, ConvexShape | None] = {}
 
     def of(self, found: Any, query: Any) -> float:
@@ -44,7 +43,7 @@ class TrueLengths:
             query: Drake's, with the model where it shall be.
         """
         length, ids = float(found.distance), (found.id_A, found.id_B)
-        a, b = (self._shape(i) for i in ids)
+        a, b = (self._shape(i, query) for i in ids)
         if length <= 0 or a is None or b is None:
             return length
         first, second = (np.array(query.GetPoseInWorld(i).GetAsMatrix4()) for i in ids)
@@ -55,7 +54,7 @@ class TrueLengths:
         # Of tiny shapes that overlap Drake may not know it.
         return min(shown, length)
 
-    def _shape(self, geometry: GeometryId) -> ConvexShape | None:
+    def _shape(self, geometry: GeometryId, query: Any) -> ConvexShape | None:
         if geometry not in self._shapes:
-            self._shapes[geometry] = convex_shape(self._inspector.GetShape(geometry))
+            self._shapes[geometry] = convex_shape(query.inspector().GetShape(geometry))
         return self._shapes[geometry]

@@ -1,57 +1,90 @@
 """Which pairs of bodies are not held against each other, with the reason for each."""
 
-from collections.abc import Mapping
 from itertools import combinations
 from typing import Any
+from weakref import WeakKeyDictionary
 
-from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import BodyIndex
 
 from planning.domain.unchecked_pair import UncheckedPair, UncheckedReason
+from planning.world.candidates import candidates_of
+from planning.world.drake_model import DrakeModel
+from planning.world.standing import StandingObjects
 
-type Reasons = Mapping[frozenset[str], tuple[UncheckedReason, str]]
+_found: WeakKeyDictionary[StandingObjects, tuple[UncheckedPair, ...]] = WeakKeyDictionary()
 
 
-def unchecked_pairs(
-    plant: MultibodyPlant, scene_graph: Any, names: Mapping[BodyIndex, str], reasons: Reasons
-) -> tuple[UncheckedPair, ...]:
+def unchecked_pairs(model: DrakeModel) -> tuple[UncheckedPair, ...]:
     """Return every pair of bodies with collision shapes that is filtered out, sorted.
 
     Objects that stand in the world are not held against each other either; of these pairs, which
     grow with the square of the objects, only those with a body of a robot are listed.
-
-    Args:
-        plant: Finalized.
-        scene_graph: With all filters applied.
-        names: Full names of all bodies.
-        reasons: Why pairs were filtered, by both names, where that is known already.
     """
-    inspector = scene_graph.model_inspector()
-    candidates = {
-        frozenset(int(plant.GetBodyFromFrameId(inspector.GetFrameId(i)).index()) for i in pair)
-        for pair in inspector.GetCollisionCandidates()
-    }
-    shaped = sorted(
-        int(index) for index in names if plant.GetCollisionGeometriesForBody(plant.get_body(index))
-    )
-    clusters = _clusters(plant, shaped)
-    world = clusters[int(plant.world_body().index())]
+    found = _found.get(model.standing)
+    if found is None:
+        pairs = [*_of_plant(model), *_of_standing(model)]
+        found = _found[model.standing] = tuple(sorted(pairs, key=lambda pair: pair.bodies))
+    return found
+
+
+def share_unchecked(before: DrakeModel, after: DrakeModel) -> None:
+    """Let a model have the pairs of another one, with objects elsewhere, if they are known."""
+    if before.standing in _found:
+        _found[after.standing] = _found[before.standing]
+
+
+def _of_plant(model: DrakeModel) -> list[UncheckedPair]:
+    candidates = candidates_of(model)
+    bodies = [int(body) for body in candidates.bodies]
+    looked_at = {frozenset((bodies[a], bodies[b])) for a, b in candidates.rows.tolist()}
+    shaped = sorted({body for body in _shaped(model) if BodyIndex(body) in model.body_names})
+    clusters = _clusters(model.plant, shaped)
+    world = clusters[int(model.plant.world_body().index())]
     found: list[UncheckedPair] = []
     for a, b in combinations(shaped, 2):
-        if frozenset((a, b)) in candidates:
+        if frozenset((a, b)) in looked_at:
             continue
-        both = sorted((names[BodyIndex(a)], names[BodyIndex(b)]))
-        known = reasons.get(frozenset(both))
+        both = sorted((model.body_names[BodyIndex(a)], model.body_names[BodyIndex(b)]))
+        known = model.reasons.get(frozenset(both))
         if known is None:
             is_fixed = clusters[a] == world and clusters[b] == world
             if is_fixed and not any("::" in name for name in both):
                 continue
-            known = _of_welds(clusters[a] == clusters[b], is_fixed)
+            known = _of_welds(is_welded=clusters[a] == clusters[b], is_fixed=is_fixed)
         found.append(UncheckedPair((both[0], both[1]), *known))
-    return tuple(sorted(found, key=lambda pair: pair.bodies))
+    return found
 
 
-def _of_welds(is_welded: bool, is_fixed: bool) -> tuple[UncheckedReason, str]:  # noqa: FBT001
+def _of_standing(model: DrakeModel) -> list[UncheckedPair]:
+    """Return the pairs of a body of a robot, and an object outside of the plant."""
+    standing = model.standing
+    if not len(standing):
+        return []
+    found = [
+        UncheckedPair((min(pair), max(pair)), *model.reasons[pair])
+        for pair in standing.allowed
+        if pair in model.reasons and len(pair) == 2
+    ]
+    plant = model.plant
+    fixed = {int(body.index()) for body in plant.GetBodiesWeldedTo(plant.world_body())}
+    names = [model.body_names[BodyIndex(body)] for body in _shaped(model) & fixed]
+    for name in (name for name in names if "::" in name):
+        known = _of_welds(is_welded=True, is_fixed=True)
+        found += [
+            UncheckedPair((min(name, other), max(name, other)), *known)
+            for other in standing.rows
+            if frozenset((name, other)) not in model.reasons
+        ]
+    return found
+
+
+def _shaped(model: DrakeModel) -> set[int]:
+    """Return the bodies of the plant that have collision shapes."""
+    candidates = candidates_of(model)
+    return {int(body) for body in candidates.bodies[: candidates.num_of_drake]}
+
+
+def _of_welds(*, is_welded: bool, is_fixed: bool) -> tuple[UncheckedReason, str]:
     if is_fixed:
         return "welded_to_world", "both stand in the world"
     if is_welded:
@@ -59,7 +92,7 @@ def _of_welds(is_welded: bool, is_fixed: bool) -> tuple[UncheckedReason, str]:  
     return "allowed", "the robot's description filters them"
 
 
-def _clusters(plant: MultibodyPlant, shaped: list[int]) -> dict[int, int]:
+def _clusters(plant: Any, shaped: list[int]) -> dict[int, int]:
     """Return a number for every body, equal for bodies that are welded together."""
     found: dict[int, int] = {}
     for index in [int(plant.world_body().index()), *shaped]:

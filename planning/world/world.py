@@ -1,10 +1,12 @@
 """World: a scene loaded into Drake, and the door to it for every stage."""
 
 from copy import copy
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 from jaxtyping import Float64
+from pydrake.planning import SceneGraphCollisionChecker
 
 from planning.domain.body_pair import BodyPair
 from planning.domain.followers import Follower, together
@@ -14,8 +16,9 @@ from planning.domain.scene import Scene
 from planning.domain.summary import GroupSummary, SceneSummary
 from planning.errors import UnknownName
 from planning.world.builder import pose_of
+from planning.world.candidates import candidates_of
 from planning.world.collision import DistanceProbe, DrakeCollisionOracle, bare_checker
-from planning.world.contexts import measuring_context
+from planning.world.contexts import shared_context
 from planning.world.drake_model import DrakeModel
 from planning.world.followers import followers_of
 from planning.world.groups import RobotGroups, group_limits, robot_groups
@@ -24,9 +27,11 @@ from planning.world.kernel_oracle import KernelCollisionOracle
 from planning.world.kernel_scene import kernel_scene_of
 from planning.world.margins import PairMargins
 from planning.world.model_library import ModelLibrary
+from planning.world.near_standing import NearStanding
 from planning.world.placement import named_configurations, placed_state
 from planning.world.scene_build import LoadedRobot
 from planning.world.start_warnings import start_warnings
+from planning.world.unchecked_pairs import unchecked_pairs
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 type CollisionJudge = DrakeCollisionOracle | KernelCollisionOracle
@@ -58,6 +63,7 @@ class World:
         self.drake = drake
         self._robots = robots
         self._judges: dict[tuple[Any, ...], CollisionJudge] = {}
+        self._checkers: list[SceneGraphCollisionChecker] = []
         self._limits: dict[tuple[str, ...], JointLimits] = {}
         self._stated: dict[tuple[str, ...], tuple[JointLimits, tuple[Follower, ...]]] = {}
         self._robot_groups = [robot_groups(drake, loaded) for loaded in robots]
@@ -68,18 +74,33 @@ class World:
             for name, group in own.groups.items():
                 self._groups.setdefault(f"{own.robot}::{name}", group)
         self._configurations = named_configurations(scene, self._robot_groups, self.group)
-        # Where nothing moves nothing is judged, and Drake's checker would end the process.
-        self._bare = bare_checker(drake) if self._groups else None
-        self._context = measuring_context(drake)
-        self._plant_context = drake.plant.GetMyMutableContextFromRoot(self._context)
         nominal = np.array(drake.plant.GetPositions(self._plant_context))
         self.state = placed_state(drake, robots, self._robot_groups, self._configurations, nominal)
         self.state.flags.writeable = False
 
-    @property
+    @cached_property
     def digest(self) -> str:
         """sha256 of the scene's content."""
         return self.scene.digest
+
+    def shares_engine_with(self, other: "World") -> bool:
+        """Return whether both were made of one model of Drake's, and so belong to one thread."""
+        return self.drake.diagram is other.drake.diagram
+
+    @cached_property
+    def _near(self) -> NearStanding:
+        """A context for distances, made when it is first needed."""
+        return NearStanding(self.drake)
+
+    @property
+    def _plant_context(self) -> Any:
+        """One for frames, which many share."""
+        return self.drake.plant.GetMyMutableContextFromRoot(shared_context(self.drake))
+
+    @cached_property
+    def loaded_robots(self) -> tuple[LoadedRobot, ...]:
+        """The scene's robots with their files, in order."""
+        return self._robots
 
     @property
     def groups(self) -> tuple[JointGroup, ...]:
@@ -145,8 +166,8 @@ class World:
         Raises:
             UnknownName: There is none.
         """
-        if name not in self.drake.frames:
-            raise UnknownName.among("frame", name, self.drake.frames)
+        if name not in self.drake.frames and name not in self.drake.standing.frames:
+            raise UnknownName.among("frame", name, self.drake.all_frames)
 
     def frame_pose(self, name: str, full: Float64[np.ndarray, " num_positions"]) -> Pose:
         """Return X_WF of a frame at a full configuration.
@@ -155,9 +176,12 @@ class World:
             UnknownName: There is no such frame.
         """
         self.require_frame(name)
-        plant = self.drake.plant
-        plant.SetPositions(self._plant_context, full)
-        return pose_of(self.drake.frames[name].CalcPoseInWorld(self._plant_context))
+        standing = self.drake.standing.frames.get(name)
+        if standing is not None:
+            return pose_of(standing)
+        plant, context = self.drake.plant, self._plant_context
+        plant.SetPositions(context, full)
+        return pose_of(self.drake.frames[name].CalcPoseInWorld(context))
 
     def frame_poses(
         self, name: str, full: Float64[np.ndarray, "n num_positions"]
@@ -168,11 +192,14 @@ class World:
             UnknownName: There is no such frame.
         """
         self.require_frame(name)
-        plant, frame = self.drake.plant, self.drake.frames[name]
+        standing = self.drake.standing.frames.get(name)
+        if standing is not None:
+            return np.repeat(standing.GetAsMatrix4()[None], len(full), axis=0)
+        plant, frame, context = self.drake.plant, self.drake.frames[name], self._plant_context
         poses = np.empty((len(full), 4, 4))
         for i, q in enumerate(full):
-            plant.SetPositions(self._plant_context, q)
-            poses[i] = frame.CalcPoseInWorld(self._plant_context).GetAsMatrix4()
+            plant.SetPositions(context, q)
+            poses[i] = frame.CalcPoseInWorld(context).GetAsMatrix4()
         return poses
 
     def embed(self, group: JointGroup, q: Float64[np.ndarray, "*n nq"]) -> Array:
@@ -207,6 +234,12 @@ class World:
             return DrakeCollisionOracle(self.drake, group, self.state, margins, self._bare)
         return KernelCollisionOracle(self.drake, kernel, group, self.state, margins, self._bare)
 
+    def _bare(self) -> SceneGraphCollisionChecker:
+        """Return Drake's checker without margins, made when the kernel is first not sure."""
+        if not self._checkers:
+            self._checkers.append(bare_checker(self.drake))
+        return self._checkers[0]
+
     def distance_probe(self, margins: PairMargins) -> DistanceProbe:
         """Return a slow judge that says which pairs, how near and where."""
         return DistanceProbe(self.drake, margins)
@@ -215,7 +248,7 @@ class World:
         self, group: JointGroup, q: Float64[np.ndarray, " nq"], margins: PairMargins
     ) -> tuple[BodyPair, ...]:
         """Return the pairs of bodies that are nearer than their margin, nearest first."""
-        probe = DistanceProbe(self.drake, margins, self._context)
+        probe = DistanceProbe(self.drake, margins, self._near)
         return probe.violations(self.embed(group, q))
 
     @property
@@ -230,14 +263,13 @@ class World:
             )
             for group in self.groups
         }
-        inspector = self.drake.scene_graph.model_inspector()
         return SceneSummary(
             groups=groups,
-            frames=tuple(sorted(self.drake.frames)),
-            bodies=tuple(sorted(self.drake.bodies)),
-            num_pairs=len(inspector.GetCollisionCandidates()),
+            frames=tuple(sorted(self.drake.all_frames)),
+            bodies=tuple(sorted(self.drake.all_bodies)),
+            num_pairs=len(candidates_of(self.drake).rows),
             digest=self.digest,
-            unchecked=self.drake.unchecked,
+            unchecked=unchecked_pairs(self.drake),
             warnings=(
                 *self.drake.warnings,
                 *(text for own in self._robot_groups for text in own.warnings),

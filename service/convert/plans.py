@@ -7,6 +7,7 @@ from planning import funnel_evidence
 from planning.domain.certificate import Certificate
 from planning.domain.plan import MotionPlan, StageReports
 from service.convert.numbers import finite, listed
+from service.convert.summaries import unchecked_wire
 from service.convert.trajectories import check_wire
 from service.convert.verdicts import pair_wire
 
@@ -44,7 +45,7 @@ def certificate_wire(certificate: Certificate) -> dict[str, Any]:
         "points": listed(certificate.points),
         "proven_until": certificate.proven_until,
         "first_unproven": None if stopped is None else pair_wire(stopped),
-        "unchecked": [dataclasses.asdict(pair) for pair in certificate.unchecked],
+        "unchecked": unchecked_wire(certificate.unchecked),
         "checks": [check_wire(check) for check in certificate.checks],
     }
 

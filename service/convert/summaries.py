@@ -1,11 +1,13 @@
 """Summaries of robots and scenes to the wire."""
 
 import dataclasses
+from collections.abc import Sequence
 from typing import Any
 
 from planning.domain.joints import JointLimits
 from planning.domain.steering import steering_of
 from planning.domain.summary import GroupSummary, RobotSummary, SceneSummary
+from planning.domain.unchecked_pair import UncheckedPair
 from service.convert.numbers import bounds
 
 
@@ -62,6 +64,14 @@ def robot_wire(summary: RobotSummary) -> dict[str, Any]:
     }
 
 
+def unchecked_wire(pairs: Sequence[UncheckedPair]) -> list[dict[str, Any]]:
+    """Return pairs that are not looked at for the wire; of thousands of objects there are many."""
+    return [
+        {"bodies": list(pair.bodies), "reason": pair.reason, "evidence": pair.evidence}
+        for pair in pairs
+    ]
+
+
 def scene_wire(summary: SceneSummary, aliases: dict[str, list[str]]) -> dict[str, Any]:
     """Return what a scene holds for the wire.
 
@@ -77,7 +87,7 @@ def scene_wire(summary: SceneSummary, aliases: dict[str, list[str]]) -> dict[str
         "frames": list(summary.frames),
         "bodies": list(summary.bodies),
         "num_pairs": summary.num_pairs,
-        "unchecked": [dataclasses.asdict(pair) for pair in summary.unchecked],
+        "unchecked": unchecked_wire(summary.unchecked),
         "assumed": list(summary.assumed),
         "warnings": list(summary.warnings),
     }

@@ -8,7 +8,6 @@ from planning import (
     World,
     edit_scene,
     load_world,
-    parse_scene,
     scene_document,
     with_line,
 )
@@ -20,7 +19,7 @@ from service.schemas.scene_edit import SceneEdit
 from service.tasks.channel import Channel
 from service.tasks.decode import decode_scene
 from service.tasks.scene_files import files_wire, read_posted
-from service.tasks.worlds import keep, library_of
+from service.tasks.worlds import keep, library_of, load_like, take_world
 
 
 def load_scene(payload: dict[str, Any], _: Channel) -> dict[str, Any]:
@@ -52,10 +51,15 @@ def revise_scene(payload: dict[str, Any], _: Channel) -> dict[str, Any]:
     library = library_of(payload["library"])
     posted, files = read_posted(payload)
     operations = [operation_value(wire) for wire in request.operations]
-    edited = edit_scene(replace(posted.value(), files=files), operations, library)
-    document = scene_document(edited, like=posted).model_dump(mode="json", exclude_none=True)
-    scene = tried(replace(parse_scene(document), files=edited.files), library)
-    return _loaded(load_world(scene, library), library, document)
+    world = take_world(payload)
+    before = replace(posted.value(), files=files) if world is None else world.scene
+    if world is not None:
+        keep(world, library)
+    edited = edit_scene(before, operations, library)
+    document = scene_document(edited, like=posted, before=before)
+    scene = tried(replace(document.value_after(posted, before), files=edited.files), library)
+    plain = document.model_dump(mode="json", exclude_none=True)
+    return _loaded(load_like(scene, library), library, plain)
 
 
 def _loaded(world: World, library: ModelLibrary, document: dict[str, Any]) -> dict[str, Any]:

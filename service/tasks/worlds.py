@@ -8,7 +8,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from planning import ModelLibrary, World, load_world
+from planning import ModelLibrary, Scene, World, load_world
+from planning.errors import InputError
 from service.tasks.scene_files import read_posted, require_same
 
 # A Drake world of an arm and some obstacles takes 5 to 40 MB.
@@ -42,12 +43,37 @@ def borrow_world(payload: Mapping[str, Any]) -> Generator[World]:
     world = _take(key)
     if world is None:
         posted, files = read_posted(payload)
-        world = load_world(replace(posted.value(), files=files), key[1])
+        world = load_like(replace(posted.value(), files=files), key[1])
         require_same(world, payload)
     try:
         yield world
     finally:
         _put_back(key, world)
+
+
+def load_like(scene: Scene, library: ModelLibrary) -> World:
+    """Load a scene, with what it has in common with one that is idle here.
+
+    Raises:
+        InputError: The scene does not load.
+    """
+    like = _take_like(scene, library)
+    if like is None:
+        return load_world(scene, library)
+    try:
+        world = load_world(scene, library, like=like)
+    except InputError:
+        keep(like, library)
+        raise
+    # What shares an engine must not be lent to two tasks: of revisions only the latest stays.
+    if not world.shares_engine_with(like):
+        keep(like, library)
+    return world
+
+
+def take_world(payload: Mapping[str, Any]) -> World | None:
+    """Return the world of a scene if it is idle here; it is the caller's until it is kept."""
+    return _take((payload["scene"]["digest"], library_of(payload["library"])))
 
 
 def keep(world: World, library: ModelLibrary) -> None:
@@ -59,6 +85,21 @@ def _take(key: Key) -> World | None:
     with _lock:
         for stored in reversed(_idle):
             if stored[0] == key:
+                return _idle.pop(stored)
+    return None
+
+
+def _take_like(scene: Scene, library: ModelLibrary) -> World | None:
+    """Return the idle world, last used first, that may have Drake's model in common."""
+    robots = [(robot.name, robot.model) for robot in scene.robots]
+    with _lock:
+        for stored in reversed(_idle):
+            other = _idle[stored].scene
+            if (
+                stored[0][1] == library
+                and len(other.objects) == len(scene.objects)
+                and [(robot.name, robot.model) for robot in other.robots] == robots
+            ):
                 return _idle.pop(stored)
     return None
 

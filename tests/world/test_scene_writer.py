@@ -1,10 +1,23 @@
 """Scenes written down: read again they are the same."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 import planning
-from planning import AttachObject, MoveObject, Pose, SceneDocument, edit_scene, scene_document
+from planning import (
+    AddObject,
+    AttachObject,
+    MoveObject,
+    Pose,
+    RemoveObject,
+    SceneDocument,
+    edit_scene,
+    scene_document,
+)
 from planning.domain.scene import Scene
 from planning.domain.shapes import Convex
 from planning.errors import SceneInvalid
@@ -68,6 +81,46 @@ def test_what_is_unchanged_stays_as_it_was_written() -> None:
     assert document.value() == edited
 
 
+@given(steps=st.lists(st.integers(0, 5), min_size=1, max_size=4))
+def test_a_revised_document_is_the_document_of_what_was_edited(steps: list[int]) -> None:
+    """Written and read again in part, a scene is as if it were written and read as a whole."""
+    posted = SceneDocument.model_validate({
+        "robots": [{"name": "arm", "model": "ur5e"}],
+        "objects": [
+            {"name": f"o{i}", "shape": {"box": [1, 1, 1 + i]}, "pose": {"rpy": [i, 2, 3]}}
+            for i in range(5)
+        ],
+        "frames": [{"name": "f", "parent": "o1", "pose": {"rpy": [1, 2, 3]}}],
+        "margin": 0.02,
+    })
+    before = posted.value()
+    edited = before
+    for i, step in enumerate(steps):
+        names = {thing.name for thing in edited.objects}
+        new = replace(before.objects[0], name=f"n{i}")
+        operation = MoveObject(f"o{step}", Pose.from_parts((i, 0, 0), rpy=(0.1, step, 0.3)))
+        removed = RemoveObject(f"o{step}")
+        known = removed if i % 2 else operation
+        edited = edit_scene(edited, [known if f"o{step}" in names else AddObject(new)])
+    document = scene_document(edited, like=posted, before=before)
+    assert document == scene_document(edited, like=posted)
+    after = document.value_after(posted, before)
+    assert after == document.value()
+    kept = {thing.name: thing for thing in before.objects}
+    assert any(kept.get(thing.name) is thing for thing in after.objects)
+
+
+def test_a_revised_document_may_have_no_more_than_any() -> None:
+    posted = SceneDocument.model_validate({
+        "robots": [{"name": "arm", "model": "ur5e"}],
+        "objects": [{"name": "o", "shape": {"sphere": 1}}],
+    })
+    before = posted.value()
+    many = tuple(replace(before.objects[0], name=f"o{i}") for i in range(10_001))
+    with pytest.raises(SceneInvalid, match="at most 10000"):
+        scene_document(replace(before, objects=many), like=posted, before=before)
+
+
 def test_attachments_are_written() -> None:
     scene = edit_scene(EVERYTHING, [AttachObject("o1", "b::tcp", ("o2", "a::tcp"))])
     attached = scene_document(scene).objects[1].attached
@@ -76,8 +129,6 @@ def test_attachments_are_written() -> None:
 
 
 def test_what_no_document_may_have_is_refused() -> None:
-    from dataclasses import replace
-
     flat = replace(EVERYTHING.objects[0], shape=Convex(np.zeros((4, 3))))
     with pytest.raises(SceneInvalid):
         scene_document(replace(EVERYTHING, objects=(flat,)))

@@ -8,6 +8,7 @@ import pytest
 
 import planning
 from planning.world.scene_file import parse_scene
+from planning.world.unchecked_pairs import unchecked_pairs
 from planning.world.world import World
 
 
@@ -101,7 +102,9 @@ def test_an_end_effector_may_touch_what_it_holds(
     thing = {"name": "o", "shape": {"sphere": 0.1}, "attached": {"frame": "r::flange"}}
     robot = {"name": "r", "model": str(tmp_path / "m.urdf")}
     world = planning.load_world(parse_scene({"name": "s", "robots": [robot], "objects": [thing]}))
-    held = {b for pair in world.drake.unchecked if pair.reason == "held" for b in pair.bodies}
+    held = {
+        b for pair in unchecked_pairs(world.drake) if pair.reason == "held" for b in pair.bodies
+    }
     assert held >= {"r::left", "r::right", "r::palm", "o"}
     assert "r::l1" not in held
 

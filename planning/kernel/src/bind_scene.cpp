@@ -53,6 +53,26 @@ void add_pair(Scene& scene, int a, int b) {
   scene.pairs.push_back({a, b});
 }
 
+// The same for many pairs, as rows a, b, one after the other.
+void add_pairs(Scene& scene, const Integers& rows) {
+  require(rows.size() % 2 == 0, "a pair has two geometries");
+  scene.pairs.reserve(scene.pairs.size() + rows.size() / 2);
+  for (std::size_t i = 0; i < rows.size(); i += 2)
+    add_pair(scene, static_cast<int>(rows.data()[i]), static_cast<int>(rows.data()[i + 1]));
+}
+
+// A copy in which some geometries are elsewhere on their links.
+std::shared_ptr<Scene> with_poses(const Scene& scene, const Integers& geometries, const Doubles& X_LG) {
+  require_shape(X_LG, geometries.size(), 12, "X_LG");
+  auto moved = std::make_shared<Scene>(scene);
+  for (std::size_t i = 0; i < geometries.size(); ++i) {
+    const std::int64_t geometry = geometries.data()[i];
+    require(geometry >= 0 && geometry < static_cast<std::int64_t>(scene.geometries.size()), "no such geometry");
+    moved->geometries[geometry].X_LG = transform(X_LG.data() + 12 * i);
+  }
+  return moved;
+}
+
 }  // namespace
 
 void bind_scene(nb::module_& m) {
@@ -69,7 +89,9 @@ void bind_scene(nb::module_& m) {
            nb::arg("multiplier"), nb::arg("offset"))
       .def("add_geometry", &add_geometry, nb::arg("link"), nb::arg("X_LG"), nb::arg("kind"), nb::arg("size"),
            nb::arg("vertices"), nb::arg("planes"), nb::arg("outer"), nb::arg("inner"), nb::arg("bound"))
-      .def("add_pair", &add_pair, nb::arg("a"), nb::arg("b"));
+      .def("add_pair", &add_pair, nb::arg("a"), nb::arg("b"))
+      .def("add_pairs", &add_pairs, nb::arg("rows"))
+      .def("with_poses", &with_poses, nb::arg("geometries"), nb::arg("X_LG"));
 }
 
 }  // namespace wayproof

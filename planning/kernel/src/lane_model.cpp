@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 
 #include "checker.hpp"
 
@@ -69,7 +68,7 @@ struct Builder {
   LaneModelStorage& out;
   std::vector<int> lane_link;
   std::vector<double> depth, extent;  // of every lane link: joints before it, metres of chain
-  std::map<int, int> body_of, obstacle_of;
+  std::vector<int> body_of, obstacle_of;  // by geometry; -1 for what is none
 
   void add_links() {
     lane_link.assign(scene.tree.links.size(), -1);
@@ -106,8 +105,7 @@ struct Builder {
   }
 
   int body(int geometry) {
-    const auto found = body_of.find(geometry);
-    if (found != body_of.end()) return found->second;
+    if (body_of[geometry] >= 0) return body_of[geometry];
     const Geometry& g = scene.geometries[geometry];
     LaneBody made{lane_link[g.link], static_cast<int>(out.outer.size()), 0, static_cast<int>(out.inner.size()), 0,
                   lane_sphere(g.X_LG, g.bound, true)};
@@ -120,8 +118,7 @@ struct Builder {
   }
 
   int obstacle(int geometry) {
-    const auto found = obstacle_of.find(geometry);
-    if (found != obstacle_of.end()) return found->second;
+    if (obstacle_of[geometry] >= 0) return obstacle_of[geometry];
     const Geometry& g = scene.geometries[geometry];
     const Transform X_WO = scene.pose(geometry, X_WL.data());
     LaneObstacle made{};
@@ -220,7 +217,8 @@ struct Builder {
 
 LaneModelStorage::LaneModelStorage(const Scene& scene, const Group& group, const std::vector<Demand>& demands,
                                    const std::vector<Transform>& X_WL) {
-  Builder builder{scene, group, X_WL, *this, {}, {}, {}, {}, {}, {}, {}};
+  const std::vector<int> none(scene.geometries.size(), -1);
+  Builder builder{scene, group, X_WL, *this, {}, {}, {}, none, none, {}, {}};
   builder.add_links();
   for (std::size_t i = 0; i < scene.pairs.size(); ++i) {
     const auto [a, b] = scene.pairs[i];

@@ -39,7 +39,7 @@ def _require(world: World, group: JointGroup, constraint: PathConstraint, field:
     match constraint:
         case DistanceBand():
             names = [*(constraint.bodies or ()), *(constraint.to or ())]
-            _require_names("body", names, world.drake.bodies)
+            _require_names("body", names, world.drake.all_bodies)
             _demand(0 <= constraint.min < constraint.max, field, "0 <= min < max is needed")
             banded_pairs(world, group, constraint, field)
         case KeepOut() | KeepIn() | PositionBand():

@@ -5,6 +5,7 @@ import numpy as np
 from planning.domain.constraint import DistanceBand
 from planning.domain.joints import JointGroup
 from planning.errors import ProblemInvalid
+from planning.world.candidates import candidates_of
 from planning.world.drake_model import DrakeModel
 from planning.world.world import World
 
@@ -19,10 +20,10 @@ def banded_pairs(
     """
     moving = moved_bodies(world.drake, group)
     first = moving if band.bodies is None else set(band.bodies)
-    second = set(world.drake.bodies) - first if band.to is None else set(band.to)
+    second = set(world.drake.all_bodies) - first if band.to is None else set(band.to)
     pairs = {
         (min(a, b), max(a, b))
-        for a, b in _candidates(world.drake)
+        for a, b in set(candidates_of(world.drake).pair_names)
         if ((a in first and b in second) or (b in first and a in second))
         and (a in moving or b in moving)
     }
@@ -44,13 +45,3 @@ def moved_bodies(model: DrakeModel, group: JointGroup) -> set[str]:
     ]
     affected = model.plant.GetBodiesKinematicallyAffectedBy(moving)
     return {model.body_names[i] for i in affected if i in model.body_names}
-
-
-def _candidates(model: DrakeModel) -> set[tuple[str, str]]:
-    inspector = model.scene_graph.model_inspector()
-    found: set[tuple[str, str]] = set()
-    for pair in inspector.GetCollisionCandidates():
-        a, b = (model.plant.GetBodyFromFrameId(inspector.GetFrameId(i)).index() for i in pair)
-        if a in model.body_names and b in model.body_names:
-            found.add((model.body_names[a], model.body_names[b]))
-    return found
