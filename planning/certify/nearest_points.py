@@ -17,6 +17,7 @@ from planning.certify.proof_parts import Spot
 from planning.certify.request import CertifyRequest
 from planning.kernel.separation import nearest_point
 from planning.world.contexts import shared_context
+from planning.world.drake_distance import distance_of
 from planning.world.drake_model import DrakeModel
 from planning.world.near_standing import NearStanding
 
@@ -49,7 +50,7 @@ def nearest_points(
     flat = [isinstance(inspector.GetShape(i), HalfSpace) for i in shapes]
     if any(flat):
         return _above(model, near, shapes, flat)
-    found = query.ComputeSignedDistancePairClosestPoints(a, b)
+    found = distance_of(query, a, b)
     if found.distance > max(spot.distance, 0.0) + _DOUBT:
         return _searched(model, near, shapes)
     points = [

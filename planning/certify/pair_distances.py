@@ -20,6 +20,7 @@ from planning.certify.motion_bounds import MotionBounds
 from planning.certify.placed_shapes import PlacedShapes
 from planning.certify.request import CertifyRequest
 from planning.certify.segments import Segment
+from planning.world.drake_distance import distance_of, distances_within
 from planning.world.drake_model import DrakeModel
 from planning.world.near_standing import NearStanding
 
@@ -158,7 +159,7 @@ class PairDistances:
         }
         # Of what stands outside of Drake's model those that are shown first are enough to tell of.
         next(self._near.shown_within(within))
-        for found in self._near.query.ComputeSignedDistancePairwiseClosestPoints(within):
+        for found in distances_within(self._near.query, within):
             i = self.pairs.index.get(self._near.own_ids((found.id_A, found.id_B)), -1)
             if i >= 0 and is_moved[i]:
                 near[i] = float(found.distance)
@@ -195,9 +196,9 @@ class PairDistances:
         is_shown = self._near.show_ids(ids)
         query = self._near.query
         if len(pairs) > _FEW or not is_shown:
-            return list(query.ComputeSignedDistancePairwiseClosestPoints(within))
+            return distances_within(query, within)
         drakes = [self._near.drake_ids(both) for both in ids]
-        return [query.ComputeSignedDistancePairClosestPoints(*both) for both in drakes]
+        return [distance_of(query, *both) for both in drakes]
 
 
 def _may_rise(lower: Array, distances: Array, wanted: Array) -> np.ndarray[Any, np.dtype[np.bool_]]:

@@ -22,6 +22,7 @@ from pydrake.multibody.tree import BodyIndex
 
 from planning.kernel.shape import ConvexShape
 from planning.kernel.shape_distance import distance_bounds, slab
+from planning.world.drake_distance import distance_of
 from planning.world.half_spaces import has_half_space, height, measurable
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
@@ -188,7 +189,7 @@ class _Probe:
         """Return a distance that is not too small [m], and a direction from B to A."""
         if has_half_space(self._inspector, pair):
             return height(self._convex(pair), self._poses(query, pair))[0], np.zeros(3)
-        found = query.ComputeSignedDistancePairClosestPoints(*pair)
+        found = distance_of(query, *pair)
         return float(found.distance), np.array(found.nhat_BA_W)
 
     def _bounds(

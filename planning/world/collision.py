@@ -14,6 +14,7 @@ from planning.domain.body_pair import BodyPair
 from planning.domain.joints import JointGroup
 from planning.domain.manifold import Manifold
 from planning.world.candidates import candidates_of
+from planning.world.drake_distance import distances_within
 from planning.world.drake_model import DrakeModel
 from planning.world.half_spaces import leave_out_half_spaces
 from planning.world.margins import PairMargins
@@ -197,7 +198,7 @@ class DistanceProbe:
         query, near, chosen = self._near.query, self._near, set(rows)
         overlapping: set[tuple[Any, Any]] = set()
         reach = farther(distance) if exactly else distance
-        for found in query.ComputeSignedDistancePairwiseClosestPoints(reach):
+        for found in distances_within(query, reach):
             ids = found.id_A, found.id_B
             standing = {near.row(i) for i in ids} - {None}
             is_asked = standing <= chosen if standing else is_first
