@@ -114,13 +114,24 @@ def _are_of_one(a: str, b: str) -> bool:
 
 
 def _configuration_warnings(world: "World") -> list[str]:
-    """Name configurations that no motion can begin or end at, whatever stands around the robot."""
+    """Name configurations that no motion can begin or end at, whatever stands around the robot.
+
+    The same one of several robots of one model is looked at once.
+    """
     found: list[str] = []
-    for group in world.groups:
-        for name, q in world.configurations(group).items():
-            wrong = _beyond_limits(world, group, q) or _hits_itself(world, group, q)
-            found += [f"configuration {name!r} of {group.name} {wrong}"] if wrong else []
+    seen: set[tuple[str, str, bytes]] = set()
+    for own, loaded in zip(world.robot_groups, world.loaded_robots, strict=True):
+        for local, group in own.groups.items():
+            for name, q in world.configurations(group).items():
+                alike = loaded.scene_robot.model, local, q.tobytes()
+                wrong = "" if alike in seen else _wrong(world, group, q)
+                seen.add(alike)
+                found += [f"configuration {name!r} of {group.name} {wrong}"] if wrong else []
     return found
+
+
+def _wrong(world: "World", group: JointGroup, q: Array) -> str:
+    return _beyond_limits(world, group, q) or _hits_itself(world, group, q)
 
 
 def _beyond_limits(world: "World", group: JointGroup, q: Array) -> str:

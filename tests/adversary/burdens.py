@@ -20,23 +20,33 @@ def random_burdens(rng: np.random.Generator, robot: Document) -> tuple[Document 
         robot: Whose links have inertias.
     """
     size, links = robot["size"], [link["name"] for link in robot["links"][1:]]
+    moved = _moved_links(robot)
     held: Document | None = None
     options: Document = {}
     if rng.random() < 0.5:
         held = _held(rng, size, str(rng.choice(links)))
-    if rng.random() < 0.5:
+    if rng.random() < 0.5 and moved:
         points = 0.1 * size * rng.normal(size=(5, 3))
         mass = float(10 ** rng.uniform(-1, 1))
         square = points.T @ points / 5 * mass * float(rng.random() < 0.7)
         about = np.trace(square) * np.eye(3) - square
         moments = [about[i, j] for i, j in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))]
         options["payload"] = {
-            "frame": "r::" + str(rng.choice(links)),
+            "frame": "r::" + str(rng.choice(moved)),
             "mass": mass,
             "center_of_mass": (0.3 * size * rng.normal(size=3)).tolist(),
             "inertia": [float(x) for x in moments],
         }
     return held, options
+
+
+def _moved_links(robot: Document) -> list[str]:
+    """Return the links that a joint moves: a payload elsewhere is refused."""
+    moved: list[str] = []
+    for joint in robot["joints"]:  # parents first
+        if joint["type"] != "fixed" or joint["parent"] in moved:
+            moved.append(joint["child"])
+    return moved
 
 
 def _held(rng: np.random.Generator, size: float, on: str) -> Document:

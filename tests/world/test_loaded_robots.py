@@ -3,12 +3,14 @@
 import json
 import re
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 import planning
+from planning.domain.scene import NamedConfiguration
 from planning.errors import SceneInvalid
 from planning.world.scene_file import parse_scene
 from planning.world.scene_writer import scene_document
@@ -102,6 +104,33 @@ def test_many_overlaps_are_counted(urdf_world: Callable[..., World]) -> None:
     assert len(warnings) == 12
     assert "11 further pairs" in warnings[10]
     assert len(json.loads(warnings[11][warnings[11].index("{") :])["operations"]) == 21
+
+
+def test_of_many_robots_overlaps_are_told_and_like_configurations_once(
+    urdf_world: Callable[..., World],
+) -> None:
+    one = urdf_world(CHAIN, allowed_collisions=[["r::a", "r::c"]]).scene
+    arms = [
+        replace(one.robots[0], name=f"r{i}", base=planning.Pose.from_parts((3.0 * i, 0, 0)))
+        for i in range(5)
+    ]
+    pairs = tuple((f"r{i}::a", f"r{i}::c") for i in range(5))
+    positions = {"open": (0.0, 0.0, 1.0, 1.0), "folded": (0.0, 0.0, 0.0, 0.0)}
+    named = tuple(
+        NamedConfiguration(name, arm.name, np.array(q))
+        for arm in arms
+        for name, q in positions.items()
+    )
+    arms = [replace(arm, positions="open" if i else "folded") for i, arm in enumerate(arms)]
+    scene = replace(
+        one, robots=tuple(arms), allowed_collisions=pairs, configurations=named, files={}
+    )
+    told = planning.load_world(scene).summary.warnings
+    assert all(text.startswith("where the scene puts its robots, r0::") for text in told)
+    assert "r0::a and r0::e overlap by 0.2 m" in told[0]
+    apart = tuple(replace(arm, positions="open") for arm in arms)
+    (folded,) = planning.load_world(replace(scene, robots=apart)).summary.warnings
+    assert folded.startswith("configuration 'folded' of r0 is in collision with itself")
 
 
 @pytest.mark.parametrize(
