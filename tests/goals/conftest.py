@@ -17,8 +17,11 @@ from planning.kernel.native import native
 from planning.world.world import World
 from tests.clocks import after_looks, no_hurry
 from tests.conftest import bundled_world
+from tests.profiles import num_cases
 
 EXACT = np.zeros(3)
+# Poses that are tried to find a nearer one than the nearest.
+TRIES = num_cases(500, 2000)
 ENGINES = pytest.mark.parametrize("engine", ["kernel", "drake"])
 
 

@@ -116,7 +116,7 @@ WAYS = [
 
 
 @pytest.mark.campaign
-@pytest.mark.parametrize(("approach", "retreat"), WAYS[: num_cases(3, 5)])
+@pytest.mark.parametrize(("approach", "retreat"), WAYS[: num_cases(2, 5)])
 def test_lines_as_long_as_a_refusal_says_would_do(
     approach: list[float] | None, retreat: list[float] | None
 ) -> None:

@@ -38,7 +38,7 @@ from planning.world.rules.path_rules import PathRules
 from planning.world.world import World
 from tests.clocks import no_hurry
 from tests.conftest import bundled_world
-from tests.goals.conftest import ENGINES, world_by
+from tests.goals.conftest import ENGINES, TRIES, world_by
 from tests.profiles import num_cases
 
 PICKUP, BAND = "ur5e_pickup", "maze_2d_band"
@@ -113,8 +113,8 @@ def feasible(
 def nearer(group: JointGroup, q: np.ndarray, distance: float, weights: Any = 1.0) -> np.ndarray:
     """Return 2,000 configurations that are nearer to q than a distance."""
     manifold, rng = Manifold(group.joints), np.random.default_rng(8)
-    aside = rng.normal(size=(2000, manifold.num_velocities))
-    radii = distance * rng.uniform(size=2000) ** (1 / manifold.num_velocities)
+    aside = rng.normal(size=(TRIES, manifold.num_velocities))
+    radii = distance * rng.uniform(size=TRIES) ** (1 / manifold.num_velocities)
     return manifold.plus(
         q, aside * (radii / np.linalg.norm(aside, axis=1))[:, None] / np.asarray(weights)
     )
@@ -123,7 +123,7 @@ def nearer(group: JointGroup, q: np.ndarray, distance: float, weights: Any = 1.0
 @SCENES
 @settings(max_examples=num_cases(3))
 @given(st.integers(0, 10_000))
-def test_the_nearest_is_feasible_and_2000_tries_find_no_nearer_one(name: str, seed: int) -> None:
+def test_the_nearest_is_feasible_and_no_try_finds_a_nearer_one(name: str, seed: int) -> None:
     world = bundled_world(name)
     group = world.groups[0]
     q = colliding(world, group, seed)

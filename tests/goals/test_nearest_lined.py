@@ -21,7 +21,7 @@ from planning.goals.tool_target import ToolTarget
 from planning.kernel.native import native
 from planning.world.world import World
 from tests.clocks import no_hurry
-from tests.goals.conftest import EXACT, ask, at, world_by
+from tests.goals.conftest import EXACT, TRIES, ask, at, world_by
 from tests.goals.test_nearest import cost_of, nearer_tries
 from tests.profiles import PROFILE
 
@@ -71,9 +71,9 @@ def test_a_goal_moved_to_the_nearest_pose_is_solved(approach: Way, retreat: Way)
 
 
 @pytest.mark.parametrize(("approach", "retreat"), WAYS)
-def test_2000_tries_find_no_nearer_pose_with_lines(approach: Way, retreat: Way) -> None:
+def test_no_try_finds_a_nearer_pose_with_lines(approach: Way, retreat: Way) -> None:
     if native() is None:
-        pytest.skip("2,000 tries take the kernel")
+        pytest.skip("so many tries take the kernel")
     world = world_by(NAME, "kernel")
     group, limits = world.group("arm"), world.limits(world.group("arm"))
     near = blocked(approach, retreat).evidence["nearest"]
@@ -83,12 +83,12 @@ def test_2000_tries_find_no_nearer_pose_with_lines(approach: Way, retreat: Way) 
     solver = kernel_pose_solver(
         world, group, [ToolTarget("arm::tcp", pose, EXACT, EXACT) for pose in tries]
     )
-    seeds = np.random.default_rng(2).uniform(limits.lower, limits.upper, (2000, 6))
+    seeds = np.random.default_rng(2).uniform(limits.lower, limits.upper, (TRIES, 6))
     seeds[::2] = near["positions"]
-    converged, rows = solver.solve(seeds, np.arange(2000), 2000)
+    converged, rows = solver.solve(seeds, np.arange(TRIES), TRIES)
     good = np.flatnonzero(converged & within_limits(limits, rows))
     good = good[world.collision_oracle(group, world.margins()).are_free(rows[good])]
-    assert len(good) > 100
+    assert len(good) > TRIES // 20
     poses = [tries[i] for i in good]
     assert not have_lines(world, asking(approach, retreat), rows[good], poses).any()
 

@@ -33,8 +33,9 @@ from planning.kernel.native import native
 from planning.world.rules.path_rules import PathRules
 from planning.world.world import World
 from tests.clocks import after_looks, no_hurry
-from tests.goals.conftest import EXACT, at, world_by
+from tests.goals.conftest import EXACT, TRIES, at, world_by
 from tests.goals.test_nearest import cost_of, nearer_tries
+from tests.profiles import num_cases
 
 NAME, UP = "ur5e_pickup", np.array([0.0, 0.0, 1.0])
 HIGH = Pose.from_parts([0.38, 0.3, 0.45], rpy=[np.pi, 0.0, 0.3])
@@ -95,9 +96,9 @@ def rules_of(world: World, case: str) -> PathRules:
 
 
 @EVERY
-def test_the_nearest_pose_keeps_the_rules_and_2000_tries_find_no_nearer_one(case: str) -> None:
+def test_the_nearest_pose_keeps_the_rules_and_no_try_finds_a_nearer_one(case: str) -> None:
     if native() is None:
-        pytest.skip("2,000 tries take the kernel")
+        pytest.skip("so many tries take the kernel")
     world, target = world_by(NAME, "kernel"), CASES[case][0]
     group, limits = world.group("arm"), world.limits(world.group("arm"))
     near, rules = refused_in(case).evidence["nearest"], rules_of(world, case)
@@ -114,12 +115,12 @@ def test_the_nearest_pose_keeps_the_rules_and_2000_tries_find_no_nearer_one(case
     solver = kernel_pose_solver(
         world, group, [ToolTarget("arm::tcp", pose, EXACT, EXACT) for pose in tries]
     )
-    seeds = np.random.default_rng(2).uniform(limits.lower, limits.upper, (2000, 6))
+    seeds = np.random.default_rng(2).uniform(limits.lower, limits.upper, (TRIES, 6))
     seeds[::2] = q
-    converged, rows = solver.solve(seeds, np.arange(2000), 2000)
+    converged, rows = solver.solve(seeds, np.arange(TRIES), TRIES)
     good = rows[converged & within_limits(limits, rows)]
     good = good[world.collision_oracle(group, world.margins()).are_free(good)]
-    assert len(good) > 100
+    assert len(good) > TRIES // 20
     assert not rules.are_kept(good).any()
 
 
@@ -180,7 +181,7 @@ def grown(constraint: KeepIn | KeepOut | PositionBand, by: float) -> np.ndarray:
     return constraint.box.size + 2 * by
 
 
-@pytest.mark.parametrize("case", ["cone", "low", "out", "plane", "band"])
+@pytest.mark.parametrize("case", ["cone", "band", "low", "out", "plane"][: num_cases(2, 5)])
 def test_a_constraint_that_gives_way_as_told_would_do_and_no_less(case: str) -> None:
     pose, rules, _ = CASES[case]
     (told,) = refused_in(case).evidence["relaxation"]["constraints"]

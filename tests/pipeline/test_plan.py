@@ -52,18 +52,18 @@ def solve(
 CASES = [
     ("ur5e_pickup", to_frame("pick"), {}),
     ("ur5e_pickup", ConfigurationGoal("ready"), {"refine": RefineOptions("none")}),
-    ("panda_shelf", to_frame("upper"), {}),
-    ("maze_2d", to_frame("exit"), {}),
     ("maze_2d", ConfigurationGoal("exit"), {"retime": RetimeOptions(method="ruckig")}),
     ("window_3d", to_frame("beyond"), {}),
     # In a campaign only:
+    ("panda_shelf", to_frame("upper"), {}),
+    ("maze_2d", to_frame("exit"), {}),
     ("ur5e_pickup", to_frame("place"), {"retime": RetimeOptions(method="ruckig")}),
     ("panda_shelf", to_frame("lower"), {"seed": 3}),
 ]
 
 
 @pytest.mark.campaign
-@pytest.mark.parametrize("case", range(num_cases(6, len(CASES))))
+@pytest.mark.parametrize("case", range(num_cases(4, len(CASES))))
 def test_what_is_delivered_is_free_within_limits_and_arrives(case: int) -> None:
     scene, goal, options = CASES[case]
     world = bundled_world(scene)
