@@ -15,7 +15,6 @@ from planning.errors import RetimingFailed
 from planning.refine.refiner import refine
 from planning.refine.request import RefineRequest
 from planning.refine.wish import Wish, wish_of
-from planning.retime.explain import explain_duration
 from planning.retime.path_limit import PathLimit
 from planning.retime.retimer import retime
 from planning.shapes import Shape, clear_shapes
@@ -30,10 +29,12 @@ class Candidate:
     """A timed motion that is not certified yet.
 
     Attributes:
+        curve: What it follows.
         lacking: What falling short of the clearance that is wished for costs [s].
     """
 
     name: str
+    curve: JointSpline
     trajectory: TimedTrajectory
     refine: RefineReport
     retime: RetimeReport
@@ -53,6 +54,7 @@ class _Timing:
     path_limits: tuple[PathLimit, ...]
     options: RetimeOptions
     watch: Stopwatch
+    deadline: Deadline
     failed: list[RetimingFailed] = field(default_factory=list[RetimingFailed])
 
 
@@ -87,7 +89,7 @@ def candidates(  # noqa: PLR0913  (a question in full)
     hasty, deadline = deadlines(problem, deadline)
     group, retime_options = world.group(problem.group), problem.retime
     limits = world.limits(group)
-    timing = _Timing(limits, path_limits, retime_options, watch)
+    timing = _Timing(limits, path_limits, retime_options, watch, deadline)
     with watch.stage("refine"):
         scaled = limits.scaled(retime_options.velocity_scale, retime_options.acceleration_scale)
         rules = _rules(world, path, problem)
@@ -124,8 +126,8 @@ def candidates(  # noqa: PLR0913  (a question in full)
     if wish is not None:
         first = [_wished(candidate, wish) for candidate in first]
     yield from sorted(first, key=lambda candidate: candidate.worth)
-    for shape in clear:
-        deadline.check("retime")
+    # Looking whether a shape collides counts as timing it.
+    for shape in watch.each("retime", clear):
         made = _shaped(shape, timing, unrefined)
         yield from made
     if not made:
@@ -173,16 +175,14 @@ def _timed(
     name: str, spline: JointSpline, timing: _Timing, report: RefineReport
 ) -> list[Candidate]:
     """Time a curve; return nothing and remember why if it cannot be timed."""
-    how = timing.limits, timing.options, timing.path_limits
+    how = timing.limits, timing.options, timing.path_limits, timing.deadline
     with timing.watch.stage("retime"):
         try:
             trajectory, done = retime(spline, *how)
         except RetimingFailed as fault:
             timing.failed.append(fault)
             return []
-        if timing.options.explain:
-            done = replace(done, explanation=explain_duration(spline, trajectory, *how))
-    return [Candidate(name, trajectory, report, done)]
+    return [Candidate(name, spline, trajectory, report, done)]
 
 
 def _untimed(failed: list[RetimingFailed]) -> RetimingFailed:

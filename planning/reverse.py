@@ -85,10 +85,11 @@ def reverse_plan(
         lines=part_lines(world, group, problem, back, turned),
         options=problem.certify,
     )
-    with watch.stage("certify"):
-        certificate, report = certify(world.drake, request, deadline)
-    if not certificate.proven:
-        raise not_certified(certificate, ["the motion backwards"])
+    with watch.timing_failures():
+        with watch.stage("certify"):
+            certificate, report = certify(world.drake, request, deadline)
+        if not certificate.proven:
+            raise not_certified(certificate, ["the motion backwards"])
     way = JointPath(group, path.waypoints[::-1])
     stages = StageReports(
         GoalConfigurations(back.end[None], (0,), Funnel(1, 1, 1, 1, 1)),

@@ -88,5 +88,4 @@ def _grown(ground: Ground, deadline: Deadline) -> Roadmap:
             f"{ground.recipe.options.states} states was built; it is built once, so allow for it "
             "once, or ask for fewer states"
         )
-        evidence = error.evidence | {"during": "roadmap"}
-        raise DeadlineExceeded(message, evidence) from error
+        raise error.saying(message, {"during": "roadmap"}).in_stage("roadmap") from error
