@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
+from itertools import chain
 
 from planning.domain.curve import JointSpline, TimedTrajectory
 from planning.domain.deadline import Deadline
@@ -11,7 +12,7 @@ from planning.domain.options import RetimeOptions, SearchOptions
 from planning.domain.path import JointPath
 from planning.domain.problem import PlanningProblem
 from planning.domain.report import RefineReport, RetimeReport
-from planning.errors import RetimingFailed
+from planning.errors import DeadlineExceeded, RetimingFailed
 from planning.refine.refiner import refine
 from planning.refine.request import RefineRequest
 from planning.refine.wish import Wish, wish_of
@@ -22,6 +23,9 @@ from planning.stopwatch import Stopwatch
 from planning.world.margins import PairMargins
 from planning.world.rules.path_rules import PathRules
 from planning.world.world import World
+
+# Share of the time for timing one more curve where there is a motion already.
+_COMPARING_SHARE = 0.5
 
 
 @dataclass(frozen=True)
@@ -56,6 +60,11 @@ class _Timing:
     watch: Stopwatch
     deadline: Deadline
     failed: list[RetimingFailed] = field(default_factory=list[RetimingFailed])
+
+    @property
+    def hasty(self) -> "_Timing":
+        """The same for curves that are timed only to see whether they are quicker."""
+        return replace(self, deadline=self.deadline.share(_COMPARING_SHARE))
 
 
 def deadlines(problem: PlanningProblem, deadline: Deadline) -> tuple[Deadline, Deadline]:
@@ -119,8 +128,15 @@ def candidates(  # noqa: PLR0913  (a question in full)
     with watch.stage("retime"):
         compared = list(clear) if retime_options.method == "ruckig" else [next(clear)]
     made: list[Candidate] = []
-    for shape in compared:
-        made = _shaped(shape, timing, unrefined)
+    for i, shape in enumerate(compared):
+        try:
+            made = _shaped(shape, timing.hasty if first else timing, unrefined)
+        except DeadlineExceeded:
+            # A motion that is timed is to be proven while there is time.
+            if not first:
+                raise
+            clear = chain(compared[i:], clear)
+            break
         first += made
     wish = refined and wish_of(world, group, margins, problem.refine.clearance)
     if wish is not None:

@@ -67,6 +67,7 @@ def reverse_plan(
         Canceled: Somebody asked for the end.
     """
     watch = Stopwatch(deadline.clock)
+    deadline = deadline.cutting(watch.note_cut)
     group = driven(world.group(problem.group), problem.search.spaces)
     back = trajectory.reverse
     turned = tuple(
@@ -109,6 +110,7 @@ def reverse_plan(
         certificate=certificate,
         stages=stages,
         timings=watch.seconds,
+        cut_short=watch.cut_short,
         parts=turned,
     )
 

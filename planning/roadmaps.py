@@ -40,7 +40,9 @@ def build_roadmap(problem: PlanningProblem, world: World, *, deadline: Deadline)
     start = require_positions(group, given, "start")
     constraints = problem.constraints
     rules = PathRules.compiled(world, group, constraints, start) if constraints else None
-    return _grown(Ground.from_problem(problem, world, start, rules), deadline)
+    watch = Stopwatch(deadline.clock)
+    with watch.timing_failures(), watch.stage("roadmap"):
+        return _grown(Ground.from_problem(problem, world, start, rules), deadline)
 
 
 def require_search(problem: PlanningProblem) -> None:

@@ -29,6 +29,11 @@ class Problem(BaseModel):
     code: str = Field(description="Stable machine-readable name of the kind")
     detail: str = Field(description="What is wrong with this request, for a person")
     evidence: dict[str, Any] = Field(description="Facts behind it [SI units, radians]")
+    timings: dict[str, float] = Field(
+        default={},
+        description="Seconds per stage, of those that ended and of the one that failed; empty "
+        "where nothing was timed",
+    )
 
 
 class Failure(BaseModel):
@@ -48,6 +53,9 @@ class Failure(BaseModel):
     )
 
     code: str = Field(description="Stable machine-readable name of the kind")
-    stage: str = Field(description="The stage that gave up, for example `goals`, or empty")
+    stage: str = Field(
+        description="The stage that gave up, or in which the time ran out or the cancel came: a "
+        "name in `timings`, for example `goals`; `worker` if it is not known; or empty"
+    )
     detail: str = Field(description="What went wrong, for a person")
     evidence: dict[str, Any] = Field(description="Facts behind it [SI units, radians]")
