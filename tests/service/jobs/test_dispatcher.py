@@ -39,6 +39,7 @@ def test_results_failures_and_blunders_come_back(tmp_path: Path, inline: bool) -
                 "stage": "goals",
                 "detail": "too far",
                 "evidence": {"metres": 2.0},
+                "timings": {},
             }
             codes = [job.failure["code"] for job in ended[2:]]
             assert codes == ["internal_error", "worker_crashed", "worker_crashed", "internal_error"]
