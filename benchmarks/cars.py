@@ -11,7 +11,7 @@ import statistics
 import sys
 import time
 from collections.abc import Callable, Iterator
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
 from rich.console import Console
@@ -90,6 +90,8 @@ def _run(
     plans: list[planning.MotionPlan] = []
     for method in ("none", "trajopt"):
         problem = scene.problem(seed, retime=retime, refine=RefineOptions(method))
+        search = replace(problem.search, allowed_planning_time=options.allowed)
+        problem = replace(problem, search=search)
         deadline = planning.Deadline.after(options.allowed, clock)
         try:
             plans.append(planning.plan(problem, scene.world, deadline=deadline))

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
+from itertools import chain
 
 from planning.domain.curve import JointSpline, TimedTrajectory
 from planning.domain.deadline import Deadline
@@ -11,11 +12,10 @@ from planning.domain.options import RetimeOptions, SearchOptions
 from planning.domain.path import JointPath
 from planning.domain.problem import PlanningProblem
 from planning.domain.report import RefineReport, RetimeReport
-from planning.errors import RetimingFailed
+from planning.errors import DeadlineExceeded, RetimingFailed
 from planning.refine.refiner import refine
 from planning.refine.request import RefineRequest
 from planning.refine.wish import Wish, wish_of
-from planning.retime.explain import explain_duration
 from planning.retime.path_limit import PathLimit
 from planning.retime.retimer import retime
 from planning.shapes import Shape, clear_shapes
@@ -24,16 +24,21 @@ from planning.world.margins import PairMargins
 from planning.world.rules.path_rules import PathRules
 from planning.world.world import World
 
+# Share of the time for timing one more curve where there is a motion already.
+_COMPARING_SHARE = 0.5
+
 
 @dataclass(frozen=True)
 class Candidate:
     """A timed motion that is not certified yet.
 
     Attributes:
+        curve: What it follows.
         lacking: What falling short of the clearance that is wished for costs [s].
     """
 
     name: str
+    curve: JointSpline
     trajectory: TimedTrajectory
     refine: RefineReport
     retime: RetimeReport
@@ -53,7 +58,13 @@ class _Timing:
     path_limits: tuple[PathLimit, ...]
     options: RetimeOptions
     watch: Stopwatch
+    deadline: Deadline
     failed: list[RetimingFailed] = field(default_factory=list[RetimingFailed])
+
+    @property
+    def hasty(self) -> "_Timing":
+        """The same for curves that are timed only to see whether they are quicker."""
+        return replace(self, deadline=self.deadline.share(_COMPARING_SHARE))
 
 
 def deadlines(problem: PlanningProblem, deadline: Deadline) -> tuple[Deadline, Deadline]:
@@ -87,7 +98,7 @@ def candidates(  # noqa: PLR0913  (a question in full)
     hasty, deadline = deadlines(problem, deadline)
     group, retime_options = world.group(problem.group), problem.retime
     limits = world.limits(group)
-    timing = _Timing(limits, path_limits, retime_options, watch)
+    timing = _Timing(limits, path_limits, retime_options, watch, deadline)
     with watch.stage("refine"):
         scaled = limits.scaled(retime_options.velocity_scale, retime_options.acceleration_scale)
         rules = _rules(world, path, problem)
@@ -117,15 +128,22 @@ def candidates(  # noqa: PLR0913  (a question in full)
     with watch.stage("retime"):
         compared = list(clear) if retime_options.method == "ruckig" else [next(clear)]
     made: list[Candidate] = []
-    for shape in compared:
-        made = _shaped(shape, timing, unrefined)
+    for i, shape in enumerate(compared):
+        try:
+            made = _shaped(shape, timing.hasty if first else timing, unrefined)
+        except DeadlineExceeded:
+            # A motion that is timed is to be proven while there is time.
+            if not first:
+                raise
+            clear = chain(compared[i:], clear)
+            break
         first += made
     wish = refined and wish_of(world, group, margins, problem.refine.clearance)
     if wish is not None:
         first = [_wished(candidate, wish) for candidate in first]
     yield from sorted(first, key=lambda candidate: candidate.worth)
-    for shape in clear:
-        deadline.check("retime")
+    # Looking whether a shape collides counts as timing it.
+    for shape in watch.each("retime", clear):
         made = _shaped(shape, timing, unrefined)
         yield from made
     if not made:
@@ -173,16 +191,14 @@ def _timed(
     name: str, spline: JointSpline, timing: _Timing, report: RefineReport
 ) -> list[Candidate]:
     """Time a curve; return nothing and remember why if it cannot be timed."""
-    how = timing.limits, timing.options, timing.path_limits
+    how = timing.limits, timing.options, timing.path_limits, timing.deadline
     with timing.watch.stage("retime"):
         try:
             trajectory, done = retime(spline, *how)
         except RetimingFailed as fault:
             timing.failed.append(fault)
             return []
-        if timing.options.explain:
-            done = replace(done, explanation=explain_duration(spline, trajectory, *how))
-    return [Candidate(name, trajectory, report, done)]
+    return [Candidate(name, spline, trajectory, report, done)]
 
 
 def _untimed(failed: list[RetimingFailed]) -> RetimingFailed:

@@ -33,7 +33,7 @@ WayproofError                 code, detail, evidence; pickles, so it crosses pro
 
 from collections.abc import Iterable, Mapping
 from difflib import get_close_matches
-from typing import Any, ClassVar, override
+from typing import Any, ClassVar, Self, override
 
 type Evidence = Mapping[str, Any]
 
@@ -55,7 +55,7 @@ class WayproofError(Exception):
         self.evidence: dict[str, Any] = dict(evidence or {})
 
     @override
-    def __reduce__(self) -> tuple[type["WayproofError"], tuple[str, dict[str, Any]]]:
+    def __reduce__(self) -> tuple[Any, ...]:
         return type(self), (self.detail, self.evidence)
 
 
@@ -117,10 +117,31 @@ class PlanningFailure(WayproofError):
     """A plan was tried and has no motion to give.
 
     Attributes:
-        stage: The stage of the pipeline that gave up.
+        stage: The stage that gave up, or in which the time ran out or the cancel came.
+        timings: Seconds per stage, of those that ended and of the one that failed; empty where
+            nothing was timed.
     """
 
-    stage: ClassVar[str] = "plan"
+    stage: str = "plan"
+
+    def __init__(self, detail: str, evidence: Evidence | None = None) -> None:
+        super().__init__(detail, evidence)
+        self.timings: dict[str, float] = {}
+
+    @override
+    def __reduce__(self) -> tuple[Any, ...]:
+        return *super().__reduce__(), {"stage": self.stage, "timings": self.timings}
+
+    def in_stage(self, stage: str) -> Self:
+        """Return itself, told where it happened."""
+        self.stage = stage
+        return self
+
+    def saying(self, detail: str, more: Evidence) -> Self:
+        """Return the same failure in other words and with more evidence, of the same stage."""
+        told = type(self)(detail, {**self.evidence, **more}).in_stage(self.stage)
+        told.timings = self.timings
+        return told
 
 
 class StartInCollision(PlanningFailure):
@@ -223,7 +244,10 @@ class NoPathFound(PlanningFailure):
 
 
 class DeadlineExceeded(PlanningFailure):
-    """The allowed time ran out; evidence: `allowed` [s], `during`."""
+    """The allowed time ran out; evidence: `allowed` [s], `during`.
+
+    Its stage, as that of a cancel, is the one that was at work.
+    """
 
     code = "deadline_exceeded"
     stage = "search"

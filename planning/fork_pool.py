@@ -166,6 +166,7 @@ def _arrivals(pipes: list[int], deadline: Deadline) -> Generator[tuple[int, Any]
             if deadline.is_canceled():
                 deadline.check("search")
             if deadline.clock() > deadline.at + _GRACE:
+                deadline.on_cut()
                 return
             for key, _ in selector.select(_POLL):
                 part = os.read(key.fd, _READ)

@@ -16,6 +16,7 @@ from planning.goals.joint_metric import JointMetric
 from planning.goals.quality import QualityProbe
 from planning.goals.sampler import GoalQuery, find_goals
 from planning.ruled import kept_goals
+from planning.stopwatch import Stopwatch
 from planning.world.positions import require_positions
 from planning.world.rules.path_rules import PathRules
 from planning.world.world import World
@@ -65,8 +66,10 @@ def solve_ik(  # noqa: PLR0913  (a question in full)
     chosen = options or IkOptions()
     rules = PathRules.compiled(world, joints, constraints, q) if constraints else None
     query = GoalQuery(joints, goal, q, world.margins(margin), chosen, chosen.max_trials, rules)
-    found = find_goals(world, query, np.random.default_rng(seed), deadline)
-    return kept_goals(world, query, found, seed, deadline)
+    watch = Stopwatch(deadline.clock)
+    with watch.timing_failures(), watch.stage("goals"):
+        found = find_goals(world, query, np.random.default_rng(seed), deadline)
+        return kept_goals(world, query, found, seed, deadline)
 
 
 def assess_configurations(

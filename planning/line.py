@@ -10,6 +10,7 @@ from planning.errors import ProblemInvalid
 from planning.goals.line_stop import traced
 from planning.goals.line_tracer import Fineness, LineTracer
 from planning.goals.tool_target import line_end
+from planning.stopwatch import Stopwatch
 from planning.world.positions import require_positions
 from planning.world.world import World
 
@@ -64,5 +65,7 @@ def trace_line(  # noqa: PLR0913  (a question in full)
     full = world.embed(joints, q)
     begin = world.frame_pose(tool, full)
     line = ToolLine(tool, begin, line_end(world, full, begin, to))
-    course = tracer.trace([line], q[None], deadline)[0]
-    return traced(world, joints, margins, tracer.kinematics, course)
+    watch = Stopwatch(deadline.clock)
+    with watch.timing_failures(), watch.stage("line"):
+        course = tracer.trace([line], q[None], deadline)[0]
+        return traced(world, joints, margins, tracer.kinematics, course)

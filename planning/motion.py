@@ -6,16 +6,18 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from planning.domain.curve import TimedTrajectory
+from planning.domain.deadline import Deadline
 from planning.domain.duration import DurationExplanation
+from planning.domain.joints import JointLimits
 from planning.domain.line import MAX_SHIFT, MAX_TURN, LineSection
 from planning.domain.options import RetimeOptions
 from planning.domain.path import JointPath
 from planning.domain.plan import PlanPart
 from planning.domain.report import RetimeReport
-from planning.errors import RetimingFailed
+from planning.errors import DeadlineExceeded, RetimingFailed
 from planning.parts import Part
 from planning.retime.audit import RATES
-from planning.retime.explain import asked_for, joined_explanation
+from planning.retime.explain import explain_duration, joined_explanation
 from planning.retime.path_limit import PathLimit
 from planning.world.tool_kinematics import ToolKinematics
 from planning.world.world import Array, World
@@ -105,6 +107,38 @@ class Motion:
             return self
         return Motion(tuple(_slower(part, factor, path_limits) for part in self.parts))
 
+    def explained(
+        self,
+        limits: JointLimits,
+        options: RetimeOptions,
+        path_limits: Sequence[PathLimit],
+        deadline: Deadline,
+    ) -> "Motion":
+        """Return the motion with reports that say why its parts take as long as they do.
+
+        If the time runs out it is the motion as it was, which is worth more than its explanation.
+
+        Args:
+            limits: With which the parts were timed, unscaled.
+            options: And with which options.
+            path_limits: And with which limits besides.
+            deadline: When to give up.
+
+        Raises:
+            Canceled: Somebody asked for the end.
+        """
+        how = limits, options, path_limits, deadline
+        try:
+            told = [explain_duration(part.curve, part.trajectory, *how) for part in self.parts]
+        except DeadlineExceeded:
+            return self
+        return Motion(
+            tuple(
+                replace(part, report=replace(part.report, explanation=explanation))
+                for part, explanation in zip(self.parts, told, strict=True)
+            )
+        )
+
     @property
     def _free(self) -> list[Part]:
         return [part for part in self.parts if part.kind == "free"]
@@ -150,8 +184,6 @@ def _slower(part: Part, factor: float, path_limits: Sequence[PathLimit]) -> Part
             if use.share(1.0) > used.get(limit.name, -1.0):
                 binding[limit.name], used[limit.name] = use.where, use.share(1.0)
     made = replace(report, duration=report.duration * factor, binding=binding, utilisation=used)
-    if report.explanation is not None:
-        made = replace(made, explanation=asked_for(made.duration))
     return replace(part, trajectory=trajectory, report=made)
 
 

@@ -19,6 +19,8 @@ from planning.domain.problem import PlanningProblem
 from planning.domain.report import CertifyReport, RetimeReport
 from planning.domain.value import Value
 from planning.errors import ProblemInvalid
+from planning.motion import Motion
+from planning.parts import free_part
 from planning.proof_request import proof_request
 from planning.retime.path_limits import path_limits
 from planning.stopwatch import Stopwatch
@@ -38,6 +40,7 @@ class RetimedPath(Value):
         certificate: The proof.
         retime: How it was timed.
         certify: How it was proven.
+        cut_short: Stages that ended early because of the clock: `explain`, or none.
     """
 
     path: JointPath
@@ -45,6 +48,7 @@ class RetimedPath(Value):
     certificate: Certificate
     retime: RetimeReport
     certify: CertifyReport
+    cut_short: tuple[str, ...] = ()
 
 
 def retime_path(  # noqa: PLR0913  (a question in full)
@@ -99,28 +103,48 @@ def retime_path(  # noqa: PLR0913  (a question in full)
         margin=margin,
         constraints=constraints,
     )
+    watch = Stopwatch(deadline.clock)
+    with watch.timing_failures():
+        return _first_proven(
+            world,
+            path,
+            problem,
+            wanted or CertifyOptions(),
+            deadline.cutting(watch.note_cut),
+            watch,
+        )
+
+
+def _first_proven(
+    world: World,
+    path: JointPath,
+    problem: PlanningProblem,
+    wanted: CertifyOptions,
+    deadline: Deadline,
+    watch: Stopwatch,
+) -> RetimedPath:
+    joints, timing, margins = path.group, problem.retime, world.margins(problem.margin)
+    others = path_limits(world, joints, timing)
     refused: list[str] = []
     failed: Certificate | None = None
-    made = candidates(
-        world,
-        path,
-        problem,
-        world.margins(margin),
-        deadline,
-        Stopwatch(deadline.clock),
-        path_limits=path_limits(world, joints, timing),
-    )
+    made = candidates(world, path, problem, margins, deadline, watch, path_limits=others)
     for candidate in made:
         request = replace(
-            proof_request(world, joints, candidate.trajectory, timing, world.margins(margin)),
+            proof_request(world, joints, candidate.trajectory, timing, margins),
             start=path.waypoints[0],
             goals=path.waypoints[-1:],
-            constraints=constraints,
-            options=wanted or CertifyOptions(),
+            constraints=problem.constraints,
+            options=wanted,
         )
-        certificate, report = certify(world.drake, request, deadline)
+        with watch.stage("certify"):
+            certificate, report = certify(world.drake, request, deadline)
         if certificate.proven:
-            return RetimedPath(path, candidate.trajectory, certificate, candidate.retime, report)
+            motion = Motion((free_part(path, candidate),))
+            if timing.explain:
+                with watch.stage("explain"):
+                    motion = motion.explained(world.limits(joints), timing, others, deadline)
+            timed = motion.trajectory, certificate, motion.report, report
+            return RetimedPath(path, *timed, watch.cut_short)
         failed = certificate
         refused.append(f"{candidate.name}: {failed_checks(certificate)}")
     raise not_certified(failed, refused)

@@ -1,5 +1,7 @@
 """certify_trajectory(): the certifier by itself, for a motion that was made elsewhere."""
 
+from collections.abc import Generator
+from contextlib import contextmanager
 from dataclasses import replace
 from typing import Any
 
@@ -15,6 +17,7 @@ from planning.domain.options import CertifyOptions, RetimeOptions
 from planning.domain.report import CertifyReport
 from planning.errors import ProblemInvalid
 from planning.proof_request import proof_request
+from planning.stopwatch import Stopwatch
 from planning.timing import admit_timing
 from planning.world.positions import require_positions
 from planning.world.rules.admission import require_constraints
@@ -62,8 +65,9 @@ def certify_trajectory(  # noqa: PLR0913  (a question in full)
     """
     request = _request(world, group, trajectory, options, (start, goal), margin, constraints)
     request = replace(request, options=wanted or CertifyOptions())
-    certificate, report = certify(world.drake, request, deadline)
-    return with_first_unproven(world.drake, request, certificate, deadline), report
+    with _timed(deadline):
+        certificate, report = certify(world.drake, request, deadline)
+        return with_first_unproven(world.drake, request, certificate, deadline), report
 
 
 def certify_positions(  # noqa: PLR0913  (a question in full)
@@ -105,9 +109,18 @@ def certify_positions(  # noqa: PLR0913  (a question in full)
         Canceled: Somebody asked for the end.
     """
     request = _request(world, group, trajectory, options, (start, goal), margin, constraints)
-    certificate, report = certify_places(world.drake, request, deadline)
-    told = with_first_unproven(world.drake, request, certificate, deadline)
-    return told, report, unchecked_of(request)
+    with _timed(deadline):
+        certificate, report = certify_places(world.drake, request, deadline)
+        told = with_first_unproven(world.drake, request, certificate, deadline)
+        return told, report, unchecked_of(request)
+
+
+@contextmanager
+def _timed(deadline: Deadline) -> Generator[None]:
+    """Have failures from inside tell how long the proof took."""
+    watch = Stopwatch(deadline.clock)
+    with watch.timing_failures(), watch.stage("certify"):
+        yield
 
 
 def _request(  # noqa: PLR0913, PLR0917  (a question in full)

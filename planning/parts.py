@@ -12,7 +12,8 @@ import numpy as np
 
 from planning.candidates import Candidate
 from planning.domain.cubic import cubic_through
-from planning.domain.curve import TimedTrajectory
+from planning.domain.curve import JointSpline, TimedTrajectory
+from planning.domain.deadline import Deadline
 from planning.domain.funnel import Funnel
 from planning.domain.goal import Goal, LineGoal, PoseGoal, RegionGoal
 from planning.domain.goal_configurations import GoalConfigurations
@@ -22,7 +23,6 @@ from planning.domain.path import JointPath
 from planning.domain.problem import PlanningProblem
 from planning.domain.report import RefineReport, RetimeReport
 from planning.domain.search_report import SearchReport
-from planning.retime.explain import explain_duration
 from planning.retime.path_limit import PathLimit
 from planning.retime.retimer import retime
 from planning.world.world import Array, World
@@ -40,6 +40,7 @@ class Part:
     Attributes:
         kind: What it is for.
         path: Its waypoints.
+        curve: What it follows.
         trajectory: From rest to rest, beginning at time 0.
         leg: The line that it follows, if it does.
         report: How it was timed.
@@ -47,6 +48,7 @@ class Part:
 
     kind: PartKind
     path: JointPath
+    curve: JointSpline
     trajectory: TimedTrajectory
     leg: Leg | None
     report: RetimeReport
@@ -107,13 +109,14 @@ def freely_timed(problem: PlanningProblem) -> PlanningProblem:
     return replace(problem, retime=replace(problem.retime, duration=None))
 
 
-def timed_legs(
+def timed_legs(  # noqa: PLR0913, PLR0917  (a question in full)
     world: World,
     group: JointGroup,
     legs: Sequence[tuple[PartKind, Leg]],
     problem: PlanningProblem,
     begin: Array,
     path_limits: Sequence[PathLimit],
+    deadline: Deadline,
 ) -> tuple[Part, ...]:
     """Time legs one after another, each along a smooth curve through its waypoints.
 
@@ -124,26 +127,27 @@ def timed_legs(
         problem: Its options say how.
         begin: Where the first one begins, shape (nq,); whole turns of joints go on from here.
         path_limits: What the problem limits besides the joints.
+        deadline: When to give up.
 
     Raises:
         RetimingFailed: A leg cannot be timed.
+        DeadlineExceeded: Time ran out.
+        Canceled: Somebody asked for the end.
     """
     limits, parts = world.limits(group), list[Part]()
     for kind, leg in legs:
         rows = np.concatenate([begin[None], leg.positions])
         positions = JointPath(group, rows).continuous.waypoints[1:]
         curve = cubic_through(group.joints, leg.fractions, positions)
-        how = limits, freely_timed(problem).retime, path_limits
-        trajectory, report = retime(curve, *how)
-        if problem.retime.explain:
-            report = replace(report, explanation=explain_duration(curve, trajectory, *how))
+        options = freely_timed(problem).retime
+        trajectory, report = retime(curve, limits, options, path_limits, deadline)
         count = max(problem.search.approach_states, len(positions))
         waypoints = curve.manifold.normalized(curve.positions(np.linspace(0.0, 1.0, count)))
-        parts.append(Part(kind, JointPath(group, waypoints), trajectory, leg, report))
+        parts.append(Part(kind, JointPath(group, waypoints), curve, trajectory, leg, report))
         begin = positions[-1]
     return tuple(parts)
 
 
 def free_part(path: JointPath, candidate: Candidate) -> Part:
     """Return a candidate for the free way as a part."""
-    return Part("free", path, candidate.trajectory, None, candidate.retime)
+    return Part("free", path, candidate.curve, candidate.trajectory, None, candidate.retime)

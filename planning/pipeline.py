@@ -27,7 +27,7 @@ from planning.goals.sampler import GoalQuery, find_goals
 from planning.goals.start import admit_start
 from planning.guided import require_regions
 from planning.parts import at_end_of, tool_of
-from planning.plan_task import PlanTask
+from planning.plan_task import PlanTask, StageProgress
 from planning.proving import prove_lines, prove_search
 from planning.refine.wish import require_wish
 from planning.roadmap_ground import Ground
@@ -55,12 +55,15 @@ def plan(
 ) -> MotionPlan:
     """Plan a certified motion.
 
-    The same problem in the same scene gives the same bytes, as long as the deadline cuts nothing.
+    The same problem in the same scene gives the same bytes, as long as the deadline cuts nothing;
+    what it cuts is in `MotionPlan.cut_short`. Work that a plan can do without (refinement, the
+    explanation of the duration) is cut before the plan is lost.
 
     Args:
         problem: Group, start, goal, options, seed.
         world: The scene, loaded.
-        deadline: When to give up; also asked whether anybody still wants the answer.
+        deadline: When to give up, if the problem's allowed time, which begins now, does not end
+            before; also asked whether anybody still wants the answer.
         on_progress: Told of every stage.
         roadmaps: Where a roadmap is looked for, and left if it had to be built, if the problem asks
             for one; what is found there changes no byte.
@@ -68,69 +71,74 @@ def plan(
 
     Raises:
         InputError: The problem names what does not exist, or its numbers do not fit.
-        PlanningFailure: There is no motion to give; code, stage and evidence say why.
+        PlanningFailure: There is no motion to give; code, stage and evidence say why, and `timings`
+            how long the stages took.
     """
-    watch = Stopwatch(deadline.clock)
-    group = driven(world.group(problem.group), problem.search.spaces)
-    given = world.positions(group) if problem.start is None else problem.start
-    given = require_positions(group, given, "start")
-    margins = world.margins(problem.margin)
-    if problem.search.allowed_planning_time <= 0:
-        message = "search.allowed_planning_time must be positive"
-        raise ProblemInvalid(message, {"field": "search.allowed_planning_time"})
-    require_wish(problem.refine)
-    require_regions(problem, world, group)
-    require_search(problem)
-    on_progress(Progress("goals", 0.02, "looking for goal configurations"))
-    with watch.stage("goals"):
-        start, clipped = admit_start(world, group, given, margins)
-        problem = replace(problem, retime=admit_timing(world, group, problem.retime, start))
-        rules = admit_rules(world, group, problem.constraints, start)
-        query = GoalQuery(group, problem.goal, start, margins, problem.ik, rules=rules)
-        goals, lines = _goals(world, query, problem.seed, deadline.share(0.5))
-        if rules is not None:
-            goals = kept_goals(world, query, goals, problem.seed, deadline.share(0.5))
-            rules = rules.leaving_room(start, goals.entries)
-    roadmap = None
-    if problem.search.roadmap is not None:
-        on_progress(Progress("search", 0.1, "looking for the roadmap"))
-        with watch.stage("roadmap"):
-            share = deadline.share(_ROADMAP_SHARE)
-            ground = Ground.from_problem(problem, world, start, rules)
-            roadmap = roadmap_of(ground, roadmaps, share, watch)
-    limits = world.limits(group) if rules is None else rules.limits(world.limits(group))
-    task = PlanTask(
-        world,
-        problem,
-        group,
-        limits,
-        margins,
-        start,
-        goals,
-        lines,
-        deadline,
-        on_progress,
-        watch,
-        rules,
-        roadmap,
-        pool,
-    )
-    proven = prove_lines(task) if lines else prove_search(task)
-    motion = proven.motion
-    return MotionPlan(
-        group=group,
-        start=start,
-        start_clipped=clipped,
-        goal_configuration=motion.goal_configuration,
-        goal_index=goals.target_indices[proven.goal_row],
-        path=motion.path,
-        trajectory=motion.trajectory,
-        certificate=proven.certificate,
-        stages=StageReports(goals, proven.search, proven.refine, motion.report, proven.certify),
-        timings=watch.seconds,
-        graph=proven.graph,
-        parts=motion.described(world, tool_of(group, problem.goal)),
-    )
+    report = StageProgress(on_progress)
+    watch = Stopwatch(deadline.clock, report.begin)
+    with watch.timing_failures():
+        group = driven(world.group(problem.group), problem.search.spaces)
+        given = world.positions(group) if problem.start is None else problem.start
+        given = require_positions(group, given, "start")
+        margins = world.margins(problem.margin)
+        if problem.search.allowed_planning_time <= 0:
+            message = "search.allowed_planning_time must be positive"
+            raise ProblemInvalid(message, {"field": "search.allowed_planning_time"})
+        deadline = deadline.limited(problem.search.allowed_planning_time).cutting(watch.note_cut)
+        require_wish(problem.refine)
+        require_regions(problem, world, group)
+        require_search(problem)
+        report(Progress("goals", 0.02, "looking for goal configurations"))
+        with watch.stage("goals"):
+            start, clipped = admit_start(world, group, given, margins)
+            problem = replace(problem, retime=admit_timing(world, group, problem.retime, start))
+            rules = admit_rules(world, group, problem.constraints, start)
+            query = GoalQuery(group, problem.goal, start, margins, problem.ik, rules=rules)
+            goals, lines = _goals(world, query, problem.seed, deadline.share(0.5))
+            if rules is not None:
+                goals = kept_goals(world, query, goals, problem.seed, deadline.share(0.5))
+                rules = rules.leaving_room(start, goals.entries)
+        roadmap = None
+        if problem.search.roadmap is not None:
+            report(Progress("roadmap", 0.1, "looking for the roadmap"))
+            with watch.stage("roadmap"):
+                share = deadline.share(_ROADMAP_SHARE)
+                ground = Ground.from_problem(problem, world, start, rules)
+                roadmap = roadmap_of(ground, roadmaps, share, watch)
+        limits = world.limits(group) if rules is None else rules.limits(world.limits(group))
+        task = PlanTask(
+            world,
+            problem,
+            group,
+            limits,
+            margins,
+            start,
+            goals,
+            lines,
+            deadline,
+            report,
+            watch,
+            rules,
+            roadmap,
+            pool,
+        )
+        proven = prove_lines(task) if lines else prove_search(task)
+        motion = proven.motion
+        return MotionPlan(
+            group=group,
+            start=start,
+            start_clipped=clipped,
+            goal_configuration=motion.goal_configuration,
+            goal_index=goals.target_indices[proven.goal_row],
+            path=motion.path,
+            trajectory=motion.trajectory,
+            certificate=proven.certificate,
+            stages=StageReports(goals, proven.search, proven.refine, motion.report, proven.certify),
+            timings=watch.seconds,
+            cut_short=watch.cut_short,
+            graph=proven.graph,
+            parts=motion.described(world, tool_of(group, problem.goal)),
+        )
 
 
 def _goals(

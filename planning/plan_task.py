@@ -1,4 +1,4 @@
-"""PlanTask: what every step of a plan needs."""
+"""PlanTask: what every step of a plan needs; StageProgress: tells which step is at work."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -22,6 +22,27 @@ from planning.world.world import Array, World
 
 # How far a plan is that searches, of the whole.
 SEARCHING = 0.15
+# And in stages that say no more of themselves than that they begin.
+_FRACTIONS = {"refine": 0.5, "retime": 0.6, "certify": 0.8, "explain": 0.95}
+
+
+class StageProgress:
+    """Passes progress on, and tells of stages that begin without a word."""
+
+    def __init__(self, on_progress: Callable[[Progress], None]) -> None:
+        """Pass it on to `on_progress`."""
+        self._on_progress = on_progress
+        self._stage = ""
+
+    def __call__(self, progress: Progress) -> None:
+        """Pass progress on."""
+        self._stage = progress.stage
+        self._on_progress(progress)
+
+    def begin(self, stage: str) -> None:
+        """Tell of a stage that begins, if that was not told already."""
+        if stage != self._stage:
+            self(Progress(stage, _FRACTIONS.get(stage, SEARCHING)))
 
 
 @dataclass(frozen=True)

@@ -1,6 +1,7 @@
 """From goals to a proven motion: search, refine, retime and certify, until one is proven."""
 
 from collections.abc import Sequence
+from contextlib import nullcontext
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -83,6 +84,7 @@ def prove_lines(task: PlanTask) -> Proven:
         certificate, report = _certify(task, motion)
     if not certificate.proven:
         raise not_certified(certificate, ["the lines themselves"])
+    motion = _explained(task, motion)
     return Proven(0, motion, no_search(motion.path), NOT_REFINED, certificate, report)
 
 
@@ -96,8 +98,8 @@ def prove_search(task: PlanTask) -> Proven:
         task.report(Progress("search", SEARCHING, f"searching, round {round_ + 1}"))
         with task.watch.stage("search"):
             found = _search(task, 0) if round_ == 0 else _search_again(task, round_)
-        with task.watch.stage("retime"):
-            legs = named_legs(task.goals.legs[found.goal_row]) if task.goals.legs else []
+        legs = named_legs(task.goals.legs[found.goal_row]) if task.goals.legs else []
+        with task.watch.stage("retime") if legs else nullcontext():
             tail = _timed(task, legs, found.path.waypoints[-1])
         task.report(Progress("refine", 0.5, "refining and timing"))
         problem = freely_timed(task.problem) if tail else task.problem
@@ -119,7 +121,7 @@ def prove_search(task: PlanTask) -> Proven:
                 seen = replace(report, candidates=len(refused) + 1, refused=tuple(refused))
                 return Proven(
                     found.goal_row,
-                    motion,
+                    _explained(task, motion),
                     found.report,
                     candidate.refine,
                     certificate,
@@ -129,18 +131,31 @@ def prove_search(task: PlanTask) -> Proven:
             failed = certificate
             refused.append(f"round {round_ + 1}, {candidate.name}: {failed_checks(certificate)}")
             _require_hope(certificate, refused)
-    task.deadline.check("certify")
+    with task.watch.stage("certify"):
+        task.deadline.check("certify")
     raise not_certified(failed, refused)
 
 
 def _timed(task: PlanTask, legs: Sequence[tuple[PartKind, Leg]], begin: Array) -> tuple[Part, ...]:
     """Return legs as parts, timed under all that limits the motion."""
-    return timed_legs(task.world, task.group, legs, task.problem, begin, task.path_limits)
+    deadline = deadlines(task.problem, task.deadline)[1]
+    world, group, problem = task.world, task.group, task.problem
+    return timed_legs(world, group, legs, problem, begin, task.path_limits, deadline)
 
 
 def _lasting(task: PlanTask, parts: tuple[Part, ...]) -> Motion:
     """Return the motion that parts make, as long as was asked for."""
     return Motion(parts).lasting(task.problem.retime, task.path_limits)
+
+
+def _explained(task: PlanTask, motion: Motion) -> Motion:
+    """Return a proven motion that says why it takes as long as it does, if asked and in time."""
+    if not task.problem.retime.explain:
+        return motion
+    hasty = deadlines(task.problem, task.deadline)[0]
+    limits = task.world.limits(task.world.group(task.problem.group))
+    with task.watch.stage("explain"):
+        return motion.explained(limits, task.problem.retime, task.path_limits, hasty)
 
 
 def _require_hope(certificate: Certificate, refused: list[str]) -> None:

@@ -67,6 +67,7 @@ def reverse_plan(
         Canceled: Somebody asked for the end.
     """
     watch = Stopwatch(deadline.clock)
+    deadline = deadline.cutting(watch.note_cut)
     group = driven(world.group(problem.group), problem.search.spaces)
     back = trajectory.reverse
     turned = tuple(
@@ -85,10 +86,11 @@ def reverse_plan(
         lines=part_lines(world, group, problem, back, turned),
         options=problem.certify,
     )
-    with watch.stage("certify"):
-        certificate, report = certify(world.drake, request, deadline)
-    if not certificate.proven:
-        raise not_certified(certificate, ["the motion backwards"])
+    with watch.timing_failures():
+        with watch.stage("certify"):
+            certificate, report = certify(world.drake, request, deadline)
+        if not certificate.proven:
+            raise not_certified(certificate, ["the motion backwards"])
     way = JointPath(group, path.waypoints[::-1])
     stages = StageReports(
         GoalConfigurations(back.end[None], (0,), Funnel(1, 1, 1, 1, 1)),
@@ -108,6 +110,7 @@ def reverse_plan(
         certificate=certificate,
         stages=stages,
         timings=watch.seconds,
+        cut_short=watch.cut_short,
         parts=turned,
     )
 

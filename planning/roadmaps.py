@@ -40,7 +40,9 @@ def build_roadmap(problem: PlanningProblem, world: World, *, deadline: Deadline)
     start = require_positions(group, given, "start")
     constraints = problem.constraints
     rules = PathRules.compiled(world, group, constraints, start) if constraints else None
-    return _grown(Ground.from_problem(problem, world, start, rules), deadline)
+    watch = Stopwatch(deadline.clock)
+    with watch.timing_failures(), watch.stage("roadmap"):
+        return _grown(Ground.from_problem(problem, world, start, rules), deadline)
 
 
 def require_search(problem: PlanningProblem) -> None:
@@ -88,5 +90,4 @@ def _grown(ground: Ground, deadline: Deadline) -> Roadmap:
             f"{ground.recipe.options.states} states was built; it is built once, so allow for it "
             "once, or ask for fewer states"
         )
-        evidence = error.evidence | {"during": "roadmap"}
-        raise DeadlineExceeded(message, evidence) from error
+        raise error.saying(message, {"during": "roadmap"}).in_stage("roadmap") from error

@@ -8,6 +8,7 @@ import numpy as np
 from jaxtyping import Float64
 
 from planning.domain.curve import TimedTrajectory
+from planning.domain.deadline import UNHURRIED, Deadline
 from planning.domain.joints import JointGroup, JointLimits
 from planning.domain.options import RetimeOptions
 from planning.domain.value import Value
@@ -112,13 +113,15 @@ class MotionSeries(Value):
         return used
 
 
-def motion_series(
+def motion_series(  # noqa: PLR0913  (a question in full)
     world: World,
     group: str,
     trajectory: TimedTrajectory,
     count: int = 201,
     options: RetimeOptions | None = None,
     margin: float | None = None,
+    *,
+    deadline: Deadline = UNHURRIED,
 ) -> MotionSeries:
     """Return a motion's numbers at evenly spread instants.
 
@@ -133,10 +136,13 @@ def motion_series(
         options: The scales of the limits, whether jerk is limited (`method`), the limits besides
             those of joints, and what the group carries that the scene does not show.
         margin: The distance that was to be kept [m]; None for the scene's.
+        deadline: When to give up.
 
     Raises:
         UnknownName: There is no such group, frame or joint.
         ProblemInvalid: A limit makes no sense, or the group does not move the payload.
+        DeadlineExceeded: Time ran out.
+        Canceled: Somebody asked for the end.
     """
     joints = world.group(group)
     asked = admit_timing(world, joints, options or RetimeOptions(), trajectory.start)
@@ -145,7 +151,7 @@ def motion_series(
     times = np.linspace(0.0, trajectory.duration, count)
     q, v = trajectory.positions(times), trajectory.velocities(times)
     margins = world.margins(margin)
-    clearance, pairs, spare = _distances(world, margins, world.embed(joints, q))
+    clearance, pairs, spare = _distances(world, margins, world.embed(joints, q), deadline)
     return MotionSeries(
         group=joints,
         limits=limits,
@@ -165,7 +171,7 @@ def motion_series(
 
 
 def _distances(
-    world: World, margins: PairMargins, states: Array
+    world: World, margins: PairMargins, states: Array, deadline: Deadline
 ) -> tuple[Array, tuple[tuple[str, str], ...], Array]:
     """Return the least distance, whose it is, and the least to spare, at full positions by rows."""
     probe = world.distance_probe(margins)
@@ -174,6 +180,7 @@ def _distances(
     spare = np.full(len(states), _FARTHEST)
     pairs: list[tuple[str, str]] = []
     for i, full in enumerate(states):
+        deadline.check("series")
         near = ()
         for horizon in _HORIZONS:
             near = probe.pairs_within(full, horizon + largest, exactly=True)

@@ -1,6 +1,6 @@
 """stop_motion() and splice_motion(): leave a running motion, for a stand or for another motion."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -23,6 +23,7 @@ from planning.proof_request import proof_request
 from planning.retime.path_limits import path_limits
 from planning.retime.path_stop import stops_along
 from planning.retime.state_to_state import to_rest, to_state
+from planning.stopwatch import Stopwatch
 from planning.timing import admit_timing
 from planning.world.rules.admission import require_constraints
 from planning.world.world import World
@@ -70,22 +71,25 @@ class _Leaving:
         self, made: Iterable[TimedTrajectory], deadline: Deadline, *, jerk: bool = True
     ) -> ProvenMotion:
         """Return the first motion that is proven to keep everything from its first instant on."""
+        watch = Stopwatch(deadline.clock)
         refused: list[str] = []
         failed: Certificate | None = None
         margins = self.world.margins(self.margin)
-        for motion in made:
-            request = replace(
-                proof_request(self.world, self.group, motion, self.options, margins),
-                jerk=jerk,
-                constraints=self.constraints,
-                origin=self.running.start,
-            )
-            certificate, report = certify(self.world.drake, request, deadline)
-            if certificate.proven:
-                return ProvenMotion(motion, certificate, report)
-            failed = certificate
-            refused.append(f"in {motion.duration:.3f} s: {failed_checks(certificate)}")
-        raise not_certified(failed, refused)
+        with watch.timing_failures():
+            for motion in watch.each("retime", made):
+                request = replace(
+                    proof_request(self.world, self.group, motion, self.options, margins),
+                    jerk=jerk,
+                    constraints=self.constraints,
+                    origin=self.running.start,
+                )
+                with watch.stage("certify"):
+                    certificate, report = certify(self.world.drake, request, deadline)
+                if certificate.proven:
+                    return ProvenMotion(motion, certificate, report)
+                failed = certificate
+                refused.append(f"in {motion.duration:.3f} s: {failed_checks(certificate)}")
+            raise not_certified(failed, refused)
 
 
 def stop_motion(  # noqa: PLR0913  (a question in full)
@@ -183,10 +187,25 @@ def splice_motion(  # noqa: PLR0913  (a question in full)
     leaving = _leaving(world, group, running, options, constraints, margin)
     _require_within(running, time)
     _require_motion(leaving.group, onto, "onto")
-    limits, state = leaving.limits, MotionState.of(running, time)
+    return leaving.first_proven(_ways_over(leaving, time, onto, deadline), deadline)
+
+
+def _ways_over(
+    leaving: _Leaving, time: float, onto: TimedTrajectory, deadline: Deadline
+) -> Iterator[TimedTrajectory]:
+    """Yield ways into the other motion, soonest over first.
+
+    Raises:
+        RetimingFailed: No state of the other motion is reached.
+        DeadlineExceeded: Time ran out.
+        Canceled: Somebody asked for the end.
+    """
+    running, limits = leaving.running, leaving.limits
+    state = MotionState.of(running, time)
     made: list[TimedTrajectory] = []
     failure: RetimingFailed | None = None
     for instant in np.linspace(0.0, onto.duration, _JOINTS)[:-1]:
+        deadline.check("retime")
         try:
             there = MotionState.of(onto, float(instant))
             over = to_state(running.joints, limits, state, there, leaving.by_sign)
@@ -196,8 +215,7 @@ def splice_motion(  # noqa: PLR0913  (a question in full)
         made.append(TimedTrajectory.joined([over, onto.after(float(instant))]))
     if not made and failure is not None:
         raise failure
-    made.sort(key=lambda motion: motion.duration)
-    return leaving.first_proven(made, deadline)
+    yield from sorted(made, key=lambda motion: motion.duration)
 
 
 def _leaving(

@@ -24,6 +24,7 @@ from planning.domain.certificate import Certificate, Check
 from planning.domain.deadline import Deadline
 from planning.domain.options import CertifyOptions
 from planning.domain.report import CertifyReport
+from planning.errors import DeadlineExceeded
 from planning.world.drake_model import DrakeModel
 from planning.world.unchecked_pairs import unchecked_pairs
 
@@ -136,13 +137,25 @@ def _malformed(form: Check) -> Certificate:
 def _findings(
     model: DrakeModel, request: CertifyRequest, report: CertifyReport, deadline: Deadline
 ) -> tuple[tuple[Check, ...], CertifyReport]:
-    """Return the check on stops, if it is asked for, and the report with all that is asked for."""
+    """Return the check on stops, if it is asked for, and the report with all that is asked for.
+
+    What the motion need not keep is left out once the time has run out: it is proven without.
+
+    Raises:
+        DeadlineExceeded: Time ran out before a verdict on stops that may not last long.
+        Canceled: Somebody asked for the end.
+    """
+    options = request.options
     checks: tuple[Check, ...] = ()
-    if request.options.wants_stops:
-        check, stop = stop_check(model, request, deadline)
-        checks, report = (check,), replace(report, stop=stop)
-    if request.options.robustness:
-        report = replace(report, robustness=robustness(model, request, deadline))
+    try:
+        if options.wants_stops:
+            check, stop = stop_check(model, request, deadline)
+            checks, report = (check,), replace(report, stop=stop)
+        if options.robustness:
+            report = replace(report, robustness=robustness(model, request, deadline))
+    except DeadlineExceeded:
+        if options.max_stopping_time is not None and not checks:
+            raise
     return checks, report
 
 

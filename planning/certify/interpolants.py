@@ -70,6 +70,9 @@ def prove_interpolants(
     return tuple(judge.verdict(kind) for kind in KINDS)
 
 
+_NO_TIME = "there was no time left to prove it"
+
+
 @dataclass(frozen=True)
 class _Judge:
     model: DrakeModel
@@ -104,20 +107,24 @@ class _Judge:
         if not (is_straight or self.request.trajectory.manifold.is_flat):
             reason = "samples do not say how joints that float turn between them"
             return InterpolationProof(kind, False, np.inf, None, reason=reason)  # noqa: FBT003
+        try:
+            return self._held_to_all(kind)
+        except DeadlineExceeded:
+            return InterpolationProof(kind, False, np.inf, None, reason=_NO_TIME)  # noqa: FBT003
+
+    def _held_to_all(self, kind: Interpolation) -> InterpolationProof:
+        self.deadline.check("certify")
+        is_straight = kind == "linear"
         made = interpolated(self.samples, kind)
         asked = replace(self.request, trajectory=made, options=CertifyOptions())
         apart = self.deviations.of(made)
-        failed, reason = (), ""
-        try:
-            checks = self._checks(without_bends(asked) if is_straight else asked, apart, kind)
-            failed = tuple(check for check in checks if not check.passed)
-        except DeadlineExceeded:
-            reason = "there was no time left to prove it"
-        proven = not (failed or reason)
+        checks = self._checks(without_bends(asked) if is_straight else asked, apart, kind)
+        failed = tuple(check for check in checks if not check.passed)
+        proven = not failed
         unchecked = unchecked_of(self.request) if is_straight else ()
         period = self._period(kind, proven=proven)
         deviation = float(apart.max())
-        return InterpolationProof(kind, proven, deviation, period, failed, unchecked, reason)
+        return InterpolationProof(kind, proven, deviation, period, failed, unchecked)
 
     def _checks(self, asked: CertifyRequest, apart: Array, kind: Interpolation) -> list[Check]:
         own = place_checks(asked) if kind == "linear" else motion_checks(asked)

@@ -38,7 +38,7 @@ def stop_check(
     deadline.check("certify")
     cells = motion_cells(request, _SMOOTH_CELLS if request.jerk else _CELLS)
     cells = with_loads(model, request, cells, deadline)
-    stops = smooth_stops(cells) if request.jerk else hardest_stops(cells)
+    stops = (smooth_stops if request.jerk else hardest_stops)(cells, deadline)
     # From within a cell the motion goes on to its end, and stops from there.
     times = cells.widths + stops.times[1:]
     longest = int(np.argmax(times))

@@ -38,6 +38,7 @@ from jaxtyping import Float64, Int
 from planning.certify.limit_checks import MAX_UTILISATION
 from planning.certify.motion_cells import MotionCells
 from planning.certify.stop_load import hull, spread
+from planning.domain.deadline import UNHURRIED, Deadline
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 type Indices = np.ndarray[Any, np.dtype[np.intp]]
@@ -67,13 +68,19 @@ class Stops:
     ends: Int[np.ndarray, " n_plus_1"]
 
 
-def hardest_stops(cells: MotionCells) -> Stops:
-    """Return stops under acceleration limits, each as hard as its cells allow."""
+def hardest_stops(cells: MotionCells, deadline: Deadline = UNHURRIED) -> Stops:
+    """Return stops under acceleration limits, each as hard as its cells allow.
+
+    Raises:
+        DeadlineExceeded: Time ran out.
+        Canceled: Somebody asked for the end.
+    """
     count = len(cells.begins)
     ends = np.arange(count + 1)
     times, y = np.zeros(count + 1), np.append(np.ones(count), 0.0)
     moving = np.arange(count)
     while len(moving):
+        deadline.check("certify")
         at, before = ends[moving], y[moving]
         width = cells.widths[at]
         ramp = ramps(cells, at, before)
@@ -96,9 +103,14 @@ def _waited(cells: MotionCells, times: Array, ends: Indices) -> tuple[Array, Ind
     return times, ends
 
 
-def smooth_stops(cells: MotionCells) -> Stops:
-    """Return stops under acceleration and jerk limits, by one profile, begun when that is best."""
-    count, best = len(cells.begins), smooth_durations(cells)
+def smooth_stops(cells: MotionCells, deadline: Deadline = UNHURRIED) -> Stops:
+    """Return stops under acceleration and jerk limits, by one profile, begun when that is best.
+
+    Raises:
+        DeadlineExceeded: Time ran out.
+        Canceled: Somebody asked for the end.
+    """
+    count, best = len(cells.begins), smooth_durations(cells, deadline)
     over = np.append(cells.begins + best, cells.end)
     # Of all stops that begin here or later, the one that is over first.
     soonest = np.arange(count + 1)
@@ -111,13 +123,15 @@ def smooth_stops(cells: MotionCells) -> Stops:
     return _or_finished(cells, over[soonest] - edges, np.maximum(ends, np.arange(count + 1)))
 
 
-def smooth_durations(cells: MotionCells) -> Float64[np.ndarray, " n"]:
+def smooth_durations(
+    cells: MotionCells, deadline: Deadline = UNHURRIED
+) -> Float64[np.ndarray, " n"]:
     """Return how long a smooth stop takes that begins with a cell; infinite if none passes [s]."""
     best = np.full(len(cells.begins), np.inf)
     lasting = _SHORTEST
     while lasting < 2 * cells.end:
         open_ = np.flatnonzero(np.isinf(best))
-        best[open_[_passes(cells, open_, lasting)]] = lasting
+        best[open_[_passes(cells, open_, lasting, deadline)]] = lasting
         lasting *= _STEP
     return best
 
@@ -186,12 +200,13 @@ def _dot(left: Array, right: Array) -> Array:
     return np.einsum("mkbs,mkbs->mkb", left, right)
 
 
-def _passes(cells: MotionCells, starts: Indices, lasting: float) -> Any:
+def _passes(cells: MotionCells, starts: Indices, lasting: float, deadline: Deadline) -> Any:
     """Return which of some cells a smooth stop of a duration can begin with."""
     passes = np.ones(len(starts), dtype=bool)
     integral = _TABLE - _TABLE**3 + _TABLE**4 / 2
     live, step = np.arange(len(starts)), 0
     while len(live):
+        deadline.check("certify")
         at = starts[live] + step
         begun = (cells.begins[at] - cells.begins[starts[live]]) / lasting
         over = begun + cells.widths[at] / lasting

@@ -72,7 +72,7 @@ class SearchOptions(Value):
             takes those that it has.
         attempts: How many solutions to look for; the best by the objective is kept. Of several
             planners each has at least one.
-        allowed_planning_time: For the whole plan, all stages [s].
+        allowed_planning_time: For the whole plan, all stages, from when it begins [s].
         resolution: Largest distance between two checked states of a motion (joint-space length:
             radians and metres weigh the same).
         num_states: If given, the path is interpolated to at least this many waypoints.
@@ -195,7 +195,8 @@ class RetimeOptions(Value):
         deviation: How far from the path its corners may be rounded at most (joint-space length), 0
             to follow it exactly, with a rest at every corner; None for at most 0.1. What refinement
             makes of a path has no corners.
-        explain: Whether to say which limit binds when, and what relaxing it would save.
+        explain: Whether to say which limit binds when, and what relaxing it would save, if there
+            is time for that once the motion is proven.
         tool_limits: Of frames, besides the limits of joints, one a frame at most.
         speed_zones: Boxes in which frames are slower.
         acceleration_bounds: Besides the limits of joints, lowest (negative) and highest

@@ -62,6 +62,9 @@ class MotionPlan(Value):
         certificate: The proof.
         stages: What every stage did.
         timings: Seconds per stage; not part of the digest.
+        cut_short: Stages that ended early because of the clock, by their names in `timings`; not
+            part of the digest. If there are any, the same problem may give other bytes another
+            time; if there are none, it gives the same.
         graph: What the planner explored, if it was asked for; not part of the digest.
         parts: The free motion and the straight lines that it is made of, in order.
     """
@@ -76,6 +79,7 @@ class MotionPlan(Value):
     certificate: Certificate
     stages: StageReports
     timings: dict[str, float]
+    cut_short: tuple[str, ...] = ()
     graph: PlannerGraph | None = None
     parts: tuple[PlanPart, ...] = ()
 

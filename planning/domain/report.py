@@ -53,7 +53,7 @@ class RetimeReport(Value):
         stops: Instants of rest between start and goal.
         blend_deviation: How far corners were rounded, or the curve that was smoothed may be from
             the path (joint-space length); 0 for neither.
-        explanation: Why it takes that long, if that was asked for.
+        explanation: Why it takes that long, if that was asked for and there was time.
     """
 
     method: str
@@ -75,8 +75,9 @@ class CertifyReport(Value):
         distance_queries: Configurations at which distances were measured.
         candidates: How many candidate motions were looked at, this one included.
         refused: What was wrong with those before it, a line each.
-        stop: How the motion can be stopped anywhere, if that was asked.
-        robustness: How wrong world and robot may be, if that was asked.
+        stop: How the motion can be stopped anywhere, if that was asked and there was time; without
+            a bound on stops the motion is proven without.
+        robustness: How wrong world and robot may be, if that was asked and there was time.
     """
 
     intervals: int

@@ -24,4 +24,4 @@ def require_time(world: World, query: GoalQuery, search: PoseSearch, deadline: D
         most = query.options.max_trials
         message = f"{error.detail}, after {funnel['tried']} of {most} trials: {funnel['summary']}"
         evidence = {"funnel": funnel, "max_trials": most, "cut_short": True}
-        raise DeadlineExceeded(message, {**error.evidence, **evidence}) from error
+        raise error.saying(message, evidence) from error

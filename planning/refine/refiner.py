@@ -84,6 +84,7 @@ def _refusal(request: RefineRequest, share: Deadline) -> str:
     if unfit:
         return unfit
     if request.options.method == "auto" and share.remaining < _SHARE * _AMPLE:
+        share.on_cut()
         return f"less than {_AMPLE:g} s were left"
     return "no time was left" if share.is_over else ""
 

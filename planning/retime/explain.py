@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from planning.domain.curve import Curve, JointSpline, TimedTrajectory
+from planning.domain.deadline import UNHURRIED, Deadline
 from planning.domain.duration import BindingInterval, DurationExplanation, Saving
 from planning.domain.joints import JointLimits
 from planning.domain.options import RetimeOptions
@@ -50,16 +51,19 @@ class _Task:
         limits: Of the joints, unscaled.
         options: Without a duration that is asked for.
         path_limits: Other limits.
+        deadline: When to give up.
     """
 
     spline: JointSpline
     limits: JointLimits
     options: RetimeOptions
     path_limits: tuple[PathLimit, ...]
+    deadline: Deadline
 
     def timed(self) -> RetimeReport:
         """Return how the path is timed, as quickly as the limits allow."""
-        return retime(self.spline, self.limits, self.options, self.path_limits)[1]
+        how = self.limits, self.options, self.path_limits, self.deadline
+        return retime(self.spline, *how)[1]
 
     def relaxed(self, named: _Named) -> "_Task":
         """Return the same with one limit relaxed."""
@@ -81,6 +85,7 @@ def explain_duration(
     limits: JointLimits,
     options: RetimeOptions,
     path_limits: Sequence[PathLimit] = (),
+    deadline: Deadline = UNHURRIED,
 ) -> DurationExplanation:
     """Return which limit binds in which interval, and what relaxing each by a fifth would save.
 
@@ -94,8 +99,13 @@ def explain_duration(
         limits: Unscaled.
         options: With which it was made.
         path_limits: With which it was made.
+        deadline: When to give up.
+
+    Raises:
+        DeadlineExceeded: Time ran out.
+        Canceled: Somebody asked for the end.
     """
-    task = _Task(spline, limits, replace(options, duration=None), tuple(path_limits))
+    task = _Task(spline, limits, replace(options, duration=None), tuple(path_limits), deadline)
     least = task.timed()
     if options.duration is not None and trajectory.duration > least.duration * (1 + _LONGER):
         return asked_for(trajectory.duration)

@@ -6,7 +6,7 @@ the timed motion by what factor it must be slowed to keep the limit everywhere: 
 in a few places only, the motion between them too.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Protocol, runtime_checkable
 
@@ -14,6 +14,7 @@ import numpy as np
 from jaxtyping import Float64
 
 from planning.domain.curve import Curve, JointSpline, TimedTrajectory
+from planning.domain.deadline import Deadline
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
@@ -120,3 +121,37 @@ class PeakLimit(Protocol):
         acceleration and jerk, |r'''| over that of jerk; zero where there is no such limit.
         """
         ...
+
+
+def uses_of(
+    path_limits: Sequence[PathLimit], trajectory: TimedTrajectory, deadline: Deadline
+) -> list[tuple[str, PathUse]]:
+    """Return how much of all limits a motion uses, by their names.
+
+    Raises:
+        RetimingFailed: No slowing down helps.
+        DeadlineExceeded: Time ran out.
+        Canceled: Somebody asked for the end.
+    """
+    found: list[tuple[str, PathUse]] = []
+    for limit in path_limits:
+        deadline.check("retime")
+        found += [(limit.name, use) for use in limit.uses(trajectory)]
+    return found
+
+
+def rows_of(
+    path_limits: Sequence[PathLimit], cells: JointSpline, deadline: Deadline
+) -> list[tuple[Array, Array]]:
+    """Return the rows of all limits on the same cells.
+
+    Raises:
+        RetimingFailed: One does not allow to stand still.
+        DeadlineExceeded: Time ran out.
+        Canceled: Somebody asked for the end.
+    """
+    found: list[tuple[Array, Array]] = []
+    for limit in path_limits:
+        deadline.check("retime")
+        found.append(limit.rows(cells))
+    return found

@@ -149,6 +149,7 @@ def _smooth(
     ways = ways[np.argsort(ways[:, :2].sum(axis=1), kind="stable")]
     edges, path = _edges(rest), JointSpline(rest.joints, rest.breaks, rest.bases, rest.coefficients)
     for begin in range(0, len(ways), _AT_ONCE):
+        deadline.check("retime")
         chosen = ways[begin : begin + _AT_ONCE]
         for wait, length, which in chosen[_seem_kept(rest, limits, chosen)]:
             deadline.check("retime")

@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 
 from planning.domain.curve import JointSpline, derivative
+from planning.domain.deadline import UNHURRIED, Deadline
 from planning.domain.joints import JointLimits
 from planning.retime.audit import RATES
 from planning.retime.bounds import block_peaks
@@ -45,7 +46,12 @@ _SUFFICIENT, _SHORTEST_STEP = 0.01, 1e-3
 _TIGHTEST, _LITTLE_USED = 2.0, 0.3
 
 
-def polished(stretch: JointSpline, profile: SpeedProfile, limits: JointLimits) -> SpeedProfile:
+def polished(
+    stretch: JointSpline,
+    profile: SpeedProfile,
+    limits: JointLimits,
+    deadline: Deadline = UNHURRIED,
+) -> SpeedProfile:
     """Return a quicker profile that keeps the limits, or the given one.
 
     Where joints float, coordinates are limited together, or pieces are many, it is the given one.
@@ -54,6 +60,11 @@ def polished(stretch: JointSpline, profile: SpeedProfile, limits: JointLimits) -
         stretch: Whose profile it is.
         profile: From rest to rest.
         limits: Of velocity, acceleration and jerk.
+        deadline: When to give up.
+
+    Raises:
+        DeadlineExceeded: Time ran out.
+        Canceled: Somebody asked for the end.
     """
     is_plain = stretch.manifold.is_flat and all(len(block) == 1 for block in limits.blocks)
     if not is_plain or stretch.num_pieces > _MOST_PIECES:
@@ -62,7 +73,7 @@ def polished(stretch: JointSpline, profile: SpeedProfile, limits: JointLimits) -
     h, places = _phases(stretch, profile)
     task = _Task.of(stretch, places, limits)
     for _ in range(_ROUNDS):
-        at = _descended(task, h)
+        at = _descended(task, h, deadline)
         if at is None:
             break
         made, peaks = _within(stretch, at.profile, limits)
@@ -145,7 +156,7 @@ class _Task:
         return float(h.sum() - weight * sum(np.log1p(-use * use).sum() for use in uses))
 
 
-def _descended(task: _Task, h: Array) -> Passage | None:
+def _descended(task: _Task, h: Array, deadline: Deadline) -> Passage | None:
     """Return a quicker passage than the one of given durations; None without a beginning."""
     begin = Passage.through(h, task.places)
     if not begin.goes_on:
@@ -157,6 +168,7 @@ def _descended(task: _Task, h: Array) -> Passage | None:
     h = h * most / _ROOM
     weight = _BARRIER * h.sum() / len(h)
     for _ in range(_STEPS):
+        deadline.check("retime")
         step, slope = _newton(task, h, weight)
         h = _stepped(task, h, weight, step, slope)
         weight *= _FALL

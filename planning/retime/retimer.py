@@ -7,13 +7,14 @@ from typing import Any
 import numpy as np
 
 from planning.domain.curve import JointSpline, TimedTrajectory
+from planning.domain.deadline import UNHURRIED, Deadline
 from planning.domain.joints import JointLimits
 from planning.domain.options import RetimeOptions
 from planning.domain.report import RetimeReport
 from planning.errors import ProblemInvalid, RetimingFailed
 from planning.retime.audit import RATES, Use, largest_use
 from planning.retime.compose import compose
-from planning.retime.path_limit import PathLimit, PathUse
+from planning.retime.path_limit import PathLimit, PathUse, uses_of
 from planning.retime.profile import SpeedProfile
 from planning.retime.ruckig_retimer import ruckig_profile
 from planning.retime.stretches import smooth_stretches
@@ -40,7 +41,7 @@ class Retimer:
         rates: Which rates it limits, as attributes of `JointLimits`, by order of derivative.
     """
 
-    profile: Callable[[JointSpline, JointLimits, Sequence[PathLimit]], SpeedProfile]
+    profile: Callable[[JointSpline, JointLimits, Sequence[PathLimit], Deadline], SpeedProfile]
     smoothness: int
     rates: tuple[str, ...]
 
@@ -73,6 +74,7 @@ def retime(
     limits: JointLimits,
     options: RetimeOptions,
     path_limits: Sequence[PathLimit] = (),
+    deadline: Deadline = UNHURRIED,
 ) -> tuple[TimedTrajectory, RetimeReport]:
     """Return a trajectory exactly on the spline, from rest to rest, within scaled limits.
 
@@ -86,11 +88,14 @@ def retime(
         options: Method and factors.
         path_limits: What else limits the motion. toppra is the quickest under them, ruckig keeps
             what it can be told of as it goes; the rest slows its motion between two rests down.
+        deadline: When to give up.
 
     Raises:
         RetimingFailed: The method finds no timing, a joint that must move may not, or the duration
             that is asked for is less than the limits allow.
         ProblemInvalid: A factor is not in (0, 1].
+        DeadlineExceeded: Time ran out.
+        Canceled: Somebody asked for the end.
     """
     for name in ("velocity_scale", "acceleration_scale"):
         if not 0 < getattr(options, name) <= 1:
@@ -103,7 +108,7 @@ def retime(
     scaled = limits.scaled(options.velocity_scale, options.acceleration_scale)
     usable = _usable(spline, scaled, options.method)
     timed = [
-        _timed(stretch, usable, retimer, path_limits)
+        _timed(stretch, usable, retimer, path_limits, deadline)
         for stretch in smooth_stretches(spline, retimer.smoothness)
     ]
     trajectory = TimedTrajectory.joined([part.trajectory for part in timed])
@@ -138,12 +143,14 @@ def _timed(
     limits: JointLimits,
     retimer: Retimer,
     path_limits: Sequence[PathLimit],
+    deadline: Deadline,
 ) -> _Timed:
     """Return one stretch timed, audited and slowed as the audit demands."""
-    profile = retimer.profile(stretch, limits, path_limits)
+    deadline.check("retime")
+    profile = retimer.profile(stretch, limits, path_limits, deadline)
     raw = compose(stretch, profile)
     uses = [largest_use(raw, limits, order) for order in range(1, len(retimer.rates) + 1)]
-    path_uses = [(limit.name, use) for limit in path_limits for use in limit.uses(raw)]
+    path_uses = uses_of(path_limits, raw, deadline)
     factor = max(use.fraction ** (1 / order) for order, use in enumerate(uses, start=1))
     factor = max(factor, *(use.factor for _, use in path_uses)) if path_uses else factor
     factor *= 1 + _SPARE

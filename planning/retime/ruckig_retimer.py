@@ -15,12 +15,13 @@ import numpy as np
 import ruckig
 
 from planning.domain.curve import JointSpline
+from planning.domain.deadline import UNHURRIED, Deadline
 from planning.domain.joints import JointLimits
 from planning.errors import RetimingFailed
 from planning.retime.bounds import block_peaks
 from planning.retime.cells import cut_at, even_edges, num_short, with_cuts
 from planning.retime.compose import compose
-from planning.retime.path_limit import PathLimit, PeakLimit
+from planning.retime.path_limit import PathLimit, PeakLimit, uses_of
 from planning.retime.polish import polished
 from planning.retime.profile import SpeedProfile
 from planning.retime.speed_plan import Cells, Hop, plan_speeds
@@ -41,7 +42,10 @@ _DONE = {str(ruckig.Result.Working), str(ruckig.Result.Finished)}
 
 
 def ruckig_profile(
-    stretch: JointSpline, limits: JointLimits, path_limits: Sequence[PathLimit] = ()
+    stretch: JointSpline,
+    limits: JointLimits,
+    path_limits: Sequence[PathLimit] = (),
+    deadline: Deadline = UNHURRIED,
 ) -> SpeedProfile:
     """Return a rest-to-rest profile along a stretch, the quickest if it is straight.
 
@@ -50,25 +54,30 @@ def ruckig_profile(
 
     Raises:
         RetimingFailed: No profile is found.
+        DeadlineExceeded: Time ran out.
+        Canceled: Somebody asked for the end.
     """
     cut, is_straight = _in_cells(stretch)
-    plain = _planned(stretch, _cells(cut, limits), is_straight)
-    found = [plain] if is_straight.all() else [polished(stretch, plain, limits), plain]
+    plain = _planned(stretch, _cells(cut, limits), is_straight, deadline)
+    found = [plain] if is_straight.all() else [polished(stretch, plain, limits, deadline), plain]
     if not path_limits:
         return found[0]
-    slowed = [profile.duration * _slowing(stretch, profile, path_limits) for profile in found]
+    among = path_limits, deadline
+    slowed = [profile.duration * _slowing(stretch, profile, *among) for profile in found]
     known = [limit for limit in path_limits if isinstance(limit, PeakLimit)]
     if known and slowed[-1] > plain.duration:
         edges = with_cuts(cut.breaks, [limit.cuts(stretch) for limit in path_limits])
         short = cut_at(stretch, edges)
         short = cut_at(stretch, even_edges(edges, num_short(short, _LONGEST)))
         cells = _cells(short, limits, known)
-        found.append(_planned(stretch, cells, np.zeros(short.num_pieces, dtype=bool)))
-        slowed.append(found[-1].duration * _slowing(stretch, found[-1], path_limits))
+        found.append(_planned(stretch, cells, np.zeros(short.num_pieces, dtype=bool), deadline))
+        slowed.append(found[-1].duration * _slowing(stretch, found[-1], *among))
     return found[int(np.argmin(slowed))]
 
 
-def _planned(stretch: JointSpline, cells: Cells, is_straight: Any) -> SpeedProfile:
+def _planned(
+    stretch: JointSpline, cells: Cells, is_straight: Any, deadline: Deadline
+) -> SpeedProfile:
     """Return the profile along cells.
 
     Raises:
@@ -77,7 +86,7 @@ def _planned(stretch: JointSpline, cells: Cells, is_straight: Any) -> SpeedProfi
     if is_straight.all() and stretch.num_pieces == 1:
         hops = [Hop(0, len(is_straight), (0.0, 0.0), _straight_bounds(cells, 0))]
     else:
-        hops = _merged(plan_speeds(cells), cells, is_straight, stretch)
+        hops = _merged(plan_speeds(cells, deadline), cells, is_straight, stretch)
     if not hops:
         message = "no speed along the path keeps the jerk limits"
         raise RetimingFailed(message, {"method": "ruckig", "num_cells": len(is_straight)})
@@ -86,13 +95,14 @@ def _planned(stretch: JointSpline, cells: Cells, is_straight: Any) -> SpeedProfi
 
 
 def _slowing(
-    stretch: JointSpline, profile: SpeedProfile, path_limits: Sequence[PathLimit]
+    stretch: JointSpline,
+    profile: SpeedProfile,
+    path_limits: Sequence[PathLimit],
+    deadline: Deadline,
 ) -> float:
     """Return by what factor a profile must be slowed to keep path limits, 1 at least."""
-    if not path_limits:
-        return 1.0
-    motion = compose(stretch, profile)
-    return max([1.0, *(use.factor for limit in path_limits for use in limit.uses(motion))])
+    uses = uses_of(path_limits, compose(stretch, profile), deadline)
+    return max([1.0, *(use.factor for _, use in uses)])
 
 
 def _in_cells(stretch: JointSpline) -> tuple[JointSpline, Any]:

@@ -16,6 +16,8 @@ from typing import Any
 
 import numpy as np
 
+from planning.domain.deadline import UNHURRIED, Deadline
+
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # Speeds that are tried at every cell boundary, relative to the greatest possible there, and then
@@ -79,8 +81,13 @@ class Hop:
     bounds: tuple[float, float, float]
 
 
-def plan_speeds(cells: Cells) -> list[Hop]:
-    """Return the quickest chain of hops from rest to rest; empty if there is none."""
+def plan_speeds(cells: Cells, deadline: Deadline = UNHURRIED) -> list[Hop]:
+    """Return the quickest chain of hops from rest to rest; empty if there is none.
+
+    Raises:
+        DeadlineExceeded: Time ran out.
+        Canceled: Somebody asked for the end.
+    """
     tops = cells.top_speeds()
     caps = np.minimum(np.append(tops, np.inf), np.insert(tops, 0, np.inf))
     nodes = np.arange(0, len(tops), -(-len(tops) // _MOST_NODES))
@@ -89,17 +96,18 @@ def plan_speeds(cells: Cells) -> list[Hop]:
     for slower in _SLOWER:
         if not hops:
             speeds = np.asarray(slower * caps[nodes, None] * _COARSE, dtype=np.float64)
-            hops = _quickest(cells, nodes, speeds)
+            hops = _quickest(cells, nodes, speeds, deadline)
     for _ in range(2):
         if not hops:
             return hops
         nodes = np.array([hop.begin for hop in hops] + [hops[-1].end])
         chosen = np.array([hop.speeds[0] for hop in hops] + [0.0])
-        hops = _quickest(cells, nodes, np.minimum(chosen[:, None] * _FINE, caps[nodes, None]))
+        speeds = np.minimum(chosen[:, None] * _FINE, caps[nodes, None])
+        hops = _quickest(cells, nodes, speeds, deadline)
     return hops
 
 
-def _quickest(cells: Cells, nodes: Any, speeds: Array) -> list[Hop]:
+def _quickest(cells: Cells, nodes: Any, speeds: Array, deadline: Deadline) -> list[Hop]:
     """Return the quickest chain over the given nodes with the given speeds, shape (nodes, k)."""
     speeds = (1 + _NOTCH) ** np.floor(np.log(np.maximum(speeds, 1e-300)) / np.log1p(_NOTCH))
     speeds[[0, -1]] = 0.0
@@ -107,10 +115,11 @@ def _quickest(cells: Cells, nodes: Any, speeds: Array) -> list[Hop]:
     peaks = _peaks_between(cells, nodes, begins, ends)
     lengths = cells.edges[nodes[ends]] - cells.edges[nodes[begins]]
     chunks = [slice(i, i + _AT_ONCE) for i in range(0, len(begins), _AT_ONCE)]
-    timed = [
-        _hop_times(peaks[:, :, rows], lengths[rows], speeds[begins[rows]], speeds[ends[rows]])
-        for rows in chunks
-    ]
+    timed: list[tuple[Array, Any]] = []
+    for rows in chunks:
+        deadline.check("retime")
+        ways = speeds[begins[rows]], speeds[ends[rows]]
+        timed.append(_hop_times(peaks[:, :, rows], lengths[rows], *ways))
     times, shares = (np.concatenate([part[i] for part in timed]) for i in range(2))
     count = speeds.shape[1]
     best = np.full((len(nodes), count), np.inf)

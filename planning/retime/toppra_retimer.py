@@ -12,13 +12,14 @@ from typing import Any
 import numpy as np
 
 from planning.domain.curve import JointSpline
+from planning.domain.deadline import UNHURRIED, Deadline
 from planning.domain.joints import JointLimits
 from planning.errors import RetimingFailed
 from planning.retime.bounds import block_sizes
 from planning.retime.cells import cut_at, even_edges, num_short, ways, with_cuts
 from planning.retime.compose import shifted
 from planning.retime.line_profile import LineLimits, profile_between
-from planning.retime.path_limit import PathLimit
+from planning.retime.path_limit import PathLimit, rows_of
 from planning.retime.path_rows import acceleration_rows
 from planning.retime.polynomials import norms
 from planning.retime.profile import SpeedProfile
@@ -47,36 +48,48 @@ _STANDSTILL = 1e-9
 
 
 def toppra_profile(
-    stretch: JointSpline, limits: JointLimits, path_limits: Sequence[PathLimit] = ()
+    stretch: JointSpline,
+    limits: JointLimits,
+    path_limits: Sequence[PathLimit] = (),
+    deadline: Deadline = UNHURRIED,
 ) -> SpeedProfile:
     """Return the quickest rest-to-rest profile along a smooth stretch.
 
     Raises:
         RetimingFailed: toppra finds none, or a path limit does not allow to stand still.
+        DeadlineExceeded: Time ran out.
+        Canceled: Somebody asked for the end.
     """
     is_line = ~stretch.coefficients[:, 2:].any(axis=(1, 2))
     if all(limit.is_uniform for limit in path_limits):
         cells, owners = _in_cells(stretch, is_line, 1 if is_line.any() else _FINER)
-        return _profile(cells, is_line[owners], limits, path_limits)
+        return _profile(cells, is_line[owners], limits, path_limits, deadline)
     cells, _ = _in_cells(stretch, np.zeros_like(is_line), 1)
     edges = _short_edges(stretch, cells, path_limits)
-    profile = _curved_profile(cut_at(stretch, edges), limits, path_limits)
+    profile = _curved_profile(cut_at(stretch, edges), limits, path_limits, deadline)
     for _ in range(_ROUNDS):
         sharper = _sharper_edges(profile)
         if len(sharper) == len(profile.s):
             break
-        profile = _curved_profile(cut_at(stretch, sharper), limits, path_limits)
+        profile = _curved_profile(cut_at(stretch, sharper), limits, path_limits, deadline)
     return profile
 
 
 def _curved_profile(
-    cells: JointSpline, limits: JointLimits, path_limits: Sequence[PathLimit]
+    cells: JointSpline,
+    limits: JointLimits,
+    path_limits: Sequence[PathLimit],
+    deadline: Deadline,
 ) -> SpeedProfile:
-    return _profile(cells, np.zeros(cells.num_pieces, dtype=bool), limits, path_limits)
+    return _profile(cells, np.zeros(cells.num_pieces, dtype=bool), limits, path_limits, deadline)
 
 
 def _profile(
-    cells: JointSpline, is_line: Any, limits: JointLimits, path_limits: Sequence[PathLimit]
+    cells: JointSpline,
+    is_line: Any,
+    limits: JointLimits,
+    path_limits: Sequence[PathLimit],
+    deadline: Deadline,
 ) -> SpeedProfile:
     """Return the quickest profile that has constant acceleration on all cells but lines.
 
@@ -89,7 +102,7 @@ def _profile(
     with np.errstate(divide="ignore"):
         speed = (limits.velocity / peaks).min(axis=1)
         acceleration = (limits.acceleration / peaks).min(axis=1)
-    others = [limit.rows(cells) for limit in path_limits]
+    others = rows_of(path_limits, cells, deadline)
     lines = LineLimits(is_line, speed, *_line_pushes(acceleration, others))
     if cells.num_pieces == 1 and is_line[0]:
         return profile_between(cells.breaks, np.zeros(2), lines)
@@ -101,6 +114,7 @@ def _profile(
     for limit, more in zip(path_limits, others, strict=True):
         caps = np.minimum(caps, _at_edges(limit.caps(cells) * unit**2))
         a, b = (np.concatenate(both, axis=1) for both in zip((a, b), more, strict=True))
+    deadline.check("retime")
     x = squared_speeds(cells.breaks, (a / unit**2, b / unit**2), caps) / unit**2
     if not (lines.is_line | (x[:-1] + x[1:] > 0)).all():
         message = "toppra's profile stands still on the way"

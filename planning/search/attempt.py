@@ -76,6 +76,7 @@ def attempt(query: Query, edges: EdgeChecker, fine: EdgeChecker, seed: int) -> A
     ou.RNG.setSeed(seed)
     information, planner, spent = _set_up(query, edges)
     if query.options.setup_time is not None and spent > query.options.setup_time:
+        query.deadline.on_cut()
         return _not_begun(query, query.options.setup_time, spent)
     budget = query.deadline.within(query.options.solve_time)
     tell = query.on_better and partial(query.on_better, query.planner)
@@ -91,8 +92,7 @@ def attempt(query: Query, edges: EdgeChecker, fine: EdgeChecker, seed: int) -> A
                 found = query.space.threaded(information, found)
     except DeadlineExceeded as error:
         if query.deadline.is_over:
-            evidence = error.evidence | _growth(planner, query, fine)
-            raise DeadlineExceeded(error.detail, evidence) from error
+            raise error.saying(error.detail, _growth(planner, query, fine)) from error
         status, found = "Timeout", None
     finally:
         stopping.let_go()

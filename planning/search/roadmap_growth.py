@@ -41,7 +41,7 @@ _MOST_TRIES = 100
 # Of a car so many times as many neighbours are looked at as are wanted.
 _CANDIDATES = 5
 # Distances that are computed at once.
-_AT_ONCE = 500_000
+_AT_ONCE = 50_000
 
 
 @dataclass(frozen=True, eq=False)

@@ -129,8 +129,7 @@ def _look(query: Query, closeness: Closeness, task: SearchTask, tally: Tally) ->
         if tally.best is not None:
             return
         tally.note_growth(error.evidence)
-        evidence = error.evidence | tally.evidence(query)
-        raise DeadlineExceeded(error.detail, evidence) from error
+        raise error.saying(error.detail, tally.evidence(query)) from error
 
 
 def _report(

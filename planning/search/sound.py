@@ -5,6 +5,7 @@ the fine resolution; where that finds no way through, the planner starts anew an
 with half the resolution, until it looks as closely as that.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -142,13 +143,13 @@ def shortened(
     """
     if not len(found.waypoints):
         return None
-    time = query.deadline.share(_SHORTCUT_SHARE).within(query.options.shortcut_time)
+    is_late = _shortcut_end(query)
     raw, fine = found.waypoints, closeness.fine
     with query.watch.stage("shortcut"), query.oracle.until(query.patience):
         if isinstance(fine, DrivenEdges):
-            shorter = shortened_drive(raw, fine, lambda: time.is_over)
+            shorter = shortened_drive(raw, fine, is_late)
         else:
-            shorter = shortcut(raw, coarse, fine, lambda: time.is_over)
+            shorter = shortcut(raw, coarse, fine, is_late)
         if shorter is None:
             return None
         path = unrolled(shorter, query.space.manifold)
@@ -159,6 +160,14 @@ def shortened(
             both = [path for path in (best, untouched) if path is not None]
             best = min(both, key=lambda path: path.cost, default=None)
     return best
+
+
+def _shortcut_end(query: Query) -> Callable[[], bool]:
+    """Return what says whether to shorten no more."""
+    seconds = query.options.shortcut_time
+    time = query.deadline.share(_SHORTCUT_SHARE).within(seconds)
+    # Who asks for no shortcuts gets none, whatever the clock says: that is no cut.
+    return (lambda: True) if seconds == 0 else (lambda: time.is_over)
 
 
 def delivered(

@@ -35,6 +35,7 @@ class Made(Value):
         num_fine: Edges that were checked finely.
         seconds: How long it took.
         parts: How long its parts took, if it was made elsewhere.
+        was_cut: Whether a deadline cut it there.
     """
 
     planner: str
@@ -43,6 +44,7 @@ class Made(Value):
     num_fine: int
     seconds: float
     parts: Mapping[str, float] = field(default_factory=dict)
+    was_cut: bool = False
 
 
 class Turns:
@@ -118,12 +120,13 @@ class Turns:
 
     def _make_elsewhere(self, k: int) -> Made:
         """Return an attempt made in another process: a cancel is for the first one to see."""
-        deadline = self._query.deadline.uncancelable
+        cuts: list[int] = []
+        deadline = self._query.deadline.uncancelable.cutting(lambda: cuts.append(k))
         watch = Stopwatch(deadline.clock)
         query = replace(self._query, deadline=deadline, on_better=None, watch=watch)
         with query.oracle.until(query.deadline):
             made = self._made(k, query)
-        return replace(made, parts=watch.parts)
+        return replace(made, parts=watch.parts, was_cut=bool(cuts))
 
     def _note(self, outcome: Made | WayproofError) -> None:
         """Note an attempt that was made elsewhere.
@@ -133,6 +136,8 @@ class Turns:
         """
         tally, query = self._tally, self._query
         tally.num_attempts += 1
+        if isinstance(outcome, DeadlineExceeded) or (isinstance(outcome, Made) and outcome.was_cut):
+            query.deadline.on_cut()
         if isinstance(outcome, WayproofError):
             raise outcome
         query.watch.add(f"attempt_{tally.num_attempts}", outcome.seconds)

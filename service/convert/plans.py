@@ -1,6 +1,7 @@
 """MotionPlan to the wire."""
 
 import dataclasses
+from collections.abc import Sequence
 from typing import Any
 
 from planning import funnel_evidence
@@ -12,12 +13,15 @@ from service.convert.trajectories import check_wire
 from service.convert.verdicts import pair_wire
 
 
-def plan_wire(plan: MotionPlan, trajectory: dict[str, Any]) -> dict[str, Any]:
+def plan_wire(
+    plan: MotionPlan, trajectory: dict[str, Any], cuts: Sequence[str] = ()
+) -> dict[str, Any]:
     """Return the `result` of a job.
 
     Args:
         plan: What was found.
         trajectory: Its samples.
+        cuts: What a deadline cut after the plan.
     """
     return {
         "goal_configuration": listed(plan.goal_configuration),
@@ -29,6 +33,7 @@ def plan_wire(plan: MotionPlan, trajectory: dict[str, Any]) -> dict[str, Any]:
         "trajectory": trajectory,
         "certificate": certificate_wire(plan.certificate),
         "stages": stages_wire(plan.stages),
+        "cut_short": [*plan.cut_short, *cuts],
         "digest": plan.digest,
     }
 

@@ -11,6 +11,7 @@ from typing import Any
 
 from planning.errors import DeadlineExceeded
 from service.events.bus import EventBus, Stretch
+from service.jobs.errors import WORKER
 from service.jobs.floor import Floor
 from service.jobs.job_run import JobRun
 from service.jobs.lane import Lane
@@ -223,7 +224,8 @@ class Dispatcher:
                 return json.loads(outcome.result.text)
             if isinstance(outcome, TimedOut):
                 message = f"no answer within {allowed:g} s"
-                raise DeadlineExceeded(message, {"allowed": allowed, "during": "worker"})
+                evidence = {"allowed": allowed, "during": WORKER}
+                raise DeadlineExceeded(message, evidence).in_stage(WORKER)
             if not isinstance(outcome, Crashed) or attempt == _CALL_ATTEMPTS:
                 raise error_of(outcome, attempt)
         raise AssertionError

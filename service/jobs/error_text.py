@@ -9,12 +9,12 @@ from service.jobs.json_text import encode_leniently
 
 
 class RemoteFailure(PlanningFailure):
-    """An error whose class the server does not know; it keeps its code and stage."""
+    """An error whose class the server does not know; it keeps its code, stage and timings."""
 
     def __init__(self, code: str, stage: str, detail: str, evidence: dict[str, Any]) -> None:
         super().__init__(detail, evidence)
         self.code = code  # pyright: ignore[reportAttributeAccessIssue]
-        self.stage = stage  # pyright: ignore[reportAttributeAccessIssue]
+        self.stage = stage
 
 
 def error_text(error: WayproofError) -> str:
@@ -25,6 +25,7 @@ def error_text(error: WayproofError) -> str:
         "name": kind.__qualname__,
         "code": error.code,
         "stage": str(getattr(error, "stage", "")),
+        "timings": dict(getattr(error, "timings", {})),
         "detail": error.detail,
     }
     evidence = encode_leniently(error.evidence)
@@ -36,6 +37,11 @@ def error_in(text: str) -> WayproofError:
     told = json.loads(text)
     evidence = dict(told["evidence"])
     kind = getattr(sys.modules.get(told["module"]), told["name"], None)
+    error: WayproofError
     if isinstance(kind, type) and issubclass(kind, WayproofError) and kind.code == told["code"]:
-        return kind(told["detail"], evidence)
-    return RemoteFailure(told["code"], told["stage"], told["detail"], evidence)
+        error = kind(told["detail"], evidence)
+    else:
+        error = RemoteFailure(told["code"], told["stage"], told["detail"], evidence)
+    if isinstance(error, PlanningFailure):
+        error.in_stage(told["stage"]).timings = dict(told["timings"])
+    return error

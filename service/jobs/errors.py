@@ -2,6 +2,9 @@
 
 from planning.errors import PlanningFailure, WayproofError
 
+# The stage of failures that no stage of a task explains.
+WORKER = "worker"
+
 
 class QueueFull(WayproofError):
     """A lane has as many waiting jobs as it may; evidence: `lane`, `bound`, `retry_after` [s]."""
@@ -52,25 +55,25 @@ class WorkerCrashed(PlanningFailure):
     """
 
     code = "worker_crashed"
-    stage = "worker"
+    stage = WORKER
 
 
 class WorkerUnresponsive(PlanningFailure):
     """The worker process said nothing for too long, and was ended; evidence: `silence` [s]."""
 
     code = "worker_unresponsive"
-    stage = "worker"
+    stage = WORKER
 
 
 class ServerRestarted(PlanningFailure):
     """The server ended while the job ran, and it may not run again; evidence: `attempts`."""
 
     code = "server_restarted"
-    stage = "worker"
+    stage = WORKER
 
 
 class InternalError(PlanningFailure):
     """The task raised what it should not; evidence: `exception`, `reference` in the log."""
 
     code = "internal_error"
-    stage = "worker"
+    stage = WORKER

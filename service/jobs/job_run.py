@@ -22,6 +22,7 @@ from service.jobs.outcome import (
     Returned,
     Silent,
     error_of,
+    placed,
 )
 from service.jobs.recorder import EventRecorder, Told
 from service.jobs.recording import Recording
@@ -63,6 +64,7 @@ class JobRun:
         self._interrupted = ""
         self._started: Moved | None = None
         self._has_ended = False
+        self._seconds = 0.0
 
     @property
     def is_unwanted(self) -> bool:
@@ -163,7 +165,8 @@ class JobRun:
             outcome = Raised(InternalError(f"the slot failed: {type(fault).__name__}"))
         finally:
             self._slot = None
-            self._floor.release(job.lane, slot, outcome, loop.time() - began)
+            self._seconds = loop.time() - began
+            self._floor.release(job.lane, slot, outcome, self._seconds)
         return outcome
 
     async def _conclude(self, outcome: Outcome, refused: list[Told], attempts: int) -> bool:
@@ -224,7 +227,7 @@ class JobRun:
         may_repeat = self.job.max_attempts > 1
         if self._is_unwanted and may_repeat and isinstance(outcome, Crashed | Silent):
             outcome = Ended()
-        error = error_of(outcome, attempts)
+        error = placed(error_of(outcome, attempts), self.latest("stage") or {}, self._seconds)
         if not self._interrupted or self._is_unwanted:
             return error
         reason = {"reason": self._interrupted}

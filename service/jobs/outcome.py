@@ -1,11 +1,18 @@
 """How a run of a task ended."""
 
 import signal
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from typing import Any
 
-from planning.errors import Canceled, DeadlineExceeded, ExecutionFailure, WayproofError
-from service.jobs.errors import WorkerCrashed, WorkerUnresponsive
+from planning.errors import (
+    Canceled,
+    DeadlineExceeded,
+    ExecutionFailure,
+    PlanningFailure,
+    WayproofError,
+)
+from service.jobs.errors import WORKER, WorkerCrashed, WorkerUnresponsive
 from service.jobs.json_text import Encoded
 
 
@@ -49,9 +56,14 @@ class Crashed:
 
 @dataclass(frozen=True)
 class TimedOut:
-    """Its time had run out [s]."""
+    """Its time had run out [s].
+
+    Attributes:
+        error: What it said when it was told to end, None if it was ended by force.
+    """
 
     allowed: float
+    error: WayproofError | None = field(default=None, compare=False)
 
 
 @dataclass(frozen=True)
@@ -85,9 +97,10 @@ def error_of(outcome: Failed, attempts: int) -> WayproofError:
             # A robot that was lost or touched something on its way to rest is not merely canceled.
             is_own = isinstance(error, Canceled | ExecutionFailure)
             return error if is_own else Canceled("canceled on request")
-        case TimedOut(allowed=allowed):
-            message = f"the task did not end within {allowed:g} s"
-            return DeadlineExceeded(message, {"allowed": allowed, "during": "worker"})
+        case TimedOut(error=DeadlineExceeded() as error):
+            return error
+        case TimedOut(allowed=allowed, error=error):
+            return _late(allowed, error)
         case Silent(seconds=seconds):
             message = f"the worker process said nothing for {seconds:g} s and was ended"
             return WorkerUnresponsive(message, {"silence": seconds, "attempts": attempts})
@@ -102,7 +115,36 @@ def failure_of(error: WayproofError) -> dict[str, Any]:
         "stage": getattr(error, "stage", ""),
         "detail": error.detail,
         "evidence": error.evidence,
+        "timings": dict(getattr(error, "timings", {})),
     }
+
+
+def placed(error: WayproofError, told: Mapping[str, Any], seconds: float) -> WayproofError:
+    """Return the error of a run that was ended by force, with the stage that it was in.
+
+    Args:
+        error: What the run amounts to; one that knows its stage keeps it.
+        told: The last event `stage` of the run: its `stage`, and the `timings` of those before [s].
+        seconds: How long the run took.
+    """
+    stage = told.get("stage")
+    is_placed = not isinstance(error, PlanningFailure) or error.stage != WORKER
+    if is_placed or not isinstance(stage, str):
+        return error
+    timings = {str(name): float(spent) for name, spent in dict(told.get("timings") or {}).items()}
+    last = max(0.0, seconds - sum(timings.values()))
+    found = error.saying(f"{error.detail}, in the stage {stage}", {"during": stage})
+    found.timings = {**timings, stage: timings.get(stage, 0.0) + last, "total": seconds}
+    return found.in_stage(stage)
+
+
+def _late(allowed: float, said: WayproofError | None) -> DeadlineExceeded:
+    """Return the error of a run that did not end in time, with what it said when it was told to."""
+    during = said.stage if isinstance(said, PlanningFailure) else WORKER
+    message = f"the task did not end within {allowed:g} s"
+    late = DeadlineExceeded(message, {"allowed": allowed, "during": during}).in_stage(during)
+    late.timings = said.timings if isinstance(said, PlanningFailure) else {}
+    return late
 
 
 def _crash(crash: Crashed, attempts: int) -> WorkerCrashed:

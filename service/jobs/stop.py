@@ -84,7 +84,8 @@ class Stop:
         if self._is_silent and isinstance(outcome, Crashed):
             return Silent(self._silence or 0.0)
         if self._is_late:
-            return TimedOut(self._allowed or 0.0)
+            said = outcome.error if isinstance(outcome, Raised) else None
+            return TimedOut(self._allowed or 0.0, said)
         if not self.is_canceled:
             return outcome
         if isinstance(outcome, Raised):

@@ -27,9 +27,15 @@ def job_brief(desk: Desk, job: JobBrief) -> dict[str, Any]:
         "seed": request["seed"],
         "digest": done.get("digest"),
         "versions": job.made_by or {},
-        "timings": done.get("timings", {}),
+        "timings": timings_of(job),
         "unrecorded": desk.unrecorded(job),
     }
+
+
+def timings_of(job: JobBrief) -> dict[str, float]:
+    """Return the seconds per stage of a job that has ended, however it did."""
+    ended: dict[str, Any] = job.result or job.failure or {}
+    return dict(ended.get("timings") or {})
 
 
 def job_resource(desk: Desk, job: Job) -> dict[str, Any]:

@@ -23,7 +23,7 @@ def regions_brief(desk: Desk, job: JobBrief) -> dict[str, Any]:
         "request": job.payload["request"],
         "failure": job.failure,
         "versions": job.made_by or {},
-        "timings": done.get("timings", {}),
+        "timings": (done or job.failure or {}).get("timings") or {},
         "unrecorded": desk.unrecorded(job),
         "summary": done.get("result"),
     }

@@ -42,7 +42,9 @@ class JobBrief(Answer):
         description="Of everything that the numbers depend on, in the server that ran it last; "
         "empty before it runs, and for plans of versions that did not keep it"
     )
-    timings: dict[str, float] = Field(description="Seconds per stage [s]")
+    timings: dict[str, float] = Field(
+        description="Seconds per stage, once it has ended; of a failure those of `failure` [s]"
+    )
     unrecorded: list[str] = Field(description=UNRECORDED)
 
 

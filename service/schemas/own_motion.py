@@ -94,6 +94,11 @@ class RetimeResponse(Answer):
     trajectory: TrajectoryWire | None = Field(description="The motion; null if there is none")
     certificate: CertificateWire | None = Field(description="The proof; null if there is none")
     stages: RetimeStages | None = Field(description="What was done; null if there is no motion")
+    cut_short: list[str] = Field(
+        default=[],
+        description="What ended early because of the clock and may be something else another "
+        "time: `retime`, `certify`, `explain`, `samples`",
+    )
     failure: Failure | None = Field(
         description="Why there is none: `not_certified` with the failed checks, "
         "`retiming_failed`, `deadline_exceeded`; null if there is one"

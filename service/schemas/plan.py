@@ -83,8 +83,9 @@ class RetimeWire(SamplingWire, ScaledLimits):
     explain: Boolean = Field(
         default=False,
         description="Say which limit binds when, and what relaxing it would save "
-        "(`stages.retime.explanation`); takes some 20 ms for each part, with ruckig as long as "
-        "timing it once more for each limit that binds, six at most",
+        "(`stages.retime.explanation`), once the motion is proven and if there is time; takes some "
+        "20 ms for each part, with ruckig as long as timing it once more for each limit that "
+        "binds, six at most",
     )
 
 

@@ -42,12 +42,21 @@ class Failure(BaseModel):
                     "stage": "goals",
                     "detail": "no configuration reaches the goal pose",
                     "evidence": {"funnel": {"tried": 300, "converged": 0}},
+                    "timings": {"load": 0.021, "goals": 0.187, "total": 0.187},
                 }
             ]
         }
     )
 
     code: str = Field(description="Stable machine-readable name of the kind")
-    stage: str = Field(description="The stage that gave up, for example `goals`, or empty")
+    stage: str = Field(
+        description="The stage that gave up, or in which the time ran out or the cancel came: a "
+        "name in `timings`, for example `goals`; `worker` if it is not known; or empty"
+    )
     detail: str = Field(description="What went wrong, for a person")
     evidence: dict[str, Any] = Field(description="Facts behind it [SI units, radians]")
+    timings: dict[str, float] = Field(
+        default={},
+        description="Seconds per stage, of those that ended and of the one that failed; empty "
+        "where nothing was timed",
+    )

@@ -86,7 +86,8 @@ class RetimeReportWire(Answer):
         "[rad or m]"
     )
     explanation: DurationExplanationWire | None = Field(
-        default=None, description="Why it takes that long, if that was asked for"
+        default=None,
+        description="Why it takes that long; null if nobody asked, or no time was left",
     )
 
 
@@ -135,10 +136,12 @@ class CertifyReportWire(Answer):
     candidates: int = Field(description="Candidate motions that were looked at")
     refused: list[str] = Field(description="What was wrong with those before the delivered one")
     stop: StopReportWire | None = Field(
-        default=None, description="How it can be stopped; null if nobody asked"
+        default=None,
+        description="How it can be stopped; null if nobody asked, or no time was left",
     )
     robustness: RobustnessWire | None = Field(
-        default=None, description="How wrong world and robot may be; null if nobody asked"
+        default=None,
+        description="How wrong world and robot may be; null if nobody asked, or no time was left",
     )
 
 

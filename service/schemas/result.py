@@ -86,4 +86,10 @@ class PlanResult(Answer):
     trajectory: TrajectoryWire = Field(description="The timed motion, sampled as asked for")
     certificate: CertificateWire = Field(description="The proof")
     stages: StagesWire = Field(description="What every stage did")
+    cut_short: list[str] | None = Field(
+        default=None,
+        description="Stages that ended early because of the clock, by their names in `timings`: "
+        "what they give may be something else another time. Empty: the same request gives the "
+        "same numbers again, but for `timings`. Null: made by a version that did not tell",
+    )
     digest: str = Field(description="sha256 over the delivered numbers")

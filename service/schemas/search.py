@@ -76,7 +76,9 @@ class SearchWire(Wire):
         "planners each has at least one",
     )
     allowed_planning_time: Annotated[Real, Field(gt=0, le=3600)] = Field(
-        default=5.0, description="For the whole plan, all stages [s]"
+        default=5.0,
+        description="For the whole plan, all stages, from when the scene is loaded [s]; what it "
+        "cuts is in `result.cut_short`",
     )
     resolution: Annotated[Real, Field(ge=1e-4, le=10)] = Field(
         default=0.05,

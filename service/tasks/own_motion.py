@@ -52,7 +52,8 @@ def retime(payload: dict[str, Any], channel: Channel) -> dict[str, Any]:
             )
         except PlanningFailure as failure:
             nothing = dict.fromkeys(("trajectory", "certificate", "stages"))
-            return {**nothing, "failure": failure_wire(failure)}
+            return {**nothing, "cut_short": [], "failure": failure_wire(failure)}
+        cuts = set[str]()
         sampling = request.retime.sampling
         require_few(found.trajectory, sampling)
         proven = sample_motion(
@@ -60,7 +61,7 @@ def retime(payload: dict[str, Any], channel: Channel) -> dict[str, Any]:
             request.group,
             found.trajectory,
             sampling,
-            deadline=deadline,
+            deadline=deadline.cutting(lambda: cuts.add("samples")),
             clearance=found.certificate.proven_clearance,
             **kept,
         )
@@ -74,6 +75,7 @@ def retime(payload: dict[str, Any], channel: Channel) -> dict[str, Any]:
             "retime": dataclasses.asdict(found.retime),
             "certify": dataclasses.asdict(found.certify),
         },
+        "cut_short": [*found.cut_short, *cuts],
         "failure": None,
     }
 

@@ -1,11 +1,15 @@
 """Planning, as a job."""
 
 import time
+from collections.abc import Generator
+from contextlib import contextmanager
 from dataclasses import replace
 from typing import Any
 
 from planning import Deadline, PlanningProblem, World, plan, sample_plan
 from planning.domain.plan import MotionPlan, Progress
+from planning.domain.sampling import Sampling
+from planning.errors import PlanningFailure
 from service.convert.goals import problem_value
 from service.convert.plans import plan_wire
 from service.convert.trajectories import polynomial_wire, require_few, sampled_wire
@@ -19,8 +23,8 @@ from service.tasks.worlds import borrow_world
 
 # A plan minds its deadline by itself; a process that is this much too late hangs [s].
 _PATIENCE = 5.0
-# To prove the samples that are delivered [s].
-PROVING = 5.0
+# To prove the samples that are delivered: at most, and at least, however late the plan is [s].
+PROVING, _LEAST_PROVING = 5.0, 0.25
 # To write down what was found [s].
 _WRITING = 10.0
 
@@ -45,15 +49,14 @@ def plan_motion(payload: dict[str, Any], channel: Channel) -> dict[str, Any]:
         problem = problem_value(request)
         if "regions" in payload:
             problem = replace(problem, regions=read_regions(payload["regions"]))
-        found = plan(
-            problem,
-            world,
-            deadline=deadline,
-            on_progress=log,
-            roadmaps=None if request.search.roadmap is None else shelf_in(payload["roadmaps"]),
-            pool=pool,
-        )
-        return delivered(found, problem, world, request, loaded, channel)
+        shelf = None if request.search.roadmap is None else shelf_in(payload["roadmaps"])
+        with loaded_in(loaded):
+            found = plan(
+                problem, world, deadline=deadline, on_progress=log, roadmaps=shelf, pool=pool
+            )
+        log(Progress("samples", 0.97))
+        mind_delivery(channel)
+        return delivered(found, problem, world, request.retime.sampling, deadline, loaded)
 
 
 def mind(channel: Channel, allowed: float) -> None:
@@ -61,31 +64,57 @@ def mind(channel: Channel, allowed: float) -> None:
     channel.allow(allowed + _PATIENCE)
 
 
+def mind_delivery(channel: Channel) -> None:
+    """Have the process ended if it does not deliver soon what it has found."""
+    channel.allow(PROVING + _WRITING)
+
+
+@contextmanager
+def loaded_in(seconds: float) -> Generator[None]:
+    """Have failures from inside tell how long it took to load the scene [s]."""
+    try:
+        yield
+    except PlanningFailure as failure:
+        failure.timings = {"load": seconds, **failure.timings}
+        raise
+
+
 def delivered(
     found: MotionPlan,
     problem: PlanningProblem,
     world: World,
-    request: PlanRequest,
+    sampling: Sampling,
+    deadline: Deadline,
     loaded: float,
-    channel: Channel,
 ) -> dict[str, Any]:
-    """Return what a job keeps of a plan of a problem; loading the scene took `loaded` [s]."""
-    channel.allow(PROVING + _WRITING)
-    sampling = request.retime.sampling
+    """Return what a job keeps of a plan.
+
+    Args:
+        found: The plan.
+        problem: What it solves.
+        world: The scene.
+        sampling: At which instants to sample it.
+        deadline: Of the plan: what is left of it is for the proof of the samples, a little at
+            least. What is not proven by then is told as not proven.
+        loaded: How long it took to load the scene [s].
+    """
     require_few(found.trajectory, sampling)
+    began, cuts = deadline.clock(), set[str]()
+    until = min(max(deadline.at, began + _LEAST_PROVING), began + PROVING)
     proven = sample_plan(
         world,
         problem,
         found.trajectory,
         found.parts,
         sampling,
-        deadline=Deadline.after(PROVING, time.monotonic, channel.is_canceled),
+        deadline=replace(deadline, at=until).cutting(lambda: cuts.add("samples")),
         clearance=found.certificate.proven_clearance,
     )
+    samples = deadline.clock() - began
     return {
-        "result": plan_wire(found, sampled_wire(proven.samples, proven.interpolations)),
+        "result": plan_wire(found, sampled_wire(proven.samples, proven.interpolations), [*cuts]),
         "polynomial": polynomial_wire(found.trajectory),
-        "timings": {"load": loaded, **found.timings},
+        "timings": {"load": loaded, **found.timings, "samples": samples},
         "digest": found.digest,
         "graph": None if found.graph is None else found.graph.plain,
     }

@@ -1,8 +1,9 @@
 """Plots of delivered motions."""
 
+import time
 from typing import Any
 
-from planning import motion_series
+from planning import Deadline, motion_series
 from service.convert.goals import retime_value
 from service.convert.trajectories import trajectory_value
 from service.plots.charts import draw
@@ -10,17 +11,26 @@ from service.schemas.plan import RetimeWire
 from service.tasks.channel import Channel
 from service.tasks.worlds import borrow_world
 
+# A chart of a motion among few bodies takes a tenth of a second [s].
+_ALLOWED = 20.0
 
-def plot(payload: dict[str, Any], _: Channel) -> dict[str, Any]:
+
+def plot(payload: dict[str, Any], channel: Channel) -> dict[str, Any]:
     """Return `svg`: a chart of the motion.
 
     Raises:
         InputError: The scene does not load any more.
+        DeadlineExceeded: Its distances take too long.
     """
     trajectory = trajectory_value(payload["trajectory"])
     options = retime_value(RetimeWire.model_validate(payload["retime"]))
     with borrow_world(payload) as world:
         series = motion_series(
-            world, payload["group"], trajectory, options=options, margin=payload["margin"]
+            world,
+            payload["group"],
+            trajectory,
+            options=options,
+            margin=payload["margin"],
+            deadline=Deadline.after(_ALLOWED, time.monotonic, channel.is_canceled),
         )
     return {"svg": draw(payload["name"], series)}

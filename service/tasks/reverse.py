@@ -12,7 +12,7 @@ from service.convert.goals import problem_value
 from service.convert.trajectories import trajectory_value
 from service.schemas.plan import PlanRequest
 from service.tasks.channel import Channel
-from service.tasks.plan import delivered, mind
+from service.tasks.plan import delivered, loaded_in, mind, mind_delivery
 from service.tasks.stage_log import StageLog
 from service.tasks.worlds import borrow_world
 
@@ -34,12 +34,16 @@ def reverse_motion(payload: dict[str, Any], channel: Channel) -> dict[str, Any]:
         log(Progress("certify", 0.5, "certifying the motion backwards"))
         allowed = request.search.allowed_planning_time
         mind(channel, allowed)
-        found = reverse_plan(
-            world,
-            problem,
-            JointPath(world.group(problem.group), np.array(motion["path"], dtype=np.float64)),
-            trajectory_value(motion["polynomial"]),
-            [PlanPart(**part) for part in motion["parts"]],
-            Deadline.after(allowed, time.monotonic, channel.is_canceled),
-        )
-        return delivered(found, problem, world, request, loaded, channel)
+        deadline = Deadline.after(allowed, time.monotonic, channel.is_canceled)
+        with loaded_in(loaded):
+            found = reverse_plan(
+                world,
+                problem,
+                JointPath(world.group(problem.group), np.array(motion["path"], dtype=np.float64)),
+                trajectory_value(motion["polynomial"]),
+                [PlanPart(**part) for part in motion["parts"]],
+                deadline,
+            )
+        log(Progress("samples", 0.97))
+        mind_delivery(channel)
+        return delivered(found, problem, world, request.retime.sampling, deadline, loaded)

@@ -1,6 +1,7 @@
 """StageLog: progress of a task as events of its job."""
 
 import time
+from typing import Any
 
 from planning.domain.plan import Progress
 from service.tasks.channel import Channel
@@ -10,13 +11,18 @@ _EVENT_PERIOD = 0.05
 
 
 class StageLog:
-    """Tells the server which stage a plan is in; drops events that come too thick."""
+    """Tells the server which stage a plan is in; drops events that come too thick.
+
+    With a stage come the seconds of those before it: they are known even if the process is ended.
+    """
 
     def __init__(self, channel: Channel) -> None:
         """Speak through `channel`."""
         self._channel = channel
         self._stage = ""
         self._last = 0.0
+        self._begun = 0.0
+        self._timings: dict[str, float] = {}
 
     def __call__(self, progress: Progress) -> None:
         """Emit `stage` when it changes, else `progress` now and then."""
@@ -27,9 +33,23 @@ class StageLog:
         is_new = progress.stage != self._stage
         if not is_new and now - self._last < _EVENT_PERIOD:
             return
+        told: dict[str, Any] = {
+            "stage": progress.stage,
+            "progress": progress.fraction,
+            "detail": progress.detail,
+        }
+        if is_new:
+            self._close(now)
+            told["timings"] = dict(self._timings)
         self._stage, self._last = progress.stage, now
-        told = {"stage": progress.stage, "progress": progress.fraction, "detail": progress.detail}
         self._channel.emit("stage" if is_new else "progress", told)
+
+    def _close(self, now: float) -> None:
+        """Count the time of the stage that ends."""
+        if self._stage:
+            spent = self._timings.get(self._stage, 0.0) + now - self._begun
+            self._timings[self._stage] = round(spent, 6)
+        self._begun = now
 
     def _tell_best(self, progress: Progress) -> None:
         told = {"detail": progress.detail, "length": progress.best_length}

@@ -57,7 +57,7 @@ def test_a_plan_with_a_pool_is_the_same_plan():
     problem = PlanningProblem(
         "body",
         ConfigurationGoal("exit"),
-        search=SearchOptions(attempts=3),
+        search=SearchOptions(attempts=3, allowed_planning_time=1e9),
         refine=RefineOptions("none"),
     )
     world, counted = bundled_world("maze_2d"), Counted(ForkPool(2))

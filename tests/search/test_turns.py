@@ -127,3 +127,18 @@ def test_what_takes_no_time_is_not_handed_out(plane, wall, soon, crossing):
     found = search(*plane, wall, replace(crossing(2, attempts=3), pool=pool), soon)
     assert found.report.attempts == 3
     assert not pool.made
+
+
+@pytest.mark.parametrize("is_late", [False, True])
+def test_what_the_clock_cuts_in_a_child_is_told_here(plane, wall, crossing, is_late):
+    """In the children time flies, so that there is none for shortcuts."""
+    clock, cuts = FakeClock(step=1.0), []
+    deadline = Deadline.after(1e9, clock).cutting(lambda: cuts.append(1))
+
+    def fly(_):
+        clock.step = 1e6 if is_late else 1.0
+
+    task, pool = crossing(0, attempts=3, shortcut_time=1e6), Watched(before=fly)
+    search(*plane, wall, replace(task, pool=pool), deadline)
+    assert pool.made
+    assert bool(cuts) == is_late

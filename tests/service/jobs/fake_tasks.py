@@ -52,7 +52,8 @@ def spin(_: dict[str, Any], channel: Channel) -> dict[str, Any]:
 
 def hang(_: dict[str, Any], channel: Channel) -> dict[str, Any]:
     """Sleep in C with the interpreter's lock held: no signal handler, no thread can run."""
-    channel.emit("stage", {"stage": "hang", "progress": 0.1, "pid": os.getpid()})
+    told = {"stage": "hang", "progress": 0.1, "pid": os.getpid(), "timings": {"load": 0.125}}
+    channel.emit("stage", told)
     ctypes.PyDLL(None).sleep(30)
     return {}
 

@@ -39,6 +39,7 @@ def test_results_failures_and_blunders_come_back(tmp_path: Path, inline: bool) -
                 "stage": "goals",
                 "detail": "too far",
                 "evidence": {"metres": 2.0},
+                "timings": {},
             }
             codes = [job.failure["code"] for job in ended[2:]]
             assert codes == ["internal_error", "worker_crashed", "worker_crashed", "internal_error"]
@@ -99,7 +100,13 @@ def test_a_deadline_ends_native_code(tmp_path: Path) -> None:
         async with running(tmp_path) as (dispatcher, _):
             job = await dispatcher.submit(spec("hang", allowed=0.5))
             ended = await dispatcher.wait(job.id, GUARD)
-            assert ended.failure["code"] == "deadline_exceeded"
+            failure = ended.failure
+            assert (failure["code"], failure["stage"]) == ("deadline_exceeded", "hang")
+            assert failure["evidence"] == {"allowed": 0.5, "during": "hang"}
+            timings = failure["timings"]
+            assert (set(timings), timings["load"]) == ({"load", "hang", "total"}, 0.125)
+            assert timings["load"] + timings["hang"] == pytest.approx(timings["total"])
+            assert timings["total"] >= 0.5
             after = await dispatcher.submit(spec("echo"))
             assert (await dispatcher.wait(after.id, GUARD)).state is JobState.SUCCEEDED
 

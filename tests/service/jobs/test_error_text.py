@@ -27,6 +27,14 @@ def test_an_error_keeps_its_class_detail_and_evidence(kind):
     assert told.evidence == {"depth": 0.1 + 0.2, "pairs": [["a", "b"]]}
 
 
+@pytest.mark.parametrize("kind", [planning_errors.DeadlineExceeded, planning_errors.NoPathFound])
+def test_a_failure_keeps_the_stage_it_was_in_and_its_timings(kind):
+    failure = kind("late").in_stage("retime")
+    failure.timings = {"goals": 0.25, "retime": 1.5, "total": 2.0}
+    told = error_in(error_text(failure))
+    assert (type(told), told.stage, told.timings) == (kind, "retime", failure.timings)
+
+
 def test_classes_with_builders_cross_too():
     told = error_in(error_text(UnknownName.among("frame", "x", ["y", "z"])))
     assert isinstance(told, UnknownName)

@@ -6,8 +6,8 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from planning.errors import Canceled, TrackingLost
-from service.jobs.outcome import Crashed, Ended, Raised, Silent, TimedOut, error_of
+from planning.errors import Canceled, DeadlineExceeded, GoalUnreachable, TrackingLost
+from service.jobs.outcome import Crashed, Ended, Raised, Silent, TimedOut, error_of, placed
 from service.jobs.stop import DEADLINE_GRACE, Stop
 
 CRASH, REFUSAL = Crashed(-9), Raised(Canceled("noticed"))
@@ -52,6 +52,46 @@ def test_a_run_that_is_late_is_told_and_then_made_to_end():
         assert run.stop.verdict(CRASH) == run.stop.verdict(REFUSAL) == TimedOut(1.0)
 
     on_a_loop(story)
+
+
+@pytest.mark.parametrize("kind", [Canceled, DeadlineExceeded])
+def test_a_run_that_ends_when_it_is_told_to_says_where_it_was(kind):
+    async def story():
+        run = Told(1.0)
+        await passing(1.1)
+        said = kind("noticed", {"during": "retime"}).in_stage("retime")
+        said.timings = {"goals": 0.5, "retime": 0.6}
+        error = error_of(run.stop.verdict(Raised(said)), 1)
+        assert isinstance(error, DeadlineExceeded)
+        assert (error.stage, error.timings) == ("retime", said.timings)
+        assert error.evidence["during"] == "retime"
+
+    on_a_loop(story)
+
+
+BEFORE = {"stage": "certify", "timings": {"load": 0.5, "certify": 1.0}}
+
+
+@pytest.mark.parametrize("outcome", [TimedOut(2.0), CRASH, Silent(2.0)])
+def test_a_run_that_is_ended_by_force_was_in_the_stage_that_it_told_last(outcome):
+    error = placed(error_of(outcome, 1), BEFORE, 4.0)
+    assert type(error) is type(error_of(outcome, 1))
+    assert (error.stage, error.evidence["during"]) == ("certify", "certify")
+    assert error.timings == {"load": 0.5, "certify": 3.5, "total": 4.0}
+    assert "certify" in error.detail
+
+
+@pytest.mark.parametrize("told", [{}, {"stage": None}, {"stage": "hang", "timings": None}])
+def test_a_run_that_told_little_is_placed_as_far_as_that_goes(told):
+    error = placed(error_of(TimedOut(2.0), 1), told, 3.0)
+    is_known = bool(told.get("stage"))
+    assert error.stage == ("hang" if is_known else "worker")
+    assert error.timings == ({"hang": 3.0, "total": 3.0} if is_known else {})
+
+
+def test_an_error_that_knows_its_stage_keeps_it():
+    error = GoalUnreachable("too far")
+    assert placed(error, BEFORE, 4.0) is error
 
 
 @example(1.0, [(0.5, 5.0)])

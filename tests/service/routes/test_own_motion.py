@@ -281,3 +281,12 @@ def test_constraints_deviation_and_stops_are_asked_for_with_a_path(client, scene
     motion = answer["trajectory"]
     told = post(client, scene, "certify", trajectory=motion, path_constraints=[kept]).json()
     assert name in {c["name"] for c in told["certificate"]["checks"] if not c["passed"]}
+
+
+def test_a_path_that_there_is_no_time_for_fails_in_a_stage_and_tells_its_timings(client, scene):
+    waypoints = [[0.0, -1.5, 1.5, -1.5, -1.5, 0.0], [0.1, -1.5, 1.5, -1.5, -1.5, 0.1]]
+    answer = post(client, scene, "retime", waypoints=waypoints, allowed_time=1e-6).json()
+    failure = answer["failure"]
+    assert (failure["code"], failure["stage"]) == ("deadline_exceeded", "retime")
+    assert {"retime", "total"} <= set(failure["timings"])
+    assert answer["cut_short"] == []

@@ -239,3 +239,29 @@ def test_there_is_no_way_back_from_nowhere(client, request_of):
     answer = client.post(f"/v1/plans/{failed['id']}/reverse")
     assert answer.status_code == 409
     assert answer.json()["code"] == "no_trajectory"
+
+
+def test_a_plan_that_is_late_says_where_it_was_and_what_it_spent(client, request_of):
+    request = request_of(search={"allowed_planning_time": 1e-6})
+    job = client.post("/v1/plans?wait=60", json=request).json()
+    failure = job["failure"]
+    assert (job["state"], failure["code"]) == ("failed", "deadline_exceeded")
+    assert failure["evidence"]["allowed"] == 1e-6
+    assert {"load", failure["stage"], "total"} <= set(failure["timings"])
+    assert job["timings"] == failure["timings"]
+    assert client.get(f"/v1/plans/{job['id']}").json()["timings"] == failure["timings"]
+
+
+def test_a_plan_that_nothing_cut_says_so(solved):
+    assert solved["result"]["cut_short"] == []
+
+
+def test_a_plan_says_what_the_clock_cut(client, request_of):
+    """No shortcut takes less than a picosecond."""
+    goal = {"type": "joint", "positions": [[0.4, -0.5, 0.9, -1.7, -1.4, 2.0]]}
+    search = {"allowed_planning_time": 60.0, "shortcut_time": 1e-12, "num_states": 300}
+    search |= {"interpolate_time": 1e-12}
+    job = client.post("/v1/plans?wait=60", json=request_of(goal=goal, search=search)).json()
+    assert job["state"] == "succeeded", job["failure"]
+    assert "interpolate" in job["result"]["cut_short"]
+    assert set(job["result"]["cut_short"]) <= set(job["timings"])

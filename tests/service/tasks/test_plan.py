@@ -4,6 +4,7 @@ import json
 
 import pytest
 
+from planning.errors import DeadlineExceeded
 from service.plans.admission import SLACK
 from service.tasks.plan import plan_motion
 from service.tasks.scenes import load_scene
@@ -56,3 +57,27 @@ def test_the_allowed_time_begins_once_the_scene_is_loaded(payload):
     assert channel.notes.index(terms[0]) < channel.notes.index("goals")
     assert terms[1] <= SLACK
     assert channel.notes[-1] == terms[1]
+
+
+def test_a_plan_that_is_late_says_where_it_was_and_how_long_loading_took(payload):
+    payload["request"]["search"]["allowed_planning_time"] = 1e-6
+    channel = Channel()
+    with pytest.raises(DeadlineExceeded) as caught:
+        plan_motion(payload, channel)
+    stages = [note for note in channel.notes if isinstance(note, str)]
+    assert caught.value.stage == stages[-1]
+    assert {"load", caught.value.stage, "total"} <= set(caught.value.timings)
+
+
+@pytest.mark.parametrize("is_late", [False, True])
+def test_samples_that_there_is_no_time_to_prove_are_delivered_as_such(
+    payload, monkeypatch, is_late
+):
+    if is_late:
+        monkeypatch.setattr("service.tasks.plan.PROVING", 0.0)
+    done = plan_motion(payload, Channel())
+    assert done["result"]["certificate"]["proven"]
+    assert done["result"]["cut_short"] == (["samples"] if is_late else [])
+    proofs = done["result"]["trajectory"]["interpolations"]
+    assert not (is_late and any(proof["proven"] for proof in proofs))
+    assert {"load", "samples", "total"} <= set(done["timings"])
