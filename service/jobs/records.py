@@ -17,7 +17,7 @@ from sqlalchemy import (
     UniqueConstraint,
 )
 
-from service.jobs.json_text import JsonText
+from service.jobs.json_text import Encoded, JsonText
 from service.jobs.states import JobState
 
 FINISHED = "finished"
@@ -166,6 +166,19 @@ class JobBrief:
 @dataclass(frozen=True)
 class Job(JobBrief):
     """A job as the tables have it, whole."""
+
+
+@dataclass(frozen=True)
+class JobText:
+    """A job whose result is passed on as it is: it may be megabytes, and nobody here reads it.
+
+    Attributes:
+        brief: As lists have it.
+        result: Whole, None where there is none.
+    """
+
+    brief: JobBrief
+    result: Encoded | None
 
 
 @dataclass(frozen=True)
