@@ -4,7 +4,7 @@ import asyncio
 import json
 import logging
 from collections.abc import AsyncGenerator, Callable, Mapping
-from contextlib import aclosing
+from contextlib import aclosing, suppress
 from dataclasses import replace
 from functools import partial
 from typing import Any
@@ -19,7 +19,7 @@ from service.jobs.ownership import Ownership
 from service.jobs.ownership_watch import OwnershipWatch, Patience
 from service.jobs.recorder import NoSink
 from service.jobs.recording import Recording
-from service.jobs.records import Job, JobSpec, LoggedEvent
+from service.jobs.records import Job, JobSpec, JobText, LoggedEvent
 from service.jobs.recovery import Recovery
 from service.jobs.slot import Run, Slot
 from service.jobs.steering import Steering
@@ -183,16 +183,19 @@ class Dispatcher:
         Raises:
             UnknownJob: There is none.
         """
-        try:
-            async with (
-                asyncio.timeout(seconds),
-                aclosing(self._bus.follow(identifier, _END_OF_STREAM)) as nothing,
-            ):
-                async for _ in nothing:
-                    pass
-        except TimeoutError:
-            pass
+        await self._until_ended(identifier, seconds)
         return await asyncio.to_thread(self._store.get, identifier)
+
+    async def wait_text(self, identifier: str, seconds: float) -> JobText:
+        """Return a job as `wait` does, but for its result, which stays text.
+
+        Raises:
+            UnknownJob: There is none.
+        """
+        run = await self._until_ended(identifier, seconds)
+        if run is not None and run.ended is not None:
+            return run.ended
+        return await asyncio.to_thread(self._store.text, identifier)
 
     async def subscribe(self, identifier: str, after: int = 0) -> AsyncGenerator[LoggedEvent]:
         """Yield a job's events with numbers above `after`, each once, until it has ended.
@@ -285,6 +288,25 @@ class Dispatcher:
         if is_queued_again:
             job = replace(run.job, is_cancel_requested=run.is_unwanted)
             self._enqueue(job, run.controls, place[0])
+
+    async def _until_ended(self, identifier: str, seconds: float) -> JobRun | None:
+        """Wait until a job has ended, at most so long; return its last run here, if there is one."""
+        run = self._runs.get(identifier)
+        if run is not None and run.ended is not None:
+            return run
+        if run is None:  # it has ended, or is being taken up again
+            wait = self._drained(identifier)
+        else:
+            wait = self._bus.until_over(identifier)
+        with suppress(TimeoutError):
+            async with asyncio.timeout(seconds):
+                await wait
+        return self._runs.get(identifier, run)
+
+    async def _drained(self, identifier: str) -> None:
+        async with aclosing(self._bus.follow(identifier, _END_OF_STREAM)) as nothing:
+            async for _ in nothing:
+                pass
 
     def _end_runs(self, reason: str) -> None:
         self._floor.hold()

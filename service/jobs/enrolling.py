@@ -10,6 +10,7 @@ from service.jobs.errors import IdempotencyConflict
 from service.jobs.json_text import Encoded, encode
 from service.jobs.moving import log
 from service.jobs.outline import outline_of, without
+from service.jobs.prepared import Prepared
 from service.jobs.reading import job_of, jobs_where, now
 from service.jobs.records import Job, JobSpec, bodies, briefs, jobs
 from service.jobs.states import JobState
@@ -25,10 +26,14 @@ _COPIED = (
     "key",
     "request_digest",
 )
-# Built once: that takes longer than to carry them out.
-_ADD_JOB = insert(jobs).returning(jobs.c.serial)
-_ADD_BODY, _ADD_BRIEF = insert(bodies), insert(briefs)
 _NOT_YET = ("started_at", "finished_at", "result", "failure", "made_by")
+_COUNTED = ("serial", *_NOT_YET)
+_ADD_JOB = Prepared(
+    insert(jobs).returning(jobs.c.serial),
+    *(column.name for column in jobs.c if column.name not in _COUNTED),
+)
+_ADD_BODY = Prepared(insert(bodies), "job", "payload")
+_ADD_BRIEF = Prepared(insert(briefs), "job", "payload")
 
 
 def enroll(connection: Connection, spec: JobSpec) -> Job:
@@ -40,9 +45,9 @@ def enroll(connection: Connection, spec: JobSpec) -> Job:
     row, payload = _queued_row(spec), encode(spec.payload)
     short = without(spec.payload, outline_of(spec.task).payload)
     brief = payload if short is spec.payload else encode(short)
-    serial = connection.execute(_ADD_JOB, row).scalar_one()
-    connection.execute(_ADD_BODY, {"job": row["id"], "payload": Encoded(payload)})
-    connection.execute(_ADD_BRIEF, {"job": row["id"], "payload": Encoded(brief)})
+    serial = _ADD_JOB(connection, **row).scalar_one()
+    _ADD_BODY(connection, job=row["id"], payload=payload)
+    _ADD_BRIEF(connection, job=row["id"], payload=brief)
     log(connection, row["id"], 1, [("queued", Encoded("{}"))])
     later = dict.fromkeys(_NOT_YET)
     return job_of({**row, "serial": serial, "payload": json.loads(payload), **later})

@@ -12,6 +12,7 @@ from typing import Any
 from planning.errors import Canceled, WayproofError
 from service.jobs.errors import DatabaseTaken, InternalError, ServerRestarted
 from service.jobs.floor import Floor
+from service.jobs.json_text import Encoded, encode
 from service.jobs.moving import Moved
 from service.jobs.outcome import (
     Crashed,
@@ -23,9 +24,10 @@ from service.jobs.outcome import (
     Silent,
     error_of,
 )
+from service.jobs.reading import brief_of
 from service.jobs.recorder import EventRecorder, Told
 from service.jobs.recording import Recording
-from service.jobs.records import Job
+from service.jobs.records import Job, JobText
 from service.jobs.slot import Run, Slot
 from service.jobs.states import JobState
 
@@ -45,6 +47,7 @@ class JobRun:
         controls: What is asked of it, to be passed to the task.
         has_begun: Whether it was given a slot.
         concluded: Set once its end is in the table, or another server has the job.
+        ended: The job as the table has it, once it has ended in this run.
     """
 
     def __init__(
@@ -55,6 +58,7 @@ class JobRun:
         self.controls = dict(controls)
         self.has_begun = False
         self.concluded = asyncio.Event()
+        self.ended: JobText | None = None
         self._recording = recording
         self._floor = floor
         self._recorder = EventRecorder(partial(recording.log, job.id))
@@ -193,7 +197,9 @@ class JobRun:
         store, identifier = self._recording.store, self.job.id
         if isinstance(outcome, Returned):
             result, brief = outcome.result, outcome.brief
-            await self._move(partial(store.succeed, identifier, result, brief))
+            moved = await self._move(partial(store.succeed, identifier, result, brief))
+            if moved is not None:
+                self._has_ended_with(moved, result, json.loads((brief or result).text))
             return False
         requeue = self._requeue(outcome, attempts)
         if requeue is not None:
@@ -204,8 +210,18 @@ class JobRun:
         error = self._error(outcome, attempts)
         is_canceled = isinstance(error, Canceled)
         end = partial(store.cancel, identifier, error) if is_canceled else None
-        await self._move(end or partial(store.fail, identifier, error))
+        moved = await self._move(end or partial(store.fail, identifier, error))
+        if moved is not None:
+            self._has_ended_with(moved, None, None)
         return False
+
+    def _has_ended_with(self, moved: Moved, result: Encoded | None, brief: Any) -> None:
+        """Keep the job as it would be read, for those who wait for it."""
+        failure = json.loads(encode(moved.event.data.get("failure")))
+        made_by = self._recording.store.versions
+        content = {"payload": self.job.payload, "result": brief, "failure": failure}
+        columns = {**moved.columns, **content, "made_by": made_by}
+        self.ended = JobText(brief_of(columns), result)
 
     def _requeue(self, outcome: Failed, attempts: int) -> Callable[[], Moved | None] | None:
         """Return how to queue the job again if it is to run again, else None."""

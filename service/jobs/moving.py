@@ -5,9 +5,10 @@ from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
-from sqlalchemy import Connection, Update, bindparam, insert, update
+from sqlalchemy import Connection, Update, bindparam, insert, or_, update
 
-from service.jobs.json_text import Encoded
+from service.jobs.json_text import Encoded, encode
+from service.jobs.prepared import Prepared
 from service.jobs.reading import columns_of, decoded, now, progress_in
 from service.jobs.records import FINISHED, LoggedEvent, events, jobs
 from service.jobs.states import JobEvent, JobState, advance, sources
@@ -19,7 +20,7 @@ _EVENT_NAMES = {
     JobEvent.FAIL: FINISHED,
     JobEvent.CANCEL: FINISHED,
 }
-_ADD_EVENTS = insert(events)
+_ADD_EVENT = Prepared(insert(events), "job", "number", "type", "data", "at")
 
 
 @dataclass(frozen=True)
@@ -63,12 +64,14 @@ def move(
         given["new_finished_at"] = now()
         told = {"state": after.value, **told}
     statement = _transition(happened, only, tuple(given))
-    row = connection.execute(statement, {"whose": identifier, **given}).first()
+    row = statement(connection, whose=identifier, **given).first()
     if row is None:
         return None
     name = _EVENT_NAMES[happened]
     [logged] = log(connection, identifier, row.num_events, [(name, dict(told))])
-    return Moved(logged, row.attempts, row.is_cancel_requested, columns_of(row))
+    # A prepared statement has booleans as the database has them.
+    columns = {**columns_of(row), "is_cancel_requested": bool(row.is_cancel_requested)}
+    return Moved(logged, row.attempts, columns["is_cancel_requested"], columns)
 
 
 def reserve(
@@ -90,10 +93,8 @@ def reserve(
     for _, data in told:
         changes |= progress_in(decoded(data))
     given = {f"new_{name}": content for name, content in changes.items()}
-    row = connection.execute(
-        _reservation(tuple(given), may_wait=may_wait),
-        {"whose": identifier, "more": len(told), **given},
-    ).first()
+    statement = _reservation(tuple(given), may_wait=may_wait)
+    row = statement(connection, whose=identifier, more=len(told), **given).first()
     return None if row is None else row.num_events - len(told) + 1
 
 
@@ -112,11 +113,12 @@ def log(
         told: Types and data.
     """
     at = now()
+    texts = [data.text if isinstance(data, Encoded) else encode(data) for _, data in told]
     rows = [
-        {"job": identifier, "number": first + i, "type": type_, "data": data, "at": at}
-        for i, (type_, data) in enumerate(told)
+        {"job": identifier, "number": first + i, "type": type_, "data": text, "at": at}
+        for i, ((type_, _), text) in enumerate(zip(told, texts, strict=True))
     ]
-    connection.execute(_ADD_EVENTS, rows)
+    _ADD_EVENT.many(connection, rows)
     return [
         LoggedEvent(identifier, first + i, type_, decoded(data), at)
         for i, (type_, data) in enumerate(told)
@@ -127,26 +129,25 @@ def _before(happened: JobEvent, only: JobState | None) -> tuple[JobState, ...]:
     return sources(happened) if only is None else (only,)
 
 
-# Statements are built once each: to build one takes longer than to carry it out.
 @cache
-def _transition(happened: JobEvent, only: JobState | None, given: tuple[str, ...]) -> Update:
+def _transition(happened: JobEvent, only: JobState | None, given: tuple[str, ...]) -> Prepared:
     before = _before(happened, only)
     columns: dict[str, Any] = {name.removeprefix("new_"): bindparam(name) for name in given}
     more_attempts = columns.pop("more_attempts", None)
     if more_attempts is not None:
         columns["attempts"] = jobs.c.attempts + more_attempts
     columns |= {"state": advance(before[0], happened).value, "num_events": jobs.c.num_events + 1}
-    return _update_in(before).values(columns).returning(*jobs.c)
+    return Prepared(_update_in(before).values(columns).returning(*jobs.c))
 
 
 @cache
-def _reservation(given: tuple[str, ...], *, may_wait: bool) -> Update:
+def _reservation(given: tuple[str, ...], *, may_wait: bool) -> Prepared:
     states = [state for state in JobState if not state.is_final] if may_wait else [JobState.RUNNING]
     columns: dict[str, Any] = {name.removeprefix("new_"): bindparam(name) for name in given}
     columns["num_events"] = jobs.c.num_events + bindparam("more")
-    return _update_in(states).values(columns).returning(jobs.c.num_events)
+    return Prepared(_update_in(states).values(columns).returning(jobs.c.num_events))
 
 
 def _update_in(states: Sequence[JobState]) -> Update:
-    is_in = jobs.c.state.in_([state.value for state in states])
+    is_in = or_(*(jobs.c.state == state.value for state in states))
     return update(jobs).where(jobs.c.id == bindparam("whose"), is_in)

@@ -17,10 +17,11 @@ from service.jobs.briefs import fill_briefs
 from service.jobs.database import set_durability
 from service.jobs.enrolling import enroll, job_by_key
 from service.jobs.errors import DatabaseTaken
-from service.jobs.json_text import Encoded
+from service.jobs.json_text import Encoded, encode
 from service.jobs.moving import Moved, log, move, reserve
 from service.jobs.outcome import failure_of
 from service.jobs.outline import outline_of, without
+from service.jobs.prepared import Prepared
 from service.jobs.reading import now
 from service.jobs.reads import JobReads
 from service.jobs.records import (
@@ -37,22 +38,27 @@ from service.jobs.records import (
 from service.jobs.states import JobEvent, JobState
 
 _OPEN = [state.value for state in JobState if not state.is_final]
-# Statements that every job needs are built once: that takes longer than to carry them out.
 _WHOSE = bindparam("whose")
 _FORGET_MAKER = delete(makers).where(makers.c.job == _WHOSE)
-_ADD_MAKER = insert(makers)
+_ADD_MAKER = Prepared(insert(makers), "job", "made_by")
 _END = {
-    (table, part): update(table).where(table.c.job == _WHOSE).values({part: bindparam("new")})
+    (table, part): Prepared(
+        update(table).where(table.c.job == _WHOSE).values({part: bindparam("new")})
+    )
     for table in (bodies, briefs)
     for part in ("result", "failure")
 }
 _CANCEL = update(jobs).where(jobs.c.id == _WHOSE, jobs.c.state.in_(_OPEN))
 _CANCEL = _CANCEL.values(is_cancel_requested=True)
-_EPOCH = select(owner.c.epoch).with_for_update(read=True)
+_EPOCH = Prepared(select(owner.c.epoch).with_for_update(read=True))
 
 
 class JobStore(JobReads):
-    """Jobs and their events in a database; every method is one transaction, from any thread."""
+    """Jobs and their events in a database; every method is one transaction, from any thread.
+
+    Attributes:
+        versions: Of what runs them, by name.
+    """
 
     def __init__(self, engine: Engine, versions: Mapping[str, str] | None = None) -> None:
         """Keep jobs in `engine`; call `open` before use.
@@ -62,7 +68,8 @@ class JobStore(JobReads):
             versions: Of what runs them, by name.
         """
         super().__init__(engine)
-        self._versions = dict(versions or {})
+        self.versions = dict(versions or {})
+        self._made_by = encode(self.versions)
         self._epoch: int | None = None
         self._lock = threading.RLock()
         self._joined: Connection | None = None
@@ -125,7 +132,7 @@ class JobStore(JobReads):
             if moved is not None:
                 if moved.event.number > 2:  # it is not the first event after `queued`
                     connection.execute(_FORGET_MAKER, {"whose": identifier})
-                connection.execute(_ADD_MAKER, {"job": identifier, "made_by": self._versions})
+                _ADD_MAKER(connection, job=identifier, made_by=self._made_by)
             return moved
 
     def requeue(self, identifier: str, reason: str, *, refund: int = 0) -> Moved | None:
@@ -153,7 +160,7 @@ class JobStore(JobReads):
         with self.transaction(is_durable=True) as connection:
             moved = move(connection, identifier, JobEvent.SUCCEED, {"progress": 1.0}, {})
             if moved is not None:
-                _end(connection, identifier, "result", result, brief or result)
+                _end(connection, identifier, "result", result.text, (brief or result).text)
             return moved
 
     def fail(self, identifier: str, error: WayproofError) -> Moved | None:
@@ -208,7 +215,7 @@ class JobStore(JobReads):
             moved = move(connection, identifier, happened, {}, {"failure": failure}, only)
             if moved is not None:
                 kept = without(failure, outline_of(moved.columns["task"]).failure)
-                _end(connection, identifier, "failure", failure, kept)
+                _end(connection, identifier, "failure", encode(failure), encode(kept))
             return moved
 
     def _require_ownership(self, connection: Connection) -> None:
@@ -219,13 +226,13 @@ class JobStore(JobReads):
         """
         if self._epoch is None:
             return
-        latest = connection.execute(_EPOCH).scalar_one_or_none()
+        latest = _EPOCH(connection).scalar_one_or_none()
         if latest != self._epoch:
             message = "another server has taken the database over: nothing is written to it here"
             raise DatabaseTaken(message, {"epoch": self._epoch, "latest": latest})
 
 
-def _end(connection: Connection, identifier: str, part: str, whole: Any, short: Any) -> None:
-    """Write how a job ended, whole and as lists show it."""
-    connection.execute(_END[bodies, part], {"whose": identifier, "new": whole})
-    connection.execute(_END[briefs, part], {"whose": identifier, "new": short})
+def _end(connection: Connection, identifier: str, part: str, whole: str, short: str) -> None:
+    """Write how a job ended (JSON), whole and as lists show it."""
+    _END[bodies, part](connection, whose=identifier, new=whole)
+    _END[briefs, part](connection, whose=identifier, new=short)
