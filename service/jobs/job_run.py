@@ -3,7 +3,7 @@
 import asyncio
 import json
 import logging
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from datetime import datetime
 from functools import partial
@@ -61,11 +61,12 @@ class JobRun:
         self.ended: JobText | None = None
         self._recording = recording
         self._floor = floor
-        self._recorder = EventRecorder(partial(recording.log, job.id))
+        self._recorder = EventRecorder(self._log)
         self._slot: Slot | None = None
         self._is_unwanted = job.is_cancel_requested
         self._interrupted = ""
         self._started: Moved | None = None
+        self._start_is_known = asyncio.Event()
         self._has_ended = False
 
     @property
@@ -124,41 +125,70 @@ class JobRun:
 
     async def run(self, slot: Slot) -> bool:
         """Run the job in a slot, which is given back; return whether it is queued again."""
-        store, identifier = self._recording.store, self.job.id
-        start = partial(store.start, identifier)
-        # What the database forgot to have begun would be begun once more, and could not end.
-        lasting = store.may_crash_alone
+        start = asyncio.get_running_loop().create_task(self._write_start())
+        start.add_done_callback(self._on_start)
         try:
-            self._started = await self._recording.move(identifier, start, is_durable=lasting)
+            # What may run but once does not begin before that is written; the others save the time.
+            if self.job.max_attempts == 1:
+                await self._start_is_known.wait()
+            outcome = await self._in_slot(slot)
+            await self._start_is_known.wait()
+            self._started = await start
         except DatabaseTaken:
             return False
         except Exception:  # noqa: BLE001  (it is queued still)
-            _log.exception("the start of %s could not be written", identifier)
+            _log.exception("the start of %s could not be written", self.job.id)
             await asyncio.sleep(_RETRY_PERIOD)
             return True
         finally:
-            if self._started is None:
-                self._floor.readmit(self.job.lane, slot)
+            start.cancel()
         if self._started is None:  # canceled while it was queued
             return False
-        outcome = await self._in_slot(slot, self._started)
         self._has_ended = True
         refused = await self._recorder.close()
         return await self._conclude(outcome, refused, self._started.attempts)
+
+    async def _write_start(self) -> Moved | None:
+        store, identifier = self._recording.store, self.job.id
+        # What the database forgot to have begun would be begun once more, and could not end.
+        lasting = store.may_crash_alone
+        start = partial(store.start, identifier)
+        return await self._recording.move(identifier, start, is_durable=lasting)
+
+    def _on_start(self, start: asyncio.Task[Moved | None]) -> None:
+        """Go on if the job was queued still, and the database took its start; end the run if not."""
+        if not start.cancelled() and start.exception() is None:
+            self._started = start.result()
+        self._start_is_known.set()
+        if self._started is None or self._started.is_cancel_requested:
+            self._press()
+
+    async def _log(self, told: Sequence[Told]) -> None:
+        """Record what the run says, once its start is."""
+        await self._start_is_known.wait()
+        if self._started is not None:
+            await self._recording.log(self.job.id, told)
+
+    @property
+    def _may_begin(self) -> bool:
+        if self._is_unwanted or self._interrupted:
+            return False
+        if not self._start_is_known.is_set():
+            return True
+        return self._started is not None and not self._started.is_cancel_requested
 
     def _press(self) -> None:
         if self._slot is not None:
             self._slot.cancel(self.grace)
 
-    async def _in_slot(self, slot: Slot, started: Moved) -> Outcome:
+    async def _in_slot(self, slot: Slot) -> Outcome:
         """Run the task and give the slot back before the end is written: others wait for it."""
         loop = asyncio.get_running_loop()
         began = loop.time()
         outcome: Outcome = Ended(Canceled("canceled before it began"))
         job = self.job
         try:
-            is_wanted = not (self._is_unwanted or self._interrupted)
-            if is_wanted and not started.is_cancel_requested:
+            if self._may_begin:
                 self._slot = slot
                 run = Run(job.task, job.payload, self._recorder, job.allowed, self.controls)
                 outcome = await slot.run(run)
