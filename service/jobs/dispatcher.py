@@ -1,7 +1,6 @@
 """Dispatcher: takes jobs from the table to the slots and their ends back to the table."""
 
 import asyncio
-import json
 import logging
 from collections.abc import AsyncGenerator, Callable, Mapping
 from contextlib import aclosing, suppress
@@ -13,13 +12,15 @@ from planning.errors import DeadlineExceeded
 from service.events.bus import EventBus, Stretch
 from service.jobs.floor import Floor
 from service.jobs.job_run import JobRun
+from service.jobs.json_steps import STEP, decode
+from service.jobs.json_text import Encoded
 from service.jobs.lane import Lane
 from service.jobs.outcome import Crashed, Outcome, Returned, TimedOut, error_of
 from service.jobs.ownership import Ownership
 from service.jobs.ownership_watch import OwnershipWatch, Patience
 from service.jobs.recorder import NoSink
 from service.jobs.recording import Recording
-from service.jobs.records import Job, JobSpec, JobText, LoggedEvent
+from service.jobs.records import Job, JobBrief, JobSpec, JobText, LoggedEvent
 from service.jobs.recovery import Recovery
 from service.jobs.slot import Run, Slot
 from service.jobs.steering import Steering
@@ -158,7 +159,7 @@ class Dispatcher:
             self._enqueue(job, {})
         return job
 
-    async def cancel(self, identifier: str) -> Job:
+    async def cancel(self, identifier: str) -> JobBrief:
         """Ask for the end of a job, whatever its state, and return it; again does no harm.
 
         A queued job ends at once. A running one is asked, and its process ended if need be; wait
@@ -212,6 +213,18 @@ class Dispatcher:
     ) -> Any:
         """Run a short task that nobody needs to remember, and return what it returns.
 
+        Raises as `call_text`.
+        """
+        asked = {"lane": lane, "allowed": allowed, "warm_key": warm_key}
+        found = (await self.call_text(task, payload, **asked)).text
+        # What is large is decoded elsewhere: nothing else would be answered meanwhile.
+        return decode(found) if len(found) <= STEP else await asyncio.to_thread(decode, found)
+
+    async def call_text(
+        self, task: str, payload: dict[str, Any], *, lane: str, allowed: float, warm_key: str = ""
+    ) -> Encoded:
+        """Run a short task that nobody needs to remember, and return what it returns, as JSON.
+
         Raises:
             WayproofError: What the task raised.
             QueueFull: As many wait as may.
@@ -223,7 +236,7 @@ class Dispatcher:
         for attempt in range(1, _CALL_ATTEMPTS + 1):
             outcome = await self._call_once(task, payload, lane, until, warm_key or None)
             if isinstance(outcome, Returned):
-                return json.loads(outcome.result.text)
+                return outcome.result
             if isinstance(outcome, TimedOut):
                 message = f"no answer within {allowed:g} s"
                 raise DeadlineExceeded(message, {"allowed": allowed, "during": "worker"})

@@ -156,7 +156,7 @@ class JobRun:
         return await self._recording.move(identifier, start, is_durable=lasting)
 
     def _on_start(self, start: asyncio.Task[Moved | None]) -> None:
-        """Go on if the job was queued still, and the database took its start; end the run if not."""
+        """Go on if the database took the start of a queued job, else end the run."""
         if not start.cancelled() and start.exception() is None:
             self._started = start.result()
         self._start_is_known.set()

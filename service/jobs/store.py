@@ -7,7 +7,6 @@ is decided on what another has changed meanwhile; the statements are the same on
 import threading
 from collections.abc import Generator, Mapping, Sequence
 from contextlib import contextmanager
-from typing import Any
 
 from sqlalchemy import Connection, Engine, bindparam, delete, insert, select, update
 

@@ -32,11 +32,6 @@ def job_brief(desk: Desk, job: JobBrief) -> dict[str, Any]:
     }
 
 
-def job_resource(desk: Desk, job: Job) -> dict[str, Any]:
-    """Return a plan in full."""
-    return {**job_brief(desk, job), "result": (job.result or {}).get("result")}
-
-
 def polynomial_of(job: Job) -> dict[str, Any]:
     """Return the exact trajectory of a plan.
 
