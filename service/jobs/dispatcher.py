@@ -80,17 +80,17 @@ class Dispatcher:
         Raises:
             DatabaseInUse: Another dispatcher has the database.
         """
-        self._ownership.take()
+        await asyncio.to_thread(self._ownership.take)
         try:
             self._store.fence(self._ownership.epoch)
-            self._store.open()
+            await asyncio.to_thread(self._store.open)
             self._recording = Recording(self._store, self._bus, self.give_up)
             self._steering = Steering(self._runs, self._recording, self._floor)
             await self._floor.open(warm_up)
             recovery = Recovery(self._recording, self._ownership, self._floor, self._enqueue)
-            recovery.run(self._patience.takeover)
+            await recovery.run(self._patience.takeover)
         except BaseException:
-            self._ownership.release()
+            await asyncio.to_thread(self._ownership.release)
             raise
         if self._ownership.may_be_lost:
             self._floor.spawn(OwnershipWatch(self._ownership, self, self._patience).run())
@@ -113,7 +113,7 @@ class Dispatcher:
         self._bus.close()
         await self._floor.close()
         await self._recording.close()
-        self._ownership.release()
+        await asyncio.to_thread(self._ownership.release)
 
     def begin_to_stop(self) -> None:
         """Begin nothing more, and tell what runs to end: a robot comes to rest on its path."""
@@ -303,14 +303,12 @@ class Dispatcher:
             self._enqueue(job, run.controls, place[0])
 
     async def _until_ended(self, identifier: str, seconds: float) -> JobRun | None:
-        """Wait until a job has ended, at most so long; return its last run here, if there is one."""
+        """Wait until a job has ended, at most so long; return its last run, if it was here."""
         run = self._runs.get(identifier)
         if run is not None and run.ended is not None:
             return run
-        if run is None:  # it has ended, or is being taken up again
-            wait = self._drained(identifier)
-        else:
-            wait = self._bus.until_over(identifier)
+        # One that is not here has ended, or is being taken up again: the log knows.
+        wait = self._drained(identifier) if run is None else self._bus.until_over(identifier)
         with suppress(TimeoutError):
             async with asyncio.timeout(seconds):
                 await wait

@@ -73,6 +73,7 @@ def delivered(
     channel.allow(PROVING + _WRITING)
     sampling = request.retime.sampling
     require_few(found.trajectory, sampling)
+    begun = time.monotonic()
     proven = sample_plan(
         world,
         problem,
@@ -82,10 +83,12 @@ def delivered(
         deadline=Deadline.after(PROVING, time.monotonic, channel.is_canceled),
         clearance=found.certificate.proven_clearance,
     )
+    timings = {"load": loaded, **found.timings, "samples": time.monotonic() - begun}
+    result = plan_wire(found, sampled_wire(proven.samples, proven.interpolations))
     return {
-        "result": plan_wire(found, sampled_wire(proven.samples, proven.interpolations)),
+        "result": result,
         "polynomial": polynomial_wire(found.trajectory),
-        "timings": {"load": loaded, **found.timings},
-        "digest": found.digest,
+        "timings": timings,
+        "digest": result["digest"],
         "graph": None if found.graph is None else found.graph.plain,
     }
