@@ -14,7 +14,7 @@ from sqlalchemy.exc import (
 )
 from sqlalchemy.exc import TimeoutError as PoolTimeout
 
-_BUSY_TIMEOUT_MS = 10_000
+_BUSY_TIMEOUT_MS = 5_000
 # A database that has vanished is noticed: seconds to connect, milliseconds to acknowledge (libpq).
 _IN_TIME = {"connect_timeout": 5, "tcp_user_timeout": 10_000}
 _OURS = (DataError, IntegrityError, NotSupportedError, ProgrammingError)

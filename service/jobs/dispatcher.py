@@ -145,7 +145,8 @@ class Dispatcher:
         Raises:
             QueueFull: Its lane has as many waiting jobs as it may.
             IdempotencyConflict: Its key was used for another request.
-            DBAPIError: The database does not take it.
+            DatabaseUnavailable: The database does not take it in time; it is not queued.
+            DBAPIError: The database refuses it.
         """
         if spec.key:
             asked = (spec.lane, spec.key, spec.request_digest)
@@ -154,7 +155,9 @@ class Dispatcher:
                 return known
         self._floor.require_room(spec.lane)
         # Not in this thread: while a locked database is waited for, others are to be stopped.
-        job, is_new = await self._recording.write(partial(self._store.insert, spec))
+        job, is_new = await self._recording.write(
+            partial(self._store.insert, spec), within=self._patience.record
+        )
         if is_new:
             self._enqueue(job, {})
         return job

@@ -2,6 +2,9 @@
 
 from planning.errors import PlanningFailure, WayproofError
 
+# When to ask again a server whose database does nothing [s].
+RETRY_AFTER = 5
+
 
 class QueueFull(WayproofError):
     """A lane has as many waiting jobs as it may; evidence: `lane`, `bound`, `retry_after` [s]."""
@@ -43,6 +46,12 @@ class DatabaseUnavailable(WayproofError):
     """The database does not answer, or takes nothing; evidence: `reason`, `retry_after` [s]."""
 
     code = "database_unavailable"
+
+    @classmethod
+    def of(cls, seconds: float) -> "DatabaseUnavailable":
+        """Build the error for what was not written within some seconds."""
+        message = f"the database is full, locked or away: nothing was written within {seconds:g} s"
+        return cls(message, {"reason": "timeout", "retry_after": RETRY_AFTER})
 
 
 class WorkerCrashed(PlanningFailure):

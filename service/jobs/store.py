@@ -74,8 +74,10 @@ class JobStore(JobReads):
         self._joined: Connection | None = None
 
     def open(self) -> None:
-        """Create the tables that are missing, and what an older version did not write of jobs."""
+        """Create the tables and indices that are missing, and what an older version did not write of jobs."""
         metadata.create_all(self._engine)
+        for index in jobs.indexes:  # that tables of an older version lack
+            index.create(self._engine, checkfirst=True)
         fill_briefs(self._engine)
 
     @property
