@@ -17,7 +17,7 @@ from service.routes.answers import Cursor, LastEventId, Limit, SceneId, problems
 from service.routes.streaming import EVENTS, server_sent
 from service.routes.submission import SubmissionDep, taken_in
 from service.routes.whole import whole
-from service.schemas.regions import RegionsJob, RegionsPage, RegionsRequest
+from service.schemas.regions import RegionsBrief, RegionsJob, RegionsPage, RegionsRequest
 from service.strict_route import StrictRoute
 
 router = APIRouter(route_class=StrictRoute, prefix="/v1", tags=["regions"])
