@@ -74,7 +74,7 @@ class JobStore(JobReads):
         self._joined: Connection | None = None
 
     def open(self) -> None:
-        """Create the tables and indices that are missing, and write what an older version did not."""
+        """Create tables and indices that are missing, and write what an older version did not."""
         metadata.create_all(self._engine)
         for index in jobs.indexes:  # that tables of an older version lack
             index.create(self._engine, checkfirst=True)
