@@ -133,9 +133,11 @@ def test_what_is_being_committed_is_not_refused():
         async with writing(store) as writer:
             done = asyncio.create_task(writer.do(partial(int, "1"), within=0.05))
             await asyncio.to_thread(store.commits.wait, 60)
-            await asyncio.wait({done}, timeout=0.2)
-            assert not done.done()
-            store.may_commit.set()
+            try:
+                await asyncio.wait({done}, timeout=0.2)
+                assert not done.done()
+            finally:
+                store.may_commit.set()
             assert await done == 1
 
     asyncio.run(story())
