@@ -41,6 +41,7 @@ _ROUTES = (
     trajectories,
     own_motion,
     executions,
+    operations,
 )
 
 
@@ -78,6 +79,7 @@ def create_app(
         version=versions()["wayproof"],
         description=_DESCRIPTION,
         lifespan=lifespan,
+        openapi_url=None,
         docs_url=None,
         redoc_url=None,
         redirect_slashes=False,
@@ -91,6 +93,4 @@ def create_app(
     openapi.install(app)
     for part in _ROUTES:
         app.include_router(part.router, dependencies=[Depends(require_known_query)])
-    # Who probes or scrapes adds to its queries what it likes.
-    app.include_router(operations.router)
     return app

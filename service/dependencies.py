@@ -5,7 +5,7 @@ from typing import Annotated
 from fastapi import Depends, Request
 
 from service.desk import Desk
-from service.jobs.records import Job
+from service.jobs.records import Job, JobBrief, JobText
 from service.routes.answers import ExecutionId, PlanId, RegionsId
 from service.scenes.shelf import SceneShelf
 from service.settings import Settings
@@ -35,30 +35,36 @@ async def _plan_job(plan: PlanId, desk: DeskDep) -> Job:
     return await desk.job("plan", plan)
 
 
+async def _plan_text(plan: PlanId, desk: DeskDep) -> JobText:
+    return await desk.job_text("plan", plan)
+
+
 async def _execution_job(execution: ExecutionId, desk: DeskDep) -> Job:
     return await desk.job("execution", execution)
 
 
-async def _regions_job(regions: RegionsId, desk: DeskDep) -> Job:
-    return await desk.job("regions", regions)
+async def _regions_text(regions: RegionsId, desk: DeskDep) -> JobText:
+    return await desk.job_text("regions", regions)
 
 
-async def _open_plan(plan: PlanId, desk: DeskDep) -> Job:
+async def _open_plan(plan: PlanId, desk: DeskDep) -> JobBrief:
     return await desk.open_job("plan", plan)
 
 
-async def _open_execution(execution: ExecutionId, desk: DeskDep) -> Job:
+async def _open_execution(execution: ExecutionId, desk: DeskDep) -> JobBrief:
     return await desk.open_job("execution", execution)
 
 
-async def _open_regions(regions: RegionsId, desk: DeskDep) -> Job:
+async def _open_regions(regions: RegionsId, desk: DeskDep) -> JobBrief:
     return await desk.open_job("regions", regions)
 
 
 type PlanJob = Annotated[Job, Depends(_plan_job)]
 type ExecutionJob = Annotated[Job, Depends(_execution_job)]
-type RegionsJobDep = Annotated[Job, Depends(_regions_job)]
+# With results that are passed on as they are.
+type PlanText = Annotated[JobText, Depends(_plan_text)]
+type RegionsText = Annotated[JobText, Depends(_regions_text)]
 # As memory has them while they wait or run: what is to be stopped waits for no database.
-type OpenPlan = Annotated[Job, Depends(_open_plan)]
-type OpenExecution = Annotated[Job, Depends(_open_execution)]
-type OpenRegions = Annotated[Job, Depends(_open_regions)]
+type OpenPlan = Annotated[JobBrief, Depends(_open_plan)]
+type OpenExecution = Annotated[JobBrief, Depends(_open_execution)]
+type OpenRegions = Annotated[JobBrief, Depends(_open_regions)]

@@ -1,7 +1,7 @@
 """Desk: where endpoints hand in jobs and questions; one dispatcher stands behind it."""
 
 import asyncio
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Callable
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -13,8 +13,10 @@ from pydantic import BaseModel
 from service.errors import UnknownResource
 from service.jobs.dispatcher import Dispatcher
 from service.jobs.errors import UnknownJob
+from service.jobs.json_text import Encoded
 from service.jobs.key import Key
-from service.jobs.records import Job, JobBrief, JobSpec, LoggedEvent
+from service.jobs.records import Job, JobBrief, JobSpec, JobText, LoggedEvent
+from service.jobs.states import JobState
 from service.jobs.store import JobStore
 from service.scenes.records import SceneRecord
 from service.scenes.shelf import SceneShelf
@@ -76,6 +78,13 @@ class Desk:
             task, payload, lane="query", allowed=allowed, warm_key=warm_key
         )
 
+    async def ask_text(self, task: str, payload: dict[str, Any], warm_key: str = "") -> Encoded:
+        """Ask as `ask` does, for an answer that is passed on as it is."""
+        allowed = self._settings.query_timeout
+        return await self._dispatcher.call_text(
+            task, payload, lane="query", allowed=allowed, warm_key=warm_key
+        )
+
     async def ask_scene(self, task: str, record: SceneRecord, request: BaseModel) -> Any:
         """Ask a loaded scene something; raises as `ask`."""
         payload = {**await self.scene_payload(record), "request": request.model_dump(mode="json")}
@@ -107,12 +116,16 @@ class Desk:
         asked = (spec.lane, spec.key, spec.request_digest)
         return await to_thread.run_sync(self._store.known, *asked)
 
-    async def open_job(self, lane: str, identifier: str) -> Job:
-        """Return a job that waits or runs here as memory has it, any other one as `job` does."""
+    async def open_job(self, lane: str, identifier: str) -> JobBrief:
+        """Return a job that waits or runs here as memory has it, any other one as lists have it.
+
+        Raises:
+            UnknownResource: The lane has none of that id.
+        """
         run = self._dispatcher.live(identifier)
         if run is not None and run.job.lane == lane:
             return run.snapshot()
-        return await self.job(lane, identifier)
+        return await self._read(lane, identifier, self._store.brief)
 
     async def job(self, lane: str, identifier: str) -> Job:
         """Return a job.
@@ -120,10 +133,17 @@ class Desk:
         Raises:
             UnknownResource: The lane has none of that id.
         """
+        return await self._read(lane, identifier, self._store.get)
+
+    async def job_text(self, lane: str, identifier: str) -> JobText:
+        """Return a job whose result is passed on as it is; raises as `job`."""
+        return await self._read(lane, identifier, self._store.text)
+
+    async def _read[T](self, lane: str, identifier: str, read: Callable[[str], T]) -> T:
         if not identifier.startswith(f"{_PREFIXES[lane]}_"):
             raise UnknownResource.of(lane, identifier)
         try:
-            return await to_thread.run_sync(self._store.get, identifier)
+            return await to_thread.run_sync(read, identifier)
         except UnknownJob as fault:
             raise UnknownResource.of(lane, identifier) from fault
 
@@ -173,15 +193,22 @@ class Desk:
                 return page.jobs[0]
         return None
 
-    async def wait(self, job: Job, seconds: float) -> Job:
+    async def wait(self, job: Job, seconds: float) -> JobText:
         """Return a job when it has ended, or as it is after so many seconds."""
-        return await self._dispatcher.wait(job.id, seconds) if seconds > 0 else job
+        if seconds > 0:
+            return await self._dispatcher.wait_text(job.id, seconds)
+        return await self.text_of(job)
 
-    async def cancel(self, job: Job) -> Job:
+    async def text_of(self, job: JobBrief) -> JobText:
+        """Return a job with its result, if it has one."""
+        has_one = job.state is JobState.SUCCEEDED
+        return await self.job_text(job.lane, job.id) if has_one else JobText(job, None)
+
+    async def cancel(self, job: JobBrief) -> JobBrief:
         """Ask for the end of a job, whatever its state; no database is waited for."""
         return await self._dispatcher.cancel(job.id)
 
-    async def control(self, job: Job, asked: dict[str, Any]) -> Job:
+    async def control(self, job: JobBrief, asked: dict[str, Any]) -> Job:
         """Ask something of a job that waits or runs; no database is waited for.
 
         Raises:
@@ -198,7 +225,7 @@ class Desk:
         """Begin nothing more, and tell what runs to end, before `Dispatcher.stop` waits for it."""
         self._dispatcher.begin_to_stop()
 
-    async def events(self, job: Job, after: int) -> AsyncIterator[LoggedEvent]:
+    async def events(self, job: JobBrief, after: int) -> AsyncIterator[LoggedEvent]:
         """Yield a job's events with numbers above `after`, until it has ended."""
         async for event in self._dispatcher.subscribe(job.id, after):
             yield event

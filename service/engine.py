@@ -5,9 +5,11 @@ from collections.abc import AsyncGenerator, Callable
 from contextlib import asynccontextmanager
 from functools import partial
 
+from anyio import to_thread
+
 from service.desk import LANES, Desk
 from service.executions.settlement import settled
-from service.jobs.database import open_engine
+from service.jobs.database import keep_off_loops, open_engine
 from service.jobs.dispatcher import Dispatcher
 from service.jobs.inline_slot import InlineSlot
 from service.jobs.lane import Lane
@@ -47,14 +49,15 @@ async def open_desk(
     Raises:
         DatabaseInUse: Another server works on this database.
     """
-    settings.data_dir.mkdir(parents=True, exist_ok=True)
+    await to_thread.run_sync(partial(settings.data_dir.mkdir, parents=True, exist_ok=True))
     engine = open_engine(settings.url)
+    keep_off_loops(engine)
     store = JobStore(engine, versions())
     lanes = {name: _lane(settings, name) for name in LANES}
     dispatcher = Dispatcher(store, Ownership(engine), lanes, on_taken=on_taken)
     scenes = SceneStore(engine, settings.data_dir / "scenes")
     try:
-        scenes.open()
+        await to_thread.run_sync(scenes.open)
         await dispatcher.start(_WARM_UP if settings.engine == "process" else None)
         try:
             shelf = SceneShelf(scenes)
@@ -66,7 +69,7 @@ async def open_desk(
         finally:
             await dispatcher.stop()
     finally:
-        engine.dispose()
+        await to_thread.run_sync(engine.dispose)
 
 
 @asynccontextmanager

@@ -18,13 +18,11 @@ from planning.faults import Fault, faults_of, message_of
 from service.errors import Refusal, RequestInvalid, UnreadableBody, problem_of
 from service.errors import status_of as status_of_error
 from service.jobs.database import is_of_database
-from service.jobs.errors import DatabaseUnavailable
+from service.jobs.errors import RETRY_AFTER, DatabaseUnavailable
 from service.strict_route import CarriedRefusal, body_schema
 
 MEDIA_TYPE = "application/problem+json"
 _MAX_FAULTS = 20
-# When to ask again a server whose database does nothing [s].
-_RETRY_AFTER = 5
 CODES = {
     400: "unreadable_body",
     404: "not_found",
@@ -163,7 +161,7 @@ def _on_database(request: Request, error: Exception) -> ProblemResponse:
     reason = str(getattr(error, "orig", None) or error)[:200]
     _log.error("the database does not do what is asked: %s", reason)
     message = f"the database is full, locked or away: {reason}"
-    return respond(DatabaseUnavailable(message, {"reason": reason, "retry_after": _RETRY_AFTER}))
+    return respond(DatabaseUnavailable(message, {"reason": reason, "retry_after": RETRY_AFTER}))
 
 
 def _on_surprise(_: Request, error: Exception) -> ProblemResponse:

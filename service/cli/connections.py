@@ -8,7 +8,7 @@ import asyncio
 import resource
 from typing import Any, cast
 
-from uvicorn.protocols.http.auto import AutoHTTPProtocol
+from uvicorn.protocols.http.httptools_impl import HttpToolsProtocol
 
 # Files that are no connections: the database, workers' sockets, the log.
 _OTHER_FILES = 128
@@ -124,5 +124,5 @@ class _Bounded:
 
 def bounded_protocol(connections: Connections) -> type[asyncio.Protocol]:
     """Return uvicorn's protocol, for connections that are closed if they take too long."""
-    bases = (_Bounded, cast("Any", AutoHTTPProtocol))
+    bases = (_Bounded, cast("Any", HttpToolsProtocol))
     return type("BoundedProtocol", bases, {"bounds": connections})

@@ -58,6 +58,7 @@ def run(
         app,
         log_level=log_level,
         timeout_graceful_shutdown=_GRACE,
+        loop="uvloop",
         http=bounded_protocol(Connections(most, settings.header_timeout)),
     )
     server = _Server(config, app, on_listening)

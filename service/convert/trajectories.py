@@ -76,6 +76,7 @@ def sampled_wire(
         "accelerations": listed(samples.accelerations),
         "duration": float(samples.times[-1]),
         "interpolations": [_interpolation_wire(proof) for proof in interpolations],
+        "polynomial": None,
     }
 
 

@@ -112,6 +112,17 @@ class EventBus[E: Numbered]:
             tail.num_followers -= 1
             self._forget(stream, tail)
 
+    async def until_over(self, stream: str) -> None:
+        """Wait until a stream that goes on ends, or the bus does; the log is not read."""
+        tail = self._tails.setdefault(stream, _Tail())
+        tail.num_followers += 1
+        try:
+            while not (self._is_closed or tail.is_over):
+                await tail.changed.wait()
+        finally:
+            tail.num_followers -= 1
+            self._forget(stream, tail)
+
     def close(self) -> None:
         """End every follower where it stands."""
         self._is_closed = True

@@ -3,11 +3,11 @@
 from planning.errors import IllegalTransition
 from service.desk import Desk
 from service.executions.controls import IS_PAUSED, SPEED
-from service.jobs.records import Job
+from service.jobs.records import Job, JobBrief
 
 
 async def steer(
-    desk: Desk, job: Job, *, is_paused: bool | None = None, speed: float | None = None
+    desk: Desk, job: JobBrief, *, is_paused: bool | None = None, speed: float | None = None
 ) -> Job:
     """Ask an execution to rest, to move on, or to move at another speed, and return it.
 

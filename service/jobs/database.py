@@ -1,5 +1,6 @@
 """Databases: how they are opened, and how durable a transaction is."""
 
+import asyncio
 from pathlib import Path
 from typing import Any
 
@@ -13,10 +14,14 @@ from sqlalchemy.exc import (
 )
 from sqlalchemy.exc import TimeoutError as PoolTimeout
 
-_BUSY_TIMEOUT_MS = 10_000
+_BUSY_TIMEOUT_MS = 5_000
 # A database that has vanished is noticed: seconds to connect, milliseconds to acknowledge (libpq).
 _IN_TIME = {"connect_timeout": 5, "tcp_user_timeout": 10_000}
 _OURS = (DataError, IntegrityError, NotSupportedError, ProgrammingError)
+
+
+class AskedFromLoop(RuntimeError):
+    """A database was asked from a thread that runs an event loop: a fault of ours."""
 
 
 def is_of_database(fault: BaseException) -> bool:
@@ -47,6 +52,35 @@ def open_engine(url: str) -> Engine:
 
         event.listen(engine, "connect", prepare)
     return engine
+
+
+def keep_off_loops(engine: Engine) -> None:
+    """Refuse to ask a database from a thread that runs an event loop.
+
+    A database makes one wait, for others and for the disk, and a loop that waits answers nothing.
+
+    Raises:
+        AskedFromLoop: Later, by whatever is asked there.
+    """
+
+    def refuse(*_: Any) -> None:
+        if is_in_loop():
+            message = "the database is asked in the event loop's thread, which must not wait"
+            raise AskedFromLoop(message)
+
+    # A connection is taken from the pool before anything is asked of it, and may be opened then.
+    event.listen(engine, "do_connect", refuse)
+    event.listen(engine, "before_cursor_execute", refuse)
+    event.listen(engine, "commit", refuse)
+
+
+def is_in_loop() -> bool:
+    """Return whether this thread runs an event loop just now."""
+    try:
+        asyncio.get_running_loop()
+    except RuntimeError:
+        return False
+    return True
 
 
 def set_durability(connection: Connection, *, is_durable: bool) -> None:

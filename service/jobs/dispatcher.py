@@ -1,10 +1,9 @@
 """Dispatcher: takes jobs from the table to the slots and their ends back to the table."""
 
 import asyncio
-import json
 import logging
 from collections.abc import AsyncGenerator, Callable, Mapping
-from contextlib import aclosing
+from contextlib import aclosing, suppress
 from dataclasses import replace
 from functools import partial
 from typing import Any
@@ -14,13 +13,15 @@ from service.events.bus import EventBus, Stretch
 from service.jobs.errors import WORKER
 from service.jobs.floor import Floor
 from service.jobs.job_run import JobRun
+from service.jobs.json_steps import STEP, decode
+from service.jobs.json_text import Encoded
 from service.jobs.lane import Lane
 from service.jobs.outcome import Crashed, Outcome, Returned, TimedOut, error_of
 from service.jobs.ownership import Ownership
 from service.jobs.ownership_watch import OwnershipWatch, Patience
 from service.jobs.recorder import NoSink
 from service.jobs.recording import Recording
-from service.jobs.records import Job, JobSpec, LoggedEvent
+from service.jobs.records import Job, JobBrief, JobSpec, JobText, LoggedEvent
 from service.jobs.recovery import Recovery
 from service.jobs.slot import Run, Slot
 from service.jobs.steering import Steering
@@ -80,17 +81,17 @@ class Dispatcher:
         Raises:
             DatabaseInUse: Another dispatcher has the database.
         """
-        self._ownership.take()
+        await asyncio.to_thread(self._ownership.take)
         try:
             self._store.fence(self._ownership.epoch)
-            self._store.open()
+            await asyncio.to_thread(self._store.open)
             self._recording = Recording(self._store, self._bus, self.give_up)
             self._steering = Steering(self._runs, self._recording, self._floor)
             await self._floor.open(warm_up)
             recovery = Recovery(self._recording, self._ownership, self._floor, self._enqueue)
-            recovery.run(self._patience.takeover)
+            await recovery.run(self._patience.takeover)
         except BaseException:
-            self._ownership.release()
+            await asyncio.to_thread(self._ownership.release)
             raise
         if self._ownership.may_be_lost:
             self._floor.spawn(OwnershipWatch(self._ownership, self, self._patience).run())
@@ -113,7 +114,7 @@ class Dispatcher:
         self._bus.close()
         await self._floor.close()
         await self._recording.close()
-        self._ownership.release()
+        await asyncio.to_thread(self._ownership.release)
 
     def begin_to_stop(self) -> None:
         """Begin nothing more, and tell what runs to end: a robot comes to rest on its path."""
@@ -145,7 +146,8 @@ class Dispatcher:
         Raises:
             QueueFull: Its lane has as many waiting jobs as it may.
             IdempotencyConflict: Its key was used for another request.
-            DBAPIError: The database does not take it.
+            DatabaseUnavailable: The database does not take it in time; it is not queued.
+            DBAPIError: The database refuses it.
         """
         if spec.key:
             asked = (spec.lane, spec.key, spec.request_digest)
@@ -154,12 +156,14 @@ class Dispatcher:
                 return known
         self._floor.require_room(spec.lane)
         # Not in this thread: while a locked database is waited for, others are to be stopped.
-        job, is_new = await self._recording.write(partial(self._store.insert, spec))
+        job, is_new = await self._recording.write(
+            partial(self._store.insert, spec), within=self._patience.record
+        )
         if is_new:
             self._enqueue(job, {})
         return job
 
-    async def cancel(self, identifier: str) -> Job:
+    async def cancel(self, identifier: str) -> JobBrief:
         """Ask for the end of a job, whatever its state, and return it; again does no harm.
 
         A queued job ends at once. A running one is asked, and its process ended if need be; wait
@@ -184,16 +188,19 @@ class Dispatcher:
         Raises:
             UnknownJob: There is none.
         """
-        try:
-            async with (
-                asyncio.timeout(seconds),
-                aclosing(self._bus.follow(identifier, _END_OF_STREAM)) as nothing,
-            ):
-                async for _ in nothing:
-                    pass
-        except TimeoutError:
-            pass
+        await self._until_ended(identifier, seconds)
         return await asyncio.to_thread(self._store.get, identifier)
+
+    async def wait_text(self, identifier: str, seconds: float) -> JobText:
+        """Return a job as `wait` does, but for its result, which stays text.
+
+        Raises:
+            UnknownJob: There is none.
+        """
+        run = await self._until_ended(identifier, seconds)
+        if run is not None and run.ended is not None:
+            return run.ended
+        return await asyncio.to_thread(self._store.text, identifier)
 
     async def subscribe(self, identifier: str, after: int = 0) -> AsyncGenerator[LoggedEvent]:
         """Yield a job's events with numbers above `after`, each once, until it has ended.
@@ -210,6 +217,18 @@ class Dispatcher:
     ) -> Any:
         """Run a short task that nobody needs to remember, and return what it returns.
 
+        Raises as `call_text`.
+        """
+        asked = {"lane": lane, "allowed": allowed, "warm_key": warm_key}
+        found = (await self.call_text(task, payload, **asked)).text
+        # What is large is decoded elsewhere: nothing else would be answered meanwhile.
+        return decode(found) if len(found) <= STEP else await asyncio.to_thread(decode, found)
+
+    async def call_text(
+        self, task: str, payload: dict[str, Any], *, lane: str, allowed: float, warm_key: str = ""
+    ) -> Encoded:
+        """Run a short task that nobody needs to remember, and return what it returns, as JSON.
+
         Raises:
             WayproofError: What the task raised.
             QueueFull: As many wait as may.
@@ -221,7 +240,7 @@ class Dispatcher:
         for attempt in range(1, _CALL_ATTEMPTS + 1):
             outcome = await self._call_once(task, payload, lane, until, warm_key or None)
             if isinstance(outcome, Returned):
-                return json.loads(outcome.result.text)
+                return outcome.result
             if isinstance(outcome, TimedOut):
                 message = f"no answer within {allowed:g} s"
                 evidence = {"allowed": allowed, "during": WORKER}
@@ -287,6 +306,23 @@ class Dispatcher:
         if is_queued_again:
             job = replace(run.job, is_cancel_requested=run.is_unwanted)
             self._enqueue(job, run.controls, place[0])
+
+    async def _until_ended(self, identifier: str, seconds: float) -> JobRun | None:
+        """Wait until a job has ended, at most so long; return its last run, if it was here."""
+        run = self._runs.get(identifier)
+        if run is not None and run.ended is not None:
+            return run
+        # One that is not here has ended, or is being taken up again: the log knows.
+        wait = self._drained(identifier) if run is None else self._bus.until_over(identifier)
+        with suppress(TimeoutError):
+            async with asyncio.timeout(seconds):
+                await wait
+        return self._runs.get(identifier, run)
+
+    async def _drained(self, identifier: str) -> None:
+        async with aclosing(self._bus.follow(identifier, _END_OF_STREAM)) as nothing:
+            async for _ in nothing:
+                pass
 
     def _end_runs(self, reason: str) -> None:
         self._floor.hold()

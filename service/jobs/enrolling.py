@@ -1,13 +1,18 @@
 """How a job enters the tables, and how an idempotency key finds the one that is there already."""
 
+import json
 import secrets
 from typing import Any
 
-from sqlalchemy import Connection
+from sqlalchemy import Connection, insert
 
 from service.jobs.errors import IdempotencyConflict
-from service.jobs.reading import jobs_where, now
-from service.jobs.records import Job, JobSpec, jobs
+from service.jobs.json_text import Encoded, encode
+from service.jobs.moving import log
+from service.jobs.outline import outline_of, without
+from service.jobs.prepared import Prepared
+from service.jobs.reading import job_of, jobs_where, now
+from service.jobs.records import Job, JobSpec, bodies, briefs, jobs
 from service.jobs.states import JobState
 
 _COPIED = (
@@ -21,9 +26,34 @@ _COPIED = (
     "key",
     "request_digest",
 )
+_NOT_YET = ("started_at", "finished_at", "result", "failure", "made_by")
+_COUNTED = ("serial", *_NOT_YET)
+_ADD_JOB = Prepared(
+    insert(jobs).returning(jobs.c.serial),
+    *(column.name for column in jobs.c if column.name not in _COUNTED),
+)
+_ADD_BODY = Prepared(insert(bodies), "job", "payload")
+_ADD_BRIEF = Prepared(insert(briefs), "job", "payload")
 
 
-def queued_row(spec: JobSpec) -> dict[str, Any]:
+def enroll(connection: Connection, spec: JobSpec) -> Job:
+    """Write a new queued job, and return it as it would be read.
+
+    Raises:
+        TypeError: The payload is not JSON-compatible.
+    """
+    row, payload = _queued_row(spec), encode(spec.payload)
+    short = without(spec.payload, outline_of(spec.task).payload)
+    brief = payload if short is spec.payload else encode(short)
+    serial = _ADD_JOB(connection, **row).scalar_one()
+    _ADD_BODY(connection, job=row["id"], payload=payload)
+    _ADD_BRIEF(connection, job=row["id"], payload=brief)
+    log(connection, row["id"], 1, [("queued", Encoded("{}"))])
+    later = dict.fromkeys(_NOT_YET)
+    return job_of({**row, "serial": serial, "payload": json.loads(payload), **later})
+
+
+def _queued_row(spec: JobSpec) -> dict[str, Any]:
     """Return the columns of a new job, with an identifier of its own."""
     return {
         **{name: getattr(spec, name) for name in _COPIED},

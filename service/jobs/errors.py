@@ -4,6 +4,8 @@ from planning.errors import PlanningFailure, WayproofError
 
 # The stage of failures that no stage of a task explains.
 WORKER = "worker"
+# When to ask again a server whose database does nothing [s].
+RETRY_AFTER = 5
 
 
 class QueueFull(WayproofError):
@@ -46,6 +48,12 @@ class DatabaseUnavailable(WayproofError):
     """The database does not answer, or takes nothing; evidence: `reason`, `retry_after` [s]."""
 
     code = "database_unavailable"
+
+    @classmethod
+    def of(cls, seconds: float) -> "DatabaseUnavailable":
+        """Build the error for what was not written within some seconds."""
+        message = f"the database is full, locked or away: nothing was written within {seconds:g} s"
+        return cls(message, {"reason": "timeout", "retry_after": RETRY_AFTER})
 
 
 class WorkerCrashed(PlanningFailure):

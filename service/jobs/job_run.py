@@ -3,7 +3,7 @@
 import asyncio
 import json
 import logging
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from datetime import datetime
 from functools import partial
@@ -12,6 +12,7 @@ from typing import Any
 from planning.errors import Canceled, WayproofError
 from service.jobs.errors import DatabaseTaken, InternalError, ServerRestarted
 from service.jobs.floor import Floor
+from service.jobs.json_text import Encoded, encode
 from service.jobs.moving import Moved
 from service.jobs.outcome import (
     Crashed,
@@ -24,9 +25,10 @@ from service.jobs.outcome import (
     error_of,
     placed,
 )
+from service.jobs.reading import brief_of
 from service.jobs.recorder import EventRecorder, Told
 from service.jobs.recording import Recording
-from service.jobs.records import Job
+from service.jobs.records import Job, JobText
 from service.jobs.slot import Run, Slot
 from service.jobs.states import JobState
 
@@ -46,6 +48,7 @@ class JobRun:
         controls: What is asked of it, to be passed to the task.
         has_begun: Whether it was given a slot.
         concluded: Set once its end is in the table, or another server has the job.
+        ended: The job as the table has it, once it has ended in this run.
     """
 
     def __init__(
@@ -56,13 +59,15 @@ class JobRun:
         self.controls = dict(controls)
         self.has_begun = False
         self.concluded = asyncio.Event()
+        self.ended: JobText | None = None
         self._recording = recording
         self._floor = floor
-        self._recorder = EventRecorder(partial(recording.log, job.id))
+        self._recorder = EventRecorder(self._log)
         self._slot: Slot | None = None
         self._is_unwanted = job.is_cancel_requested
         self._interrupted = ""
         self._started: Moved | None = None
+        self._start_is_known = asyncio.Event()
         self._has_ended = False
         self._seconds = 0.0
 
@@ -122,41 +127,70 @@ class JobRun:
 
     async def run(self, slot: Slot) -> bool:
         """Run the job in a slot, which is given back; return whether it is queued again."""
-        store, identifier = self._recording.store, self.job.id
-        start = partial(store.start, identifier)
-        # What the database forgot to have begun would be begun once more, and could not end.
-        lasting = store.may_crash_alone
+        start = asyncio.get_running_loop().create_task(self._write_start())
+        start.add_done_callback(self._on_start)
         try:
-            self._started = await self._recording.move(identifier, start, is_durable=lasting)
+            # What may run but once does not begin before that is written; the others save the time.
+            if self.job.max_attempts == 1:
+                await self._start_is_known.wait()
+            outcome = await self._in_slot(slot)
+            await self._start_is_known.wait()
+            self._started = await start
         except DatabaseTaken:
             return False
         except Exception:  # noqa: BLE001  (it is queued still)
-            _log.exception("the start of %s could not be written", identifier)
+            _log.exception("the start of %s could not be written", self.job.id)
             await asyncio.sleep(_RETRY_PERIOD)
             return True
         finally:
-            if self._started is None:
-                self._floor.readmit(self.job.lane, slot)
+            start.cancel()
         if self._started is None:  # canceled while it was queued
             return False
-        outcome = await self._in_slot(slot, self._started)
         self._has_ended = True
         refused = await self._recorder.close()
         return await self._conclude(outcome, refused, self._started.attempts)
+
+    async def _write_start(self) -> Moved | None:
+        store, identifier = self._recording.store, self.job.id
+        # What the database forgot to have begun would be begun once more, and could not end.
+        lasting = store.may_crash_alone
+        start = partial(store.start, identifier)
+        return await self._recording.move(identifier, start, is_durable=lasting)
+
+    def _on_start(self, start: asyncio.Task[Moved | None]) -> None:
+        """Go on if the database took the start of a queued job, else end the run."""
+        if not start.cancelled() and start.exception() is None:
+            self._started = start.result()
+        self._start_is_known.set()
+        if self._started is None or self._started.is_cancel_requested:
+            self._press()
+
+    async def _log(self, told: Sequence[Told]) -> None:
+        """Record what the run says, once its start is."""
+        await self._start_is_known.wait()
+        if self._started is not None:
+            await self._recording.log(self.job.id, told)
+
+    @property
+    def _may_begin(self) -> bool:
+        if self._is_unwanted or self._interrupted:
+            return False
+        if not self._start_is_known.is_set():
+            return True
+        return self._started is not None and not self._started.is_cancel_requested
 
     def _press(self) -> None:
         if self._slot is not None:
             self._slot.cancel(self.grace)
 
-    async def _in_slot(self, slot: Slot, started: Moved) -> Outcome:
+    async def _in_slot(self, slot: Slot) -> Outcome:
         """Run the task and give the slot back before the end is written: others wait for it."""
         loop = asyncio.get_running_loop()
         began = loop.time()
         outcome: Outcome = Ended(Canceled("canceled before it began"))
         job = self.job
         try:
-            is_wanted = not (self._is_unwanted or self._interrupted)
-            if is_wanted and not started.is_cancel_requested:
+            if self._may_begin:
                 self._slot = slot
                 run = Run(job.task, job.payload, self._recorder, job.allowed, self.controls)
                 outcome = await slot.run(run)
@@ -196,7 +230,9 @@ class JobRun:
         store, identifier = self._recording.store, self.job.id
         if isinstance(outcome, Returned):
             result, brief = outcome.result, outcome.brief
-            await self._move(partial(store.succeed, identifier, result, brief))
+            moved = await self._move(partial(store.succeed, identifier, result, brief))
+            if moved is not None:
+                self._has_ended_with(moved, result, json.loads((brief or result).text))
             return False
         requeue = self._requeue(outcome, attempts)
         if requeue is not None:
@@ -207,8 +243,18 @@ class JobRun:
         error = self._error(outcome, attempts)
         is_canceled = isinstance(error, Canceled)
         end = partial(store.cancel, identifier, error) if is_canceled else None
-        await self._move(end or partial(store.fail, identifier, error))
+        moved = await self._move(end or partial(store.fail, identifier, error))
+        if moved is not None:
+            self._has_ended_with(moved, None, None)
         return False
+
+    def _has_ended_with(self, moved: Moved, result: Encoded | None, brief: Any) -> None:
+        """Keep the job as it would be read, for those who wait for it."""
+        failure = json.loads(encode(moved.event.data.get("failure")))
+        made_by = self._recording.store.versions
+        content = {"payload": self.job.payload, "result": brief, "failure": failure}
+        columns = {**moved.columns, **content, "made_by": made_by}
+        self.ended = JobText(brief_of(columns), result)
 
     def _requeue(self, outcome: Failed, attempts: int) -> Callable[[], Moved | None] | None:
         """Return how to queue the job again if it is to run again, else None."""

@@ -9,6 +9,8 @@ from typing import Any, override
 from sqlalchemy import Dialect, Text
 from sqlalchemy.types import TypeDecorator
 
+from service.jobs.json_steps import decode
+
 
 @dataclass(frozen=True)
 class Encoded:
@@ -68,4 +70,4 @@ class JsonText(TypeDecorator[Any]):
 
     @override
     def process_result_value(self, value: Any, dialect: Dialect) -> Any:
-        return None if value is None else json.loads(value)
+        return None if value is None else decode(value)

@@ -15,19 +15,21 @@ _log = logging.getLogger(__name__)
 
 @dataclass(frozen=True)
 class Patience:
-    """How long is waited for what; the sum bounds how long two servers could move one robot.
+    """How long a database is waited for; `takeover` bounds how long two servers move one robot.
 
     Attributes:
         period: Between two looks at the lock [s].
         answer: For the database to answer [s].
         regain: For the lock, before what runs is brought to its end [s].
         rest: For what runs to come to its end [s].
+        record: For a new job to be written, before it is refused [s].
     """
 
     period: float = 1.0
     answer: float = 2.0
     regain: float = 5.0
     rest: float = 6.0
+    record: float = 5.0
 
     @property
     def takeover(self) -> float:

@@ -5,10 +5,32 @@ from collections.abc import Mapping
 from datetime import UTC, datetime
 from typing import Any
 
-from sqlalchemy import ColumnElement, Connection, Row, Select, Table, func, select
+from sqlalchemy import (
+    ColumnElement,
+    Connection,
+    Row,
+    Select,
+    Table,
+    Text,
+    bindparam,
+    func,
+    select,
+    type_coerce,
+)
 
+from service.jobs.errors import UnknownJob
 from service.jobs.json_text import Encoded
-from service.jobs.records import Job, JobBrief, LoggedEvent, bodies, briefs, events, jobs, makers
+from service.jobs.records import (
+    Job,
+    JobBrief,
+    JobText,
+    LoggedEvent,
+    bodies,
+    briefs,
+    events,
+    jobs,
+    makers,
+)
 from service.jobs.states import JobState
 
 _MAX_STAGE = 40
@@ -21,6 +43,19 @@ def _jobs_with(content: Table) -> Select[Any]:
 
 
 _WHOLE, _BRIEF = _jobs_with(bodies), _jobs_with(briefs)
+# What is asked again and again is built once: that takes longer than to ask it.
+_OF_ID = jobs.c.id == bindparam("job_id")
+_ONE_WHOLE, _ONE_BRIEF = _WHOLE.where(_OF_ID), _BRIEF.where(_OF_ID)
+_ONE_TEXT = _ONE_BRIEF.add_columns(type_coerce(bodies.c.result, Text).label("text"))
+_ONE_TEXT = _ONE_TEXT.join(bodies, bodies.c.job == jobs.c.id)
+_AFTER = select(events).where(
+    events.c.job == bindparam("job_id"), events.c.number > bindparam("after")
+)
+_AFTER = _AFTER.order_by(events.c.number)
+_NEWEST = select(events).where(
+    events.c.job == bindparam("job_id"), events.c.type == bindparam("of_type")
+)
+_NEWEST = _NEWEST.order_by(events.c.number.desc()).limit(1)
 
 
 def now() -> str:
@@ -47,7 +82,28 @@ def progress_in(data: Mapping[str, Any]) -> dict[str, Any]:
 def jobs_where(connection: Connection, condition: ColumnElement[bool]) -> list[Job]:
     """Return all jobs for which a condition holds, oldest first."""
     rows = connection.execute(_WHOLE.where(condition).order_by(jobs.c.serial))
-    return [Job(**_fields(row)) for row in rows]
+    return [job_of(columns_of(row)) for row in rows]
+
+
+def job(connection: Connection, identifier: str) -> Job:
+    """Return a job.
+
+    Raises:
+        UnknownJob: There is none.
+    """
+    return job_of(_one(connection, _ONE_WHOLE, identifier))
+
+
+def brief(connection: Connection, identifier: str) -> JobBrief:
+    """Return a job as lists have it; raises as `job`."""
+    return brief_of(_one(connection, _ONE_BRIEF, identifier))
+
+
+def job_text(connection: Connection, identifier: str) -> JobText:
+    """Return a job as lists have it, and its whole result as text; raises as `job`."""
+    columns = _one(connection, _ONE_TEXT, identifier)
+    text = columns.pop("text")
+    return JobText(brief_of(columns), None if text is None else Encoded(text))
 
 
 def unfinished(connection: Connection) -> list[Job]:
@@ -65,7 +121,7 @@ def page(
         query = query if content is None else query.where(jobs.c[name] == content)
     query = query if before is None else query.where(jobs.c.serial < before)
     rows = connection.execute(query.order_by(jobs.c.serial.desc()).limit(limit))
-    return [JobBrief(**_fields(row)) for row in rows]
+    return [brief_of(columns_of(row)) for row in rows]
 
 
 def counts(connection: Connection) -> dict[tuple[str, str], int]:
@@ -78,20 +134,41 @@ def events_after(
     connection: Connection, identifier: str, after: int, limit: int | None
 ) -> list[LoggedEvent]:
     """Return a job's events with numbers above `after`, in order."""
-    query = select(events).where(events.c.job == identifier, events.c.number > after)
-    query = query.order_by(events.c.number).limit(limit)
-    return [_event(row) for row in connection.execute(query)]
+    query = _AFTER if limit is None else _AFTER.limit(limit)
+    given = {"job_id": identifier, "after": after}
+    return [_event(row) for row in connection.execute(query, given)]
 
 
 def last_event(connection: Connection, identifier: str, type_: str) -> LoggedEvent | None:
     """Return the newest event of a type, if there is one."""
-    query = select(events).where(events.c.job == identifier, events.c.type == type_)
-    row = connection.execute(query.order_by(events.c.number.desc()).limit(1)).first()
+    row = connection.execute(_NEWEST, {"job_id": identifier, "of_type": type_}).first()
     return None if row is None else _event(row)
 
 
-def _fields(row: Row[Any]) -> dict[str, Any]:
-    fields = _columns(row)
+def job_of(columns: Mapping[str, Any]) -> Job:
+    """Return the job of the columns of its tables."""
+    return Job(**_decoded(columns))
+
+
+def brief_of(columns: Mapping[str, Any]) -> JobBrief:
+    """Return the job of the columns of its tables, as lists have it."""
+    return JobBrief(**_decoded(columns))
+
+
+def columns_of(row: Row[Any]) -> dict[str, Any]:
+    """Return the columns of a row by name."""
+    return dict(row._mapping)  # noqa: SLF001  # pyright: ignore[reportPrivateUsage]  (public)
+
+
+def _one(connection: Connection, query: Select[Any], identifier: str) -> dict[str, Any]:
+    row = connection.execute(query, {"job_id": identifier}).first()
+    if row is None:
+        raise UnknownJob.of(identifier)
+    return columns_of(row)
+
+
+def _decoded(columns: Mapping[str, Any]) -> dict[str, Any]:
+    fields = dict(columns)
     for name in ("created_at", "started_at", "finished_at"):
         fields[name] = datetime.fromisoformat(fields[name]) if fields[name] else None
     fields["state"] = JobState(fields["state"])
@@ -99,8 +176,4 @@ def _fields(row: Row[Any]) -> dict[str, Any]:
 
 
 def _event(row: Row[Any]) -> LoggedEvent:
-    return LoggedEvent(**_columns(row))
-
-
-def _columns(row: Row[Any]) -> dict[str, Any]:
-    return dict(row._mapping)  # noqa: SLF001  # pyright: ignore[reportPrivateUsage]  (public)
+    return LoggedEvent(**columns_of(row))

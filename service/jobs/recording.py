@@ -46,15 +46,23 @@ class Recording:
         """Return what has happened to a job and is not in the database yet."""
         return list(dict.fromkeys(self._unrecorded.get(identifier, ())))
 
-    async def write[T](self, work: Callable[[], T], *, is_durable: bool = True) -> T:
+    async def write[T](
+        self, work: Callable[[], T], *, is_durable: bool = True, within: float | None = None
+    ) -> T:
         """Carry out a write; it is committed when this returns.
 
+        Args:
+            work: Calls methods of the store.
+            is_durable: Whether it must survive a power cut.
+            within: How long to wait [s]; what is not committed by then never is.
+
         Raises:
+            DatabaseUnavailable: The database did not take it in that time.
             DatabaseTaken: Another server has the database.
             DBAPIError: The database did not take it.
         """
         try:
-            return await self._writer.do(work, is_durable=is_durable)
+            return await self._writer.do(work, is_durable=is_durable, within=within)
         except DatabaseTaken:
             self._on_taken()
             raise

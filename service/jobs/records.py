@@ -17,7 +17,7 @@ from sqlalchemy import (
     UniqueConstraint,
 )
 
-from service.jobs.json_text import JsonText
+from service.jobs.json_text import Encoded, JsonText
 from service.jobs.states import JobState
 
 FINISHED = "finished"
@@ -50,7 +50,11 @@ jobs = Table(
     Column("finished_at", String(40), nullable=True),
     UniqueConstraint("lane", "key"),
     Index("jobs_by_state", "lane", "state", "serial"),
-    Index("jobs_by_scene", "scene", "serial"),
+    # One for each way in which lists are asked for: a page reads its own rows and no others.
+    Index("jobs_of_lane", "lane", "serial"),
+    Index("jobs_of_scene", "lane", "scene", "serial"),
+    Index("jobs_of_scene_by_state", "lane", "scene", "state", "serial"),
+    Index("jobs_of_content", "lane", "warm_key", "serial"),
 )
 
 # What is large is apart from what changes often: databases write rows whole.
@@ -166,6 +170,19 @@ class JobBrief:
 @dataclass(frozen=True)
 class Job(JobBrief):
     """A job as the tables have it, whole."""
+
+
+@dataclass(frozen=True)
+class JobText:
+    """A job whose result is passed on as it is: it may be megabytes, and nobody here reads it.
+
+    Attributes:
+        brief: As lists have it.
+        result: Whole, None where there is none.
+    """
+
+    brief: JobBrief
+    result: Encoded | None
 
 
 @dataclass(frozen=True)

@@ -40,20 +40,20 @@ class Recovery:
         self._enqueue = enqueue
         self._may_run_still = ownership.may_be_lost and ownership.was_left
 
-    def run(self, takeover: float) -> None:
+    async def run(self, takeover: float) -> None:
         """Take up all jobs.
 
         Args:
             takeover: How long an owner that lost the database without ending may still run
                 something [s]; only after that it is taken up.
         """
-        for job in self._store.unfinished():
+        for job in await asyncio.to_thread(self._store.unfinished):
             if self._may_run_still and job.state is JobState.RUNNING:
                 self._floor.spawn(self._recover_later(job.id, takeover))
             else:
-                moved = self._settle(job)
+                moved = await asyncio.to_thread(self._settle, job)
                 if moved is None or not moved.event.is_last:
-                    self._enqueue(job, self._controls(job.id))
+                    self._enqueue(job, await asyncio.to_thread(self._controls, job.id))
 
     async def _recover_later(self, identifier: str, seconds: float) -> None:
         await asyncio.sleep(seconds)

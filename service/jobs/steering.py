@@ -12,7 +12,7 @@ from service.jobs.job_run import CONTROLS, JobRun
 from service.jobs.json_text import Encoded, encode
 from service.jobs.moving import Moved
 from service.jobs.recording import Recording
-from service.jobs.records import Job
+from service.jobs.records import Job, JobBrief
 from service.jobs.states import JobState
 
 # How long an answer waits for the database [s]; what is not written by then is written later.
@@ -30,7 +30,7 @@ class Steering:
         self._recording = recording
         self._floor = floor
 
-    async def cancel(self, identifier: str) -> Job:
+    async def cancel(self, identifier: str) -> JobBrief:
         """Ask for the end of a job, whatever its state, and return it; again does no harm.
 
         Raises:
@@ -39,7 +39,7 @@ class Steering:
         """
         run = self._runs.get(identifier)
         if run is None:
-            job = await asyncio.to_thread(self._recording.store.get, identifier)
+            job = await asyncio.to_thread(self._recording.store.brief, identifier)
             return job if job.state.is_final else await self._write_cancel(identifier)
         run.cancel()
         self._floor.lane(run.job.lane).remove(identifier)

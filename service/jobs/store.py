@@ -7,25 +7,24 @@ is decided on what another has changed meanwhile; the statements are the same on
 import threading
 from collections.abc import Generator, Mapping, Sequence
 from contextlib import contextmanager
-from typing import Any
 
-from sqlalchemy import Connection, Engine, delete, insert, select, update
+from sqlalchemy import Connection, Engine, bindparam, delete, insert, select, update
 
 from planning.errors import Canceled, WayproofError
-from service.events.bus import Stretch
 from service.jobs import reading
 from service.jobs.briefs import fill_briefs
 from service.jobs.database import set_durability
-from service.jobs.enrolling import job_by_key, queued_row
-from service.jobs.errors import DatabaseTaken, UnknownJob
-from service.jobs.json_text import Encoded
-from service.jobs.moving import Moved, log, move
+from service.jobs.enrolling import enroll, job_by_key
+from service.jobs.errors import DatabaseTaken
+from service.jobs.json_text import Encoded, encode
+from service.jobs.moving import Moved, log, move, reserve
 from service.jobs.outcome import failure_of
 from service.jobs.outline import outline_of, without
-from service.jobs.reading import decoded, now
+from service.jobs.prepared import Prepared
+from service.jobs.reading import now
+from service.jobs.reads import JobReads
 from service.jobs.records import (
     Job,
-    JobBrief,
     JobSpec,
     LoggedEvent,
     bodies,
@@ -37,12 +36,28 @@ from service.jobs.records import (
 )
 from service.jobs.states import JobEvent, JobState
 
-_STRETCH = 500
 _OPEN = [state.value for state in JobState if not state.is_final]
+_WHOSE = bindparam("whose")
+_FORGET_MAKER = delete(makers).where(makers.c.job == _WHOSE)
+_ADD_MAKER = Prepared(insert(makers), "job", "made_by")
+_END = {
+    (table, part): Prepared(
+        update(table).where(table.c.job == _WHOSE).values({part: bindparam("new")})
+    )
+    for table in (bodies, briefs)
+    for part in ("result", "failure")
+}
+_CANCEL = update(jobs).where(jobs.c.id == _WHOSE, jobs.c.state.in_(_OPEN))
+_CANCEL = _CANCEL.values(is_cancel_requested=True)
+_EPOCH = Prepared(select(owner.c.epoch).with_for_update(read=True))
 
 
-class JobStore:
-    """Jobs and their events in a database; every method is one transaction, from any thread."""
+class JobStore(JobReads):
+    """Jobs and their events in a database; every method is one transaction, from any thread.
+
+    Attributes:
+        versions: Of what runs them, by name.
+    """
 
     def __init__(self, engine: Engine, versions: Mapping[str, str] | None = None) -> None:
         """Keep jobs in `engine`; call `open` before use.
@@ -51,15 +66,18 @@ class JobStore:
             engine: Where.
             versions: Of what runs them, by name.
         """
-        self._engine = engine
-        self._versions = dict(versions or {})
+        super().__init__(engine)
+        self.versions = dict(versions or {})
+        self._made_by = encode(self.versions)
         self._epoch: int | None = None
         self._lock = threading.RLock()
         self._joined: Connection | None = None
 
     def open(self) -> None:
-        """Create the tables that are missing, and what an older version did not write of jobs."""
+        """Create tables and indices that are missing, and write what an older version did not."""
         metadata.create_all(self._engine)
+        for index in jobs.indexes:  # that tables of an older version lack
+            index.create(self._engine, checkfirst=True)
         fill_briefs(self._engine)
 
     @property
@@ -103,75 +121,19 @@ class JobStore:
             IdempotencyConflict: The key was used for another request.
             TypeError: The payload is not JSON-compatible.
         """
-        row = queued_row(spec)
         with self.transaction(is_durable=True) as connection:
             known = job_by_key(connection, spec)
-            if known is not None:
-                return known, False
-            connection.execute(insert(jobs).values(row))
-            connection.execute(insert(bodies).values(job=row["id"], payload=spec.payload))
-            payload = without(spec.payload, outline_of(spec.task).payload)
-            connection.execute(insert(briefs).values(job=row["id"], payload=payload))
-            log(connection, row["id"], 1, [("queued", Encoded("{}"))])
-            return self._get(connection, row["id"]), True
-
-    def known(self, lane: str, key: str, request_digest: str) -> Job | None:
-        """Return the job that an idempotency key names, if there is one.
-
-        Raises:
-            IdempotencyConflict: The key was used for another request.
-        """
-        spec = JobSpec(lane, "", {}, key=key, request_digest=request_digest)
-        with self._engine.connect() as connection:
-            return job_by_key(connection, spec)
-
-    def get(self, identifier: str) -> Job:
-        """Return a job.
-
-        Raises:
-            UnknownJob: There is none.
-        """
-        with self._engine.connect() as connection:
-            return self._get(connection, identifier)
-
-    def page(
-        self,
-        lane: str,
-        wanted: Mapping[str, str | None] | None = None,
-        *,
-        before: int | None = None,
-        limit: int = 50,
-    ) -> list[JobBrief]:
-        """Return jobs of a lane, newest first, with a serial below `before`; nothing large is read.
-
-        Args:
-            lane: Of the jobs.
-            wanted: What columns of theirs hold, by name; None for whatever.
-            before: A serial.
-            limit: At most so many.
-        """
-        with self._engine.connect() as connection:
-            return reading.page(connection, {"lane": lane, **(wanted or {})}, before, limit)
-
-    def unfinished(self) -> list[Job]:
-        """Return every job that is queued or running, oldest first."""
-        with self._engine.connect() as connection:
-            return reading.unfinished(connection)
-
-    def counts(self) -> dict[tuple[str, str], int]:
-        """Return how many jobs there are by lane and state."""
-        with self._engine.connect() as connection:
-            return reading.counts(connection)
+            return (enroll(connection, spec), True) if known is None else (known, False)
 
     def start(self, identifier: str) -> Moved | None:
         """Let a queued job run; None if it is not queued any more. So for the other moves."""
-        changes = {"started_at": now(), "attempts": jobs.c.attempts + 1}
+        changes = {"started_at": now(), "more_attempts": 1}
         with self.transaction(is_durable=False) as connection:
             moved = move(connection, identifier, JobEvent.START, changes, {})
             if moved is not None:
-                connection.execute(delete(makers).where(makers.c.job == identifier))
-                made_by = insert(makers).values(job=identifier, made_by=self._versions)
-                connection.execute(made_by)
+                if moved.event.number > 2:  # it is not the first event after `queued`
+                    connection.execute(_FORGET_MAKER, {"whose": identifier})
+                _ADD_MAKER(connection, job=identifier, made_by=self._made_by)
             return moved
 
     def requeue(self, identifier: str, reason: str, *, refund: int = 0) -> Moved | None:
@@ -182,7 +144,7 @@ class JobStore:
             reason: For people.
             refund: How many attempts do not count.
         """
-        changes = {"attempts": jobs.c.attempts - refund}
+        changes = {"more_attempts": -refund}
         with self.transaction(is_durable=False) as connection:
             return move(connection, identifier, JobEvent.REQUEUE, changes, {"reason": reason})
 
@@ -199,10 +161,7 @@ class JobStore:
         with self.transaction(is_durable=True) as connection:
             moved = move(connection, identifier, JobEvent.SUCCEED, {"progress": 1.0}, {})
             if moved is not None:
-                body = update(bodies).where(bodies.c.job == identifier)
-                connection.execute(body.values(result=result))
-                short = update(briefs).where(briefs.c.job == identifier)
-                connection.execute(short.values(result=brief or result))
+                _end(connection, identifier, "result", result.text, (brief or result).text)
             return moved
 
     def fail(self, identifier: str, error: WayproofError) -> Moved | None:
@@ -223,11 +182,9 @@ class JobStore:
         Raises:
             UnknownJob: There is none.
         """
-        is_open = jobs.c.state.in_(_OPEN)
         with self.transaction(is_durable=True) as connection:
-            statement = update(jobs).where(jobs.c.id == identifier, is_open)
-            connection.execute(statement.values(is_cancel_requested=True))
-            return self._get(connection, identifier)
+            connection.execute(_CANCEL, {"whose": identifier})
+            return reading.job(connection, identifier)
 
     def record(
         self, identifier: str, told: Sequence[tuple[str, Encoded]], *, may_wait: bool = False
@@ -243,41 +200,9 @@ class JobStore:
         """
         if not told:
             return []
-        changes: dict[str, Any] = {"num_events": jobs.c.num_events + len(told)}
-        for _, data in told:
-            changes |= reading.progress_in(decoded(data))
-        states = _OPEN if may_wait else [JobState.RUNNING.value]
-        is_open = (jobs.c.id == identifier) & jobs.c.state.in_(states)
         with self.transaction(is_durable=False) as connection:
-            statement = update(jobs).where(is_open).values(changes)
-            row = connection.execute(statement.returning(jobs.c.num_events)).first()
-            if row is None:
-                return []
-            return log(connection, identifier, row.num_events - len(told) + 1, told)
-
-    def events(self, identifier: str, after: int = 0) -> list[LoggedEvent]:
-        """Return a job's events with numbers above `after`, in order."""
-        with self._engine.connect() as connection:
-            return reading.events_after(connection, identifier, after, None)
-
-    def stretch(self, identifier: str, after: int) -> Stretch[LoggedEvent]:
-        """Return some of the events above a number, and whether the job had ended before.
-
-        Raises:
-            UnknownJob: There is none.
-        """
-        with self._engine.connect() as connection:
-            query = select(jobs.c.state).where(jobs.c.id == identifier)
-            state = connection.execute(query).scalar_one_or_none()
-            if state is None:
-                raise UnknownJob.of(identifier)
-            found = reading.events_after(connection, identifier, after, _STRETCH)
-            return Stretch(found, JobState(state).is_final)
-
-    def last_event(self, identifier: str, type_: str) -> LoggedEvent | None:
-        """Return the newest event of a type, if there is one."""
-        with self._engine.connect() as connection:
-            return reading.last_event(connection, identifier, type_)
+            first = reserve(connection, identifier, told, may_wait=may_wait)
+            return [] if first is None else log(connection, identifier, first, told)
 
     def _give_up(
         self,
@@ -290,12 +215,8 @@ class JobStore:
         with self.transaction(is_durable=True) as connection:
             moved = move(connection, identifier, happened, {}, {"failure": failure}, only)
             if moved is not None:
-                body = update(bodies).where(bodies.c.job == identifier)
-                connection.execute(body.values(failure=failure))
-                task = connection.execute(select(jobs.c.task).where(jobs.c.id == identifier))
-                kept = without(failure, outline_of(task.scalar_one()).failure)
-                short = update(briefs).where(briefs.c.job == identifier)
-                connection.execute(short.values(failure=kept))
+                kept = without(failure, outline_of(moved.columns["task"]).failure)
+                _end(connection, identifier, "failure", encode(failure), encode(kept))
             return moved
 
     def _require_ownership(self, connection: Connection) -> None:
@@ -306,14 +227,13 @@ class JobStore:
         """
         if self._epoch is None:
             return
-        query = select(owner.c.epoch).with_for_update(read=True)
-        latest = connection.execute(query).scalar_one_or_none()
+        latest = _EPOCH(connection).scalar_one_or_none()
         if latest != self._epoch:
             message = "another server has taken the database over: nothing is written to it here"
             raise DatabaseTaken(message, {"epoch": self._epoch, "latest": latest})
 
-    def _get(self, connection: Connection, identifier: str) -> Job:
-        found = reading.jobs_where(connection, jobs.c.id == identifier)
-        if not found:
-            raise UnknownJob.of(identifier)
-        return found[0]
+
+def _end(connection: Connection, identifier: str, part: str, whole: str, short: str) -> None:
+    """Write how a job ended (JSON), whole and as lists show it."""
+    _END[bodies, part](connection, whose=identifier, new=whole)
+    _END[briefs, part](connection, whose=identifier, new=short)

@@ -70,7 +70,7 @@ class WorkerProcess:
             far.close()
             held.close()
         worker = cls(process, leash)
-        worker._reader, worker._writer = await asyncio.open_connection(sock=near)
+        worker._reader, worker._writer = await asyncio.open_unix_connection(sock=near)
         return worker
 
     def send(self, frame: Frame) -> None:

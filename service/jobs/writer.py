@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from service.jobs.database import is_of_database
+from service.jobs.errors import DatabaseUnavailable
 from service.jobs.store import JobStore
 
 _MAX_BATCH = 64
@@ -20,11 +21,19 @@ _MAX_BATCH = 64
 _PAUSES = (0.1, 0.3, 1.0, 3.0)
 
 
-@dataclass(frozen=True)
+@dataclass(eq=False)
 class _Order:
+    """A write that was asked for; until it is about to be committed it may be withdrawn."""
+
     work: Callable[[], Any]
     done: asyncio.Future[Any]
     is_durable: bool
+    is_withdrawn: bool = False
+    is_sealed: bool = False
+
+
+class _Withdrawn(Exception):
+    """One of the orders of a transaction is not wanted any more."""
 
 
 class Writer:
@@ -41,20 +50,37 @@ class Writer:
         self._pauses = pauses
         self._loop = asyncio.get_running_loop()
         self._closing = threading.Event()
+        self._sealing = threading.Lock()
         self._orders: queue.SimpleQueue[_Order | None] = queue.SimpleQueue()
         self._thread = threading.Thread(target=self._serve, name="job-writer", daemon=True)
         self._thread.start()
 
-    async def do[T](self, work: Callable[[], T], *, is_durable: bool = True) -> T:
+    async def do[T](
+        self, work: Callable[[], T], *, is_durable: bool = True, within: float | None = None
+    ) -> T:
         """Carry out a write; it is committed when this returns.
 
         Args:
             work: Calls methods of the store; called again if the database did not take it.
             is_durable: Whether it must survive a power cut.
+            within: How long to wait [s]; what is not committed by then never is.
+
+        Raises:
+            DatabaseUnavailable: The database did not take it in that time.
         """
         done: asyncio.Future[Any] = self._loop.create_future()
-        self._orders.put(_Order(work, done, is_durable))
-        result: T = await done
+        order = _Order(work, done, is_durable)
+        self._orders.put(order)
+        try:
+            async with asyncio.timeout(within):
+                result: T = await asyncio.shield(done)
+        except TimeoutError:
+            if self._withdraw(order):
+                raise DatabaseUnavailable.of(within or 0.0) from None
+            result = await done
+        except asyncio.CancelledError:  # who asked does not want to know any more
+            done.cancel()
+            raise
         return result
 
     async def close(self) -> None:
@@ -76,6 +102,7 @@ class Writer:
     def _carry_out(self, orders: list[_Order]) -> None:
         """Write all, and again what the database did not take, a few times."""
         for pause in (*self._pauses, None):
+            orders = [order for order in orders if not order.is_withdrawn]
             refused = self._write(orders) if orders else []
             if pause is None or self._closing.is_set():
                 self._answer([(order.done, None, fault) for order, fault in refused])
@@ -92,6 +119,7 @@ class Writer:
         try:
             with self._store.transaction(is_durable=any(order.is_durable for order in orders)):
                 results = [order.work() for order in orders]
+                self._seal(orders)
         except Exception:  # noqa: BLE001  (whose fault it is comes out one by one)
             return self._write_each(orders)
         answers = zip(orders, results, strict=True)
@@ -100,19 +128,43 @@ class Writer:
 
     def _write_each(self, orders: list[_Order]) -> list[tuple[_Order, Exception]]:
         for i, order in enumerate(orders):
+            order.is_sealed = False
             try:
                 with self._store.transaction(is_durable=order.is_durable):
                     result = order.work()
+                    self._seal([order])
+            except _Withdrawn:
+                continue
             except Exception as fault:  # noqa: BLE001  (who asked for it is told)
                 if is_of_database(fault):
                     # A locked one refuses the others too, after a long wait each; a full one may
                     # have room for what is smaller: the next time another is the first.
                     rest = [*orders[i + 1 :], order]
+                    for other in rest:
+                        other.is_sealed = False
                     return [(other, fault) for other in rest]
                 self._answer([(order.done, None, fault)])
             else:
                 self._answer([(order.done, result, None)])
         return []
+
+    def _seal(self, orders: list[_Order]) -> None:
+        """Go on to the commit only if all is wanted still; nothing is withdrawn from now on.
+
+        Raises:
+            _Withdrawn: Something is not.
+        """
+        with self._sealing:
+            if any(order.is_withdrawn for order in orders):
+                raise _Withdrawn
+            for order in orders:
+                order.is_sealed = True
+
+    def _withdraw(self, order: _Order) -> bool:
+        """Have an order never carried out; return whether it is not too late for that."""
+        with self._sealing:
+            order.is_withdrawn = not order.is_sealed
+            return order.is_withdrawn
 
     def _answer(self, answers: list[tuple[asyncio.Future[Any], Any, Exception | None]]) -> None:
         def settle() -> None:

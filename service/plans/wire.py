@@ -38,11 +38,6 @@ def timings_of(job: JobBrief) -> dict[str, float]:
     return dict(ended.get("timings") or {})
 
 
-def job_resource(desk: Desk, job: Job) -> dict[str, Any]:
-    """Return a plan in full."""
-    return {**job_brief(desk, job), "result": (job.result or {}).get("result")}
-
-
 def polynomial_of(job: Job) -> dict[str, Any]:
     """Return the exact trajectory of a plan.
 

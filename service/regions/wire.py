@@ -4,7 +4,7 @@ from typing import Any
 
 from service.desk import Desk
 from service.jobs.outline import outline_of, without
-from service.jobs.records import Job, JobBrief
+from service.jobs.records import JobBrief
 
 
 def regions_brief(desk: Desk, job: JobBrief) -> dict[str, Any]:
@@ -27,8 +27,3 @@ def regions_brief(desk: Desk, job: JobBrief) -> dict[str, Any]:
         "unrecorded": desk.unrecorded(job),
         "summary": done.get("result"),
     }
-
-
-def regions_resource(desk: Desk, job: Job) -> dict[str, Any]:
-    """Return regions in full."""
-    return {**regions_brief(desk, job), "result": (job.result or {}).get("result")}

@@ -39,7 +39,8 @@ async def create_execution(
 ) -> Any:
     """Carry out a plan, if its start is where the robot is."""
     job = await submit_execution(request, asked.key, scenes, asked.desk)
-    return await execution_resource(asked.desk, await asked.awaited(job, "/v1/executions"))
+    found = await asked.awaited(job, "/v1/executions")
+    return await execution_resource(asked.desk, found.brief)
 
 
 @router.get(

@@ -2,8 +2,8 @@
 
 from pathlib import Path
 
-from fastapi import APIRouter
-from fastapi.responses import HTMLResponse, PlainTextResponse, RedirectResponse
+from fastapi import APIRouter, Request
+from fastapi.responses import HTMLResponse, JSONResponse, PlainTextResponse, RedirectResponse
 
 import planning
 from service.dependencies import DeskDep, ScenesDep
@@ -18,13 +18,13 @@ _DOCS = Path(__file__).parents[1] / "pages" / "docs.html"
 _METRICS = {"content": {"text/plain": {"schema": {"type": "string"}}}}
 
 
-@router.get("/healthz", operation_id="getHealth", responses=problems())
+@router.get("/healthz", operation_id="getHealth", responses=problems(422))
 async def get_health() -> Health:
     """Say that the server is there."""
     return Health(status="ok", version=versions()["wayproof"], kernel=planning.kernel_name())
 
 
-@router.get("/readyz", operation_id="getReadiness", responses=problems(503))
+@router.get("/readyz", operation_id="getReadiness", responses=problems(422, 503))
 async def get_readiness(desk: DeskDep, scenes: ScenesDep) -> Readiness:
     """Say whether jobs are taken: the database answers and the dispatcher runs."""
     await scenes.page(1, None)
@@ -36,7 +36,7 @@ async def get_readiness(desk: DeskDep, scenes: ScenesDep) -> Readiness:
     "/metrics",
     operation_id="getMetrics",
     response_class=PlainTextResponse,
-    responses={200: _METRICS, **problems(503)},
+    responses={200: _METRICS, **problems(422, 503)},
 )
 async def get_metrics(desk: DeskDep) -> PlainTextResponse:
     """Count jobs by lane and state, as Prometheus reads it."""
@@ -48,6 +48,12 @@ async def get_metrics(desk: DeskDep) -> PlainTextResponse:
 def get_root() -> RedirectResponse:
     """Lead who opens the server's address to its documentation."""
     return RedirectResponse("docs")
+
+
+@router.get("/openapi.json", include_in_schema=False)
+def get_description(request: Request) -> JSONResponse:
+    """Describe all of this."""
+    return JSONResponse(request.app.openapi())
 
 
 @router.get("/docs", include_in_schema=False)

@@ -5,18 +5,21 @@
 from collections.abc import AsyncIterator
 from typing import Annotated, Any
 
-from fastapi import APIRouter, Query
+from fastapi import APIRouter, Query, Response
 from fastapi.sse import EventSourceResponse, ServerSentEvent
 
-from service.dependencies import DeskDep, OpenPlan, PlanJob, ScenesDep
+from service.dependencies import DeskDep, OpenPlan, PlanJob, PlanText, ScenesDep
+from service.desk import Desk
+from service.jobs.records import JobText
 from service.plans.admission import submit_plan
 from service.plans.reversal import submit_reversal
-from service.plans.wire import graph_of, job_brief, job_resource
+from service.plans.wire import graph_of, job_brief
 from service.routes.answers import Cursor, LastEventId, Limit, problems
 from service.routes.streaming import EVENTS, server_sent
 from service.routes.submission import SubmissionDep, taken_in
+from service.routes.whole import whole
 from service.schemas.graph import PlannerGraphWire
-from service.schemas.job import Job, JobPage, JobState
+from service.schemas.job import Job, JobBrief, JobPage, JobState
 from service.schemas.plan import PlanRequest
 from service.strict_route import StrictRoute
 
@@ -35,7 +38,7 @@ type OfScene = Annotated[str | None, Query(max_length=128, description="Only tho
 async def create_plan(request: PlanRequest, asked: SubmissionDep, scenes: ScenesDep) -> Any:
     """Ask for a plan: a job that is polled, streamed or waited for."""
     job = await submit_plan(request, asked.key, scenes, asked.desk)
-    return job_resource(asked.desk, await asked.awaited(job, "/v1/plans"))
+    return await _whole(asked.desk, await asked.awaited(job, "/v1/plans"), asked.response)
 
 
 @router.get("", operation_id="listPlans", response_model=JobPage, responses=problems(422))
@@ -52,9 +55,9 @@ async def list_plans(
 
 
 @router.get("/{plan}", operation_id="getPlan", response_model=Job, responses=problems(404, 422))
-async def get_plan(job: PlanJob, desk: DeskDep) -> Any:
+async def get_plan(found: PlanText, desk: DeskDep) -> Any:
     """Show a plan: how far it is, and its result once it succeeded."""
-    return job_resource(desk, job)
+    return await _whole(desk, found)
 
 
 @router.get(
@@ -64,7 +67,7 @@ async def get_plan(job: PlanJob, desk: DeskDep) -> Any:
     responses={200: EVENTS, **problems(404, 422)},
 )
 async def stream_plan_events(
-    job: PlanJob, desk: DeskDep, last_event_id: LastEventId = None
+    job: OpenPlan, desk: DeskDep, last_event_id: LastEventId = None
 ) -> AsyncIterator[ServerSentEvent]:
     """Stream what happens to a plan: queued, started, stage, progress, best-so-far, finished."""
     async for event in server_sent(desk, job, last_event_id):
@@ -92,7 +95,7 @@ async def get_planner_graph(job: PlanJob) -> Any:
 async def reverse_plan(job: PlanJob, asked: SubmissionDep, scenes: ScenesDep) -> Any:
     """Ask for the same motion from its end to its start: a plan of its own, proven anew."""
     back = await submit_reversal(job, asked.key, scenes, asked.desk)
-    return job_resource(asked.desk, await asked.awaited(back, "/v1/plans"))
+    return await _whole(asked.desk, await asked.awaited(back, "/v1/plans"), asked.response)
 
 
 @router.post(
@@ -103,4 +106,10 @@ async def cancel_plan(job: OpenPlan, desk: DeskDep) -> Any:
 
     No database is waited for: `unrecorded` says what it does not hold yet.
     """
-    return job_resource(desk, await desk.cancel(job))
+    return await _whole(desk, await desk.text_of(await desk.cancel(job)))
+
+
+async def _whole(desk: Desk, found: JobText, told: Response | None = None) -> Response:
+    """Return a plan in full."""
+    brief = JobBrief.model_validate(job_brief(desk, found.brief))
+    return await whole(brief, found.result, told)

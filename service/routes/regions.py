@@ -5,16 +5,19 @@
 from collections.abc import AsyncIterator
 from typing import Any
 
-from fastapi import APIRouter
+from fastapi import APIRouter, Response
 from fastapi.sse import EventSourceResponse, ServerSentEvent
 
-from service.dependencies import DeskDep, OpenRegions, RegionsJobDep, ScenesDep
+from service.dependencies import DeskDep, OpenRegions, RegionsText, ScenesDep
+from service.desk import Desk
+from service.jobs.records import JobText
 from service.regions.admission import submit_regions
-from service.regions.wire import regions_brief, regions_resource
+from service.regions.wire import regions_brief
 from service.routes.answers import Cursor, LastEventId, Limit, SceneId, problems
 from service.routes.streaming import EVENTS, server_sent
 from service.routes.submission import SubmissionDep, taken_in
-from service.schemas.regions import RegionsJob, RegionsPage, RegionsRequest
+from service.routes.whole import whole
+from service.schemas.regions import RegionsBrief, RegionsJob, RegionsPage, RegionsRequest
 from service.strict_route import StrictRoute
 
 router = APIRouter(route_class=StrictRoute, prefix="/v1", tags=["regions"])
@@ -32,7 +35,7 @@ async def grow_regions(
 ) -> Any:
     """Grow convex regions of free configurations, for plans with the planner GCS."""
     job = await submit_regions(scene, request, asked.key, scenes, asked.desk)
-    return regions_resource(asked.desk, await asked.awaited(job, "/v1/regions"))
+    return await _whole(asked.desk, await asked.awaited(job, "/v1/regions"), asked.response)
 
 
 @router.get(
@@ -60,9 +63,9 @@ async def list_regions(
     response_model=RegionsJob,
     responses=problems(404, 422),
 )
-async def get_regions(job: RegionsJobDep, desk: DeskDep) -> Any:
+async def get_regions(found: RegionsText, desk: DeskDep) -> Any:
     """Show regions: how far they are, and all of them once they have grown."""
-    return regions_resource(desk, job)
+    return await _whole(desk, found)
 
 
 @router.get(
@@ -72,7 +75,7 @@ async def get_regions(job: RegionsJobDep, desk: DeskDep) -> Any:
     responses={200: EVENTS, **problems(404, 422)},
 )
 async def stream_regions_events(
-    job: RegionsJobDep, desk: DeskDep, last_event_id: LastEventId = None
+    job: OpenRegions, desk: DeskDep, last_event_id: LastEventId = None
 ) -> AsyncIterator[ServerSentEvent]:
     """Stream what happens to regions: queued, started, stage, progress, finished."""
     async for event in server_sent(desk, job, last_event_id):
@@ -87,4 +90,10 @@ async def stream_regions_events(
 )
 async def cancel_regions(job: OpenRegions, desk: DeskDep) -> Any:
     """End the growth, in whatever state it is; asking again changes nothing."""
-    return regions_resource(desk, await desk.cancel(job))
+    return await _whole(desk, await desk.text_of(await desk.cancel(job)))
+
+
+async def _whole(desk: Desk, found: JobText, told: Response | None = None) -> Response:
+    """Return regions in full."""
+    brief = RegionsBrief.model_validate(regions_brief(desk, found.brief))
+    return await whole(brief, found.result, told)

@@ -6,7 +6,7 @@ from typing import Any
 from fastapi.sse import ServerSentEvent
 
 from service.desk import Desk
-from service.jobs.records import Job
+from service.jobs.records import JobBrief
 
 # What an event is made of FastAPI declares itself (`itemSchema`).
 EVENTS: dict[str, Any] = {
@@ -15,7 +15,7 @@ EVENTS: dict[str, Any] = {
 
 
 async def server_sent(
-    desk: Desk, job: Job, last_event_id: str | None
+    desk: Desk, job: JobBrief, last_event_id: str | None
 ) -> AsyncIterator[ServerSentEvent]:
     """Yield what happened to a job after an event, and what happens from now on, to its end."""
     # An id that is not ours is from another stream: then everything is sent.

@@ -7,7 +7,7 @@ from fastapi import Depends, Response
 
 from service.dependencies import DeskDep, SettingsDep
 from service.desk import Desk
-from service.jobs.records import Job
+from service.jobs.records import Job, JobText
 from service.routes.answers import problems
 from service.routes.waiting import IdempotencyKey, Prefer, Wait, seconds_to_wait
 from service.schemas.wire import Answer
@@ -20,25 +20,26 @@ class Submission:
     Attributes:
         desk: Where jobs are asked for.
         key: The idempotency key, or None.
+        response: Status and headers of the answer.
     """
 
     desk: Desk
     key: str | None
+    response: Response
     _seconds: float
-    _response: Response
 
-    async def awaited(self, job: Job, path: str) -> Job:
+    async def awaited(self, job: Job, path: str) -> JobText:
         """Return a job when it has ended, or as it is after the time that the client waits.
 
         Args:
             job: As it was taken in.
             path: Of the resources of its kind; the answer says where to poll.
         """
-        job = await self.desk.wait(job, self._seconds)
-        self._response.headers["Location"] = f"{path}/{job.id}"
-        if job.state.is_final:
-            self._response.status_code = 200
-        return job
+        found = await self.desk.wait(job, self._seconds)
+        self.response.headers["Location"] = f"{path}/{job.id}"
+        if found.brief.state.is_final:
+            self.response.status_code = 200
+        return found
 
 
 def _submission(
@@ -51,7 +52,7 @@ def _submission(
     idempotency_key: IdempotencyKey = None,
 ) -> Submission:
     seconds = seconds_to_wait(wait, prefer, settings.max_wait)
-    return Submission(desk, idempotency_key, seconds, response)
+    return Submission(desk, idempotency_key, response, seconds)
 
 
 type SubmissionDep = Annotated[Submission, Depends(_submission)]

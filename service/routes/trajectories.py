@@ -8,6 +8,7 @@ from fastapi.responses import HTMLResponse
 from service.dependencies import DeskDep, PlanJob
 from service.plans.wire import motion_of, polynomial_of, sampling_of
 from service.routes.answers import problems
+from service.routes.whole import passed_on
 from service.schemas.trajectory import TrajectoryWire
 from service.strict_route import StrictRoute
 
@@ -108,7 +109,7 @@ async def get_trajectory(  # noqa: PLR0913  (one parameter per query)
         "polynomial": polynomial,
     }
     if format == "json":
-        return await desk.ask("service.tasks.trajectories:sample", payload)
+        return passed_on(await desk.ask_text("service.tasks.trajectories:sample", payload))
     table = await desk.ask("service.tasks.trajectories:sample_csv", payload)
     told = {INTERPOLATION: table["proven"]}
     return Response(table["text"], media_type="text/csv", headers=told)

@@ -4,7 +4,17 @@ from dataclasses import dataclass
 from datetime import datetime
 from typing import Any
 
-from sqlalchemy import JSON, BigInteger, Column, Integer, MetaData, String, Table, UniqueConstraint
+from sqlalchemy import (
+    JSON,
+    BigInteger,
+    Column,
+    Index,
+    Integer,
+    MetaData,
+    String,
+    Table,
+    UniqueConstraint,
+)
 
 metadata = MetaData()
 
@@ -21,6 +31,7 @@ scenes = Table(
     Column("document", JSON, nullable=False),
     Column("summary", JSON, nullable=False),
     UniqueConstraint("id", "revision"),
+    Index("scenes_by_revision", "revision", "serial"),
 )
 
 

@@ -1,15 +1,22 @@
 """SceneShelf: the scene store for coroutines."""
 
+import asyncio
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from anyio import to_thread
 
+from service.jobs.errors import DatabaseUnavailable
 from service.scenes.records import SceneRecord
 from service.scenes.store import SceneStore
 
 if TYPE_CHECKING:
-    from collections.abc import Awaitable, Callable
+    from collections.abc import Awaitable
+
+# How long a write waits for the writes of others [s].
+_PATIENCE = 5.0
 
 
 class SceneShelf:
@@ -24,13 +31,14 @@ class SceneShelf:
     def __init__(self, store: SceneStore) -> None:
         """Ask `store`."""
         self._store = store
+        self._writing = asyncio.Lock()
         self.settle: Callable[[SceneRecord], Awaitable[SceneRecord]] | None = None
         self.forgotten: Callable[[], None] | None = None
 
     async def add(self, loaded: dict[str, Any]) -> SceneRecord:
         """Record a scene that a slot has loaded."""
         fields = (loaded["name"], loaded["digest"], loaded["document"], loaded["summary"])
-        return await to_thread.run_sync(self._store.add, *fields)
+        return await self._write(self._store.add, *fields)
 
     async def revise(self, base: SceneRecord, loaded: dict[str, Any]) -> SceneRecord:
         """Record the revision that follows `base`.
@@ -40,7 +48,7 @@ class SceneShelf:
             RevisionConflict: `base` has a successor already.
         """
         fields = (loaded["name"], loaded["digest"], loaded["document"], loaded["summary"])
-        return await to_thread.run_sync(self._store.revise, base, *fields)
+        return await self._write(self._store.revise, base, *fields)
 
     async def get(self, identifier: str, revision: int | None = None) -> SceneRecord:
         """Return a revision of a scene, by default the latest, with its robots where they are.
@@ -71,10 +79,26 @@ class SceneShelf:
         Raises:
             UnknownResource: There is none.
         """
-        await to_thread.run_sync(self._store.delete, identifier)
+        await self._write(self._store.delete, identifier)
         if self.forgotten is not None:
             self.forgotten()
 
     async def file(self, record: SceneRecord) -> Path:
         """Return the file of a scene's document."""
         return await to_thread.run_sync(self._store.file, record)
+
+    async def _write[**P, T](self, work: Callable[P, T], *args: P.args, **kwargs: P.kwargs) -> T:
+        """Write in a thread, one after the other: those that wait leave the threads to readers.
+
+        Raises:
+            DatabaseUnavailable: Others wait for the database, and it does nothing.
+        """
+        try:
+            async with asyncio.timeout(_PATIENCE):
+                await self._writing.acquire()
+        except TimeoutError:
+            raise DatabaseUnavailable.of(_PATIENCE) from None
+        try:
+            return await to_thread.run_sync(partial(work, *args, **kwargs))
+        finally:
+            self._writing.release()

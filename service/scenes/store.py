@@ -31,6 +31,8 @@ class SceneStore:
     def open(self) -> None:
         """Create what is missing."""
         metadata.create_all(self._engine)
+        for index in scenes.indexes:  # that a table of an older version lacks
+            index.create(self._engine, checkfirst=True)
         self._folder.mkdir(parents=True, exist_ok=True)
 
     def add(
@@ -95,15 +97,16 @@ class SceneStore:
         A scene is as old as its first revision, whose serial stands for it: pages join up
         whatever is revised meanwhile.
         """
-        first = func.min(scenes.c.serial).label("first")
-        latest = func.max(scenes.c.revision).label("latest")
-        spans = select(scenes.c.id, first, latest).group_by(scenes.c.id).subquery()
-        is_latest = (scenes.c.id == spans.c.id) & (scenes.c.revision == spans.c.latest)
-        columns = [column for column in scenes.c if column is not scenes.c.serial]
-        query = select(spans.c.first.label("serial"), *columns).join(spans, is_latest)
-        query = query.order_by(spans.c.first.desc()).limit(limit)
+        firsts = select(scenes.c.id, scenes.c.serial).where(scenes.c.revision == 1)
+        firsts = firsts.order_by(scenes.c.serial.desc()).limit(limit)
         if before is not None:
-            query = query.where(spans.c.first < before)
+            firsts = firsts.where(scenes.c.serial < before)
+        first, other = firsts.subquery(), scenes.alias()
+        latest = select(func.max(other.c.revision)).where(other.c.id == first.c.id)
+        is_latest = (scenes.c.id == first.c.id) & (scenes.c.revision == latest.scalar_subquery())
+        columns = [column for column in scenes.c if column is not scenes.c.serial]
+        query = select(first.c.serial, *columns).select_from(first).join(scenes, is_latest)
+        query = query.order_by(first.c.serial.desc())
         with self._engine.connect() as connection:
             return [_record(row) for row in connection.execute(query)]
 

@@ -87,6 +87,7 @@ class RegionsSummary(Answer):
     scene: str = Field(description="Digest of the scene that they are true for")
     group: str = Field(description="Whose configurations they are")
     margin: float = Field(description="Distance that they keep [m]")
+    seed: int = Field(description="Of all randomness")
     num_regions: int = Field(description="How many there are")
     num_portals: int = Field(description="How many pairs overlap")
     coverage: float = Field(

@@ -111,10 +111,11 @@ def delivered(
         clearance=found.certificate.proven_clearance,
     )
     samples = deadline.clock() - began
+    result = plan_wire(found, sampled_wire(proven.samples, proven.interpolations), [*cuts])
     return {
-        "result": plan_wire(found, sampled_wire(proven.samples, proven.interpolations), [*cuts]),
+        "result": result,
         "polynomial": polynomial_wire(found.trajectory),
         "timings": {"load": loaded, **found.timings, "samples": samples},
-        "digest": found.digest,
+        "digest": result["digest"],
         "graph": None if found.graph is None else found.graph.plain,
     }

@@ -8,6 +8,7 @@ from functools import partial
 import pytest
 from sqlalchemy.exc import OperationalError
 
+from service.jobs.errors import DatabaseUnavailable
 from service.jobs.writer import Writer
 
 
@@ -87,5 +88,87 @@ def test_a_busy_database_is_asked_again(num_faults, is_done):
                 with pytest.raises(OperationalError):
                     await writer.do(partial(int, "1"))
             assert await writer.do(partial(int, "2")) == 2
+
+    asyncio.run(story())
+
+
+def test_what_was_refused_for_being_late_is_never_written():
+    async def story():
+        store = Store()
+        written = []
+        async with writing(store) as writer:
+            store.gate.clear()
+            first = asyncio.create_task(writer.do(partial(written.append, 0)))
+            await asyncio.to_thread(store.has_begun.wait, 60)
+            kept = asyncio.create_task(writer.do(partial(written.append, 1)))
+            with pytest.raises(DatabaseUnavailable) as refusal:
+                await writer.do(partial(written.append, 2), within=0.01)
+            store.gate.set()
+            await asyncio.gather(first, kept)
+            await writer.do(partial(written.append, 3), within=60)
+        assert written == [0, 1, 3]
+        assert refusal.value.evidence["retry_after"] > 0
+
+    asyncio.run(story())
+
+
+class SlowToCommit(Store):
+    """Commits when told to."""
+
+    def __init__(self):
+        super().__init__()
+        self.may_commit = threading.Event()
+        self.commits = threading.Event()
+
+    @contextmanager
+    def transaction(self, *, is_durable):
+        yield
+        self.commits.set()
+        self.may_commit.wait(60)
+
+
+def test_what_is_being_committed_is_not_refused():
+    async def story():
+        store = SlowToCommit()
+        async with writing(store) as writer:
+            done = asyncio.create_task(writer.do(partial(int, "1"), within=0.05))
+            await asyncio.to_thread(store.commits.wait, 60)
+            try:
+                await asyncio.wait({done}, timeout=0.2)
+                assert not done.done()
+            finally:
+                store.may_commit.set()
+            assert await done == 1
+
+    asyncio.run(story())
+
+
+def test_what_is_refused_leaves_the_others_of_its_transaction():
+    """It is withdrawn while the transaction that it is in has begun, and waits."""
+
+    async def story():
+        store = Store()
+        written, begun, gate = [], threading.Event(), threading.Event()
+
+        def slow():
+            begun.set()
+            gate.wait(60)
+            written.append("slow")
+
+        async with writing(store) as writer:
+            store.gate.clear()
+            first = asyncio.create_task(writer.do(partial(written.append, "first")))
+            await asyncio.to_thread(store.has_begun.wait, 60)
+            other = asyncio.create_task(writer.do(partial(written.append, "other")))
+            late = asyncio.create_task(writer.do(slow, within=0.05))
+            await asyncio.sleep(0)
+            store.gate.set()
+            with pytest.raises(DatabaseUnavailable):
+                await late
+            gate.set()
+            await asyncio.gather(first, other)
+        # Once for nothing, in the transaction that was given up.
+        assert [what for what in written if what != "slow"] == ["first", "other", "other"]
+        assert len(store.durable) == 2
 
     asyncio.run(story())

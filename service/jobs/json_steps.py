@@ -1,0 +1,78 @@
+"""Large JSON texts, taken apart and decoded in small steps between which other threads run.
+
+To decode 30 MB at once takes most of a second, in which no other thread of the process runs, and so
+the event loop answers nothing. Here strings and brackets alone are looked for, and what they
+enclose is decoded in portions.
+"""
+
+import json
+import re
+from collections.abc import Iterator
+from typing import Any
+
+# Takes some milliseconds to decode.
+STEP = 256 * 1024
+# A string, a list of plain numbers, or a bracket.
+_TOKEN = re.compile(r'"[^"\\]*(?:\\.[^"\\]*)*"|\[[^"\[\]{}]*\]|[\[\]{}]')
+
+
+def decode(text: str) -> Any:
+    """Return what a JSON text says."""
+    if len(text) <= STEP:
+        return json.loads(text)
+    match text[0]:
+        case "{":
+            return {name: decode(part) for name, part in members_of(text)}
+        case "[":
+            found: list[Any] = []
+            for portion in _portions(text):
+                found += json.loads(f"[{portion}]")
+            return found
+        case _:
+            return json.loads(text)
+
+
+def member_of(text: str, wanted: str) -> str | None:
+    """Return the text of a member of an object, None if it has none of that name."""
+    return next((part for name, part in members_of(text) if name == wanted), None)
+
+
+def members_of(text: str) -> Iterator[tuple[str, str]]:
+    """Yield names and texts of an object's members, in order.
+
+    Args:
+        text: Of a JSON object.
+    """
+    name, begin, depth = "", 0, 0
+    for token in _TOKEN.finditer(text):
+        start, after = token.span()
+        if text[start] == '"':
+            if depth == 1 and text[after : after + 1] == ":":
+                if begin:
+                    yield name, text[begin:start].rstrip(", ")
+                name, begin = json.loads(token[0]), after + 1
+        elif after - start == 1:
+            depth += 1 if text[start] in "[{" else -1
+            if depth == 0 and begin:
+                yield name, text[begin:start].rstrip()
+
+
+def _portions(text: str) -> Iterator[str]:
+    """Yield the elements of a list, some at a time, without the brackets around them."""
+    begin, depth, end = 1, 0, text.rindex("]")
+    if _TOKEN.match(text).end() == end + 1:  # plain numbers
+        while begin < end:
+            cut = text.find(",", begin + STEP)
+            cut = end if cut < 0 else cut
+            yield text[begin:cut]
+            begin = cut + 1
+        return
+    for token in _TOKEN.finditer(text):
+        start, after = token.span()
+        if text[start] != '"' and after - start == 1:
+            depth += 1 if text[start] in "[{" else -1
+        if depth == 1 and after - begin > STEP and text[after : after + 1] == ",":
+            yield text[begin:after]
+            begin = after + 1
+    if text[begin:end].strip():
+        yield text[begin:end]

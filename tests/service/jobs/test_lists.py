@@ -1,0 +1,89 @@
+"""A page of a list reads its own rows, however many others there are."""
+
+import itertools
+
+import pytest
+from sqlalchemy import event, text
+
+from service.jobs.database import open_engine
+from service.jobs.records import JobSpec, jobs
+from service.jobs.store import JobStore
+from service.scenes.store import SceneStore
+
+# Every way in which lists are asked for.
+FILTERS = [
+    dict(zip(("state", "scene", "warm_key"), chosen, strict=True))
+    for chosen in itertools.product([None, "queued"], [None, "s1"], [None])
+] + [{"warm_key": "w1"}]
+
+
+@pytest.fixture
+def engine(tmp_path):
+    made = open_engine(f"sqlite:///{tmp_path / 'jobs.sqlite'}")
+    yield made
+    made.dispose()
+
+
+def asked_by(engine, work):
+    """The statements of some work, with their parameters."""
+    told = []
+
+    def listen(_, __, statement, parameters, *___):
+        told.append((statement, parameters))
+
+    event.listen(engine, "before_cursor_execute", listen)
+    work()
+    event.remove(engine, "before_cursor_execute", listen)
+    return told
+
+
+def steps(engine, asked):
+    """How the database goes about some statements."""
+    found = []
+    with engine.connect() as connection:
+        for statement, parameters in asked:
+            explained = connection.exec_driver_sql(f"EXPLAIN QUERY PLAN {statement}", parameters)
+            found += [row.detail for row in explained]
+    return found
+
+
+def assert_reads_only_its_rows(found):
+    assert found
+    for step in found:
+        assert not step.startswith("SCAN jobs"), found
+        assert not step.startswith("SCAN job_"), found
+        assert not step.startswith("SCAN scenes"), found
+        assert "TEMP B-TREE" not in step, found
+
+
+@pytest.mark.parametrize("wanted", FILTERS, ids=str)
+@pytest.mark.parametrize("before", [None, 40])
+def test_a_page_of_jobs_reads_its_own_rows(engine, wanted, before):
+    store = JobStore(engine)
+    store.open()
+    for i in range(60):
+        store.insert(JobSpec("plan" if i % 3 else "execution", "m:f", {}, scene=f"s{i % 2}"))
+    asked = asked_by(engine, lambda: store.page("plan", wanted, before=before, limit=5))
+    assert_reads_only_its_rows(steps(engine, asked))
+
+
+def test_a_page_of_scenes_reads_its_own_rows(engine, tmp_path):
+    store = SceneStore(engine, tmp_path / "scenes")
+    store.open()
+    for before in (None, 40):
+        asked = asked_by(engine, lambda before=before: store.page(5, before))
+        found = steps(engine, asked)
+        # The page itself is what is gone through in the end.
+        assert_reads_only_its_rows([step for step in found if "TEMP B-TREE FOR ORDER" not in step])
+
+
+def test_databases_of_older_versions_get_the_indices(engine):
+    store = JobStore(engine)
+    store.open()
+    with engine.begin() as connection:
+        for index in jobs.indexes:
+            index.drop(connection)
+        connection.execute(text("CREATE INDEX jobs_by_scene ON jobs (scene, serial)"))
+    store.open()
+    asked = asked_by(engine, lambda: store.page("plan", {"scene": "s"}, before=9, limit=5))
+    assert_reads_only_its_rows(steps(engine, asked))
