@@ -5,13 +5,14 @@ from collections.abc import AsyncGenerator, Callable
 from contextlib import asynccontextmanager
 from functools import partial
 
-from service.desk import LANES, Desk
+from service.desk import Desk
 from service.executions.settlement import settled
 from service.jobs.database import open_engine
 from service.jobs.dispatcher import Dispatcher
 from service.jobs.inline_slot import InlineSlot
-from service.jobs.lane import Lane
+from service.jobs.lane import Lane, Share
 from service.jobs.ownership import Ownership
+from service.jobs.pool import Pool
 from service.jobs.slot import ProcessSlot, Slot
 from service.jobs.store import JobStore
 from service.plans.versions import versions
@@ -31,6 +32,8 @@ _PRELOAD = (
     "service.tasks.scenes",
     "service.tasks.trajectories",
 )
+# Slots for short questions only: they go on while scenes are loaded.
+_KEPT = 1
 _WARM_UP = "service.tasks.warm:warm_up"
 
 
@@ -50,8 +53,7 @@ async def open_desk(
     settings.data_dir.mkdir(parents=True, exist_ok=True)
     engine = open_engine(settings.url)
     store = JobStore(engine, versions())
-    lanes = {name: _lane(settings, name) for name in LANES}
-    dispatcher = Dispatcher(store, Ownership(engine), lanes, on_taken=on_taken)
+    dispatcher = Dispatcher(store, Ownership(engine), _lanes(settings), on_taken=on_taken)
     scenes = SceneStore(engine, settings.data_dir / "scenes")
     try:
         scenes.open()
@@ -85,14 +87,30 @@ async def _swept(sweeper: Sweeper) -> AsyncGenerator[Sweeper]:
 _CANCEL_GRACE = {"plan": 0.25, "query": 0.25, "execution": 5.0, "regions": 0.25}
 
 
-def _lane(settings: Settings, name: str) -> Lane:
-    count: int = getattr(settings, f"{name}_slots")
-    slots = [_slot(settings, name) for _ in range(count)]
-    return Lane(name, slots, settings.max_queued, _CANCEL_GRACE[name])
+def _lanes(settings: Settings) -> dict[str, Lane]:
+    """Return the lanes: executions have slots of their own, all else shares a pool.
+
+    A scene that was loaded for one is warm for all of them. Lanes of a pool do not wait for each
+    other: it has as many slots as they may use together.
+    """
+    shares = {
+        "query": Share(settings.query_slots + _KEPT, _KEPT),
+        "plan": Share(settings.plan_slots),
+        "regions": Share(settings.regions_slots),
+    }
+    count = sum(share.most or 0 for share in shares.values())
+    pool = Pool([_slot(settings, is_exclusive=True) for _ in range(count)])
+    # Executions go on while something is planned; OMPL and Drake take turns.
+    own = [_slot(settings, is_exclusive=False) for _ in range(settings.execution_slots)]
+    lanes = {name: _lane(settings, name, pool, share) for name, share in shares.items()}
+    return {**lanes, "execution": _lane(settings, "execution", Pool(own), None)}
 
 
-def _slot(settings: Settings, lane: str) -> Slot:
+def _lane(settings: Settings, name: str, pool: Pool, share: Share | None) -> Lane:
+    return Lane(name, pool, settings.max_queued, _CANCEL_GRACE[name], share=share)
+
+
+def _slot(settings: Settings, *, is_exclusive: bool) -> Slot:
     if settings.engine == "inline":
-        # Executions go on while something is planned; OMPL and Drake take turns.
-        return InlineSlot(is_exclusive=lane != "execution")
+        return InlineSlot(is_exclusive=is_exclusive)
     return ProcessSlot(_PRELOAD)

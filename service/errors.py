@@ -50,6 +50,13 @@ class RequestTimeout(Refusal):
     status = 408
 
 
+class ClientLeft(Refusal):
+    """The client closed its connection before it had the answer, which nothing waits for then."""
+
+    code = "client_left"
+    status = 499
+
+
 class UnknownResource(Refusal):
     """There is nothing of that id; evidence: `kind`, `id`."""
 
@@ -191,6 +198,7 @@ _STATUS: dict[type[WayproofError], int] = {
     planning_errors.DeadlineExceeded: 503,
     job_errors.IdempotencyConflict: 409,
     job_errors.QueueFull: 429,
+    job_errors.QueueTimeout: 503,
     job_errors.UnknownJob: 404,
     job_errors.WorkerCrashed: 503,
     job_errors.WorkerUnresponsive: 503,

@@ -22,6 +22,11 @@ def default_plan_slots() -> int:
     return min(8, max(1, (os.cpu_count() or 1) - 1))
 
 
+def default_query_slots() -> int:
+    """Return one slot for every two processors, at least one, at most four."""
+    return min(4, max(1, (os.cpu_count() or 1) // 2))
+
+
 class Settings(BaseSettings):
     """How this server runs. Frozen: a running server does not change its mind."""
 
@@ -44,7 +49,12 @@ class Settings(BaseSettings):
         description="How many processes may search at once, running plans included: what they "
         "leave idle makes the attempts of one plan side by side; 1 for one after another",
     )
-    query_slots: int = Field(default=1, ge=1, le=64)
+    query_slots: int = Field(
+        default_factory=default_query_slots,
+        ge=1,
+        le=64,
+        description="Questions that may run at once; one more slot is kept for short ones",
+    )
     regions_slots: int = Field(default=1, ge=1, le=64)
     execution_slots: int = Field(default=2, ge=1, le=64)
     max_queued: int = Field(default=1000, ge=1, description="Jobs that may wait, per lane")
@@ -74,7 +84,10 @@ class Settings(BaseSettings):
     )
     max_body_bytes: int = Field(default=32 * 1024 * 1024, ge=1024)
     max_wait: float = Field(default=60.0, gt=0, description="Longest `?wait=` [s]")
-    query_timeout: float = Field(default=60.0, gt=0, description="For checks, IK and so on [s]")
+    query_timeout: float = Field(default=60.0, gt=0, description="For checks, IK and so on, once they run [s]")
+    query_patience: float = Field(
+        default=30.0, gt=0, description="How long a question may wait for a worker [s]"
+    )
     best_grace: float = Field(
         default=0.9,
         gt=0,

@@ -9,6 +9,12 @@ class QueueFull(WayproofError):
     code = "queue_full"
 
 
+class QueueTimeout(WayproofError):
+    """No worker was free in time; evidence: `lane`, `waited` [s], `queued`, `retry_after` [s]."""
+
+    code = "queue_timeout"
+
+
 class IdempotencyConflict(WayproofError):
     """An idempotency key came again with another request; evidence: `key`, `job`."""
 

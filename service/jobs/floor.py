@@ -1,4 +1,4 @@
-"""Floor: brings together what waits in lanes and the slots that get free."""
+"""Floor: brings together what waits in lanes and the slots of their pools that get free."""
 
 import asyncio
 import logging
@@ -6,8 +6,10 @@ from collections.abc import Callable, Coroutine, Mapping
 from typing import Any
 
 from service.jobs.errors import QueueFull
+from service.jobs.durations import Kind
 from service.jobs.lane import Lane, Ticket
 from service.jobs.outcome import Ended, Outcome, Raised, Returned
+from service.jobs.pool import Pool
 from service.jobs.slot import Slot
 
 _log = logging.getLogger(__name__)
@@ -19,6 +21,7 @@ class Floor:
     def __init__(self, lanes: Mapping[str, Lane]) -> None:
         """Start with no slot ready; `open` makes them so."""
         self._lanes = lanes
+        self._pools = list({id(lane.pool): lane.pool for lane in lanes.values()}.values())
         self._tasks: set[asyncio.Task[Any]] = set()
         self._timers: dict[str, asyncio.TimerHandle] = {}
         self._is_closed = False
@@ -34,10 +37,15 @@ class Floor:
 
     async def open(self, warm_up: str | None) -> None:
         """Begin to get all slots ready; each is used as soon as it is."""
-        for lane in self._lanes.values():
-            for slot in lane.slots:
+        for pool in self._pools:
+            for slot in pool.slots:
                 await slot.open(warm_up)
-                self.spawn(self._admit(lane, slot, None))
+                self.spawn(self._admit(pool, slot))
+
+    @property
+    def slots(self) -> list[Slot]:
+        """All slots of all pools."""
+        return [slot for pool in self._pools for slot in pool.slots]
 
     def hold(self) -> None:
         """Give slots to nothing more until `go_on`."""
@@ -57,8 +65,7 @@ class Floor:
         for task in list(self._tasks):
             task.cancel()
         await asyncio.gather(*self._tasks, return_exceptions=True)
-        slots = [slot for lane in self._lanes.values() for slot in lane.slots]
-        await asyncio.gather(*(slot.close() for slot in slots))
+        await asyncio.gather(*(slot.close() for slot in self.slots))
 
     def require_room(self, name: str) -> None:
         """Go on only if one more may wait in a lane.
@@ -86,6 +93,7 @@ class Floor:
         warm_key: str | None = None,
         priority: int = 0,
         order: int | None = None,
+        kind: Kind | None = None,
     ) -> int:
         """Call `use` with a slot as soon as there is one; return the place in the queue.
 
@@ -96,11 +104,12 @@ class Floor:
             warm_key: What a slot may be warm with.
             priority: Larger comes first.
             order: The place of who waits again.
+            kind: Of a question.
         """
         lane = self._lanes[name]
         place = lane.next_order() if order is None else order
         since = asyncio.get_running_loop().time()
-        lane.add(Ticket(ticket, warm_key, priority, since, use, place))
+        lane.add(Ticket(ticket, warm_key, priority, since, use, place, kind))
         self._assign(lane)
         return place
 
@@ -111,12 +120,16 @@ class Floor:
             isinstance(outcome, Ended) and outcome.error is not None
         )
         if not is_intact:
-            lane.cool(slot)
-        self.spawn(self._admit(lane, slot, seconds))
+            lane.pool.cool(slot)
+        lane.leave(slot, seconds)
+        self.spawn(self._admit(lane.pool, slot))
+        self._assign(lane)
 
     def readmit(self, name: str, slot: Slot) -> None:
         """Take a slot back that was not used."""
-        self.spawn(self._admit(self._lanes[name], slot, None))
+        lane = self._lanes[name]
+        lane.leave(slot)
+        self.spawn(self._admit(lane.pool, slot))
 
     def spawn(self, work: Coroutine[Any, Any, None]) -> None:
         """Carry out work that nobody waits for; it is canceled when the floor closes."""
@@ -130,10 +143,12 @@ class Floor:
         self._tasks.add(task)
         task.add_done_callback(self._on_done)
 
-    async def _admit(self, lane: Lane, slot: Slot, seconds: float | None) -> None:
+    async def _admit(self, pool: Pool, slot: Slot) -> None:
         await slot.ready()
-        lane.give_back(slot, seconds)
-        self._assign(lane)
+        pool.give_back(slot)
+        for lane in self._lanes.values():
+            if lane.pool is pool:
+                self._assign(lane)
 
     def _assign(self, lane: Lane) -> None:
         if self._is_held:

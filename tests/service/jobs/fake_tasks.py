@@ -152,3 +152,19 @@ def move(payload: dict[str, Any], channel: Channel) -> dict[str, Any]:
     Path(payload["rest"]).write_text(str(place))
     message = f"at rest at {place}"
     raise Canceled(message, {"place": place})
+
+
+def spin_until_told(payload: dict[str, Any], channel: Channel) -> dict[str, Any]:
+    """Run until canceled, and leave a sign of each."""
+    Path(payload["begun"]).touch()
+    while not channel.is_canceled():
+        time.monotonic()
+    Path(payload["ended"]).touch()
+    raise Canceled("noticed")
+
+
+def hang_quietly(payload: dict[str, Any], _: Channel) -> dict[str, Any]:
+    """Leave a sign, and sleep in C with the interpreter's lock held."""
+    Path(payload["begun"]).touch()
+    ctypes.PyDLL(None).sleep(30)
+    return {}
