@@ -118,9 +118,9 @@ def test_a_lane_leaves_to_another_one_what_that_may_use():
     plans, questions = lanes_of(plan=Share(1), query=Share(2))
     for i in range(3):
         wait(plans, f"p{i}")
-        wait(questions, f"q{i}")
-    assert names(plans.assign(0.0)) == ["p0"]
+        wait(questions, f"q{i}", kind=Kind("echo"))
     assert names(questions.assign(0.0)) == ["q0", "q1"]
+    assert names(plans.assign(0.0)) == ["p0"]
 
 
 def test_what_a_question_has_loaded_is_warm_for_the_first_plan():
