@@ -11,7 +11,7 @@ from anyio import to_thread
 from pydantic import BaseModel
 
 from service.client_watch import note_question, unless_client_leaves
-from service.errors import UnknownResource
+from service.errors import NotReady, UnknownResource
 from service.jobs.calls import Question
 from service.jobs.dispatcher import Dispatcher
 from service.jobs.errors import UnknownJob
@@ -228,6 +228,17 @@ class Desk:
             return run.latest(event_type)
         event = await to_thread.run_sync(self._store.last_event, job.id, event_type)
         return None if event is None else event.data
+
+    def require_ready(self) -> None:
+        """Go on only if workers of every lane are warm.
+
+        Raises:
+            NotReady: They are not, yet or any more.
+        """
+        faults = self._dispatcher.faults()
+        if faults:
+            named = "; ".join(f"{lane}: {fault}" for lane, fault in faults.items())
+            raise NotReady(f"not ready: {named}"[:500], {"faults": faults, "retry_after": 1})
 
     async def counts(self) -> dict[str, dict[str, int]]:
         """Return how many jobs there are, by state and lane."""

@@ -15,26 +15,16 @@ from service.jobs.ownership import Ownership
 from service.jobs.pool import Pool
 from service.jobs.slot import ProcessSlot, Slot
 from service.jobs.store import JobStore
+from service.jobs.worker import Terms
 from service.plans.versions import versions
 from service.scenes.shelf import SceneShelf
 from service.scenes.store import SceneStore
 from service.scenes.sweeping import Sweeper
 from service.settings import Settings
+from service.workers import PRELOAD, WARM_UP
 
-# What the forkserver imports once, so that every worker has Drake and OMPL from its birth.
-_PRELOAD = (
-    "service.tasks.execute",
-    "service.tasks.models",
-    "service.tasks.plan",
-    "service.tasks.planners",
-    "service.tasks.queries",
-    "service.tasks.regions",
-    "service.tasks.scenes",
-    "service.tasks.trajectories",
-)
 # Slots for short questions only: they go on while scenes are loaded.
 _KEPT = 1
-_WARM_UP = "service.tasks.warm:warm_up"
 
 
 @asynccontextmanager
@@ -57,7 +47,7 @@ async def open_desk(
     scenes = SceneStore(engine, settings.data_dir / "scenes")
     try:
         scenes.open()
-        await dispatcher.start(_WARM_UP if settings.engine == "process" else None)
+        await dispatcher.start(WARM_UP if settings.engine == "process" else None)
         try:
             shelf = SceneShelf(scenes)
             desk = Desk(settings, store, dispatcher, shelf)
@@ -99,9 +89,11 @@ def _lanes(settings: Settings) -> dict[str, Lane]:
         "regions": Share(settings.regions_slots),
     }
     count = sum(share.most or 0 for share in shares.values())
-    pool = Pool([_slot(settings, is_exclusive=True) for _ in range(count)])
+    terms = Terms(settings.niceness, settings.worker_memory)
+    pool = Pool([_slot(settings, terms, is_exclusive=True) for _ in range(count)])
     # Executions go on while something is planned; OMPL and Drake take turns.
-    own = [_slot(settings, is_exclusive=False) for _ in range(settings.execution_slots)]
+    terms = Terms(0, settings.worker_memory, _CANCEL_GRACE["execution"])
+    own = [_slot(settings, terms, is_exclusive=False) for _ in range(settings.execution_slots)]
     lanes = {name: _lane(settings, name, pool, share) for name, share in shares.items()}
     return {**lanes, "execution": _lane(settings, "execution", Pool(own), None)}
 
@@ -110,7 +102,7 @@ def _lane(settings: Settings, name: str, pool: Pool, share: Share | None) -> Lan
     return Lane(name, pool, settings.max_queued, _CANCEL_GRACE[name], share=share)
 
 
-def _slot(settings: Settings, *, is_exclusive: bool) -> Slot:
+def _slot(settings: Settings, terms: Terms, *, is_exclusive: bool) -> Slot:
     if settings.engine == "inline":
         return InlineSlot(is_exclusive=is_exclusive)
-    return ProcessSlot(_PRELOAD)
+    return ProcessSlot(PRELOAD, terms)

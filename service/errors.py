@@ -78,6 +78,13 @@ class MethodNotAllowed(Refusal):
     status = 405
 
 
+class NotReady(Refusal):
+    """Workers are not warm yet, or cannot be; evidence: `faults` by lane."""
+
+    code = "not_ready"
+    status = 503
+
+
 class WrongCount(Refusal):
     """A list of joint values that does not fit the group; evidence: `expected`, `got`, `names`."""
 
@@ -202,6 +209,7 @@ _STATUS: dict[type[WayproofError], int] = {
     job_errors.UnknownJob: 404,
     job_errors.WorkerCrashed: 503,
     job_errors.WorkerUnresponsive: 503,
+    job_errors.MemoryLimitExceeded: 503,
     job_errors.DatabaseTaken: 503,
     job_errors.DatabaseUnavailable: 503,
     job_errors.InternalError: 500,

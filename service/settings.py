@@ -8,6 +8,7 @@ from typing import Literal
 from pydantic import Field
 from pydantic_settings import BaseSettings, SettingsConfigDict
 
+_GIB = 2**30
 _TEST_HOSTS = {"inline": ("testserver",), "process": ()}
 
 
@@ -25,6 +26,12 @@ def default_plan_slots() -> int:
 def default_query_slots() -> int:
     """Return one slot for every two processors, at least one, at most four."""
     return min(4, max(1, (os.cpu_count() or 1) // 2))
+
+
+def default_worker_memory() -> int:
+    """Return half of this machine's memory, 1 to 8 GiB [bytes]."""
+    machine = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
+    return min(8 * _GIB, max(_GIB, machine // 2))
 
 
 class Settings(BaseSettings):
@@ -57,6 +64,17 @@ class Settings(BaseSettings):
     )
     regions_slots: int = Field(default=1, ge=1, le=64)
     execution_slots: int = Field(default=2, ge=1, le=64)
+    niceness: int = Field(
+        default=10,
+        ge=0,
+        le=19,
+        description="How far plans and questions let executions and the server go before (nice)",
+    )
+    worker_memory: int = Field(
+        default_factory=default_worker_memory,
+        ge=_GIB // 2,
+        description="What one worker may use [bytes]; what needs more fails",
+    )
     max_queued: int = Field(default=1000, ge=1, description="Jobs that may wait, per lane")
     model_roots: tuple[Path, ...] = Field(default=(), description="More folders of robots")
     allow_model_paths: bool | None = Field(

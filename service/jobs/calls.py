@@ -143,7 +143,6 @@ class Calls:
         loop = asyncio.get_running_loop()
         began = loop.time()
         run = Run(question.task, question.payload, NoSink(), question.allowed)
-        outcome: Outcome | None = None
         content: Any = None
         try:
             outcome = await slot.run(run)
@@ -156,7 +155,7 @@ class Calls:
                 lane, key = self._floor.lane(question.lane), content[question.leaves]
                 lane.pool.warm(slot, key)
                 lane.durations.note_load(key, seconds)
-            self._floor.release(question.lane, slot, outcome, seconds)
+            self._floor.release(question.lane, slot, seconds)
 
     def _sit(self, lane: str, seated: asyncio.Future[Slot], slot: Slot) -> None:
         """Hand a slot to a call; take it back if the call waits no longer."""

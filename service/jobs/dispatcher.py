@@ -134,6 +134,10 @@ class Dispatcher:
         """Return what memory has of a job that waits or runs here, None if it does not."""
         return self._runs.get(identifier)
 
+    def faults(self) -> dict[str, str]:
+        """Return why lanes cannot begin a job well, by name; empty if all can."""
+        return self._floor.faults()
+
     async def submit(self, spec: JobSpec) -> Job:
         """Queue a job; it is durable when this returns.
 

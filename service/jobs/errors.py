@@ -68,6 +68,13 @@ class WorkerUnresponsive(PlanningFailure):
     stage = "worker"
 
 
+class MemoryLimitExceeded(PlanningFailure):
+    """The job needs more memory than a worker may use; evidence: `used`, `bound` [bytes]."""
+
+    code = "memory_limit_exceeded"
+    stage = "worker"
+
+
 class ServerRestarted(PlanningFailure):
     """The server ended while the job ran, and it may not run again; evidence: `attempts`."""
 

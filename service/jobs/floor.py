@@ -5,10 +5,9 @@ import logging
 from collections.abc import Callable, Coroutine, Mapping
 from typing import Any
 
-from service.jobs.errors import QueueFull
 from service.jobs.durations import Kind
+from service.jobs.errors import QueueFull
 from service.jobs.lane import Lane, Ticket
-from service.jobs.outcome import Ended, Outcome, Raised, Returned
 from service.jobs.pool import Pool
 from service.jobs.slot import Slot
 
@@ -67,6 +66,18 @@ class Floor:
         await asyncio.gather(*self._tasks, return_exceptions=True)
         await asyncio.gather(*(slot.close() for slot in self.slots))
 
+    def faults(self) -> dict[str, str]:
+        """Return why lanes cannot begin a job well, by name; those with one good slot are left out.
+
+        A slot that is being replaced just now is none.
+        """
+        found: dict[str, str] = {}
+        for name, lane in self._lanes.items():
+            known = [slot.fault for slot in lane.pool.slots]
+            if None not in known:
+                found[name] = next(fault for fault in known if fault is not None)
+        return found
+
     def require_room(self, name: str) -> None:
         """Go on only if one more may wait in a lane.
 
@@ -113,14 +124,9 @@ class Floor:
         self._assign(lane)
         return place
 
-    def release(self, name: str, slot: Slot, outcome: Outcome | None, seconds: float) -> None:
+    def release(self, name: str, slot: Slot, seconds: float) -> None:
         """Give a slot back after a run; it is used again once it is ready."""
         lane = self._lanes[name]
-        is_intact = isinstance(outcome, Returned | Raised) or (
-            isinstance(outcome, Ended) and outcome.error is not None
-        )
-        if not is_intact:
-            lane.pool.cool(slot)
         lane.leave(slot, seconds)
         self.spawn(self._admit(lane.pool, slot))
         self._assign(lane)

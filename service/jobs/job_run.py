@@ -163,7 +163,7 @@ class JobRun:
             outcome = Raised(InternalError(f"the slot failed: {type(fault).__name__}"))
         finally:
             self._slot = None
-            self._floor.release(job.lane, slot, outcome, loop.time() - began)
+            self._floor.release(job.lane, slot, loop.time() - began)
         return outcome
 
     async def _conclude(self, outcome: Outcome, refused: list[Told], attempts: int) -> bool:

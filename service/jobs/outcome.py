@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from planning.errors import Canceled, DeadlineExceeded, ExecutionFailure, WayproofError
-from service.jobs.errors import WorkerCrashed, WorkerUnresponsive
+from service.jobs.errors import MemoryLimitExceeded, WorkerCrashed, WorkerUnresponsive
 from service.jobs.json_text import Encoded
 
 
@@ -62,6 +62,19 @@ class Silent:
 
 
 @dataclass(frozen=True)
+class Overgrown:
+    """It used more memory than it may, and was ended.
+
+    Attributes:
+        used: The most that was seen [bytes].
+        bound: What it may use [bytes].
+    """
+
+    used: int
+    bound: int
+
+
+@dataclass(frozen=True)
 class Ended:
     """It ended, or was ended, because somebody asked for it.
 
@@ -72,7 +85,7 @@ class Ended:
     error: WayproofError | None = None
 
 
-type Failed = Raised | Crashed | Silent | TimedOut | Ended
+type Failed = Raised | Crashed | Silent | TimedOut | Overgrown | Ended
 type Outcome = Returned | Failed
 
 
@@ -91,6 +104,10 @@ def error_of(outcome: Failed, attempts: int) -> WayproofError:
         case Silent(seconds=seconds):
             message = f"the worker process said nothing for {seconds:g} s and was ended"
             return WorkerUnresponsive(message, {"silence": seconds, "attempts": attempts})
+        case Overgrown(used=used, bound=bound):
+            message = f"the task needs more than the {bound / 1e6:.0f} MB that a worker may use"
+            evidence = {"used": used, "bound": bound, "attempts": attempts}
+            return MemoryLimitExceeded(message, evidence)
         case Crashed():
             return _crash(outcome, attempts)
 

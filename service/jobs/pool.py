@@ -16,7 +16,8 @@ class Pool:
         """Start with no slot idle; `give_back` makes one so."""
         self.slots = list(slots)
         self._idle: list[Slot] = []
-        self._keys: dict[int, OrderedDict[str, None]] = {id(s): OrderedDict() for s in slots}
+        self._keys: dict[int, OrderedDict[str, None]] = {}
+        self._generations: dict[int, int] = {}
 
     @property
     def has_idle(self) -> bool:
@@ -30,7 +31,7 @@ class Pool:
     def take(self, key: str | None) -> Slot:
         """Take an idle slot: one that is warm for the key, else the one with the fewest keys."""
         warm = [slot for slot in self._idle if self.is_warm(slot, key)]
-        slot = warm[0] if warm else min(self._idle, key=lambda idle: len(self._keys[id(idle)]))
+        slot = warm[0] if warm else min(self._idle, key=lambda idle: len(self._keys_of(idle)))
         self._idle.remove(slot)
         if key is not None:
             self.warm(slot, key)
@@ -38,7 +39,7 @@ class Pool:
 
     def is_warm(self, slot: Slot, key: str | None) -> bool:
         """Return whether a slot is warm for a key."""
-        return key is not None and key in self._keys[id(slot)]
+        return key is not None and key in self._keys_of(slot)
 
     def has_warm_idle(self, key: str | None) -> bool:
         """Return whether an idle slot is warm for a key."""
@@ -52,12 +53,15 @@ class Pool:
 
     def warm(self, slot: Slot, key: str) -> None:
         """Note that a slot is warm for a key from now on."""
-        keys = self._keys[id(slot)]
+        keys = self._keys_of(slot)
         keys[key] = None
         keys.move_to_end(key)
         if len(keys) > _KEYS_PER_SLOT:
             keys.popitem(last=False)
 
-    def cool(self, slot: Slot) -> None:
-        """Forget what a slot was warm with: its process is another."""
-        self._keys[id(slot)].clear()
+    def _keys_of(self, slot: Slot) -> OrderedDict[str, None]:
+        """Return what a slot is warm with; nothing if its process is another by now."""
+        if self._generations.get(id(slot)) != slot.generation:
+            self._generations[id(slot)] = slot.generation
+            self._keys[id(slot)] = OrderedDict()
+        return self._keys[id(slot)]

@@ -5,7 +5,6 @@ import signal
 
 import pytest
 
-from planning.errors import DeadlineExceeded
 from service.jobs.calls import Question
 from service.jobs.errors import InternalError, QueueFull, QueueTimeout, WorkerCrashed
 from tests.service.jobs.conftest import GUARD, TASKS, running, spec
