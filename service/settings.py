@@ -102,7 +102,9 @@ class Settings(BaseSettings):
     )
     max_body_bytes: int = Field(default=32 * 1024 * 1024, ge=1024)
     max_wait: float = Field(default=60.0, gt=0, description="Longest `?wait=` [s]")
-    query_timeout: float = Field(default=60.0, gt=0, description="For checks, IK and so on, once they run [s]")
+    query_timeout: float = Field(
+        default=60.0, gt=0, description="For checks, IK and so on, once they run [s]"
+    )
     query_patience: float = Field(
         default=30.0, gt=0, description="How long a question may wait for a worker [s]"
     )

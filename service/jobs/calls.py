@@ -116,8 +116,8 @@ class Calls:
         self._num_calls += 1
         ticket = f"call {self._num_calls}"
         use = partial(self._sit, question.lane, seated)
-        asked = {"warm_key": question.warm_key, "kind": question.kind}
-        self._floor.seat(question.lane, ticket, use, **asked)
+        asked = (question.warm_key, question.kind)
+        self._floor.seat_question(question.lane, ticket, use, *asked)
         try:
             async with asyncio.timeout(question.patience):
                 return await seated

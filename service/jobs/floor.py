@@ -104,7 +104,6 @@ class Floor:
         warm_key: str | None = None,
         priority: int = 0,
         order: int | None = None,
-        kind: Kind | None = None,
     ) -> int:
         """Call `use` with a slot as soon as there is one; return the place in the queue.
 
@@ -115,14 +114,18 @@ class Floor:
             warm_key: What a slot may be warm with.
             priority: Larger comes first.
             order: The place of who waits again.
-            kind: Of a question.
         """
         lane = self._lanes[name]
         place = lane.next_order() if order is None else order
-        since = asyncio.get_running_loop().time()
-        lane.add(Ticket(ticket, warm_key, priority, since, use, place, kind))
-        self._assign(lane)
+        self._wait(lane, Ticket(ticket, warm_key, priority, _now(), use, place))
         return place
+
+    def seat_question(
+        self, name: str, ticket: str, use: Callable[[Slot], None], key: str | None, kind: Kind
+    ) -> None:
+        """Call `use` with a slot for a question of a kind about a scene; else as `seat`."""
+        lane = self._lanes[name]
+        self._wait(lane, Ticket(ticket, key, 0, _now(), use, lane.next_order(), kind))
 
     def release(self, name: str, slot: Slot, seconds: float) -> None:
         """Give a slot back after a run; it is used again once it is ready."""
@@ -149,6 +152,10 @@ class Floor:
         self._tasks.add(task)
         task.add_done_callback(self._on_done)
 
+    def _wait(self, lane: Lane, ticket: Ticket) -> None:
+        lane.add(ticket)
+        self._assign(lane)
+
     async def _admit(self, pool: Pool, slot: Slot) -> None:
         await slot.ready()
         pool.give_back(slot)
@@ -173,3 +180,7 @@ class Floor:
         self._tasks.discard(task)
         if not task.cancelled() and (fault := task.exception()) is not None:
             _log.error("work in the background failed", exc_info=fault)
+
+
+def _now() -> float:
+    return asyncio.get_running_loop().time()

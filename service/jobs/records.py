@@ -17,7 +17,7 @@ from sqlalchemy import (
     UniqueConstraint,
 )
 
-from service.jobs.json_text import JsonText
+from service.jobs.json_column import JsonText
 from service.jobs.states import JobState
 
 FINISHED = "finished"

@@ -3,6 +3,8 @@
 import time
 from typing import Any
 
+import numpy as np
+
 from planning import (
     Deadline,
     JointGoal,
@@ -15,7 +17,7 @@ from planning import (
 from service.tasks.channel import Channel
 
 _SCENE = "{name: warm-up, robots: [{name: body, model: planar_l, positions: [0, 0, 0]}]}"
-_GOAL = JointGoal(((0.2, 0.1, 0.3),))
+_GOAL = JointGoal(np.array([[0.2, 0.1, 0.3]]))
 # It takes 40 ms; a busy machine may need longer [s].
 _ALLOWED = 60.0
 

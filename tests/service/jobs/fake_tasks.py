@@ -168,3 +168,28 @@ def hang_quietly(payload: dict[str, Any], _: Channel) -> dict[str, Any]:
     Path(payload["begun"]).touch()
     ctypes.PyDLL(None).sleep(30)
     return {}
+
+
+def grow(payload: dict[str, Any], channel: Channel) -> dict[str, Any]:
+    """Take memory, `chunk` bytes at a time, up to `most`; come to rest when told to."""
+    taken: list[bytes] = []
+    most = payload.get("most", float("inf"))
+    while not ("rest" in payload and channel.is_canceled()):
+        if sum(map(len, taken)) < most:
+            taken.append(b"x" * payload["chunk"])
+        threading.Event().wait(0.001)
+    Path(payload["rest"]).touch()
+    raise Canceled("at rest")
+
+
+def keep(payload: dict[str, Any], _: Channel) -> dict[str, Any]:
+    """Take memory, and keep it."""
+    _kept.append(b"x" * payload["count"])
+    return {}
+
+
+_kept: list[bytes] = []
+
+
+def niceness(_: dict[str, Any], __: Channel) -> dict[str, Any]:
+    return {"niceness": os.nice(0)}

@@ -80,9 +80,7 @@ def test_waiting_is_not_working(tmp_path):
 
 
 @pytest.mark.parametrize(("task", "is_kept"), [("spin_until_told", True), ("hang_quietly", False)])
-def test_a_call_that_is_given_up_frees_its_worker_and_spares_it_if_it_ends(
-    tmp_path, task, is_kept
-):
+def test_a_call_that_is_given_up_frees_its_worker_and_spares_it_if_it_ends(tmp_path, task, is_kept):
     async def story():
         async with running(tmp_path) as (dispatcher, _):
             pid = (await call(dispatcher, "echo"))["pid"]
