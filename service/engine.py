@@ -1,9 +1,10 @@
 """open_desk(): store, dispatcher and slots, for as long as the server runs."""
 
 import asyncio
-from collections.abc import AsyncGenerator, Callable
+from collections.abc import AsyncGenerator, Callable, Coroutine
 from contextlib import asynccontextmanager
 from functools import partial
+from typing import Any
 
 from service.desk import Desk
 from service.executions.settlement import settled
@@ -17,6 +18,7 @@ from service.jobs.slot import ProcessSlot, Slot
 from service.jobs.store import JobStore
 from service.jobs.worker import Terms
 from service.plans.versions import versions
+from service.retention import Retention
 from service.scenes.shelf import SceneShelf
 from service.scenes.store import SceneStore
 from service.scenes.sweeping import Sweeper
@@ -52,8 +54,11 @@ async def open_desk(
             shelf = SceneShelf(scenes)
             desk = Desk(settings, store, dispatcher, shelf)
             shelf.settle = partial(settled, scenes=shelf, desk=desk)
-            async with _swept(Sweeper(engine, settings.data_dir, settings.owner)) as sweeper:
-                shelf.forgotten = sweeper.ask
+            sweeper = Sweeper(engine, settings.data_dir, settings.owner)
+            sweeper.ask()
+            shelf.forgotten = sweeper.ask
+            retention = Retention(store, settings.retention_days, sweeper.ask)
+            async with _meanwhile(sweeper.run(), retention.run()):
                 yield desk, shelf
         finally:
             await dispatcher.stop()
@@ -62,15 +67,15 @@ async def open_desk(
 
 
 @asynccontextmanager
-async def _swept(sweeper: Sweeper) -> AsyncGenerator[Sweeper]:
-    """Have a sweeper sweep once, and whenever it is asked to."""
-    sweeper.ask()
-    work = asyncio.get_running_loop().create_task(sweeper.run())
+async def _meanwhile(*work: Coroutine[Any, Any, None]) -> AsyncGenerator[None]:
+    """Have work done in the background, and cancel it at the end."""
+    tasks = [asyncio.get_running_loop().create_task(each) for each in work]
     try:
-        yield sweeper
+        yield
     finally:
-        work.cancel()
-        await asyncio.gather(work, return_exceptions=True)
+        for task in tasks:
+            task.cancel()
+        await asyncio.gather(*tasks, return_exceptions=True)
 
 
 # How long a canceled job may take to end by itself [s]: a robot comes to rest on its path first.

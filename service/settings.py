@@ -76,6 +76,12 @@ class Settings(BaseSettings):
         description="What one worker may use [bytes]; what needs more fails",
     )
     max_queued: int = Field(default=1000, ge=1, description="Jobs that may wait, per lane")
+    retention_days: float = Field(
+        default=30.0,
+        ge=0,
+        description="For which plans, regions and executions are kept once they have ended; 0 "
+        "for all time",
+    )
     model_roots: tuple[Path, ...] = Field(default=(), description="More folders of robots")
     allow_model_paths: bool | None = Field(
         default=None,
