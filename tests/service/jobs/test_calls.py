@@ -7,6 +7,7 @@ import pytest
 
 from service.jobs.calls import Question
 from service.jobs.errors import InternalError, QueueFull, QueueTimeout, WorkerCrashed
+from service.jobs.lane import Share
 from tests.service.jobs.conftest import GUARD, TASKS, running, spec
 from tests.service.servers import until
 
@@ -15,8 +16,8 @@ async def call(dispatcher, task, payload=None, **given):
     return (await answer(dispatcher, task, payload, **given)).content
 
 
-def answer(dispatcher, task, payload=None, allowed=GUARD, patience=GUARD):
-    question = Question(f"{TASKS}:{task}", payload or {}, "plan", allowed, patience)
+def answer(dispatcher, task, payload=None, allowed=GUARD, patience=GUARD, **about):
+    question = Question(f"{TASKS}:{task}", payload or {}, "plan", allowed, patience, **about)
     return dispatcher.call(question)
 
 
@@ -56,6 +57,29 @@ def test_a_call_waits_its_turn_but_no_longer_than_it_may(tmp_path):
             answers = await asyncio.gather(*waiting)
             assert [answer["echo"] for answer in answers] == [{}] * 3
             assert (await dispatcher.wait(busy.id, GUARD)).state == "succeeded"
+
+    asyncio.run(story())
+
+
+def test_large_scenes_do_not_keep_short_questions_waiting(tmp_path):
+    """While one scene is loaded and others wait to be, two workers answer what is short."""
+
+    async def story():
+        async with running(tmp_path, slots=2, share=Share(2, kept=1)) as (dispatcher, _):
+            file, begun = tmp_path / "go", tmp_path / "begun"
+            payload = {"file": str(file), "begun": str(begun)}
+            loads = [
+                asyncio.create_task(call(dispatcher, "wait_for_file", payload, leaves="pid"))
+                for _ in range(3)
+            ]
+            await asyncio.to_thread(until, begun.exists)
+            for _ in range(3):
+                assert (await call(dispatcher, "echo"))["echo"] == {}
+            assert not any(load.done() for load in loads)
+            file.touch()
+            pids = [told["pid"] for told in await asyncio.gather(*loads)]
+            # What was left by a load is where the next question about it goes.
+            assert (await call(dispatcher, "echo", warm_key=pids[-1]))["pid"] == pids[-1]
 
     asyncio.run(story())
 
