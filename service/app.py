@@ -7,6 +7,7 @@ from fastapi import Depends, FastAPI
 
 from service import openapi, problems
 from service.body_limit import BodyLimit
+from service.client_watch import ClientWatch
 from service.engine import open_desk
 from service.gate import Gate
 from service.plans.versions import versions
@@ -85,6 +86,7 @@ def create_app(
         redirect_slashes=False,
     )
     app.state.settings = chosen
+    app.add_middleware(ClientWatch)
     app.add_middleware(
         BodyLimit, max_scene_bytes=chosen.max_body_bytes, allowed=chosen.body_timeout
     )

@@ -10,7 +10,9 @@ from typing import Any
 from anyio import to_thread
 from pydantic import BaseModel
 
-from service.errors import UnknownResource
+from service.client_watch import note_question, unless_client_leaves
+from service.errors import NotReady, UnknownResource
+from service.jobs.calls import Question
 from service.jobs.dispatcher import Dispatcher
 from service.jobs.errors import UnknownJob
 from service.jobs.json_text import Encoded
@@ -67,28 +69,45 @@ class Desk:
         file = await self._scenes.file(record)
         return {**self.common, "scene": {"digest": record.digest, "document": str(file)}}
 
-    async def ask(self, task: str, payload: dict[str, Any], warm_key: str = "") -> Any:
-        """Run a short task in the query lane and return its answer.
+    async def ask(
+        self, task: str, payload: dict[str, Any], *, size: int = 0, leaves: str = ""
+    ) -> Any:
+        """Run a short task in the query lane and return its answer; it ends if the client leaves.
+
+        Args:
+            task: To run.
+            payload: With `scene` where it is about one.
+            size: How much is asked: what is twice as much takes longer.
+            leaves: Of a task that loads a scene, the field of its answer that has the digest.
 
         Raises:
-            WayproofError: What the task raised, or that it took too long, or that it crashed.
+            WayproofError: What the task raised, or that it took too long, or that it crashed, or
+                that no worker was free in time.
+            ClientLeft: Its client does not wait any more.
         """
-        allowed = self._settings.query_timeout
-        return await self._dispatcher.call(
-            task, payload, lane="query", allowed=allowed, warm_key=warm_key
-        )
+        key = payload["scene"]["digest"] if "scene" in payload else None
+        return await self._ask(task, payload, warm_key=key, size=size, leaves=leaves)
 
-    async def ask_text(self, task: str, payload: dict[str, Any], warm_key: str = "") -> Encoded:
+    async def ask_text(self, task: str, payload: dict[str, Any]) -> Encoded:
         """Ask as `ask` does, for an answer that is passed on as it is."""
-        allowed = self._settings.query_timeout
-        return await self._dispatcher.call_text(
-            task, payload, lane="query", allowed=allowed, warm_key=warm_key
-        )
+        found: Encoded = await self._ask(task, payload, is_passed_on=True)
+        return found
 
-    async def ask_scene(self, task: str, record: SceneRecord, request: BaseModel) -> Any:
+    async def _ask(self, task: str, payload: dict[str, Any], **more: Any) -> Any:
+        allowed, patience = self._settings.query_timeout, self._settings.query_patience
+        question = Question(task, payload, "query", allowed, patience, **more)
+        answer = await unless_client_leaves(self._dispatcher.call(question))
+        note_question(answer.waited, answer.worked)
+        return answer.content
+
+    async def ask_scene(
+        self, task: str, record: SceneRecord, request: BaseModel, *, leaves: str = ""
+    ) -> Any:
         """Ask a loaded scene something; raises as `ask`."""
-        payload = {**await self.scene_payload(record), "request": request.model_dump(mode="json")}
-        return await self.ask(task, payload, record.digest)
+        asked = request.model_dump(mode="json")
+        payload = {**await self.scene_payload(record), "request": asked}
+        size = sum(len(field) for field in asked.values() if isinstance(field, list))
+        return await self.ask(task, payload, size=size, leaves=leaves)
 
     async def planners(self) -> list[dict[str, Any]]:
         """Return all planners; they are asked for once, because they never change."""
@@ -237,6 +256,17 @@ class Desk:
             return run.latest(event_type)
         event = await to_thread.run_sync(self._store.last_event, job.id, event_type)
         return None if event is None else event.data
+
+    def require_ready(self) -> None:
+        """Go on only if workers of every lane are warm.
+
+        Raises:
+            NotReady: They are not, yet or any more.
+        """
+        faults = self._dispatcher.faults()
+        if faults:
+            named = "; ".join(f"{lane}: {fault}" for lane, fault in faults.items())
+            raise NotReady(f"not ready: {named}"[:500], {"faults": faults, "retry_after": 1})
 
     async def counts(self) -> dict[str, dict[str, int]]:
         """Return how many jobs there are, by state and lane."""

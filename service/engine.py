@@ -1,39 +1,34 @@
 """open_desk(): store, dispatcher and slots, for as long as the server runs."""
 
 import asyncio
-from collections.abc import AsyncGenerator, Callable
+from collections.abc import AsyncGenerator, Callable, Coroutine
 from contextlib import asynccontextmanager
 from functools import partial
+from typing import Any
 
 from anyio import to_thread
 
-from service.desk import LANES, Desk
+from service.desk import Desk
 from service.executions.settlement import settled
 from service.jobs.database import keep_off_loops, open_engine
 from service.jobs.dispatcher import Dispatcher
 from service.jobs.inline_slot import InlineSlot
-from service.jobs.lane import Lane
+from service.jobs.lane import Lane, Share
 from service.jobs.ownership import Ownership
+from service.jobs.pool import Pool
 from service.jobs.slot import ProcessSlot, Slot
 from service.jobs.store import JobStore
+from service.jobs.worker import Terms
 from service.plans.versions import versions
+from service.retention import Retention
 from service.scenes.shelf import SceneShelf
 from service.scenes.store import SceneStore
 from service.scenes.sweeping import Sweeper
 from service.settings import Settings
+from service.workers import PRELOAD, WARM_UP
 
-# What the forkserver imports once, so that every worker has Drake and OMPL from its birth.
-_PRELOAD = (
-    "service.tasks.execute",
-    "service.tasks.models",
-    "service.tasks.plan",
-    "service.tasks.planners",
-    "service.tasks.queries",
-    "service.tasks.regions",
-    "service.tasks.scenes",
-    "service.tasks.trajectories",
-)
-_WARM_UP = "service.tasks.warm:warm_up"
+# Slots for short questions only: they go on while scenes are loaded.
+_KEPT = 1
 
 
 @asynccontextmanager
@@ -53,18 +48,20 @@ async def open_desk(
     engine = open_engine(settings.url)
     keep_off_loops(engine)
     store = JobStore(engine, versions())
-    lanes = {name: _lane(settings, name) for name in LANES}
-    dispatcher = Dispatcher(store, Ownership(engine), lanes, on_taken=on_taken)
+    dispatcher = Dispatcher(store, Ownership(engine), _lanes(settings), on_taken=on_taken)
     scenes = SceneStore(engine, settings.data_dir / "scenes")
     try:
         await to_thread.run_sync(scenes.open)
-        await dispatcher.start(_WARM_UP if settings.engine == "process" else None)
+        await dispatcher.start(WARM_UP if settings.engine == "process" else None)
         try:
             shelf = SceneShelf(scenes)
             desk = Desk(settings, store, dispatcher, shelf)
             shelf.settle = partial(settled, scenes=shelf, desk=desk)
-            async with _swept(Sweeper(engine, settings.data_dir, settings.owner)) as sweeper:
-                shelf.forgotten = sweeper.ask
+            sweeper = Sweeper(engine, settings.data_dir, settings.owner)
+            sweeper.ask()
+            shelf.forgotten = sweeper.ask
+            retention = Retention(store, settings.retention_days, sweeper.ask)
+            async with _meanwhile(sweeper.run(), retention.run()):
                 yield desk, shelf
         finally:
             await dispatcher.stop()
@@ -73,29 +70,47 @@ async def open_desk(
 
 
 @asynccontextmanager
-async def _swept(sweeper: Sweeper) -> AsyncGenerator[Sweeper]:
-    """Have a sweeper sweep once, and whenever it is asked to."""
-    sweeper.ask()
-    work = asyncio.get_running_loop().create_task(sweeper.run())
+async def _meanwhile(*work: Coroutine[Any, Any, None]) -> AsyncGenerator[None]:
+    """Have work done in the background, and cancel it at the end."""
+    tasks = [asyncio.get_running_loop().create_task(each) for each in work]
     try:
-        yield sweeper
+        yield
     finally:
-        work.cancel()
-        await asyncio.gather(work, return_exceptions=True)
+        for task in tasks:
+            task.cancel()
+        await asyncio.gather(*tasks, return_exceptions=True)
 
 
 # How long a canceled job may take to end by itself [s]: a robot comes to rest on its path first.
 _CANCEL_GRACE = {"plan": 0.25, "query": 0.25, "execution": 5.0, "regions": 0.25}
 
 
-def _lane(settings: Settings, name: str) -> Lane:
-    count: int = getattr(settings, f"{name}_slots")
-    slots = [_slot(settings, name) for _ in range(count)]
-    return Lane(name, slots, settings.max_queued, _CANCEL_GRACE[name])
+def _lanes(settings: Settings) -> dict[str, Lane]:
+    """Return the lanes: executions have slots of their own, all else shares a pool.
+
+    A scene that was loaded for one is warm for all of them. Lanes of a pool do not wait for each
+    other: it has as many slots as they may use together.
+    """
+    shares = {
+        "query": Share(settings.query_slots + _KEPT, _KEPT),
+        "plan": Share(settings.plan_slots),
+        "regions": Share(settings.regions_slots),
+    }
+    count = sum(share.most or 0 for share in shares.values())
+    terms = Terms(settings.niceness, settings.worker_memory)
+    pool = Pool([_slot(settings, terms, is_exclusive=True) for _ in range(count)])
+    # Executions go on while something is planned; OMPL and Drake take turns.
+    terms = Terms(0, settings.worker_memory, _CANCEL_GRACE["execution"])
+    own = [_slot(settings, terms, is_exclusive=False) for _ in range(settings.execution_slots)]
+    lanes = {name: _lane(settings, name, pool, share) for name, share in shares.items()}
+    return {**lanes, "execution": _lane(settings, "execution", Pool(own), None)}
 
 
-def _slot(settings: Settings, lane: str) -> Slot:
+def _lane(settings: Settings, name: str, pool: Pool, share: Share | None) -> Lane:
+    return Lane(name, pool, settings.max_queued, _CANCEL_GRACE[name], share=share)
+
+
+def _slot(settings: Settings, terms: Terms, *, is_exclusive: bool) -> Slot:
     if settings.engine == "inline":
-        # Executions go on while something is planned; OMPL and Drake take turns.
-        return InlineSlot(is_exclusive=lane != "execution")
-    return ProcessSlot(_PRELOAD)
+        return InlineSlot(is_exclusive=is_exclusive)
+    return ProcessSlot(PRELOAD, terms)

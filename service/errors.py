@@ -50,6 +50,13 @@ class RequestTimeout(Refusal):
     status = 408
 
 
+class ClientLeft(Refusal):
+    """The client closed its connection before it had the answer, which nothing waits for then."""
+
+    code = "client_left"
+    status = 499
+
+
 class UnknownResource(Refusal):
     """There is nothing of that id; evidence: `kind`, `id`."""
 
@@ -69,6 +76,13 @@ class MethodNotAllowed(Refusal):
 
     code = "method_not_allowed"
     status = 405
+
+
+class NotReady(Refusal):
+    """Workers are not warm yet, or cannot be; evidence: `faults` by lane."""
+
+    code = "not_ready"
+    status = 503
 
 
 class WrongCount(Refusal):
@@ -191,9 +205,11 @@ _STATUS: dict[type[WayproofError], int] = {
     planning_errors.DeadlineExceeded: 503,
     job_errors.IdempotencyConflict: 409,
     job_errors.QueueFull: 429,
+    job_errors.QueueTimeout: 503,
     job_errors.UnknownJob: 404,
     job_errors.WorkerCrashed: 503,
     job_errors.WorkerUnresponsive: 503,
+    job_errors.MemoryLimitExceeded: 503,
     job_errors.DatabaseTaken: 503,
     job_errors.DatabaseUnavailable: 503,
     job_errors.InternalError: 500,

@@ -8,6 +8,7 @@ from typing import Literal
 from pydantic import Field
 from pydantic_settings import BaseSettings, SettingsConfigDict
 
+_GIB = 2**30
 _TEST_HOSTS = {"inline": ("testserver",), "process": ()}
 
 
@@ -20,6 +21,17 @@ def default_data_dir() -> Path:
 def default_plan_slots() -> int:
     """Return one slot less than there are processors, at least one, at most eight."""
     return min(8, max(1, (os.cpu_count() or 1) - 1))
+
+
+def default_query_slots() -> int:
+    """Return one slot for every two processors, at least one, at most four."""
+    return min(4, max(1, (os.cpu_count() or 1) // 2))
+
+
+def default_worker_memory() -> int:
+    """Return half of this machine's memory, 1 to 8 GiB [bytes]."""
+    machine = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
+    return min(8 * _GIB, max(_GIB, machine // 2))
 
 
 class Settings(BaseSettings):
@@ -44,10 +56,32 @@ class Settings(BaseSettings):
         description="How many processes may search at once, running plans included: what they "
         "leave idle makes the attempts of one plan side by side; 1 for one after another",
     )
-    query_slots: int = Field(default=1, ge=1, le=64)
+    query_slots: int = Field(
+        default_factory=default_query_slots,
+        ge=1,
+        le=64,
+        description="Questions that may run at once; one more slot is kept for short ones",
+    )
     regions_slots: int = Field(default=1, ge=1, le=64)
     execution_slots: int = Field(default=2, ge=1, le=64)
+    niceness: int = Field(
+        default=10,
+        ge=0,
+        le=19,
+        description="How far plans and questions let executions and the server go before (nice)",
+    )
+    worker_memory: int = Field(
+        default_factory=default_worker_memory,
+        ge=_GIB // 2,
+        description="What one worker may use [bytes]; what needs more fails",
+    )
     max_queued: int = Field(default=1000, ge=1, description="Jobs that may wait, per lane")
+    retention_days: float = Field(
+        default=30.0,
+        ge=0,
+        description="For which plans, regions and executions are kept once they have ended; 0 "
+        "for all time",
+    )
     model_roots: tuple[Path, ...] = Field(default=(), description="More folders of robots")
     allow_model_paths: bool | None = Field(
         default=None,
@@ -74,7 +108,12 @@ class Settings(BaseSettings):
     )
     max_body_bytes: int = Field(default=32 * 1024 * 1024, ge=1024)
     max_wait: float = Field(default=60.0, gt=0, description="Longest `?wait=` [s]")
-    query_timeout: float = Field(default=60.0, gt=0, description="For checks, IK and so on [s]")
+    query_timeout: float = Field(
+        default=60.0, gt=0, description="For checks, IK and so on, once they run [s]"
+    )
+    query_patience: float = Field(
+        default=30.0, gt=0, description="How long a question may wait for a worker [s]"
+    )
     best_grace: float = Field(
         default=0.9,
         gt=0,

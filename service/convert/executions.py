@@ -8,12 +8,17 @@ from service.convert.numbers import listed
 
 
 class StatusLog:
-    """Turns statuses into wire form and remembers the worst: contacts and tracking errors."""
+    """Turns statuses into wire form and remembers the worst: contacts, tracking errors, delays."""
 
     def __init__(self) -> None:
         """Remember nothing yet."""
         self._max_error = 0.0
+        self._lateness = 0.0
         self._contacts: dict[tuple[str, str], dict[str, Any]] = {}
+
+    def late(self, seconds: float) -> None:
+        """Note that a look at the clock came so much later than it was due [s]."""
+        self._lateness = max(self._lateness, seconds)
 
     def wire(self, status: ExecutionStatus) -> dict[str, Any]:
         """Return the data of a `status` event."""
@@ -27,6 +32,7 @@ class StatusLog:
             "positions": listed(status.measured),
             "tracking_error": status.tracking_error,
             "max_tracking_error": self._max_error,
+            "lateness": self._lateness,
             "contacts": list(self._contacts.values()),
         }
 

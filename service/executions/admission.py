@@ -71,4 +71,4 @@ async def _require_proven(
         "origin": plan.payload.get("origin"),
         "trajectory": polynomial,
     }
-    await desk.ask(PROOF, payload, warm_key=record.digest)
+    await desk.ask(PROOF, payload)

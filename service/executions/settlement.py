@@ -27,7 +27,7 @@ async def settled(record: SceneRecord, scenes: SceneShelf, desk: Desk) -> SceneR
         UnknownResource: The scene is gone.
     """
     while (edit := await _pending(record, desk)) is not None:
-        loaded = await desk.ask_scene(TASK, record, edit)
+        loaded = await desk.ask_scene(TASK, record, edit, leaves="digest")
         try:
             return await scenes.revise(record, loaded)
         except RevisionConflict:  # another reader was quicker

@@ -8,28 +8,22 @@ from dataclasses import replace
 from functools import partial
 from typing import Any
 
-from planning.errors import DeadlineExceeded
 from service.events.bus import EventBus, Stretch
-from service.jobs.errors import WORKER
+from service.jobs.calls import Answer, Calls, Question
 from service.jobs.floor import Floor
 from service.jobs.job_run import JobRun
-from service.jobs.json_steps import STEP, decode
-from service.jobs.json_text import Encoded
 from service.jobs.lane import Lane
-from service.jobs.outcome import Crashed, Outcome, Returned, TimedOut, error_of
 from service.jobs.ownership import Ownership
 from service.jobs.ownership_watch import OwnershipWatch, Patience
-from service.jobs.recorder import NoSink
 from service.jobs.recording import Recording
 from service.jobs.records import Job, JobBrief, JobSpec, JobText, LoggedEvent
 from service.jobs.recovery import Recovery
-from service.jobs.slot import Run, Slot
+from service.jobs.slot import Slot
 from service.jobs.steering import Steering
 from service.jobs.store import JobStore
 
 # No stream is longer; it also fits into every database's integers.
 _END_OF_STREAM = 2**31 - 1
-_CALL_ATTEMPTS = 2
 # To record the ends of what ran when the server stops [s].
 _WRITING = 5.0
 _log = logging.getLogger(__name__)
@@ -68,7 +62,7 @@ class Dispatcher:
         self._floor = Floor(lanes)
         self._bus: EventBus[LoggedEvent] = EventBus(self._stretch)
         self._runs: dict[str, JobRun] = {}
-        self._num_calls = 0
+        self._calls = Calls(self._floor)
         self._recording: Recording
         self._steering: Steering
 
@@ -139,6 +133,10 @@ class Dispatcher:
     def live(self, identifier: str) -> JobRun | None:
         """Return what memory has of a job that waits or runs here, None if it does not."""
         return self._runs.get(identifier)
+
+    def faults(self) -> dict[str, str]:
+        """Return why lanes cannot begin a job well, by name; empty if all can."""
+        return self._floor.faults()
 
     async def submit(self, spec: JobSpec) -> Job:
         """Queue a job; it is durable when this returns.
@@ -212,75 +210,9 @@ class Dispatcher:
             async for event in events:
                 yield event
 
-    async def call(
-        self, task: str, payload: dict[str, Any], *, lane: str, allowed: float, warm_key: str = ""
-    ) -> Any:
-        """Run a short task that nobody needs to remember, and return what it returns.
-
-        Raises as `call_text`.
-        """
-        asked = {"lane": lane, "allowed": allowed, "warm_key": warm_key}
-        found = (await self.call_text(task, payload, **asked)).text
-        # What is large is decoded elsewhere: nothing else would be answered meanwhile.
-        return decode(found) if len(found) <= STEP else await asyncio.to_thread(decode, found)
-
-    async def call_text(
-        self, task: str, payload: dict[str, Any], *, lane: str, allowed: float, warm_key: str = ""
-    ) -> Encoded:
-        """Run a short task that nobody needs to remember, and return what it returns, as JSON.
-
-        Raises:
-            WayproofError: What the task raised.
-            QueueFull: As many wait as may.
-            DeadlineExceeded: No slot was free, or the task took too long.
-            WorkerCrashed: Its process died, twice.
-        """
-        self._floor.require_room(lane)
-        until = asyncio.get_running_loop().time() + allowed
-        for attempt in range(1, _CALL_ATTEMPTS + 1):
-            outcome = await self._call_once(task, payload, lane, until, warm_key or None)
-            if isinstance(outcome, Returned):
-                return outcome.result
-            if isinstance(outcome, TimedOut):
-                message = f"no answer within {allowed:g} s"
-                evidence = {"allowed": allowed, "during": WORKER}
-                raise DeadlineExceeded(message, evidence).in_stage(WORKER)
-            if not isinstance(outcome, Crashed) or attempt == _CALL_ATTEMPTS:
-                raise error_of(outcome, attempt)
-        raise AssertionError
-
-    async def _call_once(
-        self, task: str, payload: dict[str, Any], lane: str, until: float, warm_key: str | None
-    ) -> Outcome:
-        loop = asyncio.get_running_loop()
-        seated: asyncio.Future[Slot] = loop.create_future()
-        self._num_calls += 1
-        ticket = f"call {self._num_calls}"
-        self._floor.seat(lane, ticket, partial(self._sit, lane, seated), warm_key=warm_key)
-        try:
-            async with asyncio.timeout_at(until):
-                slot = await seated
-        except (TimeoutError, asyncio.CancelledError) as ended:
-            self._floor.lane(lane).remove(ticket)
-            if seated.done() and not seated.cancelled():
-                self._floor.readmit(lane, seated.result())
-            if isinstance(ended, TimeoutError):
-                return TimedOut(0.0)
-            raise
-        began = loop.time()
-        outcome: Outcome | None = None
-        try:
-            outcome = await slot.run(Run(task, payload, NoSink(), max(0.0, until - began)))
-            return outcome
-        finally:
-            self._floor.release(lane, slot, outcome, loop.time() - began)
-
-    def _sit(self, lane: str, seated: asyncio.Future[Slot], slot: Slot) -> None:
-        """Hand a slot to a call; take it back if the call waits no longer."""
-        if seated.done():
-            self._floor.readmit(lane, slot)
-        else:
-            seated.set_result(slot)
+    async def call(self, question: Question) -> Answer:
+        """Run a short task that needs no record, and return what it returns; see `Calls.ask`."""
+        return await self._calls.ask(question)
 
     def _enqueue(self, job: Job, controls: Mapping[str, Any], order: int | None = None) -> None:
         """Run a queued job when it has a slot; if its process dies it keeps its place."""

@@ -14,6 +14,12 @@ class QueueFull(WayproofError):
     code = "queue_full"
 
 
+class QueueTimeout(WayproofError):
+    """No worker was free in time; evidence: `lane`, `waited` [s], `queued`, `retry_after` [s]."""
+
+    code = "queue_timeout"
+
+
 class IdempotencyConflict(WayproofError):
     """An idempotency key came again with another request; evidence: `key`, `job`."""
 
@@ -71,6 +77,13 @@ class WorkerUnresponsive(PlanningFailure):
 
     code = "worker_unresponsive"
     stage = WORKER
+
+
+class MemoryLimitExceeded(PlanningFailure):
+    """The job needs more memory than a worker may use; evidence: `used`, `bound` [bytes]."""
+
+    code = "memory_limit_exceeded"
+    stage = "worker"
 
 
 class ServerRestarted(PlanningFailure):

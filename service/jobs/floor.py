@@ -1,13 +1,14 @@
-"""Floor: brings together what waits in lanes and the slots that get free."""
+"""Floor: brings together what waits in lanes and the slots of their pools that get free."""
 
 import asyncio
 import logging
 from collections.abc import Callable, Coroutine, Mapping
 from typing import Any
 
+from service.jobs.durations import Kind
 from service.jobs.errors import QueueFull
 from service.jobs.lane import Lane, Ticket
-from service.jobs.outcome import Ended, Outcome, Raised, Returned
+from service.jobs.pool import Pool
 from service.jobs.slot import Slot
 
 _log = logging.getLogger(__name__)
@@ -19,6 +20,7 @@ class Floor:
     def __init__(self, lanes: Mapping[str, Lane]) -> None:
         """Start with no slot ready; `open` makes them so."""
         self._lanes = lanes
+        self._pools = list({id(lane.pool): lane.pool for lane in lanes.values()}.values())
         self._tasks: set[asyncio.Task[Any]] = set()
         self._timers: dict[str, asyncio.TimerHandle] = {}
         self._is_closed = False
@@ -34,10 +36,15 @@ class Floor:
 
     async def open(self, warm_up: str | None) -> None:
         """Begin to get all slots ready; each is used as soon as it is."""
-        for lane in self._lanes.values():
-            for slot in lane.slots:
+        for pool in self._pools:
+            for slot in pool.slots:
                 await slot.open(warm_up)
-                self.spawn(self._admit(lane, slot, None))
+                self.spawn(self._admit(pool, slot))
+
+    @property
+    def slots(self) -> list[Slot]:
+        """All slots of all pools."""
+        return [slot for pool in self._pools for slot in pool.slots]
 
     def hold(self) -> None:
         """Give slots to nothing more until `go_on`."""
@@ -57,8 +64,19 @@ class Floor:
         for task in list(self._tasks):
             task.cancel()
         await asyncio.gather(*self._tasks, return_exceptions=True)
-        slots = [slot for lane in self._lanes.values() for slot in lane.slots]
-        await asyncio.gather(*(slot.close() for slot in slots))
+        await asyncio.gather(*(slot.close() for slot in self.slots))
+
+    def faults(self) -> dict[str, str]:
+        """Return why lanes cannot begin a job well, by name; those with one good slot are left out.
+
+        A slot that is being replaced just now is none.
+        """
+        found: dict[str, str] = {}
+        for name, lane in self._lanes.items():
+            known = [slot.fault for slot in lane.pool.slots]
+            if None not in known:
+                found[name] = next(fault for fault in known if fault is not None)
+        return found
 
     def require_room(self, name: str) -> None:
         """Go on only if one more may wait in a lane.
@@ -99,24 +117,28 @@ class Floor:
         """
         lane = self._lanes[name]
         place = lane.next_order() if order is None else order
-        since = asyncio.get_running_loop().time()
-        lane.add(Ticket(ticket, warm_key, priority, since, use, place))
-        self._assign(lane)
+        self._wait(lane, Ticket(ticket, warm_key, priority, _now(), use, place))
         return place
 
-    def release(self, name: str, slot: Slot, outcome: Outcome | None, seconds: float) -> None:
+    def seat_question(
+        self, name: str, ticket: str, use: Callable[[Slot], None], key: str | None, kind: Kind
+    ) -> None:
+        """Call `use` with a slot for a question of a kind about a scene; else as `seat`."""
+        lane = self._lanes[name]
+        self._wait(lane, Ticket(ticket, key, 0, _now(), use, lane.next_order(), kind))
+
+    def release(self, name: str, slot: Slot, seconds: float) -> None:
         """Give a slot back after a run; it is used again once it is ready."""
         lane = self._lanes[name]
-        is_intact = isinstance(outcome, Returned | Raised) or (
-            isinstance(outcome, Ended) and outcome.error is not None
-        )
-        if not is_intact:
-            lane.cool(slot)
-        self.spawn(self._admit(lane, slot, seconds))
+        lane.leave(slot, seconds)
+        self.spawn(self._admit(lane.pool, slot))
+        self._assign(lane)
 
     def readmit(self, name: str, slot: Slot) -> None:
         """Take a slot back that was not used."""
-        self.spawn(self._admit(self._lanes[name], slot, None))
+        lane = self._lanes[name]
+        lane.leave(slot)
+        self.spawn(self._admit(lane.pool, slot))
 
     def spawn(self, work: Coroutine[Any, Any, None]) -> None:
         """Carry out work that nobody waits for; it is canceled when the floor closes."""
@@ -130,10 +152,16 @@ class Floor:
         self._tasks.add(task)
         task.add_done_callback(self._on_done)
 
-    async def _admit(self, lane: Lane, slot: Slot, seconds: float | None) -> None:
-        await slot.ready()
-        lane.give_back(slot, seconds)
+    def _wait(self, lane: Lane, ticket: Ticket) -> None:
+        lane.add(ticket)
         self._assign(lane)
+
+    async def _admit(self, pool: Pool, slot: Slot) -> None:
+        await slot.ready()
+        pool.give_back(slot)
+        for lane in self._lanes.values():
+            if lane.pool is pool:
+                self._assign(lane)
 
     def _assign(self, lane: Lane) -> None:
         if self._is_held:
@@ -152,3 +180,7 @@ class Floor:
         self._tasks.discard(task)
         if not task.cancelled() and (fault := task.exception()) is not None:
             _log.error("work in the background failed", exc_info=fault)
+
+
+def _now() -> float:
+    return asyncio.get_running_loop().time()

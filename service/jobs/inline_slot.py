@@ -78,6 +78,8 @@ class InlineSlot:
         Args:
             is_exclusive: Whether its tasks and those of other exclusive slots take turns.
         """
+        self.generation = 0
+        self.fault: str | None = None
         self._is_exclusive = is_exclusive
         self._is_free = asyncio.Event()
         self._is_free.set()

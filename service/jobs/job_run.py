@@ -200,7 +200,7 @@ class JobRun:
         finally:
             self._slot = None
             self._seconds = loop.time() - began
-            self._floor.release(job.lane, slot, outcome, self._seconds)
+            self._floor.release(job.lane, slot, self._seconds)
         return outcome
 
     async def _conclude(self, outcome: Outcome, refused: list[Told], attempts: int) -> bool:

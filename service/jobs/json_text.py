@@ -4,12 +4,7 @@ import json
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, override
-
-from sqlalchemy import Dialect, Text
-from sqlalchemy.types import TypeDecorator
-
-from service.jobs.json_steps import decode
+from typing import Any
 
 
 @dataclass(frozen=True)
@@ -54,20 +49,3 @@ def _finite(content: Any) -> Any:
             return [_finite(item) for item in content]
         case _:
             return content
-
-
-class JsonText(TypeDecorator[Any]):
-    """A column of JSON text; unlike databases' own JSON types it changes no byte of it."""
-
-    impl = Text
-    cache_ok = True
-
-    @override
-    def process_bind_param(self, value: Any, dialect: Dialect) -> str | None:
-        if value is None:
-            return None
-        return value.text if isinstance(value, Encoded) else encode(value)
-
-    @override
-    def process_result_value(self, value: Any, dialect: Dialect) -> Any:
-        return None if value is None else decode(value)

@@ -1,21 +1,24 @@
-"""Lane: what waits, and the slots that it waits for.
+"""Lane: what waits, and for how many slots of a pool it may run at once.
 
 First come, first served within a priority. A ticket prefers an idle slot that is warm for its key.
 If the slots that are warm for it are busy, it lets others go first, but only for a while: a load is
 worth a short wait, never a long one.
+
+Lanes that share a pool each have a number of slots that they may use at once, and the pool has as
+many as all of them together: none waits for another one, and what one has loaded is warm for all.
+A lane of questions keeps some of its own for those that are short.
 """
 
 import bisect
 import itertools
 import math
-from collections import OrderedDict
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
+from service.jobs.durations import Durations, Kind
+from service.jobs.pool import Pool
 from service.jobs.slot import Slot
 
-# Workers keep about as many scenes loaded.
-_KEYS_PER_SLOT = 8
 _LONGEST_RETRY = 60
 
 
@@ -30,6 +33,7 @@ class Ticket:
         since: When it began to wait [s].
         order: Its place among equals; assigned by the lane, and kept when it comes again.
         use: Called with its slot when it has one.
+        kind: Of a question; None for a job.
     """
 
     name: str
@@ -38,6 +42,7 @@ class Ticket:
     since: float
     use: Callable[[Slot], None]
     order: int = field(default=-1)
+    kind: Kind | None = None
 
 
 @dataclass(frozen=True)
@@ -53,34 +58,60 @@ class Assignments:
     look_again: float | None
 
 
+@dataclass(frozen=True)
+class Share:
+    """What a lane may use of its pool.
+
+    Attributes:
+        most: Slots at once; None for all.
+        kept: So many of them are for short questions only.
+    """
+
+    most: int | None = None
+    kept: int = 0
+
+
+@dataclass(frozen=True)
+class _Run:
+    ticket: Ticket
+    is_long: bool
+    was_warm: bool
+
+
 class Lane:
     """Decides who gets which slot; has no clock and starts nothing."""
 
     def __init__(
         self,
         name: str,
-        slots: Sequence[Slot],
+        slots: Pool | Sequence[Slot],
         max_waiting: int,
         cancel_grace: float = 0.25,
+        *,
+        share: Share | None = None,
         warm_wait: float = 0.1,
     ) -> None:
-        """Start with no slot idle; `give_back` makes one so.
+        """Start with nothing that runs.
 
         Args:
             name: For messages.
-            slots: Where its jobs run.
+            slots: Where its jobs run: of its own, or a pool that other lanes use as well.
             max_waiting: How many may wait.
             cancel_grace: How long a canceled job may take to end by itself [s].
+            share: What it may use of the pool; None for all.
             warm_wait: How long a ticket waits for a warm slot while others are idle [s].
         """
+        share = share or Share()
         self.name = name
-        self.slots = list(slots)
+        self.pool = slots if isinstance(slots, Pool) else Pool(slots)
         self.max_waiting = max_waiting
         self.cancel_grace = cancel_grace
+        self.most = len(self.pool.slots) if share.most is None else share.most
+        self.durations = Durations()
+        self._most_long = self.most - share.kept
         self._warm_wait = warm_wait
-        self._idle: list[Slot] = []
-        self._keys: dict[int, OrderedDict[str, None]] = {id(s): OrderedDict() for s in slots}
         self._waiting: list[Ticket] = []
+        self._running: dict[int, _Run] = {}
         self._orders = itertools.count()
         self._mean_run = 1.0
 
@@ -97,7 +128,7 @@ class Lane:
     @property
     def retry_after(self) -> int:
         """When a place is likely to be free [s], by how long runs took lately."""
-        rounds = (len(self._waiting) + 1) / max(1, len(self.slots))
+        rounds = (len(self._waiting) + 1) / max(1, self.most)
         return max(1, min(_LONGEST_RETRY, math.ceil(rounds * self._mean_run / 2)))
 
     def next_order(self) -> int:
@@ -112,11 +143,15 @@ class Lane:
         """Let a ticket wait no longer, if it did."""
         self._waiting = [ticket for ticket in self._waiting if ticket.name != name]
 
-    def give_back(self, slot: Slot, seconds: float | None = None) -> None:
-        """Let a slot be idle, after a run that took so long."""
-        self._idle.append(slot)
-        if seconds is not None:
-            self._mean_run += 0.2 * (seconds - self._mean_run)
+    def leave(self, slot: Slot, seconds: float | None = None) -> None:
+        """Note that a run in a slot has ended, after so long; the pool may have the slot back."""
+        run = self._running.pop(id(slot), None)
+        if seconds is None or run is None:
+            return
+        self._mean_run += 0.2 * (seconds - self._mean_run)
+        if run.ticket.kind is not None:
+            asked = (run.ticket.kind, run.ticket.warm_key)
+            self.durations.note(*asked, seconds, was_warm=run.was_warm)
 
     def assign(self, now: float) -> Assignments:
         """Take the tickets that get a slot now out of the queue, and their slots."""
@@ -124,40 +159,32 @@ class Lane:
         left: list[Ticket] = []
         look_again: float | None = None
         for i, ticket in enumerate(self._waiting):
-            if not self._idle:
+            if not self.pool.has_idle or len(self._running) >= self.most:
                 left += self._waiting[i:]
                 break
             patience = ticket.since + self._warm_wait
-            if now < patience and self._is_warm_elsewhere(ticket.warm_key):
+            if now < patience and self.pool.is_warm_elsewhere(ticket.warm_key):
                 left.append(ticket)
                 look_again = patience if look_again is None else min(look_again, patience)
+            elif (is_long := self._is_long(ticket)) and self._num_long >= self._most_long:
+                left.append(ticket)
             else:
-                pairs.append((ticket, self._take(ticket.warm_key)))
+                pairs.append((ticket, self._seat(ticket, is_long=is_long)))
         self._waiting = left
         return Assignments(pairs, look_again)
 
-    def _is_warm(self, slot: Slot, key: str | None) -> bool:
-        return key is not None and key in self._keys[id(slot)]
+    @property
+    def _num_long(self) -> int:
+        return sum(run.is_long for run in self._running.values())
 
-    def _is_warm_elsewhere(self, key: str | None) -> bool:
-        """Whether a busy slot is warm for a key, and no idle one."""
-        if any(self._is_warm(slot, key) for slot in self._idle):
-            return False
-        return any(self._is_warm(slot, key) for slot in self.slots)
+    def _is_long(self, ticket: Ticket) -> bool:
+        if ticket.kind is None:
+            return True
+        is_warm = self.pool.has_warm_idle(ticket.warm_key)
+        return not self.durations.is_short(ticket.kind, ticket.warm_key, is_warm=is_warm)
 
-    def _take(self, key: str | None) -> Slot:
-        """Take an idle slot: one that is warm for the key, else the one with the fewest keys."""
-        warm = [slot for slot in self._idle if self._is_warm(slot, key)]
-        slot = warm[0] if warm else min(self._idle, key=lambda idle: len(self._keys[id(idle)]))
-        self._idle.remove(slot)
-        if key is not None:
-            keys = self._keys[id(slot)]
-            keys[key] = None
-            keys.move_to_end(key)
-            if len(keys) > _KEYS_PER_SLOT:
-                keys.popitem(last=False)
+    def _seat(self, ticket: Ticket, *, is_long: bool) -> Slot:
+        was_warm = self.pool.has_warm_idle(ticket.warm_key)
+        slot = self.pool.take(ticket.warm_key)
+        self._running[id(slot)] = _Run(ticket, is_long, was_warm)
         return slot
-
-    def cool(self, slot: Slot) -> None:
-        """Forget what a slot was warm with: its process is another."""
-        self._keys[id(slot)].clear()

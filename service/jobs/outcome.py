@@ -12,7 +12,12 @@ from planning.errors import (
     PlanningFailure,
     WayproofError,
 )
-from service.jobs.errors import WORKER, WorkerCrashed, WorkerUnresponsive
+from service.jobs.errors import (
+    WORKER,
+    MemoryLimitExceeded,
+    WorkerCrashed,
+    WorkerUnresponsive,
+)
 from service.jobs.json_text import Encoded
 
 
@@ -74,6 +79,19 @@ class Silent:
 
 
 @dataclass(frozen=True)
+class Overgrown:
+    """It used more memory than it may, and was ended.
+
+    Attributes:
+        used: The most that was seen [bytes].
+        bound: What it may use [bytes].
+    """
+
+    used: int
+    bound: int
+
+
+@dataclass(frozen=True)
 class Ended:
     """It ended, or was ended, because somebody asked for it.
 
@@ -84,7 +102,7 @@ class Ended:
     error: WayproofError | None = None
 
 
-type Failed = Raised | Crashed | Silent | TimedOut | Ended
+type Failed = Raised | Crashed | Silent | TimedOut | Overgrown | Ended
 type Outcome = Returned | Failed
 
 
@@ -104,8 +122,8 @@ def error_of(outcome: Failed, attempts: int) -> WayproofError:
         case Silent(seconds=seconds):
             message = f"the worker process said nothing for {seconds:g} s and was ended"
             return WorkerUnresponsive(message, {"silence": seconds, "attempts": attempts})
-        case Crashed():
-            return _crash(outcome, attempts)
+        case Overgrown() | Crashed():
+            return _lost(outcome, attempts)
 
 
 def failure_of(error: WayproofError) -> dict[str, Any]:
@@ -128,8 +146,9 @@ def placed(error: WayproofError, told: Mapping[str, Any], seconds: float) -> Way
         seconds: How long the run took.
     """
     stage = told.get("stage")
-    is_placed = not isinstance(error, PlanningFailure) or error.stage != WORKER
-    if is_placed or not isinstance(stage, str):
+    if not isinstance(error, PlanningFailure) or error.stage != WORKER:
+        return error
+    if not isinstance(stage, str):
         return error
     timings = {str(name): float(spent) for name, spent in dict(told.get("timings") or {}).items()}
     last = max(0.0, seconds - sum(timings.values()))
@@ -145,6 +164,14 @@ def _late(allowed: float, said: WayproofError | None) -> DeadlineExceeded:
     late = DeadlineExceeded(message, {"allowed": allowed, "during": during}).in_stage(during)
     late.timings = said.timings if isinstance(said, PlanningFailure) else {}
     return late
+
+
+def _lost(outcome: Overgrown | Crashed, attempts: int) -> WayproofError:
+    if isinstance(outcome, Crashed):
+        return _crash(outcome, attempts)
+    message = f"the task needs more than the {outcome.bound / 1e6:.0f} MB that a worker may use"
+    evidence = {"used": outcome.used, "bound": outcome.bound, "attempts": attempts}
+    return MemoryLimitExceeded(message, evidence)
 
 
 def _crash(crash: Crashed, attempts: int) -> WorkerCrashed:

@@ -17,7 +17,8 @@ from sqlalchemy import (
     UniqueConstraint,
 )
 
-from service.jobs.json_text import Encoded, JsonText
+from service.jobs.json_column import JsonText
+from service.jobs.json_text import Encoded
 from service.jobs.states import JobState
 
 FINISHED = "finished"

@@ -10,8 +10,10 @@ from typing import Any, Protocol
 from service.jobs.error_text import error_in
 from service.jobs.json_text import Encoded
 from service.jobs.link import Frame, FrameKind, two_parts
-from service.jobs.outcome import Crashed, Ended, Outcome, Raised, returned
+from service.jobs.memory import MemoryWatch, resident
+from service.jobs.outcome import Crashed, Ended, Outcome, Overgrown, Raised, Returned, returned
 from service.jobs.stop import Stop
+from service.jobs.worker import Terms
 from service.jobs.worker_process import WorkerProcess, forkserver
 
 _FIRST_PAUSE, _LONGEST_PAUSE = 0.05, 5.0
@@ -53,6 +55,16 @@ class Run:
 class Slot(Protocol):
     """Where tasks run, one at a time."""
 
+    @property
+    def generation(self) -> int:
+        """A number that changes with the process: another one has no scene loaded."""
+        ...
+
+    @property
+    def fault(self) -> str | None:
+        """Why no run would begin at once, or would not end well; None if all is well."""
+        ...
+
     async def open(self, warm_up: str | None) -> None:
         """Begin to get ready; every process of the slot runs the task `warm_up` first."""
         ...
@@ -84,19 +96,28 @@ class ProcessSlot:
     The process is replaced as soon as it has ended, also while it had nothing to do.
     """
 
-    def __init__(self, preload: Sequence[str]) -> None:
+    def __init__(self, preload: Sequence[str], terms: Terms | None = None) -> None:
         """Prepare; `open` starts the process.
 
         Args:
             preload: Modules that the forkserver imports once, so that new processes have them.
+            terms: On which the process works.
         """
+        self.generation = 0
         self._preload = preload
+        self._terms = terms or Terms()
+        self._warm_up_fault: str | None = None
         self._worker: WorkerProcess | None = None
         self._is_ready = asyncio.Event()
         self._keeper: asyncio.Task[None] | None = None
         self._token = 0
         self._stop: Stop | None = None
         self._speaking_to: WorkerProcess | None = None
+
+    @property
+    def fault(self) -> str | None:
+        """Why no run would begin at once, or would not end well."""
+        return self._warm_up_fault if self._is_ready.is_set() else "no process is ready"
 
     async def open(self, warm_up: str | None) -> None:
         """Begin to get ready."""
@@ -145,16 +166,31 @@ class ProcessSlot:
         self._speaking_to = worker
         if run.controls:
             self.control(run.controls)
+        bound = self._terms.memory
+        watch = MemoryWatch(worker.pid, bound, lambda: stop.cancel(self._terms.memory_grace))
         try:
-            return await self._listen(worker, run, stop)
+            outcome = await self._listen(worker, run, stop)
         except (ValueError, KeyError, TypeError):
             self._kill(worker)
-            return stop.verdict(Crashed(await worker.end(), "it spoke nonsense"))
+            outcome = stop.verdict(Crashed(await worker.end(), "it spoke nonsense"))
         except BaseException:
             self._kill(worker)
             raise
         finally:
+            watch.end()
             self._speaking_to = None
+        return outcome if bound is None else self._within(bound, watch, outcome, worker)
+
+    def _within(
+        self, bound: int, watch: MemoryWatch, outcome: Outcome, worker: WorkerProcess
+    ) -> Outcome:
+        """Return what an outcome means where memory has a bound [bytes]."""
+        if resident(worker.pid) > bound / 2:  # what it keeps must not be held against the next
+            self._kill(worker)
+        is_refused = isinstance(outcome, Crashed) and outcome.reason == "MemoryError"
+        if is_refused or (watch.is_exceeded and not isinstance(outcome, Returned)):
+            return Overgrown(watch.used, bound)
+        return outcome
 
     async def _listen(self, worker: WorkerProcess, run: Run, stop: Stop) -> Outcome:
         reason = ""
@@ -193,6 +229,7 @@ class ProcessSlot:
                 continue
             pause = _FIRST_PAUSE
             self._worker = worker
+            self.generation += 1
             self._is_ready.set()
             try:
                 await worker.ended.wait()
@@ -204,7 +241,7 @@ class ProcessSlot:
     async def _hatch(self, context: Any, warm_up: str | None) -> WorkerProcess | None:
         """Return a new process that is ready, None if that did not work."""
         try:
-            worker = await WorkerProcess.start(context, warm_up)
+            worker = await WorkerProcess.start(context, warm_up, self._terms)
         except (OSError, EOFError):
             _log.exception("a worker process could not be started")
             return None
@@ -218,8 +255,9 @@ class ProcessSlot:
             code = await worker.end()
             _log.error("a worker process died before it was ready, with exit code %s", code)
             return None
-        if frame.body:
-            _log.warning("the warm-up %s failed: %s", warm_up, frame.body.decode()[:2000])
+        self._warm_up_fault = frame.body.decode()[:2000] or None
+        if self._warm_up_fault is not None:
+            _log.warning("the warm-up %s failed: %s", warm_up, self._warm_up_fault)
         return worker
 
 

@@ -3,11 +3,13 @@
 import json
 import os
 import socket
+from dataclasses import dataclass
 from multiprocessing.connection import Connection
 from typing import Any
 
 from service.jobs.leash import die_with_parent
 from service.jobs.link import Frame, FrameKind, Link, two_parts
+from service.jobs.memory import limit_own
 from service.jobs.task import TaskEnd, event_text, run_task
 
 _CRASH_CODE = 70
@@ -92,15 +94,34 @@ class _NoChannel:
         return False
 
 
-def serve(end: socket.socket, leash: Connection, warm_up: str | None) -> None:
+@dataclass(frozen=True)
+class Terms:
+    """On what terms a process works.
+
+    Attributes:
+        niceness: How far it lets others go before (nice(2)), 0 to 19.
+        memory: What it may use [bytes]; None for all that there is.
+        memory_grace: How long a task may take to end by itself once it uses more [s].
+    """
+
+    niceness: int = 0
+    memory: int | None = None
+    memory_grace: float = 0.0
+
+
+def serve(end: socket.socket, leash: Connection, warm_up: str | None, terms: Terms) -> None:
     """Run tasks one after the other until the other end is gone.
 
     Args:
         end: To the slot.
         leash: When its other end closes, this process ends at once.
         warm_up: A task to run first, with an empty payload.
+        terms: Of the work.
     """
     die_with_parent(leash)
+    os.nice(terms.niceness)
+    if terms.memory is not None:
+        limit_own(terms.memory)
     link = Link(end)
     fault = b""
     if warm_up is not None:

@@ -11,7 +11,7 @@ from contextlib import suppress
 from typing import Any
 
 from service.jobs.link import HEADER_SIZE, Frame, unpack_header
-from service.jobs.worker import serve
+from service.jobs.worker import Terms, serve
 
 # multiprocessing's bookkeeping of children is not thread-safe, and starting one takes
 # milliseconds: one thread of its own does all of it.
@@ -48,7 +48,7 @@ class WorkerProcess:
         asyncio.get_running_loop().add_reader(self._sentinel, self._on_exit)
 
     @classmethod
-    async def start(cls, context: Any, warm_up: str | None) -> "WorkerProcess":
+    async def start(cls, context: Any, warm_up: str | None, terms: Terms) -> "WorkerProcess":
         """Start a process; it is ready once it has sent its first frame.
 
         Raises:
@@ -59,7 +59,7 @@ class WorkerProcess:
         held, leash = context.Pipe(duplex=False)
         try:
             process = context.Process(
-                target=serve, args=(far, held, warm_up), daemon=True, name="wayproof-slot"
+                target=serve, args=(far, held, warm_up, terms), daemon=True, name="wayproof-slot"
             )
             await asyncio.get_running_loop().run_in_executor(_PROCESSES, process.start)
         except BaseException:

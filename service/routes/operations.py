@@ -26,7 +26,8 @@ async def get_health() -> Health:
 
 @router.get("/readyz", operation_id="getReadiness", responses=problems(422, 503))
 async def get_readiness(desk: DeskDep, scenes: ScenesDep) -> Readiness:
-    """Say whether jobs are taken: the database answers and the dispatcher runs."""
+    """Say whether jobs begin at once: the database answers, and workers have planned a motion."""
+    desk.require_ready()
     await scenes.page(1, None)
     counts = await desk.counts()
     return Readiness(status="ready", queued=counts["queued"], running=counts["running"])

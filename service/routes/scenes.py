@@ -45,7 +45,8 @@ async def create_scene(
     text, media = await read_scene_body(request)
     payload = {**desk.common, "text": text, "media": media}
     try:
-        loaded = await desk.ask("service.tasks.scenes:load_scene", payload)
+        task = "service.tasks.scenes:load_scene"
+        loaded = await desk.ask(task, payload, size=len(text), leaves="digest")
     except UnknownName as fault:
         raise UnknownInScene(fault.detail, fault.evidence) from fault
     record = await scenes.add(loaded)

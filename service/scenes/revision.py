@@ -33,7 +33,7 @@ async def revised(
         if request.revision not in {None, base.revision}:
             wanted = await scenes.get(identifier, request.revision)
             raise RevisionConflict.of(identifier, wanted.revision, base.revision)
-        loaded = await desk.ask_scene(TASK, base, request)
+        loaded = await desk.ask_scene(TASK, base, request, leaves="digest")
         try:
             return await scenes.revise(base, loaded)
         except RevisionConflict:

@@ -63,6 +63,11 @@ class ExecutionStatus(Answer):
         description="Largest distance of a joint from where it should be, now [rad or m]"
     )
     max_tracking_error: float = Field(description="The largest so far [rad or m]")
+    lateness: float | None = Field(
+        default=None,
+        description="The longest so far that the controller was late to look at the clock [s]: "
+        "what else runs on the machine makes the motion fall behind; null if not recorded",
+    )
     contacts: list[ContactWire] = Field(description="Touches so far that the scene does not allow")
 
 

@@ -78,10 +78,12 @@ def follow(
     log, told_at, told_state = StatusLog(), 0.0, ExecutionState.ACCEPTED
     obeyed = {IS_PAUSED: False, SPEED: speed}
     channel.watch(LONGEST_SILENCE)
-    runner.start(clock())
+    until = clock()
+    runner.start(until)
     while True:
         obeyed = _obey(runner, channel, obeyed)
         now = clock()
+        log.late(now - until)
         until = now + TICK
         status = log.wire(runner.tick(now, lambda until=until: clock() < until))
         state = runner.execution.state

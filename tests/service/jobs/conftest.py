@@ -7,8 +7,9 @@ from pathlib import Path
 from service.jobs.database import open_engine
 from service.jobs.dispatcher import Dispatcher
 from service.jobs.inline_slot import InlineSlot
-from service.jobs.lane import Lane
+from service.jobs.lane import Lane, Share
 from service.jobs.ownership import Ownership
+from service.jobs.pool import Pool
 from service.jobs.records import JobSpec
 from service.jobs.slot import ProcessSlot, Slot
 from service.jobs.store import JobStore
@@ -33,6 +34,7 @@ async def running(  # noqa: PLR0913  (what a test may vary)
     cancel_grace: float = 0.25,
     disks: list[FullDisk] | None = None,
     version: str = "1",
+    share: Share | None = None,
 ) -> AsyncIterator[tuple[Dispatcher, JobStore]]:
     """Run a dispatcher on the database in a folder; `disks` gets the disk that it is on."""
     engine = open_engine(f"sqlite:///{folder / 'jobs.sqlite'}")
@@ -43,7 +45,8 @@ async def running(  # noqa: PLR0913  (what a test may vary)
     def slot() -> Slot:
         return InlineSlot(is_exclusive=False) if inline else ProcessSlot([TASKS])
 
-    lanes = {"plan": Lane("plan", [slot() for _ in range(slots)], max_waiting, cancel_grace)}
+    pool = Pool([slot() for _ in range(slots)])
+    lanes = {"plan": Lane("plan", pool, max_waiting, cancel_grace, share=share)}
     dispatcher = Dispatcher(store, Ownership(engine), lanes)
     await dispatcher.start(f"{TASKS}:warm")
     try:

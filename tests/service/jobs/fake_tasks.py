@@ -153,3 +153,44 @@ def move(payload: dict[str, Any], channel: Channel) -> dict[str, Any]:
     Path(payload["rest"]).write_text(str(place))
     message = f"at rest at {place}"
     raise Canceled(message, {"place": place})
+
+
+def spin_until_told(payload: dict[str, Any], channel: Channel) -> dict[str, Any]:
+    """Run until canceled, and leave a sign of each."""
+    Path(payload["begun"]).touch()
+    while not channel.is_canceled():
+        time.monotonic()
+    Path(payload["ended"]).touch()
+    raise Canceled("noticed")
+
+
+def hang_quietly(payload: dict[str, Any], _: Channel) -> dict[str, Any]:
+    """Leave a sign, and sleep in C with the interpreter's lock held."""
+    Path(payload["begun"]).touch()
+    ctypes.PyDLL(None).sleep(30)
+    return {}
+
+
+def grow(payload: dict[str, Any], channel: Channel) -> dict[str, Any]:
+    """Take memory, `chunk` bytes at a time, up to `most`; come to rest when told to."""
+    taken: list[bytes] = []
+    most = payload.get("most", float("inf"))
+    while not ("rest" in payload and channel.is_canceled()):
+        if sum(map(len, taken)) < most:
+            taken.append(b"x" * payload["chunk"])
+        threading.Event().wait(0.001)
+    Path(payload["rest"]).touch()
+    raise Canceled("at rest")
+
+
+def keep(payload: dict[str, Any], _: Channel) -> dict[str, Any]:
+    """Take memory, and keep it."""
+    _kept.append(b"x" * payload["count"])
+    return {}
+
+
+_kept: list[bytes] = []
+
+
+def niceness(_: dict[str, Any], __: Channel) -> dict[str, Any]:
+    return {"niceness": os.nice(0)}

@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 
 from planning.errors import DeadlineExceeded, GoalUnreachable
+from service.jobs.calls import Question
 from service.jobs.errors import DatabaseInUse, IdempotencyConflict, QueueFull, UnknownJob
 from service.jobs.records import Job
 from service.jobs.states import JobState
@@ -198,15 +199,19 @@ def test_admission_is_limited(tmp_path: Path) -> None:
     asyncio.run(story())
 
 
+def asked(task: str, payload: dict | None = None, allowed: float = GUARD) -> Question:
+    return Question(f"{TASKS}:{task}", payload or {}, "plan", allowed, GUARD)
+
+
 def test_short_calls_return_raise_and_time_out(tmp_path: Path) -> None:
     async def story() -> None:
         async with running(tmp_path) as (dispatcher, _):
-            answer = await dispatcher.call(f"{TASKS}:echo", {"b": 2}, lane="plan", allowed=GUARD)
-            assert answer["echo"] == {"b": 2}
+            answer = await dispatcher.call(asked("echo", {"b": 2}))
+            assert answer.content["echo"] == {"b": 2}
             with pytest.raises(GoalUnreachable, match="too far"):
-                await dispatcher.call(f"{TASKS}:refuse", {}, lane="plan", allowed=GUARD)
+                await dispatcher.call(asked("refuse"))
             with pytest.raises(DeadlineExceeded):
-                await dispatcher.call(f"{TASKS}:hang", {}, lane="plan", allowed=0.5)
+                await dispatcher.call(asked("hang", allowed=0.5))
 
     asyncio.run(story())
 

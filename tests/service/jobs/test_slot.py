@@ -1,6 +1,7 @@
 """A slot outlives whatever its process does, and its process never outlives what it should."""
 
 import asyncio
+import json
 import os
 import signal
 from contextlib import asynccontextmanager
@@ -10,8 +11,9 @@ import pytest
 
 from planning.errors import Canceled, GoalUnreachable
 from service.jobs.json_text import Encoded
-from service.jobs.outcome import Crashed, Ended, Raised, Returned, TimedOut
+from service.jobs.outcome import Crashed, Ended, Overgrown, Raised, Returned, TimedOut
 from service.jobs.slot import ProcessSlot, Run
+from service.jobs.worker import Terms
 from tests.service.jobs.conftest import GUARD, TASKS
 from tests.service.servers import until
 
@@ -32,8 +34,8 @@ class Sink:
 
 
 @asynccontextmanager
-async def open_slot(warm_up=f"{TASKS}:warm"):
-    slot = ProcessSlot([TASKS])
+async def open_slot(warm_up=f"{TASKS}:warm", terms=None):
+    slot = ProcessSlot([TASKS], terms)
     await slot.open(warm_up)
     try:
         async with asyncio.timeout(GUARD):
@@ -253,10 +255,64 @@ def test_a_warm_up_that_fails_or_kills_its_process_is_survived(caplog):
     async def story():
         async with open_slot(f"{TASKS}:blunder") as slot:
             assert isinstance(await slot.run(run_of("echo")), Returned)
+            assert "KeyError" in slot.fault
         slot = ProcessSlot([TASKS])
+        assert slot.fault == "no process is ready"
         await slot.open(f"{TASKS}:segfault")
         await asyncio.to_thread(until, lambda: "died before it was ready" in caplog.text)
         await slot.close()
 
     asyncio.run(story())
     assert "KeyError" in caplog.text
+
+
+BOUND = 300 * 2**20
+
+
+@pytest.mark.parametrize("chunk", [2**22, 10 * BOUND])
+def test_what_takes_too_much_memory_is_ended_and_says_so(chunk):
+    """Bit by bit, which the server sees, or at once, which the kernel refuses."""
+
+    async def story():
+        async with open_slot(terms=Terms(memory=BOUND)) as slot:
+            outcome = await slot.run(run_of("grow", chunk=chunk))
+            assert isinstance(outcome, Overgrown)
+            assert outcome.bound == BOUND
+            assert (outcome.used > BOUND) is (chunk < BOUND)
+            assert isinstance(await slot.run(run_of("echo")), Returned)
+
+    asyncio.run(story())
+
+
+def test_a_worker_that_keeps_much_is_replaced_before_the_next_task():
+    async def story():
+        async with open_slot(terms=Terms(memory=BOUND)) as slot:
+            pid, generation = await pid_of(slot), slot.generation
+            assert await pid_of(slot) == pid
+            assert isinstance(await slot.run(run_of("keep", count=BOUND * 3 // 4)), Returned)
+            assert await pid_of(slot) != pid
+            assert slot.generation == generation + 1
+            assert slot.fault is None
+
+    asyncio.run(story())
+
+
+def test_a_task_that_exceeds_its_memory_may_come_to_rest_first(tmp_path):
+    async def story():
+        terms = Terms(memory=BOUND, memory_grace=GUARD)
+        async with open_slot(terms=terms) as slot:
+            rest = tmp_path / "rest"
+            outcome = await slot.run(run_of("grow", chunk=2**22, most=BOUND, rest=str(rest)))
+            assert isinstance(outcome, Overgrown)
+            assert rest.exists()
+
+    asyncio.run(story())
+
+
+def test_a_worker_lets_others_go_before():
+    async def story():
+        async with open_slot(terms=Terms(niceness=7)) as slot:
+            outcome = await slot.run(run_of("niceness"))
+            assert json.loads(outcome.result.text) == {"niceness": os.nice(0) + 7}
+
+    asyncio.run(story())

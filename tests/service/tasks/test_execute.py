@@ -88,3 +88,18 @@ def test_what_is_asked_is_done_once_and_in_any_combination():
     assert followed(channel, 0.5, 2.0)["state"] == "succeeded"
     states = list(dict.fromkeys(data["state"] for _, data in channel.told))
     assert states == ["executing", "paused", "succeeded"]
+
+
+@pytest.mark.parametrize("delay", [0.0, 0.7])
+def test_it_says_how_late_it_was(delay):
+    """The longest delay counts, whether it was in a wait or in a step of the simulation."""
+    delays = iter([0.3 * delay, delay, 0.5 * delay])
+
+    def wait(seconds):
+        CLOCK.advance(seconds + next(delays, 0.0))
+
+    channel = Channel(CLOCK)
+    runner = Runner(Execution(quintic(2.0), limits()), SlowDriver())
+    last = follow(runner, channel, 1.0, CLOCK, wait)
+    assert delay - 1e-9 <= last["lateness"] <= delay + COST + 1e-9
+    assert channel.told[0][1]["lateness"] == 0.0

@@ -1,0 +1,126 @@
+"""Retention: jobs that ended long ago are deleted, with all that was recorded of them.
+
+What is still needed stays, however old it is: the last execution of a scene, which knows where its
+robot is; regions of the content of a scene; whatever a job that waits or runs names.
+"""
+
+import asyncio
+import logging
+import re
+import threading
+from collections.abc import Callable
+from datetime import UTC, datetime, timedelta
+
+from anyio import to_thread
+from sqlalchemy import ColumnElement, Connection, delete, func, select
+from sqlalchemy.exc import SQLAlchemyError
+
+from service.jobs.errors import DatabaseTaken
+from service.jobs.json_text import encode
+from service.jobs.records import bodies, briefs, events, jobs, makers
+from service.jobs.states import JobState
+from service.jobs.store import JobStore
+from service.scenes.records import scenes
+
+# Between two sweeps [s].
+_PERIOD = 3600.0
+# Others write meanwhile: no transaction takes long.
+_JOBS_AT_ONCE = 50
+_EVENTS_AT_ONCE = 2000
+_ENDED = [state.value for state in JobState if state.is_final]
+_NAMED = re.compile(r'"((?:pln|exe|reg)_[0-9a-f]+)"')
+_log = logging.getLogger(__name__)
+
+
+class Retention:
+    """Deletes jobs once an hour, in a thread."""
+
+    def __init__(
+        self, store: JobStore, days: float, on_deleted: Callable[[], None] | None = None
+    ) -> None:
+        """Delete from `store`.
+
+        Args:
+            store: Of the records.
+            days: For which an ended job is kept; 0 for all time.
+            on_deleted: Called after jobs were deleted: files may be needed no more.
+        """
+        self._store = store
+        self._days = days
+        self._on_deleted = on_deleted
+        self._has_ended = threading.Event()
+
+    async def run(self) -> None:
+        """Sweep now and once an hour, until canceled."""
+        if self._days == 0:
+            return
+        try:
+            while True:
+                await self._sweep()
+                await asyncio.sleep(_PERIOD)
+        finally:
+            self._has_ended.set()
+
+    async def _sweep(self) -> None:
+        before = datetime.now(UTC) - timedelta(days=self._days)
+        try:
+            count = await to_thread.run_sync(self.sweep, before, abandon_on_cancel=True)
+        except (SQLAlchemyError, DatabaseTaken):
+            _log.exception("jobs that ended before %s could not be deleted", before)
+            return
+        if count:
+            _log.info("deleted %d jobs that ended before %s", count, before)
+            if self._on_deleted is not None:
+                self._on_deleted()
+
+    def sweep(self, before: datetime) -> int:
+        """Delete the jobs that ended before an instant and are not needed; return how many."""
+        count = 0
+        while not self._has_ended.is_set():
+            with self._store.transaction(is_durable=False) as connection:
+                old = _old(connection, before, _JOBS_AT_ONCE)
+            if not old:
+                break
+            for identifier in old:
+                self._delete(identifier)
+            count += len(old)
+        return count
+
+    def _delete(self, identifier: str) -> None:
+        """Delete a job, its events first and in portions: an hour of motion has 70,000."""
+        number = 0
+        while True:
+            number += _EVENTS_AT_ONCE
+            these = (events.c.job == identifier) & (events.c.number <= number)
+            with self._store.transaction(is_durable=False) as connection:
+                gone = connection.execute(delete(events).where(these)).rowcount
+                if gone == 0:
+                    for table in (bodies, briefs, makers):
+                        connection.execute(delete(table).where(table.c.job == identifier))
+                    connection.execute(delete(jobs).where(jobs.c.id == identifier))
+                    return
+
+
+def _old(connection: Connection, before: datetime, most: int) -> list[str]:
+    """Return jobs that ended before an instant and are not needed, oldest first."""
+    is_old = jobs.c.state.in_(_ENDED) & (jobs.c.finished_at < before.isoformat())
+    query = select(jobs.c.id).where(is_old, ~_is_needed(connection)).order_by(jobs.c.serial)
+    return list(connection.execute(query.limit(most)).scalars())
+
+
+def _is_needed(connection: Connection) -> ColumnElement[bool]:
+    last = select(func.max(jobs.c.serial)).where(jobs.c.lane == "execution")
+    last = last.where(jobs.c.scene.in_(select(scenes.c.id))).group_by(jobs.c.scene)
+    is_of_scene = jobs.c.warm_key.in_(select(scenes.c.digest))
+    return (
+        jobs.c.serial.in_(last)
+        | ((jobs.c.lane == "regions") & is_of_scene)
+        | jobs.c.id.in_(_named_by_open(connection))
+    )
+
+
+def _named_by_open(connection: Connection) -> set[str]:
+    """Return the ids in what jobs that wait or run were asked for."""
+    query = select(briefs.c.payload).join(jobs, jobs.c.id == briefs.c.job)
+    found = connection.execute(query.where(jobs.c.state.not_in(_ENDED))).scalars()
+    return {name for payload in found for name in _NAMED.findall(encode(payload))}
