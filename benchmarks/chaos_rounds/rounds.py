@@ -1,0 +1,235 @@
+"""Rounds: clients work while faults happen; then, in calm, everything is looked at."""
+
+import random
+import shutil
+import tempfile
+import threading
+import time
+from collections import Counter
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+from benchmarks.chaos_rounds.caller import Caller, GaveUp
+from benchmarks.chaos_rounds.checker import check
+from benchmarks.chaos_rounds.clients import Client
+from benchmarks.chaos_rounds.databases import Database, Postgresql, Sqlite
+from benchmarks.chaos_rounds.disk import SmallDisk
+from benchmarks.chaos_rounds.faults import FaultKind, Havoc, draw
+from benchmarks.chaos_rounds.journal import Journal, Violation
+from benchmarks.chaos_rounds.keeper import Keeper
+from benchmarks.chaos_rounds.mix import scenes
+from benchmarks.chaos_rounds.records import check_files, check_rows
+from benchmarks.chaos_rounds.survey import Survey
+
+_MEGABYTES = 256
+_PLANNERS, _ROBOTS = 2, 2
+# Faults for each job.
+_RATE = 0.4
+# What a server may have open besides what it has when it is new: connections of its database.
+_POOL = 16
+_SETTLE_WITHIN = 20.0
+
+
+@dataclass(frozen=True)
+class Round:
+    """What came of a round.
+
+    Attributes:
+        name: Of the database and the round.
+        jobs: How many were accepted.
+        faults: How often what was done.
+        refused: How often a server could not start while something was wrong.
+        outcomes: How many jobs ended how: `plan succeeded`, `plan worker_crashed`, and so on.
+        answers: How many answers there were by status and code.
+        violations: Of what must hold.
+        seconds: It took [s].
+    """
+
+    name: str
+    jobs: int
+    faults: Counter[FaultKind]
+    refused: int
+    outcomes: Counter[str]
+    answers: Counter[str]
+    violations: list[Violation]
+    seconds: float
+
+
+class Site:
+    """A database, a data folder and the jobs of all rounds on them.
+
+    Attributes:
+        database: Of the servers.
+        data: Their data folder.
+        log: What they printed.
+    """
+
+    def __init__(self, database: Database, data: Path, log: Path) -> None:
+        """Begin without jobs."""
+        self.database = database
+        self.data = data
+        self.log = log
+        self._ends: dict[str, str] = {}
+        self._earlier: dict[str, list[str]] = {"plan": [], "execution": []}
+
+    def round(self, number: int, num_jobs: int, seed: int) -> Round:
+        """Do a round.
+
+        Args:
+            number: Of the round.
+            num_jobs: How many jobs to ask for, about.
+            seed: Of the faults, and of what is asked for.
+        """
+        began = time.monotonic()
+        name = f"{self.database.name} {number}"
+        journal = Journal()
+        environment = {"WAYPROOF_PLAN_SLOTS": "2", **self.database.environment}
+        keeper = Keeper(self.data, self.log, environment, journal)
+        keeper.start()
+        try:
+            done, outcomes = self._in_server(keeper, journal, f"{seed} {name}", num_jobs)
+        finally:
+            if keeper.url:
+                keeper.end()
+            keeper.check_gone()
+        journal.violations += check_rows(self.database, self._ends)
+        journal.violations += check_files(self.data)
+        seconds = time.monotonic() - began
+        answers, violations = journal.answers, journal.violations
+        jobs = len(journal.asked)
+        return Round(name, jobs, done, keeper.refused, outcomes, answers, violations, seconds)
+
+    def _in_server(
+        self, keeper: Keeper, journal: Journal, seed: str, num_jobs: int
+    ) -> tuple[Counter[FaultKind], Counter[str]]:
+        caller = Caller(keeper, journal)
+        try:
+            caller.get("/readyz")
+            ids = {
+                name: caller.ask("POST", "/v1/scenes", document).json()["id"]
+                for name, document in scenes().items()
+            }
+            calm = keeper.open_files(), keeper.losses
+            havoc = Havoc(keeper, self.database)
+            work(keeper, journal, havoc, seed=seed, num_jobs=num_jobs, ids=ids)
+            caller.get("/readyz")
+            outcomes = self._look(caller, journal)
+        finally:
+            caller.close()
+        _check_files_of_process(keeper, journal, calm[0])
+        return havoc.done, outcomes
+
+    def _look(self, caller: Caller, journal: Journal) -> Counter[str]:
+        """Look at every job of the round, and note how it ended."""
+        survey = Survey(caller, journal)
+        seen = list(survey.seen(journal.asked))
+        listed = {
+            kind: [one for one in survey.listed(kind) if one not in earlier]
+            for kind, earlier in self._earlier.items()
+        }
+        journal.violations += check(seen, listed)
+        outcomes: Counter[str] = Counter()
+        for one in seen:
+            code = (one.job["failure"] or {"code": one.job["state"]})["code"]
+            outcomes[f"{one.asked.kind} {code}"] += 1
+            self._ends[one.asked.id] = one.job["state"]
+        for identifier in survey.extra:
+            self._ends[identifier] = caller.get(f"/v1/plans/{identifier}")["state"]
+        self._earlier["plan"] += [*listed["plan"], *survey.extra]
+        self._earlier["execution"] += listed["execution"]
+        return outcomes
+
+
+@contextmanager
+def site(name: str) -> Iterator[Site]:
+    """Have a database of a kind, on a small disk, and a data folder for a while.
+
+    Args:
+        name: Of the kind: "sqlite" or "postgresql".
+    """
+    with ExitStack() as stack:
+        folder = tempfile.mkdtemp(prefix="wp-chaos-")
+        stack.enter_context(_removed(Path(folder)))
+        disk = SmallDisk(Path(folder) / "disk", _MEGABYTES)
+        stack.callback(disk.close)
+        data = disk.folder / "data"
+        if name == "sqlite":
+            database: Database = Sqlite(data, disk)
+        else:
+            database = Postgresql(Path(folder) / "cluster", disk)
+        stack.callback(database.close)
+        yield Site(database, data, Path(folder) / "server.log")
+
+
+def work(
+    keeper: Keeper, journal: Journal, havoc: Havoc, *, seed: str, num_jobs: int, ids: dict[str, str]
+) -> None:
+    """Let clients work while faults happen, until all that was asked for has ended.
+
+    Args:
+        keeper: Of the server.
+        journal: Of what clients ask.
+        havoc: Does the faults.
+        seed: Of all that is decided by chance.
+        num_jobs: About as many are asked for.
+        ids: Of the scenes that all plan in, by name.
+    """
+    rng = random.Random(seed)
+    faults = draw(rng, max(1, round(_RATE * num_jobs)), havoc.database)
+    share = num_jobs // (2 * _PLANNERS), num_jobs // (4 * _ROBOTS)
+
+    def client(number: int) -> None:
+        caller = Caller(keeper, journal)
+        own = Client(f"{seed} client {number}", caller, journal, lambda: keeper.losses)
+        try:
+            if number < _PLANNERS:
+                for _ in range(max(1, share[0])):
+                    own.plan(ids)
+            else:
+                scene = own.scene()
+                for i in range(max(1, share[1])):
+                    own.move(scene, 1 + i)
+        except GaveUp:
+            pass  # it is in the journal
+        except Exception as fault:
+            journal.blame("a client can work", f"client {number}", repr(fault))
+            raise
+        finally:
+            caller.close()
+
+    troubles = threading.Thread(target=havoc.run, args=(faults,))
+    clients = [threading.Thread(target=client, args=(i,)) for i in range(_PLANNERS + _ROBOTS)]
+    for thread in (troubles, *clients):
+        thread.start()
+    for thread in clients:
+        thread.join()
+    havoc.stop()
+    troubles.join()
+
+
+def _check_files_of_process(keeper: Keeper, journal: Journal, new: dict[str, int]) -> None:
+    """Blame a server that has more open than a new one, once what it did has been put away."""
+    until = time.monotonic() + _SETTLE_WITHIN
+    allowed = {"pipe": 0, "anon_inode": 0, "socket": _POOL}
+    while True:
+        now = keeper.open_files()
+        more = {
+            kind: now[kind] - new[kind] for kind in now if now[kind] - new[kind] > allowed[kind]
+        }
+        if not more:
+            return
+        if time.monotonic() > until:
+            what = f"has {more} more open than when it was new"
+            journal.blame("nothing is left behind", "server", what)
+            return
+        threading.Event().wait(0.2)
+
+
+@contextmanager
+def _removed(folder: Path) -> Iterator[None]:
+    try:
+        yield
+    finally:
+        shutil.rmtree(folder, ignore_errors=True)
