@@ -38,9 +38,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
         print(json.dumps([_plain(one) for one in rounds]))
     else:
         console.print(table(rounds, options.seed))
-    for one in rounds:
-        for violation in one.violations:
-            console.print(f"{one.name}: {violation}", style="red", markup=False, highlight=False)
     return 1 if any(one.violations for one in rounds) else 0
 
 
@@ -79,7 +76,9 @@ def _on(database: str, options: argparse.Namespace, console: Console) -> Iterabl
         for number in range(1, options.rounds + 1):
             one = made.round(number, options.jobs // options.rounds, options.seed)
             if not options.json:
-                console.print(f"{one.name}: {one.jobs} jobs, {len(one.violations)} violations")
+                print(f"{one.name}: {one.jobs} jobs, {len(one.violations)} violations")
+                for violation in one.violations:
+                    print(f"{one.name}: {violation}", flush=True)
             yield one
         if options.log is not None:
             with options.log.open("ab") as log:

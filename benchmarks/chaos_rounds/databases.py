@@ -133,8 +133,6 @@ class Postgresql:
         folder.mkdir()
         owner = (cluster / "data").stat()
         shutil.chown(folder, owner.st_uid, owner.st_gid)
-        for above in (folder.parent, *folder.parent.parents[:2]):
-            Path(above).chmod(above.stat().st_mode | 0o111)
         with self._engine.connect().execution_options(isolation_level="AUTOCOMMIT") as connection:
             connection.execute(text(f"CREATE TABLESPACE small LOCATION '{folder}'"))
             connection.execute(text("ALTER ROLE wp SET default_tablespace = 'small'"))

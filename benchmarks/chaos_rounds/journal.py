@@ -104,6 +104,7 @@ class Journal:
             self.answers[answer] += 1
 
     def blame(self, rule: str, job: str, what: str) -> None:
-        """Note a violation."""
+        """Note a violation, the same one once."""
         with self._lock:
-            self.violations.append(Violation(rule, job, what))
+            if (found := Violation(rule, job, what)) not in self.violations:
+                self.violations.append(found)

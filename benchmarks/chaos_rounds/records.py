@@ -21,12 +21,21 @@ def check_rows(database: Database, ends: Mapping[str, str]) -> list[Violation]:
     return [*_jobs(database, ends), *_parts(database), *_sound(database)]
 
 
-def check_files(data: Path) -> list[Violation]:
-    """Return the half-written files in a data folder that no server uses."""
-    rest = [file for pattern in ("*.tmp", "tmp*", ".*") for file in data.rglob(pattern)]
+def check_files(data: Path, known: set[Path], num_kills: int) -> list[Violation]:
+    """Return the half-written files in a data folder that no server uses.
+
+    Args:
+        data: The data folder.
+        known: Such files that were there before; those that are there now are added.
+        num_kills: How many processes were killed since: each may have left one.
+    """
+    rest = {file for pattern in ("*.tmp", "tmp*", ".*") for file in data.rglob(pattern)} - known
+    known |= rest
+    if len(rest) <= num_kills:
+        return []
     return [
         Violation("nothing is left behind", str(file.relative_to(data)), "is in the data folder")
-        for file in sorted(set(rest))
+        for file in sorted(rest)
     ]
 
 

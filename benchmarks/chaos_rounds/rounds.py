@@ -72,6 +72,7 @@ class Site:
         self.data = data
         self.log = log
         self._ends: dict[str, str] = {}
+        self._rest: set[Path] = set()
         self._earlier: dict[str, list[str]] = {"plan": [], "execution": []}
 
     def round(self, number: int, num_jobs: int, seed: int) -> Round:
@@ -95,7 +96,8 @@ class Site:
                 keeper.end()
             keeper.check_gone()
         journal.violations += check_rows(self.database, self._ends)
-        journal.violations += check_files(self.data)
+        kills = sum(done[kind] for kind in FaultKind if kind.endswith("-9"))
+        journal.violations += check_files(self.data, self._rest, kills)
         seconds = time.monotonic() - began
         answers, violations = journal.answers, journal.violations
         jobs = len(journal.asked)
@@ -150,17 +152,19 @@ def site(name: str) -> Iterator[Site]:
         name: Of the kind: "sqlite" or "postgresql".
     """
     with ExitStack() as stack:
-        folder = tempfile.mkdtemp(prefix="wp-chaos-")
-        stack.enter_context(_removed(Path(folder)))
-        disk = SmallDisk(Path(folder) / "disk", _MEGABYTES)
+        folder = Path(tempfile.mkdtemp(prefix="wp-chaos-"))
+        stack.enter_context(_removed(folder))
+        # PostgreSQL refuses to be root, and so runs as a user who has to get there.
+        folder.chmod(0o711)
+        disk = SmallDisk(folder / "disk", _MEGABYTES)
         stack.callback(disk.close)
         data = disk.folder / "data"
         if name == "sqlite":
             database: Database = Sqlite(data, disk)
         else:
-            database = Postgresql(Path(folder) / "cluster", disk)
+            database = Postgresql(folder / "cluster", disk)
         stack.callback(database.close)
-        yield Site(database, data, Path(folder) / "server.log")
+        yield Site(database, data, folder / "server.log")
 
 
 def work(

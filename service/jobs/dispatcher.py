@@ -24,6 +24,7 @@ from service.jobs.recovery import Recovery
 from service.jobs.slot import Run, Slot
 from service.jobs.steering import Steering
 from service.jobs.store import JobStore
+from service.jobs.waits import Waits
 
 # No stream is longer; it also fits into every database's integers.
 _END_OF_STREAM = 2**31 - 1
@@ -66,6 +67,7 @@ class Dispatcher:
         self._floor = Floor(lanes)
         self._bus: EventBus[LoggedEvent] = EventBus(self._stretch)
         self._runs: dict[str, JobRun] = {}
+        self._waits = Waits()
         self._num_calls = 0
         self._recording: Recording
         self._steering: Steering
@@ -115,7 +117,11 @@ class Dispatcher:
         self._ownership.release()
 
     def begin_to_stop(self) -> None:
-        """Begin nothing more, and tell what runs to end: a robot comes to rest on its path."""
+        """Begin nothing more, and tell what runs to end: a robot comes to rest on its path.
+
+        Who waits for a job is answered at once: what waited would be cut off.
+        """
+        self._waits.end()
         self._end_runs("the server stopped")
 
     def suspend(self) -> None:
@@ -178,20 +184,17 @@ class Dispatcher:
         return await self._steering.control(identifier, asked)
 
     async def wait(self, identifier: str, seconds: float) -> Job:
-        """Return a job when it has ended, or as it is after so many seconds.
+        """Return a job when it has ended, or as it is after so many seconds, or when we end.
 
         Raises:
             UnknownJob: There is none.
         """
-        try:
-            async with (
-                asyncio.timeout(seconds),
-                aclosing(self._bus.follow(identifier, _END_OF_STREAM)) as nothing,
-            ):
-                async for _ in nothing:
-                    pass
-        except TimeoutError:
-            pass
+        async with (
+            self._waits.limit(seconds),
+            aclosing(self._bus.follow(identifier, _END_OF_STREAM)) as nothing,
+        ):
+            async for _ in nothing:
+                pass
         return await asyncio.to_thread(self._store.get, identifier)
 
     async def subscribe(self, identifier: str, after: int = 0) -> AsyncGenerator[LoggedEvent]:
