@@ -5,7 +5,7 @@ import signal
 import threading
 from collections import Counter
 from collections.abc import Callable, Iterator
-from contextlib import AbstractContextManager, ExitStack, contextmanager
+from contextlib import AbstractContextManager, ExitStack, contextmanager, suppress
 from dataclasses import dataclass
 from enum import StrEnum
 
@@ -183,7 +183,5 @@ def _forgiving(lock: Callable[[], AbstractContextManager[None]]) -> Iterator[Non
     with ExitStack() as stack:
         stack.enter_context(lock())
         yield
-        try:
+        with suppress(DBAPIError):
             stack.close()
-        except DBAPIError:
-            pass

@@ -6,9 +6,10 @@ import tempfile
 import threading
 import time
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 from benchmarks.chaos_rounds.caller import Caller, GaveUp
@@ -113,14 +114,14 @@ class Site:
                 name: caller.ask("POST", "/v1/scenes", document).json()["id"]
                 for name, document in scenes().items()
             }
-            calm = keeper.open_files(), keeper.losses
+            new = keeper.open_files()
             havoc = Havoc(keeper, self.database)
             work(keeper, journal, havoc, seed=seed, num_jobs=num_jobs, ids=ids)
             caller.get("/readyz")
             outcomes = self._look(caller, journal)
         finally:
             caller.close()
-        _check_files_of_process(keeper, journal, calm[0])
+        _check_files_of_process(keeper, journal, new)
         return havoc.done, outcomes
 
     def _look(self, caller: Caller, journal: Journal) -> Counter[str]:
@@ -180,37 +181,50 @@ def work(
         num_jobs: About as many are asked for.
         ids: Of the scenes that all plan in, by name.
     """
-    rng = random.Random(seed)
-    faults = draw(rng, max(1, round(_RATE * num_jobs)), havoc.database)
-    share = num_jobs // (2 * _PLANNERS), num_jobs // (4 * _ROBOTS)
-
-    def client(number: int) -> None:
-        caller = Caller(keeper, journal)
-        own = Client(f"{seed} client {number}", caller, journal, lambda: keeper.losses)
-        try:
-            if number < _PLANNERS:
-                for _ in range(max(1, share[0])):
-                    own.plan(ids)
-            else:
-                scene = own.scene()
-                for i in range(max(1, share[1])):
-                    own.move(scene, 1 + i)
-        except GaveUp:
-            pass  # it is in the journal
-        except Exception as fault:
-            journal.blame("a client can work", f"client {number}", repr(fault))
-            raise
-        finally:
-            caller.close()
-
+    faults = draw(random.Random(seed), max(1, round(_RATE * num_jobs)), havoc.database)
+    num_plans = max(1, num_jobs // (2 * _PLANNERS))
+    # A motion is a plan and an execution.
+    num_motions = max(1, num_jobs // (4 * _ROBOTS))
+    shifts: list[Callable[[Client], None]] = [
+        *[partial(_plan_on, ids=ids, count=num_plans)] * _PLANNERS,
+        *[partial(_move_on, count=num_motions)] * _ROBOTS,
+    ]
+    clients = [
+        threading.Thread(target=_client, args=(keeper, journal, f"{seed} client {i}", shift))
+        for i, shift in enumerate(shifts)
+    ]
     troubles = threading.Thread(target=havoc.run, args=(faults,))
-    clients = [threading.Thread(target=client, args=(i,)) for i in range(_PLANNERS + _ROBOTS)]
     for thread in (troubles, *clients):
         thread.start()
     for thread in clients:
         thread.join()
     havoc.stop()
     troubles.join()
+
+
+def _client(keeper: Keeper, journal: Journal, name: str, shift: Callable[[Client], None]) -> None:
+    """Do what a client does, and put its own faults into the journal."""
+    caller = Caller(keeper, journal)
+    try:
+        shift(Client(name, caller, journal, lambda: keeper.losses))
+    except GaveUp:
+        pass  # it is in the journal
+    except Exception as fault:
+        journal.blame("a client can work", name, repr(fault))
+        raise
+    finally:
+        caller.close()
+
+
+def _plan_on(client: Client, ids: dict[str, str], count: int) -> None:
+    for _ in range(count):
+        client.plan(ids)
+
+
+def _move_on(client: Client, count: int) -> None:
+    scene = client.scene()
+    for i in range(count):
+        client.move(scene, 1 + i)
 
 
 def _check_files_of_process(keeper: Keeper, journal: Journal, new: dict[str, int]) -> None:
