@@ -11,12 +11,11 @@ _MEGABYTE = 2**20
 
 
 class SmallDisk:
-    """A folder on a file system of its own, where the machine permits that (Linux, root).
+    """A folder that can be full, as far as the machine permits that (Linux, root).
 
     Attributes:
         folder: Is on it.
-        is_real: Whether it is one; else `full` limits the size of a process' files, so that its
-            writes fail as on a full disk (`RLIMIT_FSIZE`), but not those of others.
+        is_real: Whether it is a file system of its own.
     """
 
     def __init__(self, folder: Path, megabytes: int) -> None:
@@ -33,13 +32,18 @@ class SmallDisk:
             self.is_real = done.returncode == 0
 
     @contextmanager
-    def full(self, pid: int | None) -> Iterator[None]:
-        """Leave not a byte for a while.
+    def full(self, pid: int | None, *, is_limit: bool) -> Iterator[None]:
+        """Leave no room for a while.
+
+        A file system of its own is filled to the last byte. Databases then still write into what
+        their files have; a limit on the size of files (`RLIMIT_FSIZE`) lets a process write
+        nothing at all, and is what there is where the disk is not real.
 
         Args:
-            pid: Of the process whose files are limited if the disk is not real.
+            pid: Of the process that may be limited; None without one.
+            is_limit: Whether it is limited even if the disk is real.
         """
-        if self.is_real:
+        if self.is_real and not is_limit:
             with self._filled():
                 yield
         elif pid is not None:

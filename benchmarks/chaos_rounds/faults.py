@@ -46,6 +46,8 @@ _LASTS = {
     FaultKind.LOCKED: (0.5, 14.0),
     FaultKind.AWAY: (0.0, 3.0),
 }
+# How often a full disk is a limit on the server's files.
+_LIMITED = 0.5
 
 
 @dataclass(frozen=True)
@@ -56,7 +58,7 @@ class Fault:
         kind: What.
         after: How long after the one before [s].
         lasts: How long [s].
-        choice: Which of the processes there are then, 0 to 1.
+        choice: Which of the processes there are then, or which way of it, 0 to 1.
     """
 
     kind: FaultKind
@@ -137,7 +139,7 @@ class Havoc:
                 stack.enter_context(lock)
             try:
                 stack.enter_context(self._trouble(fault))
-            except DBAPIError:  # the database is away, or locked already
+            except (DBAPIError, ProcessLookupError):  # the database, or the server, is away
                 return
             self.done[fault.kind] += 1
             self._end.wait(fault.lasts)
@@ -148,7 +150,8 @@ class Havoc:
             case FaultKind.WORKER_STOPPED:
                 return stopped(self._chosen(fault))
             case FaultKind.DISK_FULL:
-                return self._database.disk.full(self._keeper.pid if self._keeper.url else None)
+                pid = self._keeper.pid
+                return self._database.disk.full(pid, is_limit=fault.choice < _LIMITED)
             case FaultKind.LOCKED:
                 return _forgiving(self._database.locked)
             case _:

@@ -57,10 +57,10 @@ class Keeper:
         return "" if server is None else server.url
 
     @property
-    def pid(self) -> int:
-        """The number of the server's process."""
-        assert self._server is not None
-        return self._server.pid
+    def pid(self) -> int | None:
+        """The number of the server's process; None while there is none."""
+        server = self._server
+        return None if server is None else server.pid
 
     def workers(self) -> list[Process]:
         """Return the processes that run tasks; none while there is no server."""
