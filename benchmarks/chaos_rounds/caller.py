@@ -1,12 +1,13 @@
 """Caller: asks a server that may be gone, full or locked until it has answered."""
 
+import json
 import time
-from collections.abc import Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Any, Protocol
 
 import httpx
 
-from benchmarks.chaos_rounds.journal import Journal
+from benchmarks.chaos_rounds.journal import Event, Journal
 from benchmarks.serving.server import pause
 
 # A client that is patient: the longest fault, and the start after it [s].
@@ -98,6 +99,16 @@ class Caller:
         self._journal.blame("no answer", path, f"{method} within {PATIENCE:g} s; last: {last}")
         raise GaveUp(path)
 
+    def follow(self, path: str, after: int) -> Iterator[Event]:
+        """Yield events with numbers above `after`, until the stream or the server ends."""
+        headers = {"Last-Event-ID": str(after)}
+        try:
+            with self._http.stream("GET", self.address.url + path, headers=headers) as stream:
+                if stream.is_success:
+                    yield from events_in(stream.iter_lines())
+        except httpx.TransportError:
+            self._journal.count("no connection")
+
     def _send(
         self, method: str, path: str, body: Any, headers: Mapping[str, str]
     ) -> httpx.Response:
@@ -106,6 +117,20 @@ class Caller:
             message = "the server is down"
             raise httpx.ConnectError(message)
         return self._http.request(method, url + path, json=body, headers=headers)
+
+
+def events_in(lines: Iterable[str]) -> Iterator[Event]:
+    """Yield the events of a stream of server-sent events (WHATWG HTML, 9.2)."""
+    fields: dict[str, str] = {}
+    for line in lines:
+        if line:
+            name, _, value = line.partition(": ")
+            fields[name] = value
+        else:
+            if "data" in fields and "id" in fields:
+                data = json.loads(fields["data"])
+                yield Event(int(fields["id"]), fields.get("event", "message"), data)
+            fields = {}
 
 
 def name_of(answer: httpx.Response) -> str:

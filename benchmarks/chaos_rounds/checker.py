@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from datetime import datetime
 from typing import Any
 
-from benchmarks.chaos_rounds.journal import FINAL, Asked, Violation
+from benchmarks.chaos_rounds.journal import FINAL, Asked, Event, Violation
 
 # How a job may end for what is done to its worker or its server.
 _LOST = {
@@ -21,15 +21,6 @@ _AT_END = 0.005
 # A measured position is so near to the planned one at the same time [rad or m].
 _ON_PATH = 0.01
 _ROUNDING = 1e-9
-
-
-@dataclass(frozen=True)
-class Event:
-    """An event of a job: its number, type and data."""
-
-    number: int
-    type: str
-    data: dict[str, Any]
 
 
 @dataclass(frozen=True)
@@ -111,6 +102,15 @@ def _whole_log(seen: Seen) -> Iterator[str]:
         yield f"is {seen.job['state']}, and its log says {ends[0].data}"
 
 
+def _streamed_as_logged(seen: Seen) -> Iterator[str]:
+    streamed = seen.asked.streamed
+    if streamed and streamed != list(seen.events):
+        known = {event.number: event for event in seen.events}
+        odd = [event for event in streamed if event != known.get(event.number)]
+        numbers = [event.number for event in streamed]
+        yield f"its stream told events {numbers} of {len(known)}; unlike the log: {odd[:3]}"
+
+
 def _same_key_same_job(seen: Seen) -> Iterator[str]:
     if seen.again != seen.asked.id:
         yield f"its key {seen.asked.key} now gives {seen.again}"
@@ -186,6 +186,7 @@ def _stands_where_it_was_last(seen: Seen) -> Iterator[str]:
 _RULES: dict[str, Rule] = {
     "every job has one end": _one_end,
     "every log is whole": _whole_log,
+    "a stream tells what the log has": _streamed_as_logged,
     "a key gives the same job": _same_key_same_job,
     "every end has a reason": _known_reason,
     "what succeeds is proven": _proven,

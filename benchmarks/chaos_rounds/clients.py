@@ -17,6 +17,8 @@ _PERIOD = 0.1
 # A cancel that is recorded ends its job, whatever happens; it is repeated after so long [s].
 _LATE = 60.0
 _SPEEDS = (0.5, 2.0, 10.0)
+# How often a client follows events before it polls.
+_FOLLOWED = 0.4
 _REFUSALS = frozenset({409})
 
 
@@ -58,6 +60,8 @@ class Client:
             pause(self._rng.uniform(0.0, 2.0))
             self._cancel(asked)
         if not asked.see(job):
+            if not asked.cancels and self._rng.random() < _FOLLOWED:
+                self._follow(asked)
             self._await(asked)
 
     def move(self, scene: str, target: int) -> None:
@@ -79,6 +83,8 @@ class Client:
             rival.start()
         moves = self._submit("execution", "/v1/executions", wanted, "", accepted=_REFUSALS)
         if moves is not None:
+            if self._rng.random() < _FOLLOWED:
+                self._follow(moves[0])
             self._watch(moves[0], scene)
         if rival:
             rival.join()
@@ -143,6 +149,16 @@ class Client:
             pause(_PERIOD)
         asked.num_losses = self._losses()
         return job
+
+    def _follow(self, asked: Asked) -> None:
+        """Follow the events of a job to its end, from one server to the next."""
+        until = time.monotonic() + NEVER
+        while time.monotonic() < until:
+            after = asked.streamed[-1].number if asked.streamed else 0
+            asked.streamed += self.caller.follow(f"{_path(asked)}/events", after)
+            if asked.streamed and asked.streamed[-1].type == "finished":
+                return
+            pause(_PERIOD)
 
     def _glimpse(self, asked: Asked, job: dict[str, Any]) -> None:
         # Counted after the answer: what is lost before it was sent does not make it later.

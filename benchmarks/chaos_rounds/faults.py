@@ -24,6 +24,7 @@ class FaultKind(StrEnum):
     FORKSERVER_KILLED = "forkserver -9"
     SERVER_KILLED = "server -9"
     SERVER_TOLD = "server TERM"
+    SERVER_HURRIED = "server TERM, -9"
     DISK_FULL = "disk full"
     LOCKED = "locked"
     AWAY = "database away"
@@ -35,6 +36,7 @@ _WEIGHTS = {
     FaultKind.FORKSERVER_KILLED: 1,
     FaultKind.SERVER_KILLED: 2,
     FaultKind.SERVER_TOLD: 2,
+    FaultKind.SERVER_HURRIED: 1,
     FaultKind.DISK_FULL: 3,
     FaultKind.LOCKED: 3,
     FaultKind.AWAY: 1,
@@ -42,6 +44,8 @@ _WEIGHTS = {
 # How long what does not happen at once lasts [s].
 _LASTS = {
     FaultKind.WORKER_STOPPED: (0.2, 8.0),
+    # Robots need a second to come to rest.
+    FaultKind.SERVER_HURRIED: (0.0, 1.5),
     FaultKind.DISK_FULL: (0.5, 6.0),
     FaultKind.LOCKED: (0.5, 14.0),
     FaultKind.AWAY: (0.0, 3.0),
@@ -117,9 +121,12 @@ class Havoc:
                 self._kill(fault.kind, self._chosen(fault))
             case FaultKind.FORKSERVER_KILLED:
                 self._kill(fault.kind, self._keeper.forkserver())
-            case FaultKind.SERVER_KILLED | FaultKind.SERVER_TOLD:
-                is_told = fault.kind is FaultKind.SERVER_TOLD
-                (self._keeper.end if is_told else self._keeper.kill)()
+            case FaultKind.SERVER_KILLED | FaultKind.SERVER_TOLD | FaultKind.SERVER_HURRIED:
+                if fault.kind is FaultKind.SERVER_TOLD:
+                    self._keeper.end()
+                else:
+                    is_hurried = fault.kind is FaultKind.SERVER_HURRIED
+                    self._keeper.kill(fault.lasts if is_hurried else None)
                 self.done[fault.kind] += 1
                 self._keeper.start(self._is_troubled)
             case _:

@@ -42,6 +42,15 @@ class Glimpse:
     time: float
 
 
+@dataclass(frozen=True)
+class Event:
+    """An event of a job: its number, type and data."""
+
+    number: int
+    type: str
+    data: dict[str, Any]
+
+
 @dataclass
 class Asked:
     """A job that a server accepted.
@@ -55,6 +64,7 @@ class Asked:
         cancels: What the answers to `/cancel` called unrecorded.
         glimpses: Of an execution.
         num_losses: When its end was seen: how often anything had been lost before.
+        streamed: The events that were followed while it went on, in the order in which they came.
         stood: Positions in the scene right after the end of an execution, and those of its status.
     """
 
@@ -66,6 +76,7 @@ class Asked:
     cancels: list[list[str]] = field(default_factory=list)
     glimpses: list[Glimpse] = field(default_factory=list)
     num_losses: int = 0
+    streamed: list[Event] = field(default_factory=list)
     stood: tuple[list[float], list[float]] | None = None
 
     def see(self, job: dict[str, Any]) -> bool:

@@ -99,11 +99,14 @@ class Keeper:
                 self._server = server
                 return
 
-    def kill(self) -> None:
-        """End the server without a word."""
+    def kill(self, after: float | None = None) -> None:
+        """End the server without a word, or so long after it was told to end [s]."""
         with self._lock:
             server = self._take()
             self.losses += 1
+            if after is not None:
+                server.tell()
+                pause(after)
             server.kill()
             self.losses += 1
 

@@ -5,8 +5,8 @@ import json
 from collections.abc import Iterable, Iterator
 from typing import Any
 
-from benchmarks.chaos_rounds.caller import Caller
-from benchmarks.chaos_rounds.checker import Event, Reference, Seen
+from benchmarks.chaos_rounds.caller import Caller, events_in
+from benchmarks.chaos_rounds.checker import Reference, Seen
 from benchmarks.chaos_rounds.journal import Asked, Journal
 
 _PAGE = 200
@@ -32,7 +32,9 @@ class Survey:
             path = f"/v1/{one.kind}s"
             job = self._caller.get(f"{path}/{one.id}")
             again = self._caller.ask("POST", path, one.body, key=one.key).json()
-            events = events_in(self._caller.ask("GET", f"{path}/{one.id}/events").text)
+            events = list(
+                events_in(self._caller.ask("GET", f"{path}/{one.id}/events").iter_lines())
+            )
             whole = Seen(one, job, str(again.get("id")), events)
             yield self._with_motion(whole)
 
@@ -72,18 +74,6 @@ class Survey:
             return ""
         answer = self._caller.ask("GET", f"/v1/plans/{job['id']}/trajectory?format=json")
         return hashlib.sha256(answer.content).hexdigest()
-
-
-def events_in(stream: str) -> list[Event]:
-    """Return the events of a stream of server-sent events (WHATWG HTML, 9.2)."""
-    found = []
-    for block in stream.replace("\r\n", "\n").split("\n\n"):
-        lines = [line.partition(": ") for line in block.splitlines() if not line.startswith(":")]
-        fields = {name: value for name, _, value in lines}
-        if "data" in fields and "id" in fields:
-            data = json.loads(fields["data"])
-            found.append(Event(int(fields["id"]), fields.get("event", "message"), data))
-    return found
 
 
 def _is_lost(job: dict[str, Any]) -> bool:

@@ -113,6 +113,10 @@ class Server:
                     raise NotStarted(self.printed[-2000:])
                 pause(_PERIOD)
 
+    def tell(self) -> None:
+        """Ask it to end (SIGTERM)."""
+        self._process.send_signal(signal.SIGTERM)
+
     def kill(self) -> None:
         """End it without a word."""
         self._process.kill()
@@ -121,7 +125,7 @@ class Server:
 
     def end(self) -> int | None:
         """Ask it to end (SIGTERM) and return its exit code, None if it had to be killed."""
-        self._process.send_signal(signal.SIGTERM)
+        self.tell()
         try:
             return self._process.wait(LONGEST_END)
         except subprocess.TimeoutExpired:

@@ -6,12 +6,12 @@ from collections.abc import Callable
 import pytest
 from sqlalchemy import text
 
-from benchmarks.chaos_rounds.checker import Event, Reference, Seen, check
+from benchmarks.chaos_rounds.caller import events_in
+from benchmarks.chaos_rounds.checker import Reference, Seen, check
 from benchmarks.chaos_rounds.databases import Sqlite
 from benchmarks.chaos_rounds.disk import SmallDisk
-from benchmarks.chaos_rounds.journal import Asked, Glimpse
+from benchmarks.chaos_rounds.journal import Asked, Event, Glimpse
 from benchmarks.chaos_rounds.records import check_files, check_rows
-from benchmarks.chaos_rounds.survey import events_in
 from planning.errors import Canceled
 from service.jobs.database import open_engine
 from service.jobs.ownership import Ownership
@@ -87,6 +87,9 @@ WRONG = [
     ("every log is whole", replaced(0, events=[*DONE, Event(4, "stage", {})])),
     ("every log is whole", replaced(0, events=DONE[:2])),
     ("every log is whole", told(0, state="failed", failure=CRASHED)),
+    ("a stream tells what the log has", asked(0, streamed=DONE[:2])),
+    ("a stream tells what the log has", asked(0, streamed=[DONE[0], *DONE])),
+    ("a stream tells what the log has", asked(0, streamed=[DONE[0], Event(2, "x", {}), DONE[2]])),
     ("a key gives the same job", replaced(0, again="pln_2")),
     ("every end has a reason", told(0, state="canceled")),
     ("every end has a reason", told(0, state="failed", failure={"code": "internal_error"})),
@@ -142,7 +145,10 @@ def test_a_job_that_is_listed_twice_is_blamed() -> None:
 def test_events_are_read_from_a_stream() -> None:
     first = ": hello\n\nevent: queued\ndata: {}\nid: 1\n\n"
     stream = first + 'event: finished\r\ndata: {"a": 1}\r\nid: 2\n\n'
-    assert events_in(stream) == [Event(1, "queued", {}), Event(2, "finished", {"a": 1})]
+    assert list(events_in(stream.splitlines())) == [
+        Event(1, "queued", {}),
+        Event(2, "finished", {"a": 1}),
+    ]
 
 
 SABOTAGE = {
