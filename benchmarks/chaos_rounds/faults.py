@@ -46,7 +46,7 @@ _LASTS = {
     FaultKind.WORKER_STOPPED: (0.2, 8.0),
     # Robots need a second to come to rest.
     FaultKind.SERVER_HURRIED: (0.0, 1.5),
-    FaultKind.DISK_FULL: (0.5, 6.0),
+    FaultKind.DISK_FULL: (0.5, 12.0),
     FaultKind.LOCKED: (0.5, 14.0),
     FaultKind.AWAY: (0.0, 3.0),
 }
