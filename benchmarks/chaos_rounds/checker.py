@@ -12,10 +12,12 @@ from typing import Any
 from benchmarks.chaos_rounds.journal import FINAL, Asked, Event, Violation
 
 # How a job may end for what is done to its worker or its server.
-_LOST = {
-    "plan": frozenset({"worker_crashed", "deadline_exceeded"}),
+LOST = {
+    "plan": frozenset({"worker_crashed", "server_restarted", "deadline_exceeded"}),
     "execution": frozenset({"worker_crashed", "worker_unresponsive", "server_restarted"}),
 }
+# A plan is given up only when it was lost so often.
+_ATTEMPTS = 2
 # An execution ends within so much of where it should [rad or m].
 _AT_END = 0.005
 # A measured position is so near to the planned one at the same time [rad or m].
@@ -118,15 +120,18 @@ def _same_key_same_job(seen: Seen) -> Iterator[str]:
 
 def _known_reason(seen: Seen) -> Iterator[str]:
     kind, job = seen.asked.kind, seen.job
-    code = (job["failure"] or {}).get("code")
+    failure = job["failure"] or {}
+    code, evidence = failure.get("code"), failure.get("evidence", {})
     if job["state"] == "canceled":
-        by_server = "reason" in (job["failure"] or {}).get("evidence", {})
+        by_server = "reason" in evidence
         if not seen.asked.cancels and not (kind == "execution" and by_server):
             yield f"is canceled, which no client asked for: {job['failure']}"
-    elif job["state"] in {"failed", "aborted"} and code not in _LOST[kind]:
+    elif job["state"] in {"failed", "aborted"} and code not in LOST[kind]:
         expected = seen.reference and (seen.reference.job["failure"] or {}).get("code")
         if code != expected:
             yield f"failed with {code}, not {expected}: {job['failure']}"
+    elif kind == "plan" and evidence.get("attempts", _ATTEMPTS) < _ATTEMPTS:
+        yield f"was given up too early: {job['failure']}"
 
 
 def _proven(seen: Seen) -> Iterator[str]:

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator
 from typing import Any
 
 from benchmarks.chaos_rounds.caller import Caller, events_in
-from benchmarks.chaos_rounds.checker import Reference, Seen
+from benchmarks.chaos_rounds.checker import LOST, Reference, Seen
 from benchmarks.chaos_rounds.journal import Asked, Journal
 
 _PAGE = 200
@@ -77,4 +77,4 @@ class Survey:
 
 
 def _is_lost(job: dict[str, Any]) -> bool:
-    return job["failure"]["code"] in {"worker_crashed", "deadline_exceeded"}
+    return job["failure"]["code"] in LOST["plan"]

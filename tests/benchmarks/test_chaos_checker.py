@@ -77,7 +77,7 @@ def asked(place: int, **fields: object) -> Callable[[list[Seen]], None]:
     return lambda seen: vars(seen[place].asked).update(fields)
 
 
-CRASHED = {"code": "worker_crashed", "evidence": {}}
+CRASHED = {"code": "worker_crashed", "evidence": {"attempts": 1}}
 WRONG = [
     ("every job has one end", told(0, state="running")),
     ("every job has one end", asked(0, ends=["failed", "succeeded"])),
@@ -93,6 +93,7 @@ WRONG = [
     ("a key gives the same job", replaced(0, again="pln_2")),
     ("every end has a reason", told(0, state="canceled")),
     ("every end has a reason", told(0, state="failed", failure={"code": "internal_error"})),
+    ("every end has a reason", told(0, state="failed", failure=CRASHED)),
     ("every end has a reason", told(1, state="aborted", failure={"code": "tracking_lost"})),
     ("what succeeds is proven", told(0, result={"certificate": {**CERTIFICATE, "proven": False}})),
     (
