@@ -3,9 +3,10 @@
 import hashlib
 import json
 from collections.abc import Iterable, Iterator
+from contextlib import suppress
 from typing import Any
 
-from benchmarks.chaos_rounds.caller import Caller, events_in
+from benchmarks.chaos_rounds.caller import Caller, GaveUp, events_in
 from benchmarks.chaos_rounds.checker import LOST, Reference, Seen
 from benchmarks.chaos_rounds.journal import Asked, Journal
 
@@ -27,16 +28,17 @@ class Survey:
         self._references: dict[str, Reference] = {}
 
     def seen(self, asked: Iterable[Asked]) -> Iterator[Seen]:
-        """Yield everything that is known of each job."""
+        """Yield everything that is known of each job; what is not to be had is in the journal."""
         for one in asked:
-            path = f"/v1/{one.kind}s"
-            job = self._caller.get(f"{path}/{one.id}")
-            again = self._caller.ask("POST", path, one.body, key=one.key).json()
-            events = list(
-                events_in(self._caller.ask("GET", f"{path}/{one.id}/events").iter_lines())
-            )
-            whole = Seen(one, job, str(again.get("id")), events)
-            yield self._with_motion(whole)
+            with suppress(GaveUp):
+                yield self._of(one)
+
+    def _of(self, one: Asked) -> Seen:
+        path = f"/v1/{one.kind}s"
+        job = self._caller.get(f"{path}/{one.id}")
+        again = self._caller.ask("POST", path, one.body, key=one.key).json()
+        log = self._caller.ask("GET", f"{path}/{one.id}/events").iter_lines()
+        return self._with_motion(Seen(one, job, str(again.get("id")), list(events_in(log))))
 
     def listed(self, kind: str) -> list[str]:
         """Return the ids of all jobs of a kind, those for comparison left out."""
