@@ -3,14 +3,20 @@
 import asyncio
 from collections.abc import Callable
 
+from starlette.datastructures import Headers
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from service.errors import ServerStopping
 from service.problems import respond
 
+_EVENTS = "text/event-stream"
+
 
 class Farewell:
-    """Middleware that answers 503 to requests that are canceled because the server ends."""
+    """Middleware that ends in order what is canceled because the server ends.
+
+    A request is answered 503; a stream of events just ends, and who follows it asks for the rest.
+    """
 
     def __init__(self, app: ASGIApp, is_stopping: Callable[[], bool]) -> None:
         """Stand around `app`.
@@ -24,17 +30,23 @@ class Farewell:
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Pass a request on."""
-        has_begun = False
+        begun: Headers | None = None
 
         async def told(message: Message) -> None:
-            nonlocal has_begun
-            has_begun = True
+            nonlocal begun
+            if message["type"] == "http.response.start":
+                begun = Headers(raw=message["headers"])
             await send(message)
 
         try:
             await self._app(scope, receive, told)
         except asyncio.CancelledError:
-            if scope["type"] != "http" or has_begun or not self._is_stopping():
+            if scope["type"] != "http" or not self._is_stopping():
                 raise
-            message = "the server ends and could not finish this; ask again when it is back"
-            await respond(ServerStopping(message))(scope, receive, send)
+            if begun is None:
+                message = "the server ends and could not finish this; ask again when it is back"
+                await respond(ServerStopping(message))(scope, receive, send)
+            elif begun.get("content-type", "").startswith(_EVENTS):
+                await send({"type": "http.response.body", "body": b"", "more_body": False})
+            else:
+                raise

@@ -8,6 +8,8 @@ import pytest
 from service.farewell import Farewell
 
 START = {"type": "http.response.start", "status": 200, "headers": []}
+EVENTS = {**START, "headers": [(b"content-type", b"text/event-stream; charset=utf-8")]}
+END = {"type": "http.response.body", "body": b"", "more_body": False}
 
 
 def cut_off(app, *, is_stopping):
@@ -36,8 +38,13 @@ async def waits(scope, receive, send):
     await asyncio.Event().wait()
 
 
-async def streams(scope, receive, send):
+async def answers(scope, receive, send):
     await send(START)
+    await asyncio.Event().wait()
+
+
+async def streams(scope, receive, send):
+    await send(EVENTS)
     await asyncio.Event().wait()
 
 
@@ -49,11 +56,16 @@ def test_it_is_told_to_ask_again():
     assert json.loads(body["body"])["code"] == "server_stopping"
 
 
+def test_a_stream_of_events_ends():
+    assert cut_off(streams, is_stopping=True) == [EVENTS, END]
+
+
 @pytest.mark.parametrize(
     ("app", "is_stopping", "sent"),
     [
-        (streams, True, [START, "canceled"]),
+        (answers, True, [START, "canceled"]),
         (waits, False, ["canceled"]),
+        (streams, False, [EVENTS, "canceled"]),
     ],
 )
 def test_nothing_is_added_to_an_answer_and_no_other_cancel_is_held_up(app, is_stopping, sent):
