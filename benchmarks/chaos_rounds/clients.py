@@ -16,7 +16,8 @@ NEVER = 240.0
 _PERIOD = 0.1
 # A cancel that is recorded ends its job, whatever happens; it is repeated after so long [s].
 _LATE = 60.0
-_SPEEDS = (0.5, 2.0, 10.0)
+# A motion takes a second at 1.
+_SPEEDS = (0.1, 0.4, 2.0, 10.0)
 # How often a client follows events before it polls.
 _FOLLOWED = 0.4
 _REFUSALS = frozenset({409})
