@@ -17,7 +17,8 @@ FACTOR ?= 40
 SHAPES := --jaxtyping-packages=planning,tests.check
 
 .PHONY: demo test costs check format lint imports types drake-only shapes campaign sanitize setup lock \
-        bench bench-cars bench-kernel bench-loading bench-mbm bench-regions bench-retime bench-seeds pictures serve clean
+        bench bench-cars bench-kernel bench-loading bench-mbm bench-regions bench-retime bench-seeds bench-service \
+        chaos pictures serve clean
 
 setup: $(STAMP)
 
@@ -126,6 +127,13 @@ bench-regions: setup
 
 bench-seeds: setup
 	@$(PYTHON) benchmarks/seeds.py
+
+bench-service: setup
+	@$(PYTHON) benchmarks/service.py
+
+# Kills and fills what the service stands on, in ways that come from a seed, which is printed.
+chaos: setup
+	@$(PYTHON) benchmarks/chaos.py --seed $(SEED)
 
 pictures: setup
 	@$(PYTHON) benchmarks/seed_pictures.py

@@ -9,6 +9,7 @@ from service import openapi, problems
 from service.body_limit import BodyLimit
 from service.client_watch import ClientWatch
 from service.engine import open_desk
+from service.farewell import Farewell
 from service.gate import Gate
 from service.plans.versions import versions
 from service.routes import (
@@ -91,6 +92,8 @@ def create_app(
         BodyLimit, max_scene_bytes=chosen.max_body_bytes, allowed=chosen.body_timeout
     )
     app.add_middleware(Gate, settings=chosen)
+    app.state.is_stopping = False
+    app.add_middleware(Farewell, is_stopping=lambda: app.state.is_stopping)
     problems.install(app)
     openapi.install(app)
     for part in _ROUTES:

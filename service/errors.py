@@ -170,6 +170,20 @@ class RequestInvalid(Refusal):
     status = 422
 
 
+class DiskFull(Refusal):
+    """The data folder has no room for what the request needs; evidence: `reason`, `retry_after`."""
+
+    code = "disk_full"
+    status = 503
+
+
+class ServerStopping(Refusal):
+    """The server ends before it could answer; evidence: none."""
+
+    code = "server_stopping"
+    status = 503
+
+
 class UnknownInScene(Refusal):
     """A posted scene names what nobody has; evidence: `kind`, `name`, `known`, `nearest`."""
 

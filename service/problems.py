@@ -1,5 +1,6 @@
 """Exception handlers: every error that leaves the service is a problem document."""
 
+import errno
 import logging
 import math
 from collections.abc import Mapping, Sequence
@@ -15,7 +16,7 @@ from starlette.routing import Match
 
 from planning.errors import WayproofError
 from planning.faults import Fault, faults_of, message_of
-from service.errors import Refusal, RequestInvalid, UnreadableBody, problem_of
+from service.errors import DiskFull, Refusal, RequestInvalid, UnreadableBody, problem_of
 from service.errors import status_of as status_of_error
 from service.jobs.database import is_of_database
 from service.jobs.errors import RETRY_AFTER, DatabaseUnavailable
@@ -23,6 +24,7 @@ from service.strict_route import CarriedRefusal, body_schema
 
 MEDIA_TYPE = "application/problem+json"
 _MAX_FAULTS = 20
+_NO_ROOM = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 CODES = {
     400: "unreadable_body",
     404: "not_found",
@@ -46,6 +48,7 @@ def install(app: FastAPI) -> None:
     app.add_exception_handler(RequestValidationError, _on_validation_error)
     app.add_exception_handler(HTTPException, _on_http_error)
     app.add_exception_handler(SQLAlchemyError, _on_database)
+    app.add_exception_handler(OSError, _on_disk)
     app.add_exception_handler(Exception, _on_surprise)
 
 
@@ -162,6 +165,15 @@ def _on_database(request: Request, error: Exception) -> ProblemResponse:
     _log.error("the database does not do what is asked: %s", reason)
     message = f"the database is full, locked or away: {reason}"
     return respond(DatabaseUnavailable(message, {"reason": reason, "retry_after": RETRY_AFTER}))
+
+
+def _on_disk(request: Request, error: Exception) -> ProblemResponse:
+    if not (isinstance(error, OSError) and error.errno in _NO_ROOM):
+        return _on_surprise(request, error)
+    reason = error.strerror or type(error).__name__
+    _log.error("the data folder takes nothing more: %s", reason)
+    message = f"the data folder takes nothing more: {reason}"
+    return respond(DiskFull(message, {"reason": reason, "retry_after": RETRY_AFTER}))
 
 
 def _on_surprise(_: Request, error: Exception) -> ProblemResponse:

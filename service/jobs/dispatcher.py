@@ -3,7 +3,7 @@
 import asyncio
 import logging
 from collections.abc import AsyncGenerator, Callable, Mapping
-from contextlib import aclosing, suppress
+from contextlib import aclosing
 from dataclasses import replace
 from functools import partial
 from typing import Any
@@ -21,6 +21,7 @@ from service.jobs.recovery import Recovery
 from service.jobs.slot import Slot
 from service.jobs.steering import Steering
 from service.jobs.store import JobStore
+from service.jobs.waits import Waits
 
 # No stream is longer; it also fits into every database's integers.
 _END_OF_STREAM = 2**31 - 1
@@ -63,6 +64,7 @@ class Dispatcher:
         self._bus: EventBus[LoggedEvent] = EventBus(self._stretch)
         self._runs: dict[str, JobRun] = {}
         self._calls = Calls(self._floor)
+        self._waits = Waits()
         self._recording: Recording
         self._steering: Steering
 
@@ -111,7 +113,11 @@ class Dispatcher:
         await asyncio.to_thread(self._ownership.release)
 
     def begin_to_stop(self) -> None:
-        """Begin nothing more, and tell what runs to end: a robot comes to rest on its path."""
+        """Begin nothing more, and tell what runs to end: a robot comes to rest on its path.
+
+        Who waits for a job is answered at once: what waited would be cut off.
+        """
+        self._waits.end()
         self._end_runs("the server stopped")
 
     def suspend(self) -> None:
@@ -181,7 +187,7 @@ class Dispatcher:
         return await self._steering.control(identifier, asked)
 
     async def wait(self, identifier: str, seconds: float) -> Job:
-        """Return a job when it has ended, or as it is after so many seconds.
+        """Return a job when it has ended, or as it is after so many seconds, or when we end.
 
         Raises:
             UnknownJob: There is none.
@@ -246,9 +252,8 @@ class Dispatcher:
             return run
         # One that is not here has ended, or is being taken up again: the log knows.
         wait = self._drained(identifier) if run is None else self._bus.until_over(identifier)
-        with suppress(TimeoutError):
-            async with asyncio.timeout(seconds):
-                await wait
+        async with self._waits.limit(seconds):
+            await wait
         return self._runs.get(identifier, run)
 
     async def _drained(self, identifier: str) -> None:

@@ -1,9 +1,7 @@
 """SceneStore: scenes survive the server."""
 
 import json
-import os
 import secrets
-import tempfile
 from datetime import UTC, datetime
 from pathlib import Path
 from threading import Lock
@@ -11,6 +9,7 @@ from typing import Any
 
 from sqlalchemy import Engine, Row, delete, func, insert, select
 
+from planning.whole_files import write_durably
 from service.errors import RevisionConflict, UnknownResource
 from service.scenes.records import SceneRecord, metadata, scenes
 
@@ -136,12 +135,7 @@ class SceneStore:
         written = {"document": document}
         if "files" in summary:  # not in those of servers that kept no files
             written["files"] = summary["files"]
-        handle, temporary = tempfile.mkstemp(dir=self._folder)
-        with os.fdopen(handle, "w", encoding="utf-8") as file:
-            json.dump(written, file)
-            file.flush()
-            os.fsync(file.fileno())
-        Path(temporary).replace(self._path(digest))
+        write_durably(self._path(digest), json.dumps(written).encode())
 
 
 def _row(

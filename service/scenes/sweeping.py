@@ -75,6 +75,8 @@ def sweep(engine: Engine, data_dir: Path, grace: float = GRACE) -> None:
             kept += _files_in(document)
         else:
             document.unlink(missing_ok=True)
+    # What is half written was left by a server that was killed.
+    _remove(data_dir / "scenes", {f"{name}.json" for name in known}, before)
     kept += _files_of_rows(engine, known)
     sha256s = {sha256 for files in kept for sha256 in files["sha256"].values()}
     folders = {digest(dict(files["sha256"])) for files in kept}

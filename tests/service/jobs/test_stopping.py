@@ -236,3 +236,19 @@ def test_a_job_shows_the_versions_that_ran_it_and_no_others(tmp_path: Path) -> N
             assert made_by == ["2", "1", "1"]
 
     asyncio.run(second(*asyncio.run(first())))
+
+
+def test_who_waits_is_answered_when_the_server_begins_to_end(tmp_path):
+    """Not cut off: the job is accepted, and whoever asked for it has to know its id."""
+
+    async def story():
+        async with running(tmp_path) as (dispatcher, _):
+            job = await dispatcher.submit(spec("spin"))
+            waits = asyncio.create_task(dispatcher.wait(job.id, 1e6))
+            await eventually(lambda: dispatcher.live(job.id).latest("stage"))
+            assert not waits.done()
+            dispatcher.begin_to_stop()
+            answers = [await asyncio.wait_for(waits, GUARD), await dispatcher.wait(job.id, 1e6)]
+            assert [answer.id for answer in answers] == [job.id] * 2
+
+    asyncio.run(story())

@@ -1,6 +1,7 @@
 """Scenes survive the server; their files can be lost."""
 
 import json
+import resource
 from concurrent.futures import ThreadPoolExecutor
 
 import pytest
@@ -104,3 +105,15 @@ def test_pages_have_the_latest_revision_at_the_place_of_the_first(store):
         seen += [record.name for record in page]
     assert seen == ["s4", "s3", "s2", "s1 edited", "s0"]
     assert revised.serial > made[4].serial
+
+
+def test_what_finds_no_room_leaves_nothing_behind(store, tmp_path):
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (1, before[1]))
+    try:
+        with pytest.raises(OSError, match="File too large"):
+            store.add("a", "d1", DOCUMENT, {})
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+    assert list((tmp_path / "documents").iterdir()) == []
+    assert store.file(store.add("a", "d1", DOCUMENT, {})).is_file()

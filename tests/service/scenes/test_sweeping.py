@@ -116,3 +116,15 @@ def test_files_that_are_used_again_are_young_again(client, settings, engine, tmp
     client.delete(f"/v1/scenes/{again['id']}")
     sweep(engine, settings.data_dir)
     assert all(entry.exists() for entry in entries)
+
+
+def test_what_a_killed_server_left_half_written_goes(client, settings, engine, tmp_path):
+    scene = post(client, tmp_path, -1)
+    rest = settings.data_dir / "scenes" / ".part-of-some-scene"
+    rest.mkdir()
+    (rest / "half").write_text("{")
+    sweep(engine, settings.data_dir)  # it was there a moment ago
+    assert rest.exists()
+    sweep(engine, settings.data_dir, grace=-1)
+    assert not rest.exists()
+    assert answers(client, scene)

@@ -1,0 +1,197 @@
+"""Faults: what goes wrong, drawn from a seed, and done to a server while it works."""
+
+import random
+import signal
+import threading
+from collections import Counter
+from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager, ExitStack, contextmanager, suppress
+from dataclasses import dataclass
+from enum import StrEnum
+
+from sqlalchemy.exc import DBAPIError
+
+from benchmarks.chaos_rounds.databases import Database
+from benchmarks.chaos_rounds.keeper import Keeper
+from benchmarks.serving.processes import Process
+
+
+class FaultKind(StrEnum):
+    """What can go wrong."""
+
+    WORKER_KILLED = "worker -9"
+    WORKER_STOPPED = "worker stopped"
+    FORKSERVER_KILLED = "forkserver -9"
+    SERVER_KILLED = "server -9"
+    SERVER_TOLD = "server TERM"
+    SERVER_HURRIED = "server TERM, -9"
+    DISK_FULL = "disk full"
+    LOCKED = "locked"
+    AWAY = "database away"
+
+
+_WEIGHTS = {
+    FaultKind.WORKER_KILLED: 9,
+    FaultKind.WORKER_STOPPED: 4,
+    FaultKind.FORKSERVER_KILLED: 1,
+    FaultKind.SERVER_KILLED: 2,
+    FaultKind.SERVER_TOLD: 2,
+    FaultKind.SERVER_HURRIED: 1,
+    FaultKind.DISK_FULL: 3,
+    FaultKind.LOCKED: 3,
+    FaultKind.AWAY: 1,
+}
+# How long what does not happen at once lasts [s].
+_LASTS = {
+    FaultKind.WORKER_STOPPED: (0.2, 8.0),
+    # Robots need a second to come to rest.
+    FaultKind.SERVER_HURRIED: (0.0, 1.5),
+    FaultKind.DISK_FULL: (0.5, 12.0),
+    FaultKind.LOCKED: (0.5, 14.0),
+    FaultKind.AWAY: (0.0, 3.0),
+}
+# How often a full disk is a limit on the server's files.
+_LIMITED = 0.5
+
+
+@dataclass(frozen=True)
+class Fault:
+    """Something that goes wrong.
+
+    Attributes:
+        kind: What.
+        after: How long after the one before [s].
+        lasts: How long [s].
+        choice: Which of the processes there are then, or which way of it, 0 to 1.
+    """
+
+    kind: FaultKind
+    after: float
+    lasts: float
+    choice: float
+
+
+def draw(rng: random.Random, count: int, database: str) -> list[Fault]:
+    """Return faults in the order in which they are to happen."""
+    weights = dict(_WEIGHTS)
+    if database == "sqlite":
+        del weights[FaultKind.AWAY]
+    kinds = rng.choices(list(weights), list(weights.values()), k=count)
+    found = []
+    for kind in kinds:
+        lasts = rng.uniform(*_LASTS.get(kind, (0.0, 0.0)))
+        found.append(Fault(kind, rng.expovariate(1.0), lasts, rng.random()))
+    return found
+
+
+class Havoc:
+    """Does faults to a server, some beside others, until told to stop.
+
+    Attributes:
+        done: How often what has happened.
+        database: The name of the database's kind.
+    """
+
+    def __init__(self, keeper: Keeper, database: Database) -> None:
+        """Do nothing yet."""
+        self.done: Counter[FaultKind] = Counter()
+        self.database = database.name
+        self._keeper = keeper
+        self._database = database
+        self._end = threading.Event()
+        self._lasting: list[threading.Thread] = []
+        self._one = {kind: threading.Lock() for kind in FaultKind}
+
+    def run(self, faults: list[Fault]) -> None:
+        """Do one after another; those that last go on meanwhile."""
+        for fault in faults:
+            if self._end.wait(fault.after):
+                break
+            self._do(fault)
+        for thread in self._lasting:
+            thread.join()
+
+    def stop(self) -> None:
+        """End what lasts, and begin nothing more."""
+        self._end.set()
+
+    def _do(self, fault: Fault) -> None:
+        match fault.kind:
+            case FaultKind.WORKER_KILLED:
+                self._kill(fault.kind, self._chosen(fault))
+            case FaultKind.FORKSERVER_KILLED:
+                self._kill(fault.kind, self._keeper.forkserver())
+            case FaultKind.SERVER_KILLED | FaultKind.SERVER_TOLD | FaultKind.SERVER_HURRIED:
+                if fault.kind is FaultKind.SERVER_TOLD:
+                    self._keeper.end()
+                else:
+                    is_hurried = fault.kind is FaultKind.SERVER_HURRIED
+                    self._keeper.kill(fault.lasts if is_hurried else None)
+                self.done[fault.kind] += 1
+                self._keeper.start(self._is_troubled)
+            case _:
+                thread = threading.Thread(target=self._last, args=(fault,), daemon=True)
+                self._lasting.append(thread)
+                thread.start()
+
+    def _is_troubled(self) -> bool:
+        return any(thread.is_alive() for thread in self._lasting)
+
+    def _last(self, fault: Fault) -> None:
+        lock = self._one[fault.kind]
+        # One worker is stopped beside another; a disk is not full twice.
+        is_alone = fault.kind is not FaultKind.WORKER_STOPPED
+        with ExitStack() as stack:
+            if is_alone:
+                stack.enter_context(lock)
+            try:
+                stack.enter_context(self._trouble(fault))
+            except (DBAPIError, ProcessLookupError):  # the database, or the server, is away
+                return
+            self.done[fault.kind] += 1
+            self._end.wait(fault.lasts)
+            stack.pop_all().close()
+
+    def _trouble(self, fault: Fault) -> AbstractContextManager[None]:
+        match fault.kind:
+            case FaultKind.WORKER_STOPPED:
+                return stopped(self._chosen(fault))
+            case FaultKind.DISK_FULL:
+                pid = self._keeper.pid
+                return self._database.disk.full(pid, is_limit=fault.choice < _LIMITED)
+            case FaultKind.LOCKED:
+                return _forgiving(self._database.locked)
+            case _:
+                return self._database.away()
+
+    def _kill(self, kind: FaultKind, process: Process | None) -> None:
+        if process is not None:
+            process.send(signal.SIGKILL)
+            self.done[kind] += 1
+
+    def _chosen(self, fault: Fault) -> Process | None:
+        """Return one of the processes that run tasks, or that help them."""
+        found = self._keeper.workers()
+        return found[int(fault.choice * len(found))] if found else None
+
+
+@contextmanager
+def stopped(process: Process | None) -> Iterator[None]:
+    """Stop a process for a while: it is there and does nothing."""
+    if process is not None:
+        process.send(signal.SIGSTOP)
+    try:
+        yield
+    finally:
+        if process is not None:
+            process.send(signal.SIGCONT)
+
+
+@contextmanager
+def _forgiving(lock: Callable[[], AbstractContextManager[None]]) -> Iterator[None]:
+    """Hold a lock that may be lost meanwhile, with its database."""
+    with ExitStack() as stack:
+        stack.enter_context(lock())
+        yield
+        with suppress(DBAPIError):
+            stack.close()

@@ -1,0 +1,151 @@
+"""Keeper: has a server run on one data folder, and starts it again after each of its ends."""
+
+import signal
+import threading
+import time
+from collections.abc import Callable, Mapping
+from pathlib import Path
+
+from benchmarks.chaos_rounds.journal import Journal
+from benchmarks.serving.processes import Process, descendants, open_files, workers
+from benchmarks.serving.server import NotStarted, Server, pause
+
+# Within which what a server ran is gone after it [s]: a worker sees that its server has ended.
+_GONE_WITHIN = 10.0
+_AGAIN = 0.5
+# uvicorn ends in order, and then by the signal that it was sent.
+_AS_TOLD = (0, -signal.SIGTERM)
+
+
+def _never() -> bool:
+    return False
+
+
+class Keeper:
+    """Starts, ends and kills a server.
+
+    Attributes:
+        losses: How often it was killed.
+        refused: How often it could not start, because of a fault that was there on purpose.
+    """
+
+    def __init__(
+        self, folder: Path, log: Path, environment: Mapping[str, str], journal: Journal
+    ) -> None:
+        """Run on a data folder; call `start`.
+
+        Args:
+            folder: The data folder.
+            log: What servers print.
+            environment: More variables of the server.
+            journal: Is told of what is left running, and of starts that fail.
+        """
+        self.losses = 0
+        self.refused = 0
+        self._folder = folder
+        self._log = log
+        self._environment = environment
+        self._journal = journal
+        self._server: Server | None = None
+        self._left: set[Process] = set()
+        self._lock = threading.Lock()
+
+    @property
+    def url(self) -> str:
+        """Where the server listens; empty while there is none."""
+        server = self._server
+        return "" if server is None else server.url
+
+    @property
+    def pid(self) -> int | None:
+        """The number of the server's process; None while there is none."""
+        server = self._server
+        return None if server is None else server.pid
+
+    def workers(self) -> list[Process]:
+        """Return the processes that run tasks; none while there is no server."""
+        return [] if self._server is None else workers(self._server.pid)
+
+    def forkserver(self) -> Process | None:
+        """Return the process that workers are forked from."""
+        if self._server is None:
+            return None
+        below = descendants(self._server.pid)
+        parents = {parent for _, parent in below}
+        own = [one for one, parent in below if parent == self._server.pid and one.pid in parents]
+        return own[0] if own else None
+
+    def start(self, is_troubled: Callable[[], bool] = _never) -> None:
+        """Start the server, again and again while there is trouble about.
+
+        Args:
+            is_troubled: Whether a fault is there now that may keep it from its start.
+
+        Raises:
+            NotStarted: It cannot start, without trouble.
+        """
+        while True:
+            had_trouble = is_troubled()
+            server = Server(self._folder, self._log, self._environment)
+            try:
+                server.listen()
+            except NotStarted as fault:
+                if not (had_trouble or is_troubled()):
+                    self._journal.blame("a server starts", "server", str(fault)[-500:])
+                    raise
+                self.refused += 1
+                pause(_AGAIN)
+            else:
+                self._server = server
+                return
+
+    def kill(self, after: float | None = None) -> None:
+        """End the server without a word, or so long after it was told to end [s]."""
+        with self._lock:
+            server = self._take()
+            self.losses += 1
+            if after is not None:
+                server.tell()
+                pause(after)
+            server.kill()
+            self.losses += 1
+
+    def end(self) -> None:
+        """Have the server end by itself."""
+        with self._lock:
+            code = self._take().end()
+        if code not in _AS_TOLD:
+            what = f"the server ended with {code} after SIGTERM"
+            self._journal.blame("a server ends when it is told to", "server", what)
+
+    def open_files(self) -> dict[str, int]:
+        """Return how many pipes and the like the server has open, which are for its workers."""
+        assert self._server is not None
+        kinds = open_files(self._server.pid)
+        return {kind: kinds[kind] for kind in ("pipe", "anon_inode", "socket")}
+
+    def check_gone(self) -> None:
+        """Blame every process of an ended server that still runs."""
+        until = time.monotonic() + _GONE_WITHIN
+        while (alive := [one for one in self._left if one.is_alive]) and time.monotonic() < until:
+            pause(0.05)
+        for process in alive:
+            what = f"runs {_GONE_WITHIN:g} s after its server has ended: {_name(process.pid)}"
+            self._journal.blame("nothing is left running", f"process {process.pid}", what)
+        self._left.clear()
+
+    def _take(self) -> Server:
+        """Return the server, which clients do not find any more."""
+        server = self._server
+        assert server is not None
+        self._left |= {process for process, _ in descendants(server.pid)}
+        self._server = None
+        return server
+
+
+def _name(pid: int) -> str:
+    try:
+        text = Path(f"/proc/{pid}/cmdline").read_bytes().replace(b"\0", b" ").decode()
+        return f"{text[:120]}, {Path(f'/proc/{pid}/status').read_text().split('State:')[1][:12]}"
+    except (OSError, IndexError):
+        return "gone"

@@ -1,0 +1,89 @@
+"""What the service costs and how much it takes: `wayproof serve`, asked over HTTP as users ask it.
+
+Start of the server; what `?wait` takes besides the plan; how late events are; polls and plans a
+second, by locust; durable jobs that do nothing; scenes of many boxes, posted and edited, within a
+time limit. What fails or does not end is told as such, and the command ends with 1.
+`docs/benchmarks.md` says more.
+"""
+
+import argparse
+import json
+import sys
+from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
+
+from rich.console import Console
+
+if __name__ == "__main__":
+    sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+
+from benchmarks.service_load.answers import cancels, starts, waits
+from benchmarks.service_load.boxes import boxes
+from benchmarks.service_load.host import Host
+from benchmarks.service_load.loads import loads
+from benchmarks.service_load.measure import Measure, table
+from benchmarks.service_load.noops import noops
+
+type Section = Callable[[Host, argparse.Namespace], Iterator[Measure]]
+
+SECTIONS: dict[str, Section] = {
+    "start": lambda host, options: starts(host, options.starts),
+    "wait": lambda host, options: waits(host, options.waits),
+    "events": lambda host, options: cancels(host, options.cancels),
+    "load": lambda host, options: loads(host, options.users, options.seconds),
+    "jobs": lambda _, options: iter([noops(options.noops, options.slots)]),
+    "boxes": lambda host, options: boxes(host, options.boxes, options.limit),
+}
+_QUICK = {
+    "starts": 1,
+    "waits": 3,
+    "cancels": 1,
+    "users": 1,
+    "seconds": 1,
+    "noops": 10,
+    "slots": 1,
+    "boxes": [10],
+    "limit": 30.0,
+}
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Measure, print, and return 1 if something failed."""
+    options = parser().parse_args(arguments)
+    if options.quick:
+        vars(options).update(_QUICK)
+    measures = list(measured(options))
+    if options.json:
+        print(json.dumps([measure.plain() for measure in measures]))
+    else:
+        Console().print(table(measures))
+    return 1 if any(measure.faults for measure in measures) else 0
+
+
+def measured(options: argparse.Namespace) -> Iterator[Measure]:
+    """Yield what is measured, section by section."""
+    with Host(options.limit) as host:
+        for name in options.only or SECTIONS:
+            yield from SECTIONS[name](host, options)
+
+
+def parser() -> argparse.ArgumentParser:
+    """Return the parser of the command's options."""
+    made = argparse.ArgumentParser(description=__doc__)
+    made.add_argument("--starts", type=int, default=3)
+    made.add_argument("--waits", type=int, default=100, help="plans that are waited for")
+    made.add_argument("--cancels", type=int, default=10, help="events that are waited for")
+    made.add_argument("--users", type=int, default=8, help="of locust, at once")
+    made.add_argument("--seconds", type=int, default=10, help="that each kind of user asks")
+    made.add_argument("--noops", type=int, default=1000, help="jobs that do nothing")
+    made.add_argument("--slots", type=int, default=2, help="processes that do nothing")
+    made.add_argument("--boxes", type=int, nargs="*", default=[10, 100, 1000, 10_000])
+    made.add_argument("--limit", type=float, default=60.0, help="seconds for an answer")
+    made.add_argument("--only", choices=list(SECTIONS), nargs="+", help="these sections")
+    made.add_argument("--quick", action="store_true", help="everything once, and small")
+    made.add_argument("--json", action="store_true")
+    return made
+
+
+if __name__ == "__main__":
+    sys.exit(main())

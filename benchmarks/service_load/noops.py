@@ -1,0 +1,64 @@
+"""How many durable jobs a second there are that do nothing, without HTTP: what the engine costs."""
+
+import asyncio
+import tempfile
+import time
+from pathlib import Path
+from typing import Any
+
+from benchmarks.service_load.measure import Measure
+from service.jobs.database import open_engine
+from service.jobs.dispatcher import Dispatcher
+from service.jobs.lane import Lane
+from service.jobs.ownership import Ownership
+from service.jobs.records import JobSpec
+from service.jobs.slot import ProcessSlot
+from service.jobs.store import JobStore
+
+_HERE = __name__
+_LONGEST = 300.0
+
+
+def noop(payload: dict[str, Any], channel: object) -> dict[str, Any]:
+    """Do nothing, in a worker."""
+    del payload, channel
+    return {}
+
+
+def noops(count: int, slots: int) -> Measure:
+    """Have jobs done that were all asked for at once, from an SQLite database on the disk.
+
+    Args:
+        count: How many.
+        slots: Processes that do them.
+    """
+    with tempfile.TemporaryDirectory(prefix="wp-bench-") as folder:
+        return asyncio.run(_done(Path(folder), count, slots))
+
+
+async def _done(folder: Path, count: int, slots: int) -> Measure:
+    measure = Measure(f"durable jobs that do nothing, {slots} workers")
+    engine = open_engine(f"sqlite:///{folder / 'jobs.sqlite'}")
+    lanes = {"plan": Lane("plan", [ProcessSlot([_HERE]) for _ in range(slots)], count + 1)}
+    dispatcher = Dispatcher(JobStore(engine, {}), Ownership(engine), lanes)
+    await dispatcher.start()
+
+    async def one() -> None:
+        began = time.perf_counter()
+        job = await dispatcher.submit(JobSpec("plan", f"{_HERE}:noop", {}))
+        ended = await dispatcher.wait(job.id, _LONGEST)
+        if ended.state == "succeeded":
+            measure.seconds.append(time.perf_counter() - began)
+        else:
+            measure.faults.append(str(ended.state))
+
+    try:
+        await asyncio.gather(*(one() for _ in range(slots)))  # every worker is there by then
+        measure.seconds.clear()
+        began = time.perf_counter()
+        await asyncio.gather(*(one() for _ in range(count)))
+        measure.rate = measure.num_done / (time.perf_counter() - began)
+    finally:
+        await dispatcher.stop()
+        engine.dispose()
+    return measure
