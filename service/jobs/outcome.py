@@ -128,8 +128,9 @@ def placed(error: WayproofError, told: Mapping[str, Any], seconds: float) -> Way
         seconds: How long the run took.
     """
     stage = told.get("stage")
-    is_placed = not isinstance(error, PlanningFailure) or error.stage != WORKER
-    if is_placed or not isinstance(stage, str):
+    if not isinstance(error, PlanningFailure) or error.stage != WORKER:
+        return error
+    if not isinstance(stage, str):
         return error
     timings = {str(name): float(spent) for name, spent in dict(told.get("timings") or {}).items()}
     last = max(0.0, seconds - sum(timings.values()))
