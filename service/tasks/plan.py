@@ -101,13 +101,16 @@ def delivered(
     require_few(found.trajectory, sampling)
     began, cuts = deadline.clock(), set[str]()
     until = min(max(deadline.at, began + _LEAST_PROVING), began + PROVING)
+    # Who wants the best there is from a cancel wants it delivered as well.
+    wants_best = problem.search.on_cancel == "best"
+    proving = replace(deadline.uncancelable if wants_best else deadline, at=until)
     proven = sample_plan(
         world,
         problem,
         found.trajectory,
         found.parts,
         sampling,
-        deadline=replace(deadline, at=until).cutting(lambda: cuts.add("samples")),
+        deadline=proving.cutting(lambda: cuts.add("samples")),
         clearance=found.certificate.proven_clearance,
     )
     samples = deadline.clock() - began
