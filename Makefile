@@ -28,7 +28,7 @@ $(STAMP): requirements.lock pyproject.toml .python-version CMakeLists.txt $(wild
 	@set -e; \
 	BEGUN=$$(date +%s); LAST=$$BEGUN; \
 	took() { NOW=$$(date +%s); echo "  $$((NOW - LAST)) s"; LAST=$$NOW; }; \
-	echo "setting up $(VENV): Python 3.12, 1.6 GB of packages, the native kernel; 1 to 3 minutes, once"; \
+	echo "setting up $(VENV): Python 3.12, 1.6 GB of packages, the native kernel; some minutes, once"; \
 	UV=$$(command -v uv || true); \
 	if [ -z "$$UV" ]; then \
 	  if [ ! -x .uv/bin/uv ]; then \
