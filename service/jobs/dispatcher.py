@@ -218,8 +218,8 @@ class Dispatcher:
 
         Raises as `call_text`.
         """
-        asked = {"lane": lane, "allowed": allowed, "warm_key": warm_key}
-        found = (await self.call_text(task, payload, **asked)).text
+        call = self.call_text(task, payload, lane=lane, allowed=allowed, warm_key=warm_key)
+        found = (await call).text
         # What is large is decoded elsewhere: nothing else would be answered meanwhile.
         return decode(found) if len(found) <= STEP else await asyncio.to_thread(decode, found)
 

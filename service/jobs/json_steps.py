@@ -60,7 +60,8 @@ def members_of(text: str) -> Iterator[tuple[str, str]]:
 def _portions(text: str) -> Iterator[str]:
     """Yield the elements of a list, some at a time, without the brackets around them."""
     begin, depth, end = 1, 0, text.rindex("]")
-    if _TOKEN.match(text).end() == end + 1:  # plain numbers
+    first = _TOKEN.match(text)
+    if first is not None and first.end() == end + 1:  # plain numbers
         while begin < end:
             cut = text.find(",", begin + STEP)
             cut = end if cut < 0 else cut

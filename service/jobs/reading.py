@@ -46,16 +46,13 @@ _WHOLE, _BRIEF = _jobs_with(bodies), _jobs_with(briefs)
 # What is asked again and again is built once: that takes longer than to ask it.
 _OF_ID = jobs.c.id == bindparam("job_id")
 _ONE_WHOLE, _ONE_BRIEF = _WHOLE.where(_OF_ID), _BRIEF.where(_OF_ID)
-_ONE_TEXT = _ONE_BRIEF.add_columns(type_coerce(bodies.c.result, Text).label("text"))
-_ONE_TEXT = _ONE_TEXT.join(bodies, bodies.c.job == jobs.c.id)
-_AFTER = select(events).where(
-    events.c.job == bindparam("job_id"), events.c.number > bindparam("after")
+_ONE_TEXT = _ONE_BRIEF.add_columns(type_coerce(bodies.c.result, Text).label("text")).join(
+    bodies, bodies.c.job == jobs.c.id
 )
-_AFTER = _AFTER.order_by(events.c.number)
-_NEWEST = select(events).where(
-    events.c.job == bindparam("job_id"), events.c.type == bindparam("of_type")
-)
-_NEWEST = _NEWEST.order_by(events.c.number.desc()).limit(1)
+_OF_JOB = select(events).where(events.c.job == bindparam("job_id"))
+_AFTER = _OF_JOB.where(events.c.number > bindparam("after")).order_by(events.c.number)
+_OF_TYPE = _OF_JOB.where(events.c.type == bindparam("of_type"))
+_NEWEST = _OF_TYPE.order_by(events.c.number.desc()).limit(1)
 
 
 def now() -> str:
