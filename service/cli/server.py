@@ -84,6 +84,15 @@ class _Server(uvicorn.Server):
     async def startup(self, sockets: list[socket.socket] | None = None) -> None:
         log = logging.getLogger("uvicorn.error")
         log.addFilter(self._is_news)
+        begin = self.lifespan.startup
+
+        async def begin_and_listen() -> None:
+            # Not left to uvloop, which never closes a loop in which listening has failed.
+            await begin()
+            for bound in () if self.lifespan.should_exit else sockets or ():
+                bound.listen(self.config.backlog)
+
+        self.lifespan.startup = begin_and_listen
         try:
             await super().startup(sockets)
         except SystemExit as ended:  # of the app's lifespan, whose fault it keeps

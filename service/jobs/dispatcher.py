@@ -21,10 +21,8 @@ from service.jobs.recovery import Recovery
 from service.jobs.slot import Slot
 from service.jobs.steering import Steering
 from service.jobs.store import JobStore
-from service.jobs.waits import Waits
+from service.jobs.waiting import END_OF_STREAM, Waiting
 
-# No stream is longer; it also fits into every database's integers.
-_END_OF_STREAM = 2**31 - 1
 # To record the ends of what ran when the server stops [s].
 _WRITING = 5.0
 _log = logging.getLogger(__name__)
@@ -64,7 +62,7 @@ class Dispatcher:
         self._bus: EventBus[LoggedEvent] = EventBus(self._stretch)
         self._runs: dict[str, JobRun] = {}
         self._calls = Calls(self._floor)
-        self._waits = Waits()
+        self._waiting = Waiting(self._runs, self._bus, store)
         self._recording: Recording
         self._steering: Steering
 
@@ -117,7 +115,7 @@ class Dispatcher:
 
         Who waits for a job is answered at once: what waited would be cut off.
         """
-        self._waits.end()
+        self._waiting.end()
         self._end_runs("the server stopped")
 
     def suspend(self) -> None:
@@ -192,8 +190,7 @@ class Dispatcher:
         Raises:
             UnknownJob: There is none.
         """
-        await self._until_ended(identifier, seconds)
-        return await asyncio.to_thread(self._store.get, identifier)
+        return await self._waiting.whole(identifier, seconds)
 
     async def wait_text(self, identifier: str, seconds: float) -> JobText:
         """Return a job as `wait` does, but for its result, which stays text.
@@ -201,10 +198,7 @@ class Dispatcher:
         Raises:
             UnknownJob: There is none.
         """
-        run = await self._until_ended(identifier, seconds)
-        if run is not None and run.ended is not None:
-            return run.ended
-        return await asyncio.to_thread(self._store.text, identifier)
+        return await self._waiting.text(identifier, seconds)
 
     async def subscribe(self, identifier: str, after: int = 0) -> AsyncGenerator[LoggedEvent]:
         """Yield a job's events with numbers above `after`, each once, until it has ended.
@@ -212,7 +206,7 @@ class Dispatcher:
         Raises:
             UnknownJob: There is none.
         """
-        async with aclosing(self._bus.follow(identifier, min(after, _END_OF_STREAM))) as events:
+        async with aclosing(self._bus.follow(identifier, min(after, END_OF_STREAM))) as events:
             async for event in events:
                 yield event
 
@@ -244,22 +238,6 @@ class Dispatcher:
         if is_queued_again:
             job = replace(run.job, is_cancel_requested=run.is_unwanted)
             self._enqueue(job, run.controls, place[0])
-
-    async def _until_ended(self, identifier: str, seconds: float) -> JobRun | None:
-        """Wait until a job has ended, at most so long; return its last run, if it was here."""
-        run = self._runs.get(identifier)
-        if run is not None and run.ended is not None:
-            return run
-        # One that is not here has ended, or is being taken up again: the log knows.
-        wait = self._drained(identifier) if run is None else self._bus.until_over(identifier)
-        async with self._waits.limit(seconds):
-            await wait
-        return self._runs.get(identifier, run)
-
-    async def _drained(self, identifier: str) -> None:
-        async with aclosing(self._bus.follow(identifier, _END_OF_STREAM)) as nothing:
-            async for _ in nothing:
-                pass
 
     def _end_runs(self, reason: str) -> None:
         self._floor.hold()

@@ -49,16 +49,10 @@ _ONE_WHOLE, _ONE_BRIEF = _WHOLE.where(_OF_ID), _BRIEF.where(_OF_ID)
 _ONE_TEXT = _ONE_BRIEF.add_columns(type_coerce(bodies.c.result, Text).label("text")).join(
     bodies, bodies.c.job == jobs.c.id
 )
-_OF_JOB = events.c.job == bindparam("job_id")
-_AFTER = (
-    select(events).where(_OF_JOB, events.c.number > bindparam("after")).order_by(events.c.number)
-)
-_NEWEST = (
-    select(events)
-    .where(_OF_JOB, events.c.type == bindparam("of_type"))
-    .order_by(events.c.number.desc())
-    .limit(1)
-)
+_OF_JOB = select(events).where(events.c.job == bindparam("job_id"))
+_AFTER = _OF_JOB.where(events.c.number > bindparam("after")).order_by(events.c.number)
+_OF_TYPE = _OF_JOB.where(events.c.type == bindparam("of_type"))
+_NEWEST = _OF_TYPE.order_by(events.c.number.desc()).limit(1)
 
 
 def now() -> str:

@@ -47,11 +47,8 @@ _END = {
     for table in (bodies, briefs)
     for part in ("result", "failure")
 }
-_CANCEL = (
-    update(jobs)
-    .where(jobs.c.id == _WHOSE, jobs.c.state.in_(_OPEN))
-    .values(is_cancel_requested=True)
-)
+_IF_OPEN = update(jobs).where(jobs.c.id == _WHOSE, jobs.c.state.in_(_OPEN))
+_CANCEL = _IF_OPEN.values(is_cancel_requested=True)
 _EPOCH = Prepared(select(owner.c.epoch).with_for_update(read=True))
 
 

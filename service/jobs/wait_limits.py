@@ -1,11 +1,11 @@
-"""Waits: the time limits of those who wait for jobs, which all end when the server begins to."""
+"""WaitLimits: the time limits of those who wait for jobs, which all end when the server begins to."""
 
 import asyncio
 from collections.abc import AsyncGenerator
 from contextlib import asynccontextmanager
 
 
-class Waits:
+class WaitLimits:
     """Who waits through it is never cut off without an answer by the end of the server."""
 
     def __init__(self) -> None:

@@ -1,0 +1,67 @@
+"""Waiting: for the ends of jobs. What runs here is waited for in memory; the rest the log knows."""
+
+import asyncio
+from collections.abc import Mapping
+from contextlib import aclosing
+
+from service.events.bus import EventBus
+from service.jobs.job_run import JobRun
+from service.jobs.reads import JobReads
+from service.jobs.records import Job, JobText, LoggedEvent
+from service.jobs.wait_limits import WaitLimits
+
+# No stream is longer; it also fits into every database's integers.
+END_OF_STREAM = 2**31 - 1
+
+
+class Waiting:
+    """Waits for the jobs of a dispatcher, from its event loop."""
+
+    def __init__(
+        self, runs: Mapping[str, JobRun], bus: EventBus[LoggedEvent], store: JobReads
+    ) -> None:
+        """Wait for the runs that there are, by the ids of their jobs, and for what `store` has."""
+        self._runs = runs
+        self._bus = bus
+        self._store = store
+        self._limits = WaitLimits()
+
+    async def whole(self, identifier: str, seconds: float) -> Job:
+        """Return a job when it has ended, or as it is after so many seconds.
+
+        Raises:
+            UnknownJob: There is none.
+        """
+        await self._until_ended(identifier, seconds)
+        return await asyncio.to_thread(self._store.get, identifier)
+
+    async def text(self, identifier: str, seconds: float) -> JobText:
+        """Return a job as `whole` does, but for its result, which stays text.
+
+        Raises:
+            UnknownJob: There is none.
+        """
+        run = await self._until_ended(identifier, seconds)
+        if run is not None and run.ended is not None:
+            return run.ended
+        return await asyncio.to_thread(self._store.text, identifier)
+
+    def end(self) -> None:
+        """Answer who waits at once with the job as it is, and who comes later as well."""
+        self._limits.end()
+
+    async def _until_ended(self, identifier: str, seconds: float) -> JobRun | None:
+        """Wait until a job has ended, at most so long; return its last run, if it was here."""
+        run = self._runs.get(identifier)
+        if run is not None and run.ended is not None:
+            return run
+        # One that is not here has ended, or is being taken up again: the log knows.
+        wait = self._drained(identifier) if run is None else self._bus.until_over(identifier)
+        async with self._limits.limit(seconds):
+            await wait
+        return self._runs.get(identifier, run)
+
+    async def _drained(self, identifier: str) -> None:
+        async with aclosing(self._bus.follow(identifier, END_OF_STREAM)) as nothing:
+            async for _ in nothing:
+                pass
