@@ -206,7 +206,8 @@ class Desk:
 
     async def in_scene(self, lane: str, scene: str) -> JobBrief | None:
         """Return a job of a lane that waits or runs in a scene, if there is one."""
-        for state in ("running", "queued"):
+        # In the order of its life: one that begins between the two looks is seen by the second.
+        for state in ("queued", "running"):
             page = await self.page(lane, 1, None, state=state, scene=scene)
             if page.jobs:
                 return page.jobs[0]

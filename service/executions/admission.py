@@ -5,7 +5,7 @@ from typing import Any
 from service.desk import Desk, spec_of
 from service.executions.whereabouts import require_at_rest, require_at_start
 from service.jobs.key import Key
-from service.jobs.records import Job
+from service.jobs.records import Job, JobSpec
 from service.plans.wire import polynomial_of
 from service.scenes.preflight import require_group
 from service.scenes.records import SceneRecord
@@ -37,8 +37,15 @@ async def submit_execution(
     named = Key(key, asked)
     # Two requests at once must not both find the robot at rest.
     async with desk.admitting_motion:
+        again = JobSpec("execution", TASK, {}, key=named.text, request_digest=named.digest)
+        if (known := await desk.known(again)) is not None:
+            return known
+        # Before the scene is read: what ends until then is in it.
+        await require_at_rest(desk, wanted["scene"])
         record = await scenes.get(wanted["scene"])
         group = require_group(record, wanted["group"])
+        require_at_start(group, (plan.result or {})["result"]["start"])
+        await _require_proven(desk, record, plan, polynomial)
         payload = {
             **await desk.scene_payload(record),
             "request": asked,
@@ -47,12 +54,7 @@ async def submit_execution(
             "trajectory": polynomial,
             "speed": request.speed,
         }
-        spec = spec_of("execution", TASK, payload, scene=record, key=named)
-        if await desk.known(spec) is None:
-            await require_at_rest(desk, record.id)
-            require_at_start(group, (plan.result or {})["result"]["start"])
-            await _require_proven(desk, record, plan, polynomial)
-        return await desk.submit(spec)
+        return await desk.submit(spec_of("execution", TASK, payload, scene=record, key=named))
 
 
 async def _require_proven(

@@ -18,10 +18,14 @@ class CountingStore(JobStore):
     """Counts the jobs that it has read from the database."""
 
     num_read = 0
+    begins = ""  # a job that begins once something was read
 
     def page(self, *args, **kwargs):
         found = super().page(*args, **kwargs)
         self.num_read += len(found)
+        if self.begins:
+            self.start(self.begins)
+            self.begins = ""
         return found
 
 
@@ -86,3 +90,9 @@ def test_what_rests_is_not_read_to_find_what_moves(desk, store, state):
         asyncio.run(require_at_rest(desk, "here"))
     assert store.num_read == 1
     asyncio.run(require_at_rest(desk, "elsewhere"))
+
+
+def test_what_begins_to_move_while_it_is_looked_for_is_found(desk, store):
+    store.begins = store.insert(JobSpec("execution", "", {"group": "arm"}, scene="here"))[0].id
+    with pytest.raises(RobotBusy, match=store.begins):
+        asyncio.run(require_at_rest(desk, "here"))
