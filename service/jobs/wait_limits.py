@@ -1,4 +1,4 @@
-"""WaitLimits: the time limits of those who wait for jobs, which all end when the server begins to."""
+"""WaitLimits: time limits of waits for jobs, which all end when the server begins to end."""
 
 import asyncio
 from collections.abc import AsyncGenerator
