@@ -2,9 +2,6 @@
 
 from collections.abc import Callable
 from dataclasses import replace
-from typing import Any
-
-import numpy as np
 
 from planning.certify.clearance import check_clearance
 from planning.certify.constraint_checks import constraint_checks
@@ -29,8 +26,6 @@ from planning.world.drake_model import DrakeModel
 from planning.world.unchecked_pairs import unchecked_pairs
 
 __all__ = ["CertifyRequest", "certify", "certify_places"]
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 
 def certify(
@@ -119,8 +114,7 @@ def _certify(
     if all(check.passed for check in checks):
         stop, report = _findings(model, request, report, deadline)
         checks += stop
-    points = nearest_points(model, request, clearance.nearest)
-    return _verdict(model, request, checks, clearance, points), report
+    return _verdict(model, request, checks, clearance), report
 
 
 def _malformed(form: Check) -> Certificate:
@@ -206,13 +200,14 @@ def _verdict(
     request: CertifyRequest,
     checks: tuple[Check, ...],
     clearance: Clearance,
-    points: Array,
 ) -> Certificate:
     nearest, check = clearance.nearest, clearance.check
+    points, observed = nearest_points(model, request, nearest)
+    least = nearest.distance - check.resolution if check.passed else observed
     return Certificate(
         proven=all(check.passed for check in checks),
-        min_clearance=nearest.distance - (check.resolution if check.passed else 0.0),
-        observed_clearance=nearest.distance,
+        min_clearance=least,
+        observed_clearance=max(observed, least),
         pair=nearest.bodies,
         time=nearest.time,
         checks=checks,

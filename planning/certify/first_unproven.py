@@ -83,5 +83,5 @@ class _Search:
         spot = self._spot
         if not spot.shapes:
             return None
-        points = nearest_points(self._model, self._request, spot)
-        return BodyPair(spot.bodies, spot.distance, points)
+        points, distance = nearest_points(self._model, self._request, spot)
+        return BodyPair(spot.bodies, distance, points)

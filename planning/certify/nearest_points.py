@@ -2,9 +2,11 @@
 
 Drake finds them. Where it finds shapes farther apart than the proof did (it overstates distances of
 separate boxes, docs/decisions/0006), the search that bounds distances from both sides does.
-Nothing is proven by them.
+What a proof tells as the smallest distance that it met is measured closely here. Nothing is proven
+by either.
 """
 
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -20,20 +22,30 @@ from planning.world.contexts import shared_context
 from planning.world.drake_distance import distance_of
 from planning.world.drake_model import DrakeModel
 from planning.world.near_standing import NearStanding
+from planning.world.true_lengths import TrueLengths
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
+type Ids = tuple[GeometryId, GeometryId]
 type Placed = tuple[int, Array, Array]
 
 # Drake's distance may be above that of the proof by this before it is doubted [m].
 _DOUBT = 1e-6
+# More pairs of two bodies than these are not measured again.
+_FEW = 24
+# Two ways to measure a distance differ by less [m].
+_ROUNDING = 1e-9
 
 
 def nearest_points(
     model: DrakeModel,
     request: CertifyRequest,
     spot: Spot,
-) -> Float64[np.ndarray, "k 3"]:
-    """Return p_WA and p_WB [m] of two shapes, the deepest ones if they overlap.
+) -> tuple[Float64[np.ndarray, "k 3"], float]:
+    """Return where two bodies are nearest, p_WA and p_WB [m], and how far apart they are there [m].
+
+    Of bodies that overlap these are the points of the deepest shapes. The distance is that of the
+    spot, or less: the proof need not measure all shapes of both, and Drake's distances of round
+    shapes are too large by up to 0.1 mm.
 
     Args:
         model: The scene.
@@ -41,23 +53,57 @@ def nearest_points(
         spot: Which shapes and when, and what the proof measured then; no points if there are none.
     """
     if not spot.shapes:
-        return np.zeros((0, 3))
+        return np.zeros((0, 3)), spot.distance
     near = _near(model, request, spot.time)
-    pair = spot.shapes[0], spot.shapes[1]
-    near.show_ids([pair])
-    query, inspector = near.query, near.query.inspector()
-    a, b = shapes = near.drake_ids(pair)
+    pairs = _pairs_of_both(model, spot)
+    near.show_ids(pairs)
+    inspector = near.query.inspector()
+    shapes = near.drake_ids(pairs[0])
     flat = [isinstance(inspector.GetShape(i), HalfSpace) for i in shapes]
     if any(flat):
-        return _above(model, near, shapes, flat)
-    found = distance_of(query, a, b)
-    if found.distance > max(spot.distance, 0.0) + _DOUBT:
-        return _searched(model, near, shapes)
-    points = [
-        query.GetPoseInWorld(found.id_A).multiply(found.p_ACa),
-        query.GetPoseInWorld(found.id_B).multiply(found.p_BCb),
-    ]
-    return np.array(points if found.id_A == a else points[::-1])
+        return _above(model, near, shapes, flat), spot.distance
+    lengths = TrueLengths()
+    nearest, distance = distance_of(near.query, *shapes), spot.distance
+    for ids in pairs if distance > 0 else ():
+        found = distance_of(near.query, *near.drake_ids(ids))
+        length = lengths.of(found, near.query)
+        if length < distance - _ROUNDING:
+            nearest, distance = found, length
+    return _ends(model, near, nearest, distance, shapes[0]), distance
+
+
+def _pairs_of_both(model: DrakeModel, spot: Spot) -> list[Ids]:
+    """Return the pair of a spot and, if they are few, the others of the same two bodies."""
+    first = spot.shapes[0], spot.shapes[1]
+    a, b = (_shapes_of_body(model, i) for i in first)
+    others = list(product(a, b))
+    return [first, *(pair for pair in others if pair != first and len(others) <= _FEW)]
+
+
+def _shapes_of_body(model: DrakeModel, geometry: GeometryId) -> list[GeometryId]:
+    """Return the collision shapes of the body that one belongs to, without half spaces."""
+    if geometry in model.standing.row_of:
+        return [geometry]
+    inspector = model.scene_graph.model_inspector()
+    body = model.plant.GetBodyFromFrameId(inspector.GetFrameId(geometry))
+    shapes = model.plant.GetCollisionGeometriesForBody(body)
+    return [i for i in shapes if not isinstance(inspector.GetShape(i), HalfSpace)]
+
+
+def _ends(
+    model: DrakeModel, near: NearStanding, found: Any, distance: float, first: GeometryId
+) -> Array:
+    """Return the nearest points of a pair that Drake found, its own if they are near enough."""
+    if found.distance > max(distance, 0.0) + _DOUBT:
+        ids = (found.id_A, found.id_B)
+        points = _searched(model, near, ids)
+    else:
+        query = near.query
+        p_wa = query.GetPoseInWorld(found.id_A).multiply(found.p_ACa)
+        p_wb = query.GetPoseInWorld(found.id_B).multiply(found.p_BCb)
+        points = np.array([p_wa, p_wb])
+    frame_of = near.query.inspector().GetFrameId
+    return points if frame_of(found.id_A) == frame_of(first) else points[::-1]
 
 
 def _near(model: DrakeModel, request: CertifyRequest, time: float) -> NearStanding:

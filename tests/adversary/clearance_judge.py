@@ -112,13 +112,18 @@ class ClearanceJudge:
             self._outcome.blame("proven_until", told, self._defect)
 
     def _hold_robustness(self, robustness: Any) -> None:
-        """Displace every obstacle by as much as is allowed, each in a direction of its own."""
+        """Displace every obstacle by as much as is allowed, each in a direction of its own.
+
+        Pairs that the motion does not move are not its matter.
+        """
         allowed = robustness.obstacle_displacement
         if not (np.isfinite(allowed) and allowed > 0):
             return
         rng = np.random.default_rng(0)
         moved = self._stage.displaced(rng, allowed)
-        seen = moved.worst(self._motion, Look(self._margin, self._skip, self._stage.own))
+        seen = moved.worst(
+            self._motion, Look(self._margin, self._skip | self._stage.fixed, self._stage.own)
+        )
         if seen is not None and self._is_broken(seen):
             text = f"obstacles off by {allowed:.9g} m: {self._told(seen)}"
             self._outcome.blame("robustness", text, self._defect)

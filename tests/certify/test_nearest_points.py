@@ -1,5 +1,8 @@
 """Nearest points: on both shapes, and as far apart as the certificate says."""
 
+from collections.abc import Callable
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -8,12 +11,15 @@ from pydrake.geometry import Box, HalfSpace, Sphere
 
 from planning.certify.certifier import certify
 from planning.certify.collision_shapes import collision_shapes
+from planning.certify.nearest_points import nearest_points
+from planning.certify.proof_parts import Spot
 from planning.domain.certificate import Certificate
 from planning.domain.curve import TimedTrajectory
 from planning.kernel.separation import nearest_point
 from planning.world.margins import PairMargins
+from planning.world.world import World
 from tests.certify.chains import Robot, random_robot, random_trajectory
-from tests.certify.conftest import quintic
+from tests.certify.conftest import quintic, request_for
 from tests.certify.test_clearance import slider
 from tests.certify.test_separation import parallel_boxes
 from tests.clocks import no_hurry
@@ -110,3 +116,27 @@ def test_without_a_pair_there_are_none() -> None:
     robot = random_robot(rng, num_links=1, num_obstacles=0)
     certificate = judge(robot, random_trajectory(rng, robot.group, 1, 0.3))
     assert certificate.points.shape == (0, 3)
+
+
+def test_of_two_bodies_all_shapes_are_measured(urdf_world: Callable[..., World]) -> None:
+    """The proof may have met a pair of shapes of theirs that is not the nearest."""
+    near, far = (
+        f'<collision><origin xyz="{x} 0 0"/><geometry><sphere radius="0.1"/></geometry></collision>'
+        for x in (0.3, -0.3)
+    )
+    joint = '<joint name="j" type="continuous"><parent link="b"/><child link="a"/></joint>'
+    robot = f'<robot name="m"><link name="b"/><link name="a">{far}{near}</link>{joint}</robot>'
+    thing = {"name": "o", "shape": {"sphere": 0.1}, "pose": {"position": [0.8, 0, 0]}}
+    world = urdf_world(robot, objects=[thing])
+    model, group = world.drake, world.group("r")
+    request = request_for(world, "r", quintic(group, np.zeros(1), np.full(1, 1e-6), 1.0))
+    shapes = [
+        (*model.plant.GetCollisionGeometriesForBody(model.plant.get_body(model.bodies[name])),)
+        for name in ("r::a", "o")
+    ]
+    told = Spot((shapes[0][0], shapes[1][0]), ("r::a", "o"), 0.9, 0.0)
+    points, distance = nearest_points(model, request, told)
+    assert distance == pytest.approx(0.3, abs=1e-6)
+    np.testing.assert_allclose(points[:, 0], [0.4, 0.7], atol=1e-6)
+    back = replace(told, shapes=told.shapes[::-1], bodies=told.bodies[::-1])
+    np.testing.assert_allclose(nearest_points(model, request, back)[0], points[::-1], atol=1e-6)

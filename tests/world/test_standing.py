@@ -229,7 +229,7 @@ def test_nearest_points_are_on_both_shapes(pair: tuple[World, World]) -> None:
     points = []
     for world in (apart, whole):
         spot = quick_clearance(world.drake, request, no_hurry()).nearest
-        points.append(nearest_points(world.drake, request, spot))
+        points.append(nearest_points(world.drake, request, spot)[0])
         assert abs(np.linalg.norm(points[-1][0] - points[-1][1]) - spot.distance) < 1e-3
     np.testing.assert_allclose(points[0], points[1], atol=1e-3)
 
