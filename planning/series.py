@@ -24,6 +24,8 @@ type Array = np.ndarray[Any, np.dtype[np.float64]]
 # Bodies that have more than the last to spare are not of interest; few are looked at first [m].
 _HORIZONS = (0.1, 0.5)
 _FARTHEST = _HORIZONS[-1]
+# A distance that is measured again differs by less [m].
+_SAME = 1e-9
 # Accelerations just before and after a break that differ by this share of the limit have jumped;
 # how near to the break they are looked at, as a share of the duration.
 _JUMP, _BESIDE = 1e-3, 1e-9
@@ -183,11 +185,18 @@ def _distances(
         deadline.check("series")
         near = ()
         for horizon in _HORIZONS:
-            near = probe.pairs_within(full, horizon + largest, exactly=True)
-            least = min((p.distance - margins.of(*p.bodies) for p in near), default=np.inf)
+            met = probe.pairs_within(full, horizon + largest)
+            least = min(met, key=lambda p: p.distance - margins.of(*p.bodies), default=None)
+            # Of what is nearer than the pair that counts, and of it, the true distances.
+            near = (
+                ()
+                if least is None
+                else probe.pairs_within(full, least.distance + _SAME, exactly=True)
+            )
+            left = min((p.distance - margins.of(*p.bodies) for p in near), default=np.inf)
             # What is beyond the horizon has more than that to spare.
-            if least <= horizon:
-                spare[i] = least
+            if left <= horizon:
+                spare[i] = left
                 break
         pairs.append(near[0].bodies if near else ("", ""))
         if near:

@@ -2,7 +2,6 @@
 
 import asyncio
 from collections.abc import AsyncIterator, Callable
-from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -17,7 +16,7 @@ from service.jobs.dispatcher import Dispatcher
 from service.jobs.errors import UnknownJob
 from service.jobs.json_text import Encoded
 from service.jobs.key import Key
-from service.jobs.records import Job, JobBrief, JobSpec, JobText, LoggedEvent
+from service.jobs.records import Job, JobBrief, JobPage, JobSpec, JobText, LoggedEvent
 from service.jobs.states import JobState
 from service.jobs.store import JobStore
 from service.scenes.records import SceneRecord
@@ -29,14 +28,6 @@ _PREFIXES = {"plan": "pln", "execution": "exe", "regions": "reg"}
 # A robot that has moved is not where a second attempt would begin.
 _ATTEMPTS = {"plan": 2, "execution": 1, "regions": 2}
 _CHUNK = 20
-
-
-@dataclass(frozen=True)
-class JobPage:
-    """Some jobs of a lane, newest first, and the cursor of those that follow."""
-
-    jobs: list[JobBrief]
-    following: str | None
 
 
 class Desk:

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from itertools import product
 
 import numpy as np
+import pytest
 from hypothesis import Phase, settings
 
 # Explaining a failure traces every line, which takes minutes in numerical code.
@@ -77,6 +78,11 @@ def pairs[A, B](first: Sequence[A], second: Sequence[B]) -> list[tuple[A, B]]:
 def rng_of(seed: int) -> np.random.Generator:
     """Return random numbers: always the same in `make test`, fresh ones in `make campaign`."""
     return np.random.default_rng([seed, PROFILE.seed] if PROFILE.is_campaign else seed)
+
+
+def only_campaign(why: str) -> pytest.MarkDecorator:
+    """Return the mark of a test that `make test` leaves to `make campaign`, and why."""
+    return pytest.mark.skipif(not PROFILE.is_campaign, reason=f"only in the campaign: {why}")
 
 
 def load_hypothesis_profile() -> None:

@@ -200,3 +200,11 @@ class LoggedEvent:
     def is_last(self) -> bool:
         """Whether nothing happens to the job after it."""
         return self.type == FINISHED
+
+
+@dataclass(frozen=True)
+class JobPage:
+    """Some jobs of a lane, newest first, and the cursor of those that follow."""
+
+    jobs: list[JobBrief]
+    following: str | None

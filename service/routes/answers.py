@@ -15,6 +15,7 @@ _DESCRIPTIONS = {
     415: "The body has a content type that is not read here",
     422: "The request has a fault by itself",
     429: "The queue is full; try again after `Retry-After` seconds",
+    499: "The client closed its connection",
     500: "An unexpected fault of the server",
     503: "The server cannot do that now; try again after `Retry-After` seconds",
 }

@@ -13,13 +13,13 @@ from benchmarks.chaos_rounds.faults import FaultKind, draw, stopped
 from benchmarks.chaos_rounds.journal import Violation
 from benchmarks.chaos_rounds.rounds import Round
 from benchmarks.serving.processes import descendants
-from tests.profiles import PROFILE, seeds
+from tests.profiles import only_campaign, seeds
 
 SLEEP = [sys.executable, "-c", "import sys; sys.stdin.read()"]
 
 
 @pytest.mark.campaign
-@pytest.mark.skipif(not PROFILE.is_campaign, reason="servers start a dozen times: a minute")
+@only_campaign("servers start a dozen times: a minute")
 @pytest.mark.timeout(1800)
 @pytest.mark.parametrize("seed", seeds(1, campaign=2))
 @pytest.mark.parametrize("database", ["sqlite", "postgresql"])

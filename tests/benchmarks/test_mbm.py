@@ -11,7 +11,7 @@ import pytest
 from benchmarks import mbm
 from benchmarks.motion_bench_maker.command import bench
 from tests.clocks import FakeClock
-from tests.profiles import PROFILE
+from tests.profiles import only_campaign
 
 ROOT = Path(__file__).parents[2]
 
@@ -48,7 +48,7 @@ def test_missing_data_is_said_without_a_traceback(
 
 
 @pytest.mark.campaign
-@pytest.mark.skipif(not PROFILE.is_campaign, reason="imports all engines anew; for the campaign")
+@only_campaign("imports all engines anew")
 def test_the_script_pins_its_process_and_fails_in_one_line(tmp_path: Path) -> None:
     done = subprocess.run(
         [sys.executable, str(ROOT / "benchmarks" / "mbm.py"), "--json"],

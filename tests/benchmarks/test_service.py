@@ -11,11 +11,11 @@ from benchmarks.service_load.boxes import boxes, scene_of
 from benchmarks.service_load.host import Host, timed
 from benchmarks.service_load.loads import read
 from benchmarks.service_load.measure import Measure, quantile
-from tests.profiles import PROFILE
+from tests.profiles import only_campaign
 
 
 @pytest.mark.campaign
-@pytest.mark.skipif(not PROFILE.is_campaign, reason="a server starts, and locust: 20 s")
+@only_campaign("a server starts, and locust: 20 s")
 def test_everything_is_measured(capsys) -> None:
     assert main(["--quick", "--json"]) == 0
     told = json.loads(capsys.readouterr().out)

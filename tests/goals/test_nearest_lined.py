@@ -23,7 +23,7 @@ from planning.world.world import World
 from tests.clocks import no_hurry
 from tests.goals.conftest import EXACT, TRIES, ask, at, world_by
 from tests.goals.test_nearest import cost_of, nearer_tries
-from tests.profiles import PROFILE
+from tests.profiles import only_campaign
 
 NAME = "ur5e_pickup"
 PICK = Pose.from_parts([0.5, 0.3, 0.0955], rpy=[np.pi, 0.0, 0.0])
@@ -122,7 +122,7 @@ def test_without_the_body_that_is_told_it_is_solved(approach: Way, retreat: Way)
 
 
 @pytest.mark.campaign
-@pytest.mark.skipif(not PROFILE.is_campaign, reason="to know that no body would do takes 20 s")
+@only_campaign("to know that no body would do takes 20 s")
 def test_no_body_is_told_where_none_is_in_the_way() -> None:
     with pytest.raises(ApproachBlocked) as refusal:
         ask(world_by(NAME, "kernel"), "arm", asking((0.0, 0.0, -0.9), None))

@@ -71,7 +71,7 @@ PLANS: dict[str, tuple[str, Any, dict[str, Any]]] = {
 
 
 # Drake alone takes 5 to 40 s for some: `make drake-only` and the campaign have all of them.
-QUICK = ["a pose", "a band", "unrefined", "jerk"]
+QUICK = ["a band", "unrefined", "jerk"]
 
 
 @cache

@@ -10,9 +10,12 @@ import httpx
 import numpy as np
 import pytest
 
+from tests.profiles import only_campaign
 from tests.service.jobs.databases import locked
 from tests.service.servers import ARM, living, request_of, server, until
 
+# The same is shown without HTTP, in a tenth of the time, by tests/service/jobs/test_stopping.py.
+ONLY_CAMPAIGN = only_campaign("ten seconds each")
 # A motion of minutes.
 SLOW = {"speed": 0.02}
 
@@ -119,6 +122,8 @@ def test_a_robot_is_steered_and_stopped_while_the_database_is_locked(folder, run
     check_recorded(motion, at_rest)
 
 
+@pytest.mark.campaign
+@ONLY_CAMPAIGN
 def test_a_robot_is_steered_and_stopped_while_the_disk_is_full(running):
     motion = Motion(running)
     with full_disk(running):
@@ -130,6 +135,8 @@ def test_a_robot_is_steered_and_stopped_while_the_disk_is_full(running):
     check_recorded(motion, at_rest)
 
 
+@pytest.mark.campaign
+@ONLY_CAMPAIGN
 def test_a_plan_that_ends_while_the_disk_is_full_succeeds(running):
     scene = running.client.add_scene(ARM)
     with ExitStack() as stack:

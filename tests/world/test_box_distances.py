@@ -60,7 +60,7 @@ def test_distances_of_boxes_are_exact(seed: int, kind: str) -> None:
 
 
 @given(seed=st.integers(0, 10_000), kind=st.sampled_from(["parallel", "nearly", "any"]))
-@settings(max_examples=num_cases(20))
+@settings(max_examples=num_cases(8))
 def test_gaps_say_whether_boxes_overlap_and_how_deeply(seed: int, kind: str) -> None:
     """Bars that cross have no corner in each other."""
     rng = np.random.default_rng(seed)

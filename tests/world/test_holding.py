@@ -40,7 +40,7 @@ def test_the_fast_judge_and_the_slow_one_agree_on_what_is_held(kernel, margin) -
 
 
 def test_no_margin_is_owed_to_the_robot_that_holds_but_no_collision_either() -> None:
-    q = np.random.default_rng(2).uniform(-2.5, 2.5, (300, 6))
+    q = np.random.default_rng(2).uniform(-2.5, 2.5, (100, 6))
     probe = WORLD.distance_probe(WORLD.margins(0.1))
     pairs = [p for row in WORLD.embed(ARM, q) for p in probe.violations(row) if "can" in p.bodies]
     within = [p.distance for p in pairs if any("::" in body for body in p.bodies)]

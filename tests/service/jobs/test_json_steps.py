@@ -12,7 +12,11 @@ from service.jobs.json_text import encode
 
 TEXTS = st.text(st.sampled_from('ab\\"[]{},: é\n'), max_size=8)
 CONTENT = st.recursive(
-    st.none() | st.booleans() | st.integers() | st.floats(allow_nan=False) | TEXTS,
+    st.none()
+    | st.booleans()
+    | st.integers()
+    | st.floats(allow_nan=False, allow_infinity=False)
+    | TEXTS,
     lambda inner: st.dictionaries(TEXTS, inner) | st.lists(inner) | st.lists(st.integers()),
     max_leaves=40,
 )

@@ -10,6 +10,7 @@ import pytest
 
 from planning.errors import IllegalTransition
 from service.jobs.states import JobState
+from tests.profiles import num_cases, pairs
 from tests.service.jobs.conftest import GUARD, running, spec
 from tests.service.jobs.databases import locked
 
@@ -41,8 +42,8 @@ async def refusing(kind, folder, disk):
     disk.free()
 
 
-@pytest.mark.parametrize("kind", ["locked", "full"])
-@pytest.mark.parametrize("inline", [True, False])
+@pytest.mark.campaign
+@pytest.mark.parametrize(("kind", "inline"), pairs(["locked", "full"], [True, False]))
 def test_a_run_comes_to_rest_although_the_database_takes_nothing(
     tmp_path: Path, kind: str, inline: bool
 ) -> None:
@@ -140,7 +141,8 @@ def test_what_was_asked_of_a_job_that_waits_outlives_the_server(tmp_path: Path) 
     asyncio.run(second(asyncio.run(first())))
 
 
-@pytest.mark.parametrize("kind", ["locked", "full"])
+@pytest.mark.campaign
+@pytest.mark.parametrize("kind", ["full", "locked"][: num_cases(1, 2)])
 def test_a_result_is_kept_until_the_database_takes_it(tmp_path: Path, kind: str) -> None:
     async def story() -> None:
         disks: list = []
