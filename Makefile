@@ -13,6 +13,8 @@ SEED := $(shell od -An -N4 -tu4 /dev/urandom | tr -d ' ')
 endif
 # How many times as many cases as in `make test`.
 FACTOR ?= 40
+# One more than there are processors: some tests wait for servers and databases.
+WORKERS ?= $(shell expr $$(nproc) + 1)
 # Where shapes and types of every call are checked; `make test` does that at the doors, where it is cheap.
 SHAPES := --jaxtyping-packages=planning,tests.check
 
@@ -55,23 +57,24 @@ demo: setup
 serve: setup
 	@$(VENV)/bin/wayproof serve
 
-# Everything that a change can break, on all cores; fails where fewer lines are run than before.
+# Everything that a change can break, on all cores. With COVERAGE=yes it takes a little longer, and fails where fewer lines
+# are run than before.
 test: setup
-	@$(PYTHON) -m pytest -n auto --dist worksteal --cov --cov-report=
+	@$(PYTHON) -m pytest -n $(WORKERS) --dist worksteal $(if $(COVERAGE),--cov --cov-report=)
 
 # Where the time of `make test` goes: seconds of CPU by folder, and the tests that take most.
 costs: setup
-	@$(PYTHON) -m pytest -n auto --dist worksteal -p tests.costs
+	@$(PYTHON) -m pytest -n $(WORKERS) --dist worksteal -p tests.costs
 
 # The same with the shapes and types of every call checked: takes three times as long.
 shapes: setup
-	@$(PYTHON) -m pytest -n auto --dist worksteal $(SHAPES)
+	@$(PYTHON) -m pytest -n $(WORKERS) --dist worksteal $(SHAPES)
 
 # Thousands of random cases from a fresh seed, which is printed.
 campaign: setup
 	@echo "make campaign SEED=$(SEED)"
 	@WAYPROOF_PROFILE=campaign WAYPROOF_SEED=$(SEED) WAYPROOF_FACTOR=$(FACTOR) \
-	$(PYTHON) -m pytest -n auto --dist worksteal -m campaign --hypothesis-seed=$(SEED)
+	$(PYTHON) -m pytest -n $(WORKERS) --dist worksteal -m campaign --hypothesis-seed=$(SEED)
 
 # A machine without a compiler: both collision oracles agree (contracts), and plans on Drake alone.
 drake-only: setup
