@@ -93,7 +93,7 @@ def candidates(  # noqa: PLR0913  (a question in full)
         RetimingFailed: After all others, not even the path itself, with a rest at every corner, can
             be timed. Where a duration was asked for, evidence has the least of all that failed.
         DeadlineExceeded: Time ran out.
-        Canceled: Somebody asked for the end.
+        Canceled: The end was asked for.
     """
     hasty, deadline = deadlines(problem, deadline)
     group, retime_options = world.group(problem.group), problem.retime

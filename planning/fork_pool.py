@@ -75,7 +75,7 @@ class ForkPool:
         """Yield number and outcome of pieces as they are done; those of a child that died are not.
 
         Raises:
-            Canceled: Somebody asked for the end.
+            Canceled: The end was asked for.
         """
         count = min(count, _MOST_PIECES)
         if count < 2 or threading.active_count() > 1:

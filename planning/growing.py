@@ -71,7 +71,7 @@ def grow_regions(
         UnknownName: There is no such group, or it has no such position coordinate.
         ProblemInvalid: The group has a joint that floats or is steered, or a coordinate that
             nothing bounds, or an option makes no sense.
-        Canceled: Somebody asked for the end.
+        Canceled: The end was asked for.
     """
     joints, chosen = world.group(group), options or RegionOptions()
     _require_sense(chosen)

@@ -50,7 +50,7 @@ def trace_line(  # noqa: PLR0913  (a question in full)
         UnknownName: A group or frame does not exist.
         ProblemInvalid: The start does not fit the group.
         DeadlineExceeded: Time ran out.
-        Canceled: Somebody asked for the end.
+        Canceled: The end was asked for.
     """
     joints = world.group(group)
     given = world.positions(joints) if start is None else start

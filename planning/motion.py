@@ -125,7 +125,7 @@ class Motion:
             deadline: When to give up.
 
         Raises:
-            Canceled: Somebody asked for the end.
+            Canceled: The end was asked for.
         """
         how = limits, options, path_limits, deadline
         try:

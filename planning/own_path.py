@@ -84,7 +84,7 @@ def retime_path(  # noqa: PLR0913  (a question in full)
         RetimingFailed: The path cannot be timed.
         NotCertified: No motion along the path can be proven; evidence has the failed checks.
         DeadlineExceeded: Time ran out.
-        Canceled: Somebody asked for the end.
+        Canceled: The end was asked for.
     """
     joints = world.group(group)
     rows = [require_positions(joints, q, f"waypoints.{i}") for i, q in enumerate(waypoints)]

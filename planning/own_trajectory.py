@@ -61,7 +61,7 @@ def certify_trajectory(  # noqa: PLR0913  (a question in full)
         ProblemInvalid: The trajectory is of other joints, start or goal do not fit the group, or
             a limit makes no sense.
         DeadlineExceeded: Time ran out before the verdict.
-        Canceled: Somebody asked for the end.
+        Canceled: The end was asked for.
     """
     request = _request(world, group, trajectory, options, (start, goal), margin, constraints)
     request = replace(request, options=wanted or CertifyOptions())
@@ -106,7 +106,7 @@ def certify_positions(  # noqa: PLR0913  (a question in full)
         ProblemInvalid: The trajectory is of other joints, start or goal do not fit the group, or
             a limit makes no sense.
         DeadlineExceeded: Time ran out before the verdict.
-        Canceled: Somebody asked for the end.
+        Canceled: The end was asked for.
     """
     request = _request(world, group, trajectory, options, (start, goal), margin, constraints)
     with _timed(deadline):

@@ -132,7 +132,7 @@ def timed_legs(  # noqa: PLR0913, PLR0917  (a question in full)
     Raises:
         RetimingFailed: A leg cannot be timed.
         DeadlineExceeded: Time ran out.
-        Canceled: Somebody asked for the end.
+        Canceled: The end was asked for.
     """
     limits, parts = world.limits(group), list[Part]()
     for kind, leg in legs:

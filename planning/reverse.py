@@ -64,7 +64,7 @@ def reverse_plan(
         ProblemInvalid: The problem's cars or limits make no sense in this scene.
         NotCertified: The motion backwards cannot be proven; evidence has the failed checks.
         DeadlineExceeded: Time ran out.
-        Canceled: Somebody asked for the end.
+        Canceled: The end was asked for.
     """
     watch = Stopwatch(deadline.clock)
     deadline = deadline.cutting(watch.note_cut)

@@ -33,7 +33,7 @@ def build_roadmap(problem: PlanningProblem, world: World, *, deadline: Deadline)
     Raises:
         InputError: The problem names what does not exist, or its numbers make no sense.
         DeadlineExceeded: The time has run out.
-        Canceled: Somebody asked for the end.
+        Canceled: The end was asked for.
     """
     group = driven(world.group(problem.group), problem.search.spaces)
     given = world.positions(group) if problem.start is None else problem.start
@@ -69,7 +69,7 @@ def roadmap_of(
 
     Raises:
         DeadlineExceeded: The time has run out.
-        Canceled: Somebody asked for the end.
+        Canceled: The end was asked for.
     """
     found = None if store is None else store.get(ground.key)
     if found is not None:

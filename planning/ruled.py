@@ -104,7 +104,7 @@ def search_ruled(
     Raises:
         NoPathFound: The planner ended without an exact solution.
         DeadlineExceeded: The time ran out before there was any.
-        Canceled: Somebody asked for the end.
+        Canceled: The end was asked for.
     """
     options = task.options
     if "RRTConnect" in options.planners and rules.stride < _USUAL_STRIDE:
@@ -131,7 +131,7 @@ def _in_turns(
     Raises:
         NoPathFound: Both ended by themselves without a solution, or there is none to look for.
         DeadlineExceeded: The time ran out.
-        Canceled: Somebody asked for the end.
+        Canceled: The end was asked for.
     """
     sampled, projected = _SAMPLED_STATES, _PROJECTED_STATES
     while True:

@@ -144,7 +144,7 @@ def motion_series(  # noqa: PLR0913  (a question in full)
         UnknownName: There is no such group, frame or joint.
         ProblemInvalid: A limit makes no sense, or the group does not move the payload.
         DeadlineExceeded: Time ran out.
-        Canceled: Somebody asked for the end.
+        Canceled: The end was asked for.
     """
     joints = world.group(group)
     asked = admit_timing(world, joints, options or RetimeOptions(), trajectory.start)

@@ -132,7 +132,7 @@ def stop_motion(  # noqa: PLR0913  (a question in full)
             path.
         NotCertified: The stop cannot be proven; evidence has the failed checks.
         DeadlineExceeded: Time ran out.
-        Canceled: Somebody asked for the end.
+        Canceled: The end was asked for.
     """
     leaving = _leaving(world, group, running, options, constraints, margin)
     _require_within(running, time)
@@ -182,7 +182,7 @@ def splice_motion(  # noqa: PLR0913  (a question in full)
         RetimingFailed: A joint is planar or floating, or no state of the other motion is reached.
         NotCertified: No way over can be proven; evidence has the failed checks of the last.
         DeadlineExceeded: Time ran out.
-        Canceled: Somebody asked for the end.
+        Canceled: The end was asked for.
     """
     leaving = _leaving(world, group, running, options, constraints, margin)
     _require_within(running, time)
@@ -198,7 +198,7 @@ def _ways_over(
     Raises:
         RetimingFailed: No state of the other motion is reached.
         DeadlineExceeded: Time ran out.
-        Canceled: Somebody asked for the end.
+        Canceled: The end was asked for.
     """
     running, limits = leaving.running, leaving.limits
     state = MotionState.of(running, time)

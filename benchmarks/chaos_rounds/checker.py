@@ -210,9 +210,7 @@ def _none_lost_none_doubled(
         for identifier in sorted(set(asked) - set(ids)):
             yield Violation("none is lost", identifier, "was accepted, and is not in the list")
         for identifier in sorted(set(ids) - set(asked)):
-            yield Violation(
-                "none is doubled", identifier, "is in the list, and nobody asked for it"
-            )
+            yield Violation("none is doubled", identifier, "is in the list, and was not asked for")
         for identifier in sorted({one for one in ids if ids.count(one) > 1}):
             yield Violation("none is doubled", identifier, "is in the list more than once")
         for identifier in sorted({one for one in asked if asked.count(one) > 1}):

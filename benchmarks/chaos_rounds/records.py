@@ -48,7 +48,7 @@ def _jobs(database: Database, ends: Mapping[str, str]) -> Iterator[Violation]:
                 "every job has one end", identifier, f"was {end}, the table has {state}"
             )
     for identifier, state in rows.items():
-        what = f"is {state} in the table, and nobody asked for it"
+        what = f"is {state} in the table, and was not asked for"
         yield Violation("none is doubled", identifier, what)
 
 

@@ -53,7 +53,7 @@ def waits(host: Host, count: int) -> Iterator[Measure]:
         if job is None:
             break
         timings: dict[str, float] = job["timings"]
-        own = timings.get("load", 0.0) + timings["total"]
+        own = sum(timings.get(part, 0.0) for part in ("load", "total", "samples"))
         over.seconds.append(whole.seconds[-1] - own)
     over.faults += whole.faults
     yield from (whole, over)

@@ -47,7 +47,7 @@ def certify(
 
     Raises:
         DeadlineExceeded: Time ran out before the verdict.
-        Canceled: Somebody asked for the end.
+        Canceled: The end was asked for.
         ModelInvalid: The scene has a shape or joint of a kind that cannot be certified.
     """
     return _certify(model, request, deadline, motion_checks)
@@ -62,7 +62,7 @@ def certify_places(
 
     Raises:
         DeadlineExceeded: Time ran out before the verdict.
-        Canceled: Somebody asked for the end.
+        Canceled: The end was asked for.
         ModelInvalid: The scene has a shape or joint of a kind that cannot be certified.
     """
     return _certify(model, without_bends(request), deadline, place_checks)
@@ -137,7 +137,7 @@ def _findings(
 
     Raises:
         DeadlineExceeded: Time ran out before a verdict on stops that may not last long.
-        Canceled: Somebody asked for the end.
+        Canceled: The end was asked for.
     """
     options = request.options
     checks: tuple[Check, ...] = ()
@@ -184,7 +184,7 @@ def special_checks(
 
     Raises:
         DeadlineExceeded: Time ran out before the verdict.
-        Canceled: Somebody asked for the end.
+        Canceled: The end was asked for.
         ModelInvalid: The scene has a joint of a kind that cannot be certified.
     """
     kept = constraint_checks(model, request, deadline)

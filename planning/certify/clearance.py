@@ -22,7 +22,7 @@ def quick_clearance(model: DrakeModel, request: CertifyRequest, deadline: Deadli
 
     Raises:
         DeadlineExceeded: Time ran out; nothing is proven.
-        Canceled: Somebody asked for the end.
+        Canceled: The end was asked for.
         ModelInvalid: A shape or joint of a kind that cannot be certified.
     """
     scene = kernel_scene_of(model)

@@ -29,7 +29,7 @@ def constraint_checks(
 
     Raises:
         DeadlineExceeded: Time ran out.
-        Canceled: Somebody asked for the end.
+        Canceled: The end was asked for.
         ModelInvalid: A shape or joint of a kind that cannot be certified.
     """
     return [

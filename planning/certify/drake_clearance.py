@@ -67,7 +67,7 @@ class DrakeProof:
 
         Raises:
             DeadlineExceeded: Time ran out.
-            Canceled: Somebody asked for the end.
+            Canceled: The end was asked for.
         """
         fixed = self._fixed_violation()
         if fixed is not None:

@@ -31,7 +31,7 @@ def with_first_unproven(
     If the time runs out, `proven_until` is as late as was proven until then.
 
     Raises:
-        Canceled: Somebody asked for the end.
+        Canceled: The end was asked for.
     """
     if all(check.name != "clearance" for check in certificate.failed):
         return certificate
@@ -59,7 +59,7 @@ class _Search:
 
         Raises:
             DeadlineExceeded: Time ran out.
-            Canceled: Somebody asked for the end.
+            Canceled: The end was asked for.
         """
         self._prove_until(self.refused)
         while self.refused - self.proven > _FINE:

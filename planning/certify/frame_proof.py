@@ -97,7 +97,7 @@ class FrameProof:
 
         Raises:
             DeadlineExceeded: Time ran out.
-            Canceled: Somebody asked for the end.
+            Canceled: The end was asked for.
         """
         with np.errstate(over="ignore", invalid="ignore"):
             self._bisect(deadline)

@@ -70,7 +70,7 @@ class FrameStates:
 
         Raises:
             DeadlineExceeded: Time ran out.
-            Canceled: Somebody asked for the end.
+            Canceled: The end was asked for.
         """
         request, model = self._request, self._model
         q, v, vdot = _joint_states(request.trajectory, pieces, local)

@@ -89,7 +89,7 @@ def bounded(
 
     Raises:
         DeadlineExceeded: Time ran out.
-        Canceled: Somebody asked for the end.
+        Canceled: The end was asked for.
     """
     return _Bisection(quantity, bound, request, deadline).run()
 
@@ -116,7 +116,7 @@ def highest(
 
     Raises:
         DeadlineExceeded: Time ran out.
-        Canceled: Somebody asked for the end.
+        Canceled: The end was asked for.
     """
     return _Bisection(quantity, np.inf, request, deadline).highest(fineness)
 

@@ -51,7 +51,7 @@ def line_checks(model: DrakeModel, request: CertifyRequest, deadline: Deadline) 
 
     Raises:
         DeadlineExceeded: Time ran out.
-        Canceled: Somebody asked for the end.
+        Canceled: The end was asked for.
     """
     checks: list[Check] = []
     for section in request.lines:

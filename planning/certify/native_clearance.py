@@ -32,7 +32,7 @@ def native_clearance(
 
     Raises:
         DeadlineExceeded: Time ran out; nothing is proven.
-        Canceled: Somebody asked for the end.
+        Canceled: The end was asked for.
     """
     margins = scene.demands(request.margins)
     proof = prover(scene, model, request, margins).prove(partial(deadline.check, "certify"))

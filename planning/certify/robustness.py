@@ -41,7 +41,7 @@ def robustness(model: DrakeModel, request: CertifyRequest, deadline: Deadline) -
 
     Raises:
         DeadlineExceeded: Time ran out.
-        Canceled: Somebody asked for the end.
+        Canceled: The end was asked for.
     """
     distances = PairDistances(model, request)
     moved = np.flatnonzero(distances.pairs.is_moved)

@@ -38,7 +38,7 @@ def with_loads(
     Raises:
         ModelInvalid: A joint of a kind that cannot be certified, or nobody says what a body weighs.
         DeadlineExceeded: Time ran out.
-        Canceled: Somebody asked for the end.
+        Canceled: The end was asked for.
     """
     loads = [
         _of_frame(model, request, cells, (limit.frame, limit.acceleration), deadline)

@@ -26,7 +26,7 @@ def tool_checks(model: DrakeModel, request: CertifyRequest, deadline: Deadline) 
 
     Raises:
         DeadlineExceeded: Time ran out.
-        Canceled: Somebody asked for the end.
+        Canceled: The end was asked for.
         ModelInvalid: A joint of a kind that cannot be certified.
     """
     by_frame: dict[str, list[Quantity]] = {}

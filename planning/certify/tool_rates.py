@@ -73,7 +73,7 @@ class ToolRates:
 
         Raises:
             DeadlineExceeded: Time ran out.
-            Canceled: Somebody asked for the end.
+            Canceled: The end was asked for.
         """
         found = np.empty((len(times), 4, 4))
         for i, q in enumerate(self._full(times)):

@@ -80,7 +80,7 @@ def torque_check(
         ModelInvalid: A joint is of a kind that cannot be certified, or nobody says what a body
             weighs that moves.
         DeadlineExceeded: Time ran out.
-        Canceled: Somebody asked for the end.
+        Canceled: The end was asked for.
     """
     search = _Search(model, request, deadline, most)
     return search.run(far)

@@ -96,7 +96,7 @@ class Deadline:
         """Go on only if there is time.
 
         Raises:
-            Canceled: Somebody asked for the end.
+            Canceled: The end was asked for.
             DeadlineExceeded: The time has run out.
         """
         if self.is_canceled():

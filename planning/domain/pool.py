@@ -22,6 +22,6 @@ class AttemptPool(Protocol):
         the generator is closed all that is still at work has ended.
 
         Raises:
-            Canceled: Somebody asked for the end.
+            Canceled: The end was asked for.
         """
         ...

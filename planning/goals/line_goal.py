@@ -20,7 +20,7 @@ def follow_lines(
         LineBlocked: A line cannot be followed to its end.
         UnknownName: A frame does not exist.
         DeadlineExceeded: Time ran out.
-        Canceled: Somebody asked for the end.
+        Canceled: The end was asked for.
     """
     tool = goal.frame or query.group.tool_frames[0]
     fineness = Fineness(goal.max_shift, goal.max_turn)

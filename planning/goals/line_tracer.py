@@ -75,7 +75,7 @@ class LineTracer:
 
         Raises:
             DeadlineExceeded: Time ran out.
-            Canceled: Somebody asked for the end.
+            Canceled: The end was asked for.
         """
         courses = [
             Course(line, self._longest(line), [q], self._fineness.end)

@@ -14,7 +14,7 @@ def require_time(world: World, query: GoalQuery, search: PoseSearch, deadline: D
 
     Raises:
         DeadlineExceeded: There is none; evidence has the funnel so far.
-        Canceled: Somebody asked for the end.
+        Canceled: The end was asked for.
     """
     try:
         deadline.check("goals")

@@ -72,7 +72,7 @@ def accepted_by(
         GoalTooNear: All that it accepts break margins, and not all collide.
         ProblemInvalid: `draw` makes no configuration of the group.
         DeadlineExceeded: Time ran out before a configuration was found.
-        Canceled: Somebody asked for the end.
+        Canceled: The end was asked for.
     """
     options = query.options
     metric = JointMetric.from_names(query.group, options.joint_weights)

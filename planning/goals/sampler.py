@@ -51,7 +51,7 @@ def find_goals(
         ProblemInvalid: A given configuration has the wrong count.
         UnknownName: A frame or named configuration does not exist.
         DeadlineExceeded: Time ran out before a configuration was found.
-        Canceled: Somebody asked for the end.
+        Canceled: The end was asked for.
     """
     deadline = _limited(deadline, query.options.time_limit)
     match query.goal:

@@ -90,7 +90,7 @@ def grow(request: GrowRequest, deadline: Deadline, on_region: Callable[[Growth],
     The same request gives the same bytes, as long as the deadline cuts nothing.
 
     Raises:
-        Canceled: Somebody asked for the end.
+        Canceled: The end was asked for.
     """
     return _Gardener(request, deadline, on_region).grow()
 

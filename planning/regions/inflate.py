@@ -74,7 +74,7 @@ class Inflater:
         It contains the configuration unless that lies near the last faces.
 
         Raises:
-            Canceled: Somebody asked for the end.
+            Canceled: The end was asked for.
             DeadlineExceeded: The time ran out.
         """
         ellipsoid, rough = Ellipsoid.ball(seed), None

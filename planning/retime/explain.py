@@ -103,7 +103,7 @@ def explain_duration(
 
     Raises:
         DeadlineExceeded: Time ran out.
-        Canceled: Somebody asked for the end.
+        Canceled: The end was asked for.
     """
     task = _Task(spline, limits, replace(options, duration=None), tuple(path_limits), deadline)
     least = task.timed()

@@ -131,7 +131,7 @@ def uses_of(
     Raises:
         RetimingFailed: No slowing down helps.
         DeadlineExceeded: Time ran out.
-        Canceled: Somebody asked for the end.
+        Canceled: The end was asked for.
     """
     found: list[tuple[str, PathUse]] = []
     for limit in path_limits:
@@ -148,7 +148,7 @@ def rows_of(
     Raises:
         RetimingFailed: One does not allow to stand still.
         DeadlineExceeded: Time ran out.
-        Canceled: Somebody asked for the end.
+        Canceled: The end was asked for.
     """
     found: list[tuple[Array, Array]] = []
     for limit in path_limits:

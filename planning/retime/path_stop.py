@@ -65,7 +65,7 @@ def stops_along(
 
     Raises:
         DeadlineExceeded: Time ran out.
-        Canceled: Somebody asked for the end.
+        Canceled: The end was asked for.
     """
     rest = _rest(running, time)
     make = _smooth if jerk else _hardest

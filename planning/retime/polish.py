@@ -64,7 +64,7 @@ def polished(
 
     Raises:
         DeadlineExceeded: Time ran out.
-        Canceled: Somebody asked for the end.
+        Canceled: The end was asked for.
     """
     is_plain = stretch.manifold.is_flat and all(len(block) == 1 for block in limits.blocks)
     if not is_plain or stretch.num_pieces > _MOST_PIECES:

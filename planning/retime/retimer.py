@@ -95,7 +95,7 @@ def retime(
             that is asked for is less than the limits allow.
         ProblemInvalid: A factor is not in (0, 1].
         DeadlineExceeded: Time ran out.
-        Canceled: Somebody asked for the end.
+        Canceled: The end was asked for.
     """
     for name in ("velocity_scale", "acceleration_scale"):
         if not 0 < getattr(options, name) <= 1:

@@ -86,7 +86,7 @@ def plan_speeds(cells: Cells, deadline: Deadline = UNHURRIED) -> list[Hop]:
 
     Raises:
         DeadlineExceeded: Time ran out.
-        Canceled: Somebody asked for the end.
+        Canceled: The end was asked for.
     """
     tops = cells.top_speeds()
     caps = np.minimum(np.append(tops, np.inf), np.insert(tops, 0, np.inf))

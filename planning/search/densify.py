@@ -30,7 +30,7 @@ def interpolated(
         num_states: How many are wanted.
 
     Raises:
-        Canceled: Somebody asked for the end.
+        Canceled: The end was asked for.
         DeadlineExceeded: The time has run out, and there was no other budget.
     """
     budget = query.options.interpolate_time

@@ -42,7 +42,7 @@ class EdgeChecker:
         """Return whether all samples of the geodesic are free, q1's included, q0's not.
 
         Raises:
-            Canceled: Somebody asked for the end.
+            Canceled: The end was asked for.
             DeadlineExceeded: The time has run out.
         """
         self.num_motions += 1
@@ -52,7 +52,7 @@ class EdgeChecker:
         """Return whether all samples of the geodesic are free, both ends included.
 
         Raises:
-            Canceled: Somebody asked for the end.
+            Canceled: The end was asked for.
             DeadlineExceeded: The time has run out.
         """
         self.num_motions += 1
@@ -69,7 +69,7 @@ class EdgeChecker:
         """Return the same as `is_free` for each pair of rows.
 
         Raises:
-            Canceled: Somebody asked for the end.
+            Canceled: The end was asked for.
             DeadlineExceeded: The time has run out.
         """
         self.num_motions += len(q0s)

@@ -59,7 +59,7 @@ class Joining:
         None where no free way was found.
 
         Raises:
-            Canceled: Somebody asked for the end.
+            Canceled: The end was asked for.
             DeadlineExceeded: The time has run out.
         """
         nothing = np.empty((0, q0s.shape[1]))

@@ -42,7 +42,7 @@ def search_locked(  # noqa: PLR0913, PLR0917  (what `search` takes, and what is 
         UnknownName: There is no such planner, or it has no such parameter.
         NoPathFound: There is no goal or no path with these joints where they are.
         DeadlineExceeded: The time ran out.
-        Canceled: Somebody asked for the end.
+        Canceled: The end was asked for.
     """
     if not locked:
         return search(group, limits, oracle, task, deadline, watch)

@@ -16,7 +16,7 @@ def ask_roadmap(roadmap: Roadmap, query: Query, closeness: Closeness, tally: Tal
     """Put the roadmap's path into the tally, if it has a better one than there is, and what it did.
 
     Raises:
-        Canceled: Somebody asked for the end.
+        Canceled: The end was asked for.
         DeadlineExceeded: The time has run out.
     """
     tally.roadmap = report_of(roadmap, "interrupted")

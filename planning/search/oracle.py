@@ -97,7 +97,7 @@ class WatchedOracle:
         """Return whether q, shape (nq,), is admissible.
 
         Raises:
-            Canceled: Somebody asked for the end.
+            Canceled: The end was asked for.
             DeadlineExceeded: The time has run out.
         """
         self._deadline.check("search")
@@ -110,7 +110,7 @@ class WatchedOracle:
         """Return the same for each row of qs, shape (m, nq).
 
         Raises:
-            Canceled: Somebody asked for the end.
+            Canceled: The end was asked for.
             DeadlineExceeded: The time has run out.
         """
         self._deadline.check("search")
@@ -127,7 +127,7 @@ class WatchedOracle:
         """Return whether every sample of a motion is admissible; the origin is not one of them.
 
         Raises:
-            Canceled: Somebody asked for the end.
+            Canceled: The end was asked for.
             DeadlineExceeded: The time has run out.
         """
         steps = num_steps(displacement, resolution)
@@ -143,7 +143,7 @@ class WatchedOracle:
         For joints that neither wrap nor float.
 
         Raises:
-            Canceled: Somebody asked for the end.
+            Canceled: The end was asked for.
             DeadlineExceeded: The time has run out.
         """
         self._deadline.check("search")
@@ -168,7 +168,7 @@ class WatchedOracle:
         """Return the same for each pair of rows, shapes (m, nq) and (m, nv).
 
         Raises:
-            Canceled: Somebody asked for the end.
+            Canceled: The end was asked for.
             DeadlineExceeded: The time has run out.
         """
         counts = steps_of(displacements, resolution)

@@ -54,7 +54,7 @@ def way_along(
         q1: Where to.
 
     Raises:
-        Canceled: Somebody asked for the end.
+        Canceled: The end was asked for.
         DeadlineExceeded: The time has run out.
     """
     way = _chain(residual, q0, q1)

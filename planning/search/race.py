@@ -28,7 +28,7 @@ def race(query: Query, closeness: Closeness, task: SearchTask, tally: Tally) -> 
     """Make every attempt, or as many as there is time for, and keep the best path in the tally.
 
     Raises:
-        Canceled: Somebody asked for the end.
+        Canceled: The end was asked for.
         DeadlineExceeded: The time has run out.
     """
     seeds = np.random.SeedSequence(task.seed)

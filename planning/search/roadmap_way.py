@@ -70,7 +70,7 @@ def way_through(roadmap: Roadmap, query: Query, edges: EdgeChecker) -> Way:
         edges: Checks the ways from the ends into the roadmap.
 
     Raises:
-        Canceled: Somebody asked for the end.
+        Canceled: The end was asked for.
         DeadlineExceeded: The time has run out.
     """
     space = query.space

@@ -49,7 +49,7 @@ def shortcut(
         is_over: Asked now and then; an early end leaves a path that is as good as the others.
 
     Raises:
-        Canceled: Somebody asked for the end.
+        Canceled: The end was asked for.
         DeadlineExceeded: The time has run out before anything was found free.
     """
     path = skipped(waypoints, fine, is_over)

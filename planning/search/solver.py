@@ -81,7 +81,7 @@ def search(
         UnknownName: There is no such planner, or it has no such parameter.
         NoPathFound: The planner ended without an exact solution.
         DeadlineExceeded: The time ran out before there was any.
-        Canceled: Somebody asked for the end.
+        Canceled: The end was asked for.
     """
     _require_sense(group, task)
     group = driven(group, task.options.spaces)

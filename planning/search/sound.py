@@ -97,7 +97,7 @@ def followed(query: Query, closeness: Closeness, raw: Array, goal_row: int) -> T
     """Shorten and check a path that somebody else found, shape (n, nq).
 
     Raises:
-        Canceled: Somebody asked for the end.
+        Canceled: The end was asked for.
         DeadlineExceeded: The time has run out.
     """
     edges = coarse_checker(query, closeness.resolution)
@@ -109,7 +109,7 @@ def sound_attempt(query: Query, closeness: Closeness, seeds: np.random.SeedSeque
     """Search, shorten and check, again with half the resolution if that finds a collision.
 
     Raises:
-        Canceled: Somebody asked for the end.
+        Canceled: The end was asked for.
         DeadlineExceeded: The time has run out.
     """
     num_motions = halvings = 0

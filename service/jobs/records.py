@@ -175,7 +175,7 @@ class Job(JobBrief):
 
 @dataclass(frozen=True)
 class JobText:
-    """A job whose result is passed on as it is: it may be megabytes, and nobody here reads it.
+    """A job whose result is passed on as it is: it may be megabytes, and is not read here.
 
     Attributes:
         brief: As lists have it.

@@ -1,4 +1,4 @@
-"""A job with its result, which goes out as the text that the database has: nobody reads it here."""
+"""A job with its result, which goes out as the text that the database has: it is not read here."""
 
 from collections.abc import AsyncIterator
 

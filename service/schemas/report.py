@@ -87,7 +87,7 @@ class RetimeReportWire(Answer):
     )
     explanation: DurationExplanationWire | None = Field(
         default=None,
-        description="Why it takes that long; null if nobody asked, or no time was left",
+        description="Why it takes that long; null if not asked for, or no time was left",
     )
 
 
@@ -137,11 +137,11 @@ class CertifyReportWire(Answer):
     refused: list[str] = Field(description="What was wrong with those before the delivered one")
     stop: StopReportWire | None = Field(
         default=None,
-        description="How it can be stopped; null if nobody asked, or no time was left",
+        description="How it can be stopped; null if not asked for, or no time was left",
     )
     robustness: RobustnessWire | None = Field(
         default=None,
-        description="How wrong world and robot may be; null if nobody asked, or no time was left",
+        description="How wrong world and robot may be; null if not asked for, or no time was left",
     )
 
 
