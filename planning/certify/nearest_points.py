@@ -44,8 +44,7 @@ def nearest_points(
     """Return where two bodies are nearest, p_WA and p_WB [m], and how far apart they are there [m].
 
     Of bodies that overlap these are the points of the deepest shapes. The distance is that of the
-    spot, or less: the proof need not measure all shapes of both, and Drake's distances of round
-    shapes are too large by up to 0.1 mm.
+    spot, or less: the proof need not measure all shapes of both.
 
     Args:
         model: The scene.
@@ -62,13 +61,11 @@ def nearest_points(
     flat = [isinstance(inspector.GetShape(i), HalfSpace) for i in shapes]
     if any(flat):
         return _above(model, near, shapes, flat), spot.distance
-    lengths = TrueLengths()
     nearest, distance = distance_of(near.query, *shapes), spot.distance
-    for ids in pairs if distance > 0 else ():
+    for ids in pairs[1:] if distance > 0 else ():
         found = distance_of(near.query, *near.drake_ids(ids))
-        length = lengths.of(found, near.query)
-        if length < distance - _ROUNDING:
-            nearest, distance = found, length
+        if found.distance < distance - _ROUNDING:
+            nearest, distance = found, min(distance, TrueLengths(model).of(found, near.query))
     return _ends(model, near, nearest, distance, shapes[0]), distance
 
 

@@ -110,7 +110,7 @@ class DistanceProbe:
         self._margins = margins
         self._near = near or NearStanding(model)
         self._ours = measured_pairs_of(model)
-        self._lengths = TrueLengths()
+        self._lengths = TrueLengths(model)
 
     def pairs_within(
         self,

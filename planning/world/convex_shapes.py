@@ -1,5 +1,6 @@
 """Drake's collision shapes as the kernel takes them."""
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -20,6 +21,9 @@ type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # Faces of a hull whose normals differ by less are one [rad].
 _SAME_FACE = 1e-7
+# Those of a few dozen robots.
+_MOST_HULLS = 1024
+_hulls: dict[tuple[Any, ...], ConvexShape] = {}
 
 
 def convex_shape(shape: Any) -> ConvexShape | None:  # noqa: PLR0911  (one case per shape)
@@ -38,7 +42,7 @@ def convex_shape(shape: Any) -> ConvexShape | None:  # noqa: PLR0911  (one case 
         case HalfSpace():
             return _primitive(ShapeKind.HALF_SPACE)
         case Convex() | Mesh():
-            return _hull(shape.GetConvexHull())
+            return _hull_of(shape)
         case _:
             return None
 
@@ -47,6 +51,21 @@ def _primitive(kind: ShapeKind, *sizes: float) -> ConvexShape:
     size = np.zeros(3)
     size[: len(sizes)] = sizes
     return ConvexShape(kind, size, np.zeros((0, 3)), np.zeros((0, 4)))
+
+
+def _hull_of(shape: Any) -> ConvexShape:
+    """Return the hull of a mesh, worked out once per file and scale: that takes milliseconds."""
+    source = shape.source()
+    if not source.is_path():
+        return _hull(shape.GetConvexHull())
+    path = Path(source.path())
+    status = path.stat()
+    key = (str(path), status.st_mtime_ns, status.st_size, *np.asarray(shape.scale3()).tolist())
+    if key not in _hulls:
+        while len(_hulls) >= _MOST_HULLS:
+            _hulls.pop(next(iter(_hulls)), None)
+        _hulls[key] = _hull(shape.GetConvexHull())
+    return _hulls[key]
 
 
 def _hull(mesh: Any) -> ConvexShape:

@@ -13,6 +13,7 @@ from planning.world.model_library import ModelLibrary
 from planning.world.reuse import reused
 from planning.world.scene_build import LoadedRobot
 from planning.world.standing_build import MOST_IN_MODEL, standing_names
+from planning.world.unchecked_pairs import unchecked_pairs
 from planning.world.world import World
 
 # Groups whose judges are made at once; those of others when they are first asked for.
@@ -88,6 +89,7 @@ def _require_bearable(scene: Scene) -> None:
 def _make_ready(world: World) -> None:
     """Do now what the first questions would wait for."""
     shared_context(world.drake)
+    unchecked_pairs(world.drake)
     for group in world.groups[:_MOST_READY]:
         world.limits(group)
         world.collision_oracle(group, world.margins())

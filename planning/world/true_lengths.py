@@ -7,13 +7,16 @@ too little of the distance, our own search finds a better one.
 """
 
 from typing import Any
+from weakref import WeakKeyDictionary
 
 import numpy as np
 from pydrake.geometry import GeometryId
+from pydrake.planning import RobotDiagram
 
 from planning.kernel.shape import ConvexShape
 from planning.kernel.shape_distance import distance_bounds, slab
 from planning.world.convex_shapes import convex_shape
+from planning.world.drake_model import DrakeModel
 
 # A slab that shows all but this share, and this much [m], of a distance is near enough.
 _SHARE, _LEAST = 1e-6, 1e-8
@@ -26,12 +29,17 @@ def farther(distance: float) -> float:
     return distance * (1 + _OVERSTATED) + _OVERSTATED
 
 
+# Reading the hull of a mesh takes milliseconds.
+_known: WeakKeyDictionary[RobotDiagram, dict[GeometryId, ConvexShape | None]] = WeakKeyDictionary()
+
+
 class TrueLengths:
     """Distances of geometries, of a model or shown to a context of it (`NearStanding`)."""
 
-    def __init__(self) -> None:
-        """Prepare; shapes are read when they are first needed."""
-        self._shapes: dict[GeometryId, ConvexShape | None] = {}
+    def __init__(self, model: DrakeModel) -> None:
+        """Prepare; shapes of the model are read when they are first needed, and once."""
+        self._standing = model.standing
+        self._shapes = _known.setdefault(model.diagram, {})
 
     def of(self, found: Any, query: Any) -> float:
         """Return the signed distance of two geometries, or a little less [m].
@@ -55,6 +63,9 @@ class TrueLengths:
         return min(shown, length)
 
     def _shape(self, geometry: GeometryId, query: Any) -> ConvexShape | None:
+        row = self._standing.drake_rows.get(geometry)
+        if row is not None:
+            return self._standing.shapes[row]
         if geometry not in self._shapes:
             self._shapes[geometry] = convex_shape(query.inspector().GetShape(geometry))
         return self._shapes[geometry]
