@@ -156,7 +156,9 @@ def _draw_cone(rng: np.random.Generator, stage: Stage, motion: Document, off: fl
         "direction": direction.tolist(),
         "tolerance": 0.0,
     }
-    return {**entry, "tolerance": max(_excess_cone(stage, motion, entry) + off, 1e-3)}
+    # No cone is wider: what a motion leaves by more cannot be asked for.
+    widest = min(_excess_cone(stage, motion, entry) + off, np.pi)
+    return {**entry, "tolerance": max(widest, 1e-3)}
 
 
 def _excess_cone(stage: Stage, motion: Document, entry: Document) -> float:
