@@ -26,7 +26,7 @@ COLUMNS = ("read", "loaded", "first check", "one moved", "next check", "MB")
 
 
 def boxes(count: int, seed: int = 0) -> dict[str, Any]:
-    """Return a scene of an arm among so many boxes, none of them where it stands."""
+    """Return a scene of an arm among `count` boxes, none of them where it stands."""
     places = np.random.default_rng(seed).uniform(-3.0, 3.0, (count, 3))
     places[np.linalg.norm(places[:, :2], axis=1) < 1.2, 0] += 3.0
     return {
@@ -44,7 +44,7 @@ def boxes(count: int, seed: int = 0) -> dict[str, Any]:
 
 
 def robots(count: int) -> dict[str, Any]:
-    """Return a scene of so many arms, eight in a row, out of each other's reach, and one box."""
+    """Return a scene of `count` arms, eight in a row, out of each other's reach, and one box."""
     arms = [
         {
             "name": f"arm_{i}" if i else "arm",
@@ -58,7 +58,7 @@ def robots(count: int) -> dict[str, Any]:
 
 
 def frames(count: int) -> dict[str, Any]:
-    """Return a scene of a chain of so many frames on the arm's tool, and one box."""
+    """Return a scene of a chain of `count` frames on the arm's tool, and one box."""
     chain = [
         {
             "name": f"frame_{i}",

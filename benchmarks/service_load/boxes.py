@@ -11,7 +11,7 @@ _CHECK = {"group": "arm", "configurations": [[0.0, -1.5708, 1.5708, -1.5708, -1.
 
 
 def boxes(host: Host, sizes: Sequence[int], limit: float) -> Iterator[Measure]:
-    """Post scenes of so many boxes, and move one box of each; yield both times, each by size."""
+    """Post a scene of each number of boxes, move one box in it, and yield how long both take."""
     for size in sizes:
         loaded = Measure(f"{size:,} boxes: posted", limit=limit)
         moved = Measure(f"{size:,} boxes: one moved, and the next check", limit=limit)

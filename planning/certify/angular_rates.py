@@ -40,7 +40,7 @@ _MAX_PARTS = 20_000
 # Up to this the powers of delta are summed: beyond it that loses digits [rad].
 _LARGEST_ANGLE = 3.0
 _TERMS = 60
-# What the rounding of so many sums and products is less than, as a share of their sizes.
+# A bound on what the rounding of all sums and products makes, as a share of their sizes.
 _ROUNDED = 2 * (_TERMS + 2 * _ORDER) * UNIT
 
 

@@ -40,7 +40,7 @@ def rows_from_power(
 def derivative_rows(
     coefficients: Float64[np.ndarray, "n k nv"], widths: Float64[np.ndarray, " n"], count: int
 ) -> tuple[Array, ...]:
-    """Return such rows of polynomials and of their derivatives, so many in all."""
+    """Return such rows of polynomials and of their first `count` - 1 derivatives."""
     powers = widths[:, None] ** np.arange(coefficients.shape[1])
     found = [_rows(coefficients, powers)]
     for _ in range(1, count):

@@ -14,7 +14,7 @@ from tests.adversary.cases import Document, Outcome, Setting
 from tests.adversary.motions import positions, sample_places
 from tests.adversary.readings import of_polynomial
 from tests.adversary.robots import random_robot
-from tests.adversary.service import ask
+from tests.adversary.service import ask, post_scene
 from tests.adversary.surroundings import Look, Stage
 
 _DONE = "succeeded"
@@ -75,26 +75,25 @@ def judge(case: Document, folder: Path) -> Outcome:
     """Plan, change the scene, and try to carry the plan out."""
     setting, outcome = Setting.lay_out(case, folder), Outcome()
     outcome.count("asked")
-    status, scene = ask("POST", "/v1/scenes", setting.document)
-    if status >= 300:
-        outcome.blame("error", f"{status}: {scene.get('detail')}")
+    scene = post_scene(setting.document, outcome)
+    if scene is None:
         return outcome
     (question,) = case["questions"]
     names = [joint.name for joint in setting.group.joints]
     goal = [question["goal"][name.removeprefix("r::")] for name in names]
-    plan = _plan(scene["id"], "r", goal)
+    plan = _plan(scene, "r", goal)
     if plan is None:
         outcome.count("no plan")
         return outcome
     _, exact = ask("GET", f"/v1/plans/{plan}/trajectory?polynomial=true", None)
     motion = of_polynomial(names, exact["polynomial"])
-    found = _ATTACKS[question["attack"]](setting, scene["id"], question, motion)
+    found = _ATTACKS[question["attack"]](setting, scene, question, motion)
     outcome.count(question["attack"] if found else f"{question['attack']}: no harm in it")
     if found:
         status, _ = _carry_out(plan)
         if status < 300:
             outcome.blame("stale motion", f"{status}: {question['attack']}: {found}", 2)
-    _end_all(scene["id"])
+    _end_all(scene)
     return outcome
 
 

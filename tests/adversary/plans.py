@@ -17,7 +17,7 @@ from tests.adversary.motions import hermite
 from tests.adversary.obstacles import random_obstacle
 from tests.adversary.readings import hold_delivered, of_polynomial, read_samples
 from tests.adversary.robots import SCALARS, random_robot
-from tests.adversary.service import ask
+from tests.adversary.service import ask, post_scene
 from tests.adversary.surroundings import Stage
 
 
@@ -70,15 +70,14 @@ def judge(case: Document, folder: Path) -> Outcome:
     setting, outcome = Setting.lay_out(case, folder), Outcome()
     stage = Stage.of(setting)
     outcome.count("asked")
-    status, scene = ask("POST", "/v1/scenes", setting.document)
-    if status >= 300:
-        outcome.blame("error", f"{status}: {scene.get('detail')}")
+    scene = post_scene(setting.document, outcome)
+    if scene is None:
         return outcome
     (question,) = case["questions"]
     names = [joint.name for joint in setting.group.joints]
     goal = [question["goal"][name.removeprefix("r::")] for name in names]
     body = {
-        "scene": scene["id"],
+        "scene": scene,
         "group": "r",
         "goal": {"type": "joint", "positions": [goal]},
         "retime": question["retime"],

@@ -7,6 +7,7 @@ from typing import Any
 
 from service.app import create_app
 from service.settings import Settings
+from tests.adversary.cases import Outcome
 
 with warnings.catch_warnings():
     # Starlette wants a client that is not among our dependencies yet.
@@ -37,3 +38,12 @@ def ask(method: str, path: str, body: Any) -> tuple[int, Any]:
     """Return status and answer of a request."""
     answer = _client().request(method, path, json=body)
     return answer.status_code, answer.json() if answer.content else None
+
+
+def post_scene(document: Any, outcome: Outcome) -> str | None:
+    """Return the id of a scene that was posted; None, and told as an error, if it is refused."""
+    status, scene = ask("POST", "/v1/scenes", document)
+    if status >= 300:
+        outcome.blame("error", f"{status}: {scene.get('detail')}")
+        return None
+    return str(scene["id"])

@@ -10,7 +10,7 @@ from tests.adversary.cases import Document, Outcome, Setting
 from tests.adversary.kinematics import pose_matrix
 from tests.adversary.plans import straight
 from tests.adversary.robots import random_robot
-from tests.adversary.service import ask
+from tests.adversary.service import ask, post_scene
 from tests.adversary.surroundings import Look, Stage
 
 _ATTACKS = ("columns", "edited file", "new obstacle")
@@ -41,13 +41,12 @@ def judge(case: Document, folder: Path) -> Outcome:
     """Carry the attack out."""
     setting, outcome = Setting.lay_out(case, folder), Outcome()
     outcome.count("asked")
-    status, scene = ask("POST", "/v1/scenes", setting.document)
-    if status >= 300:
-        outcome.blame("error", f"{status}: {scene.get('detail')}")
+    scene = post_scene(setting.document, outcome)
+    if scene is None:
         return outcome
     (question,) = case["questions"]
     attacks = {"columns": _columns, "edited file": _edited, "new obstacle": _obstructed}
-    attacks[case["attack"]](setting, scene["id"], question, outcome)
+    attacks[case["attack"]](setting, scene, question, outcome)
     return outcome
 
 
