@@ -102,7 +102,7 @@ def test_a_client_that_leaves_ends_its_question_in_its_slot(client, app, scene, 
     async def receive():
         if told:
             return told.pop()
-        await asyncio.to_thread(begun.wait, GUARD)
+        assert await asyncio.to_thread(begun.wait, GUARD), "the question never began"
         return GONE
 
     async def send(message):
@@ -117,8 +117,8 @@ def test_a_client_that_leaves_ends_its_question_in_its_slot(client, app, scene, 
     with monkeypatch.context() as patch:
         patch.setattr(queries, "check", endless)
         client.portal.call(app, scope, receive, send)
+        assert statuses[0] == 499
         assert ended.wait(GUARD)
-    assert statuses[0] == 499
     answer = client.post(path, json=body)
     assert answer.is_success
     assert answer.headers["server-timing"].startswith("queue;dur=")
