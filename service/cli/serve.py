@@ -12,7 +12,7 @@ from pydantic_settings import SettingsError
 from service.settings import Settings
 from service.workers import start_to_import
 
-FROM_ENVIRONMENT = (
+EPILOG = (
     "Settings in the environment (docs/operations.md says what they are): "
     f"{', '.join(f'WAYPROOF_{name.upper()}' for name in Settings.model_fields)}."
 )
