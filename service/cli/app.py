@@ -1,7 +1,7 @@
 """wayproof: serve, plan, demo."""
 
 import importlib
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, MutableMapping
 from typing import Any, cast, override
 
 import typer
@@ -34,7 +34,8 @@ class _Commands(Mapping[str, Any]):
 
 class _Wayproof(TyperGroup):
     def __init__(self, **options: Any) -> None:
-        super().__init__(**{**options, "commands": _Commands()})
+        super().__init__(**options)
+        self.commands = cast("MutableMapping[str, Any]", _Commands())
 
 
 app = typer.Typer(
