@@ -18,7 +18,7 @@ WORKERS ?= $(shell expr $$(nproc) + 1)
 # Where shapes and types of every call are checked; `make test` does that at the doors, where it is cheap.
 SHAPES := --jaxtyping-packages=planning,tests.check
 
-.PHONY: demo test costs check format lint imports types drake-only shapes campaign sanitize setup lock \
+.PHONY: demo test costs check format lint imports types drake-only shapes golden campaign sanitize setup lock \
         bench bench-cars bench-kernel bench-loading bench-mbm bench-regions bench-retime bench-seeds bench-service \
         chaos pictures serve clean
 
@@ -69,6 +69,11 @@ costs: setup
 # The same with the shapes and types of every call checked: takes three times as long.
 shapes: setup
 	@$(PYTHON) -m pytest -n $(WORKERS) --dist worksteal $(SHAPES)
+
+# Whether answers are as they were: notes digests in build/golden, and once there are some compares.
+golden: setup
+	@$(PYTHON) -m tests.golden build/golden/kernel.json
+	@$(PYTHON) -m tests.golden build/golden/drake.json --drake-only
 
 # Thousands of random cases from a fresh seed, which is printed.
 campaign: setup
