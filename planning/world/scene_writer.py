@@ -57,6 +57,15 @@ def scene_document(
         raise
 
 
+def object_document(thing: SceneObject) -> ObjectDocument:
+    """Return the document of an object.
+
+    Raises:
+        ValidationError: It is what no document may say.
+    """
+    return ObjectDocument.model_validate(_object(thing))
+
+
 def _written(scene: Scene) -> dict[str, Any]:
     return {
         "name": scene.name,

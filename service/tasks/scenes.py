@@ -5,6 +5,7 @@ from typing import Any
 
 from planning import (
     ModelLibrary,
+    Scene,
     World,
     edit_scene,
     load_world,
@@ -15,31 +16,36 @@ from planning.errors import SceneInvalid
 from planning.world.trial import tried
 from service.convert.scene_edits import operation_value
 from service.convert.summaries import scene_wire
+from service.jobs.json_text import Encoded, encode
 from service.schemas.scene_edit import SceneEdit
 from service.tasks.channel import Channel
 from service.tasks.decode import decode_scene
 from service.tasks.scene_files import files_wire, read_posted
+from service.tasks.scene_text import SceneText, keep_text, kept_text
 from service.tasks.worlds import keep, library_of, load_like, take_world
 
 
 def load_scene(payload: dict[str, Any], _: Channel) -> dict[str, Any]:
-    """Return `document`, `digest` and `summary` of a posted scene; its world stays warm here.
+    """Return a posted scene as `LoadedScene` has it; its world and text stay warm here.
 
     Raises:
         UnreadableBody: The text is not JSON.
         InputError: The scene has a fault.
     """
-    scene, document = decode_scene(payload["text"], payload["media"])
+    document = decode_scene(payload["text"], payload["media"])
     library = library_of(payload["library"])
     try:
-        world = load_world(tried(scene, library), library)
+        world = load_world(tried(document.value(), library), library)
     except SceneInvalid as fault:
         raise with_line(fault, payload["text"]) from fault
-    return _loaded(world, library, document)
+    return _loaded(world, library, SceneText.of(document))
 
 
 def revise_scene(payload: dict[str, Any], _: Channel) -> dict[str, Any]:
     """Return the same of a scene after the operations in `request`.
+
+    Where its world and text are warm, only what is edited is read and written; else all of it is
+    read from the file, with the same outcome.
 
     Raises:
         UnknownName: An operation names what the scene does not have.
@@ -49,24 +55,36 @@ def revise_scene(payload: dict[str, Any], _: Channel) -> dict[str, Any]:
     """
     request = SceneEdit.model_validate(payload["request"])
     library = library_of(payload["library"])
-    posted, files = read_posted(payload)
     operations = [operation_value(wire) for wire in request.operations]
-    world = take_world(payload)
-    before = replace(posted.value(), files=files) if world is None else world.scene
+    before, text = _before(payload, library)
+    edited = edit_scene(before, operations, library)
+    after = text.after(before, edited)
+    if after is None:
+        scene_document(edited)  # says what is wrong
+        raise AssertionError
+    scene = tried(after[1], library)
+    return _loaded(load_like(scene, library), library, after[0])
+
+
+def _before(payload: dict[str, Any], library: ModelLibrary) -> tuple[Scene, SceneText]:
+    """Return the scene that a task is about and its text, from here or from its file."""
+    world, text = take_world(payload), kept_text(payload["scene"]["digest"])
     if world is not None:
         keep(world, library)
-    edited = edit_scene(before, operations, library)
-    document = scene_document(edited, like=posted, before=before)
-    scene = tried(replace(document.value_after(posted, before), files=edited.files), library)
-    plain = document.model_dump(mode="json", exclude_none=True)
-    return _loaded(load_like(scene, library), library, plain)
+    if world is not None and text is not None:
+        return world.scene, text
+    posted, files = read_posted(payload)
+    before = replace(posted.value(), files=files) if world is None else world.scene
+    return before, SceneText.of(posted)
 
 
-def _loaded(world: World, library: ModelLibrary, document: dict[str, Any]) -> dict[str, Any]:
-    summary = scene_wire(world.summary, aliases_of(world)) | {"files": files_wire(world.scene)}
+def _loaded(world: World, library: ModelLibrary, text: SceneText) -> dict[str, Any]:
     keep(world, library)
-    name, digest = world.scene.name, world.digest
-    return {"name": name, "document": document, "digest": digest, "summary": summary}
+    keep_text(world.digest, text)
+    summary = scene_wire(world.summary, aliases_of(world)) | {"files": files_wire(world.scene)}
+    unchecked = Encoded(encode(summary.pop("unchecked")))
+    told = {"name": world.scene.name, "digest": world.digest, "summary": summary}
+    return {**told, "unchecked": unchecked, "document": text.whole}
 
 
 def aliases_of(world: World) -> dict[str, list[str]]:
