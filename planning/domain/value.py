@@ -194,8 +194,20 @@ def _fed_once(content: Any) -> bytes:
 
 def _feed_all(sha: Any, kind: str, items: Sequence[Any]) -> None:
     sha.update(f"{kind}({len(items)})".encode())
+    if items and getattr(items[0], "is_fed_once", False):
+        sha.update(b"".join(map(_fed, items)))
+        return
     for item in items:
         _feed(sha, item)
+
+
+def _fed(item: Any) -> bytes:
+    """Return what an item adds to a digest."""
+    if getattr(item, "is_fed_once", False):
+        return _fed_once(item)
+    taken = _Bytes()
+    _feed(taken, item)
+    return b"".join(taken.parts)
 
 
 def _scalar(content: Any) -> bytes:

@@ -83,7 +83,7 @@ class KernelScene:
             some = next(
                 (
                     pair
-                    for pair in map(self.names, np.flatnonzero(kind).tolist())
+                    for pair in map(self.names, np.flatnonzero(kind))
                     if (min(pair), max(pair)) not in names
                 ),
                 None,

@@ -2,22 +2,29 @@
 
 import json
 from typing import TYPE_CHECKING, Any
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
 from planning.domain.body_pair import BodyPair
 from planning.domain.joints import JointGroup, JointType
+from planning.domain.value import digest
 from planning.world.collision import DistanceProbe
+from planning.world.drake_model import DrakeModel
 from planning.world.margins import PairMargins
+from planning.world.standing import StandingObjects
 
 if TYPE_CHECKING:
     from planning.world.world import World
+
+# Warnings of configurations, by the digest of what they depend on beside the model.
+_known: WeakKeyDictionary[StandingObjects, dict[str, list[str]]] = WeakKeyDictionary()
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # Configurations beside the scene's own in which pairs are looked at that touch there.
 _NUM_TRIED = 20
-# Groups whose judges are asked: of more, making them takes longer than measuring everything.
+# Of more groups making a judge takes longer than measuring everything.
 _MOST_ASKED = 4
 # Pairs that are told one by one.
 _MOST_TOLD = 10
@@ -33,8 +40,7 @@ def start_warnings(world: "World") -> tuple[str, ...]:
     """Return what makes every plan fail that begins at the scene's positions.
 
     Pairs of links of one robot that touch in all configurations that are tried are offered as
-    an edit that lets them touch. Where nothing touches, this takes one collision check per group,
-    or one for all.
+    an edit that lets them touch. Where nothing touches, this takes one collision check.
     """
     margins = world.margins()
     touching: tuple[BodyPair, ...] = ()
@@ -58,8 +64,11 @@ def _is_free(world: "World", margins: PairMargins) -> bool:
     """Return whether everything keeps its distance; False where only the probe can say it."""
     if len(world.groups) > _MOST_ASKED:
         return False
-    oracles = [(world.collision_oracle(g, margins), world.positions(g)) for g in world.groups]
-    return all(oracle.is_free(q) for oracle, q in oracles)
+    # Where its group is as the scene says, a judge's verdict is of all pairs: one says it all.
+    return all(
+        world.collision_oracle(group, margins).is_free(world.positions(group))
+        for group in world.groups[:1]
+    )
 
 
 def _text(world: "World", pair: BodyPair) -> str:
@@ -113,11 +122,26 @@ def _are_of_one(a: str, b: str) -> bool:
     return bool(scoped_a and scoped_b) and robot_a == robot_b
 
 
+def share_start_warnings(before: DrakeModel, after: DrakeModel) -> None:
+    """Let a model have what is known of another one, with objects elsewhere."""
+    _known[after.standing] = dict(_known.get(before.standing, {}))
+
+
 def _configuration_warnings(world: "World") -> list[str]:
     """Name configurations that no motion can begin or end at, whatever stands around the robot.
 
-    The same one of several robots of one model is looked at once.
+    They are known already if the same robots stood in the same place.
     """
+    scene, known = world.scene, _known.setdefault(world.drake.standing, {})
+    key = digest((world.state, scene.margin, scene.margins, scene.configurations))
+    if key not in known:
+        known.clear()
+        known[key] = _looked_at(world)
+    return known[key]
+
+
+def _looked_at(world: "World") -> list[str]:
+    """Look at configurations; the same one of several robots of one model once."""
     found: list[str] = []
     seen: set[tuple[str, str, bytes]] = set()
     for own, loaded in zip(world.robot_groups, world.loaded_robots, strict=True):

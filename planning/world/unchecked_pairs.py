@@ -4,6 +4,7 @@ from itertools import combinations
 from typing import Any
 from weakref import WeakKeyDictionary
 
+import numpy as np
 from pydrake.multibody.tree import BodyIndex
 
 from planning.domain.unchecked_pair import UncheckedPair, UncheckedReason
@@ -35,8 +36,9 @@ def share_unchecked(before: DrakeModel, after: DrakeModel) -> None:
 
 def _of_plant(model: DrakeModel) -> list[UncheckedPair]:
     candidates = candidates_of(model)
-    bodies = [int(body) for body in candidates.bodies]
-    looked_at = {frozenset((bodies[a], bodies[b])) for a, b in candidates.rows.tolist()}
+    bodies = np.array([int(body) for body in candidates.bodies], dtype=np.int64)
+    pairs = np.unique(np.sort(bodies[candidates.rows], axis=1), axis=0)
+    looked_at = {frozenset(pair) for pair in pairs.tolist()}
     shaped = sorted({body for body in _shaped(model) if BodyIndex(body) in model.body_names})
     clusters = _clusters(model.plant, shaped)
     world = clusters[int(model.plant.world_body().index())]

@@ -6,6 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+_READER = json.JSONDecoder()
+
 
 @dataclass(frozen=True)
 class Encoded:
@@ -54,8 +56,10 @@ def decode_parts(text: str) -> dict[str, Any]:
     """
     first, *lines = text[1:-1].split(",\n")
     plain: dict[str, Any] = json.loads(f"{{{first}}}")
-    parts = [line.partition(":") for line in lines]
-    return plain | {json.loads(name): Encoded(part) for name, _, part in parts}
+    for line in lines:
+        name, end = _READER.raw_decode(line)
+        plain[name] = Encoded(line[end + 1 :])
+    return plain
 
 
 def encode_leniently(content: Any) -> str:

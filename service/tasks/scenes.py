@@ -16,12 +16,12 @@ from planning.errors import SceneInvalid
 from planning.world.trial import tried
 from service.convert.scene_edits import operation_value
 from service.convert.summaries import scene_wire
-from service.jobs.json_text import Encoded, encode
 from service.schemas.scene_edit import SceneEdit
 from service.tasks.channel import Channel
 from service.tasks.decode import decode_scene
 from service.tasks.scene_files import files_wire, read_posted
 from service.tasks.scene_text import SceneText, keep_text, kept_text
+from service.tasks.unchecked_text import unchecked_text
 from service.tasks.worlds import keep, library_of, load_like, take_world
 
 
@@ -81,10 +81,10 @@ def _before(payload: dict[str, Any], library: ModelLibrary) -> tuple[Scene, Scen
 def _loaded(world: World, library: ModelLibrary, text: SceneText) -> dict[str, Any]:
     keep(world, library)
     keep_text(world.digest, text)
-    summary = scene_wire(world.summary, aliases_of(world)) | {"files": files_wire(world.scene)}
-    unchecked = Encoded(encode(summary.pop("unchecked")))
-    told = {"name": world.scene.name, "digest": world.digest, "summary": summary}
-    return {**told, "unchecked": unchecked, "document": text.whole}
+    summary = world.summary
+    wire = scene_wire(summary, aliases_of(world)) | {"files": files_wire(world.scene)}
+    told = {"name": world.scene.name, "digest": world.digest, "summary": wire}
+    return {**told, "unchecked": unchecked_text(summary.unchecked), "document": text.whole}
 
 
 def aliases_of(world: World) -> dict[str, list[str]]:

@@ -5,12 +5,14 @@ import resource
 from concurrent.futures import ThreadPoolExecutor
 
 import pytest
-from sqlalchemy import create_engine
+from sqlalchemy import create_engine, insert
 
 from service.errors import RevisionConflict, UnknownResource
 from service.jobs.json_text import Encoded, encode
-from service.scenes.records import LoadedScene
+from service.scenes.recent import RecentScenes
+from service.scenes.records import LoadedScene, scenes
 from service.scenes.store import SceneStore
+from service.scenes.wire import scene_text
 
 DOCUMENT = {"robots": [{"name": "arm", "model": "ur5e"}], "margin": 0.1 + 0.2}
 UNCHECKED = Encoded(encode([{"bodies": ["a", "b"], "reason": "welded", "evidence": "w"}]))
@@ -125,3 +127,46 @@ def test_what_finds_no_room_leaves_nothing_behind(store, tmp_path):
         resource.setrlimit(resource.RLIMIT_FSIZE, before)
     assert list((tmp_path / "documents").iterdir()) == []
     assert store.file(store.add(loaded("a", "d1"))).is_file()
+
+
+def test_records_are_read_again_only_when_they_were_put_aside(store, monkeypatch):
+    made = [store.add(loaded(f"s{i}", "d")) for i in range(3)]
+    monkeypatch.setattr("service.scenes.store._read", None)
+    assert [store.get(record.id) for record in made] == made
+    assert all(store.get(record.id) is record for record in made)
+
+
+def test_of_what_is_kept_the_oldest_goes_first_and_the_last_stays(store):
+    a, b, c = (store.add(loaded(f"s{i}", "d")) for i in range(3))
+    recent = RecentScenes(most_chars=2 * a.num_chars)
+    for record in (a, b, a, c):
+        recent.put(record)
+        recent.get(a.id, 1)
+    assert [recent.get(record.id, 1) for record in (a, b, c)] == [a, None, c]
+    small = RecentScenes(most_chars=0)
+    for record in (a, b, b):
+        small.put(record)
+    assert [small.get(record.id, 1) for record in (a, b)] == [None, b]
+
+
+def test_a_scene_of_an_older_server_is_read_and_told(store, engine):
+    """Its row was written member by member, and may lack what came later."""
+    group = {"name": "arm", "aliases": [], "joints": [], "position_names": []}
+    group |= {"velocity_names": [], "tool_frames": [], "configurations": {}, "positions": []}
+    rates = ["lower", "upper", "blocks", "velocity", "acceleration", "jerk", "effort"]
+    group["limits"] = {name: [] for name in rates}
+    told = {"groups": [group], "frames": ["f"], "bodies": [], "num_pairs": 0, "assumed": []}
+    told |= {"warnings": [], "unchecked": json.loads(UNCHECKED.text), "no_longer": "told"}
+    row = {"id": "scn_old", "revision": 1, "digest": "d", "name": "old"}
+    row |= {"created_at": "2026-01-02T03:04:05+00:00", "document": DOCUMENT, "summary": told}
+    with engine.begin() as connection:
+        connection.execute(insert(scenes).values(row))
+    record = store.get("scn_old")
+    assert record.document == DOCUMENT
+    assert record.summary == {k: part for k, part in told.items() if k != "unchecked"}
+    answer = json.loads(scene_text(record).text)
+    assert answer["document"] == DOCUMENT
+    assert answer["unchecked"] == told["unchecked"]
+    assert answer["files"] == {}
+    assert "no_longer" not in answer
+    assert answer["created_at"] == "2026-01-02T03:04:05Z"
