@@ -5,7 +5,7 @@ shown those whose balls are as near to a shape that moves as the question reache
 of a pair does not depend on what else it was shown.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from functools import cached_property
 from itertools import batched
 from typing import Any
@@ -165,6 +165,12 @@ class NearStanding:
             return float("inf")
         gaps, sizes = self._gaps()
         return float((gaps + sizes).min())
+
+    def are_beyond(self, rows: Collection[int], reach: float) -> bool:
+        """Return whether objects surely are farther than `reach` [m] from all shapes that move."""
+        if not rows or not self._moving:
+            return True
+        return bool((self._gaps()[0][:, list(rows)] > reach).all())
 
     def _rows_within(self, reach: float) -> Indices:
         if not len(self._model.standing) or not self._moving:

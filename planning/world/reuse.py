@@ -86,6 +86,6 @@ def _moved(
     )
     share_candidates(before, after)
     share_unchecked(before, after)
-    share_start_warnings(before, after)
+    share_start_warnings(before, after, rows)
     share_kernel_scene(before, after, rows)
     return after

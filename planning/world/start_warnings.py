@@ -1,6 +1,8 @@
 """start_warnings(): what is wrong with where a scene puts its robots, and what would mend it."""
 
 import json
+from collections.abc import Collection
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 from weakref import WeakKeyDictionary
 
@@ -10,15 +12,37 @@ from planning.domain.body_pair import BodyPair
 from planning.domain.joints import JointGroup, JointType
 from planning.domain.value import digest
 from planning.world.collision import DistanceProbe
+from planning.world.contexts import shared_context
 from planning.world.drake_model import DrakeModel
 from planning.world.margins import PairMargins
+from planning.world.near_standing import NearStanding
 from planning.world.standing import StandingObjects
 
 if TYPE_CHECKING:
     from planning.world.world import World
 
-# Warnings of configurations, by the digest of what they depend on beside the model.
-_known: WeakKeyDictionary[StandingObjects, dict[str, list[str]]] = WeakKeyDictionary()
+# What is farther away than its margin by so much is so by every measure [m].
+_SURELY = 1e-3
+
+
+@dataclass(frozen=True)
+class _Known:
+    """What was found of a model, or of one that it shares, when all stood as `place` says.
+
+    Attributes:
+        place: Digest of where robots are and of what is demanded of them.
+        is_free: Whether everything kept its distance.
+        of_configurations: Warnings that do not depend on what stands around.
+        unseen: Rows of `standing` that are elsewhere since.
+    """
+
+    place: str
+    is_free: bool
+    of_configurations: tuple[str, ...]
+    unseen: frozenset[int] = frozenset()
+
+
+_known: WeakKeyDictionary[StandingObjects, _Known] = WeakKeyDictionary()
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
@@ -42,9 +66,13 @@ def start_warnings(world: "World") -> tuple[str, ...]:
     Pairs of links of one robot that touch in all configurations that are tried are offered as
     an edit that lets them touch. Where nothing touches, this takes one collision check.
     """
-    margins = world.margins()
+    margins, scene = world.margins(), world.scene
+    place = digest((world.state, scene.margin, scene.margins, scene.configurations))
+    known = _known.get(world.drake.standing)
+    known = known if known is not None and known.place == place else None
     touching: tuple[BodyPair, ...] = ()
-    if not _is_free(world, margins):
+    is_free = _is_still_free(world, known, margins) or _is_free(world, margins)
+    if not is_free:
         touching = world.distance_probe(margins).violations(world.state)
     told = [_text(world, pair) for pair in touching[:_MOST_TOLD]]
     if len(touching) > _MOST_TOLD:
@@ -57,7 +85,18 @@ def start_warnings(world: "World") -> tuple[str, ...]:
             "were tried, as shapes do that are drawn into each other; if they may touch, edit the "
             f"scene with {json.dumps({'operations': operations})}"
         )
-    return (*told, *_configuration_warnings(world))
+    of_configurations = _configuration_warnings(world) if known is None else known.of_configurations
+    _known[world.drake.standing] = _Known(place, is_free, of_configurations)
+    return (*told, *of_configurations)
+
+
+def _is_still_free(world: "World", known: _Known | None, margins: PairMargins) -> bool:
+    """Return whether everything surely keeps its distance, because it did and little has moved."""
+    if known is None or not known.is_free:
+        return False
+    near = NearStanding(world.drake, shared_context(world.drake))
+    near.go_to(world.state)
+    return near.are_beyond(known.unseen, margins.largest + _SURELY)
 
 
 def _is_free(world: "World", margins: PairMargins) -> bool:
@@ -122,26 +161,18 @@ def _are_of_one(a: str, b: str) -> bool:
     return bool(scoped_a and scoped_b) and robot_a == robot_b
 
 
-def share_start_warnings(before: DrakeModel, after: DrakeModel) -> None:
-    """Let a model have what is known of another one, with objects elsewhere."""
-    _known[after.standing] = dict(_known.get(before.standing, {}))
+def share_start_warnings(before: DrakeModel, after: DrakeModel, rows: Collection[int]) -> None:
+    """Let a model have what is known of another one, with some rows of `standing` elsewhere."""
+    if before.standing in _known:
+        known = _known[before.standing]
+        _known[after.standing] = replace(known, unseen=known.unseen.union(rows))
 
 
-def _configuration_warnings(world: "World") -> list[str]:
+def _configuration_warnings(world: "World") -> tuple[str, ...]:
     """Name configurations that no motion can begin or end at, whatever stands around the robot.
 
-    They are known already if the same robots stood in the same place.
+    The same one of several robots of one model is looked at once.
     """
-    scene, known = world.scene, _known.setdefault(world.drake.standing, {})
-    key = digest((world.state, scene.margin, scene.margins, scene.configurations))
-    if key not in known:
-        known.clear()
-        known[key] = _looked_at(world)
-    return known[key]
-
-
-def _looked_at(world: "World") -> list[str]:
-    """Look at configurations; the same one of several robots of one model once."""
     found: list[str] = []
     seen: set[tuple[str, str, bytes]] = set()
     for own, loaded in zip(world.robot_groups, world.loaded_robots, strict=True):
@@ -151,7 +182,7 @@ def _looked_at(world: "World") -> list[str]:
                 wrong = "" if alike in seen else _wrong(world, group, q)
                 seen.add(alike)
                 found += [f"configuration {name!r} of {group.name} {wrong}"] if wrong else []
-    return found
+    return tuple(found)
 
 
 def _wrong(world: "World", group: JointGroup, q: Array) -> str:

@@ -198,3 +198,22 @@ def test_a_judge_that_was_asked_before_the_edit_does_not_answer_after_it() -> No
     assert not moved.collision_oracle(group, moved.margins()).is_free(q)
     assert not planning.check_configurations(moved, "arm", q[None])[0].valid
     assert world.collision_oracle(group, world.margins()).is_free(q)
+
+
+def test_what_is_moved_to_a_robot_is_warned_of() -> None:
+    """Also if the warnings of revisions between were never asked for."""
+    world, told = load(SCENE), 0
+    world.summary  # noqa: B018  (what it finds is known then)
+    hand = world.frame_pose("arm::wrist_2_link", world.state).position
+    for gap in (1.0, 0.5, 0.2, 0.12, 0.05, 0.0, 0.4):
+        scene = edit_scene(world.scene, [MoveObject("b1", Pose.from_parts(hand + [gap, 0, 0]))])
+        scene = edit_scene(
+            scene, [SetPositions("arm", (0.1, -1.5, 1.6, -1.5, -1.5, 0.0))][: told > 2]
+        )
+        between = load(scene, like=world)
+        after = edit_scene(scene, [MoveObject("b3", Pose.from_parts((3.0, gap, 0.0)))])
+        world = load(after, like=between)
+        warnings = world.summary.warnings
+        assert warnings == load(after).summary.warnings
+        told += bool(warnings)
+    assert 0 < told < 7
