@@ -79,6 +79,10 @@ class StandingObjects:
         centers = [_at(x, p) for x, (p, _) in zip(self.poses, local, strict=True)]
         return np.array(centers).reshape(-1, 3), np.array([radius for _, radius in local])
 
+    def make_ready(self) -> None:
+        """Work out now what the first edit or the first question would wait for."""
+        _ = self.balls, self.rows, self.row_of, self.meshes
+
     def moved(
         self,
         things: Sequence[SceneObject],

@@ -37,8 +37,9 @@ def share_unchecked(before: DrakeModel, after: DrakeModel) -> None:
 def _of_plant(model: DrakeModel) -> list[UncheckedPair]:
     candidates = candidates_of(model)
     bodies = np.array([int(body) for body in candidates.bodies], dtype=np.int64)
-    pairs = np.unique(np.sort(bodies[candidates.rows], axis=1), axis=0)
-    looked_at = {frozenset(pair) for pair in pairs.tolist()}
+    a, b = bodies[candidates.rows].T
+    count = model.plant.num_bodies()
+    looked_at = {frozenset(divmod(pair, count)) for pair in np.unique(a * count + b).tolist()}
     shaped = sorted({body for body in _shaped(model) if BodyIndex(body) in model.body_names})
     clusters = _clusters(model.plant, shaped)
     world = clusters[int(model.plant.world_body().index())]

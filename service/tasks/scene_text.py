@@ -8,6 +8,7 @@ import threading
 from collections import OrderedDict
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import zip_longest
 
 from pydantic import ValidationError
 
@@ -74,16 +75,31 @@ class SceneText:
     def _after(
         self, before: Sequence[SceneObject], edited: Sequence[SceneObject]
     ) -> tuple[tuple[str, ...], tuple[SceneObject, ...]]:
+        rows = zip_longest(self.objects, before, edited)
+        # All but a few are in their places, and only those few are looked for by name.
+        wanted = {value.name for _, same, value in rows if value is not None and value is not same}
         known = {
-            value.name: (text, value) for text, value in zip(self.objects, before, strict=True)
+            same.name: (text, same)
+            for text, same in zip(self.objects, before, strict=True)
+            if same.name in wanted
         }
+        rows = zip_longest(self.objects, before, edited)
         found = [
-            same
-            if (same := known.get(value.name)) and (same[1] is value or same[1] == value)
-            else _written(value)
-            for value in edited
+            (text, same)
+            if value is same
+            else self._again(value, *known.get(value.name, ("", None)))
+            for text, same, value in rows
+            if value is not None
         ]
         return tuple(text for text, _ in found), tuple(value for _, value in found)
+
+    @staticmethod
+    def _again(value: SceneObject, text: str, same: SceneObject | None) -> tuple[str, SceneObject]:
+        """Return text and value of an object: as they were if it is the same as before."""
+        if same is not None and (value is same or value == same):
+            return text, same
+        document = object_document(value)
+        return _text(document), document.value()
 
 
 _recent: OrderedDict[str, SceneText] = OrderedDict()
@@ -103,11 +119,6 @@ def kept_text(digest: str) -> SceneText | None:
     """Return the text of a scene if it is here."""
     with _lock:
         return _recent.get(digest)
-
-
-def _written(value: SceneObject) -> tuple[str, SceneObject]:
-    document = object_document(value)
-    return _text(document), document.value()
 
 
 def _text(document: ObjectDocument) -> str:

@@ -1,5 +1,8 @@
 """Loading a posted or edited scene: whether it stands, and what it holds."""
 
+import gc
+from collections.abc import Generator
+from contextlib import contextmanager
 from dataclasses import replace
 from typing import Any
 
@@ -32,13 +35,14 @@ def load_scene(payload: dict[str, Any], _: Channel) -> dict[str, Any]:
         UnreadableBody: The text is not JSON.
         InputError: The scene has a fault.
     """
-    document = decode_scene(payload["text"], payload["media"])
     library = library_of(payload["library"])
-    try:
-        world = load_world(tried(document.value(), library), library)
-    except SceneInvalid as fault:
-        raise with_line(fault, payload["text"]) from fault
-    return _loaded(world, library, SceneText.of(document))
+    with _no_collections():
+        document = decode_scene(payload["text"], payload["media"])
+        try:
+            world = load_world(tried(document.value(), library), library)
+        except SceneInvalid as fault:
+            raise with_line(fault, payload["text"]) from fault
+        return _loaded(world, library, SceneText.of(document))
 
 
 def revise_scene(payload: dict[str, Any], _: Channel) -> dict[str, Any]:
@@ -64,6 +68,18 @@ def revise_scene(payload: dict[str, Any], _: Channel) -> dict[str, Any]:
         raise AssertionError
     scene = tried(after[1], library)
     return _loaded(load_like(scene, library), library, after[0])
+
+
+@contextmanager
+def _no_collections() -> Generator[None]:
+    """Collect no garbage: what is made meanwhile mostly stays, and is looked through each time."""
+    was_enabled = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if was_enabled:
+            gc.enable()
 
 
 def _before(payload: dict[str, Any], library: ModelLibrary) -> tuple[Scene, SceneText]:

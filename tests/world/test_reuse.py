@@ -206,7 +206,9 @@ def test_what_is_moved_to_a_robot_is_warned_of() -> None:
     world.summary  # noqa: B018  (what it finds is known then)
     hand = world.frame_pose("arm::wrist_2_link", world.state).position
     for gap in (1.0, 0.5, 0.2, 0.12, 0.05, 0.0, 0.4):
-        scene = edit_scene(world.scene, [MoveObject("b1", Pose.from_parts(hand + [gap, 0, 0]))])
+        scene = edit_scene(
+            world.scene, [MoveObject("b1", Pose.from_parts(hand + np.array([gap, 0, 0])))]
+        )
         scene = edit_scene(
             scene, [SetPositions("arm", (0.1, -1.5, 1.6, -1.5, -1.5, 0.0))][: told > 2]
         )
