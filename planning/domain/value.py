@@ -194,20 +194,12 @@ def _fed_once(content: Any) -> bytes:
 
 def _feed_all(sha: Any, kind: str, items: Sequence[Any]) -> None:
     sha.update(f"{kind}({len(items)})".encode())
-    if items and getattr(items[0], "is_fed_once", False):
-        sha.update(b"".join(map(_fed, items)))
+    kinds = set(map(type, items))
+    if len(kinds) == 1 and getattr(kinds.pop(), "is_fed_once", False):
+        sha.update(b"".join([item.__dict__.get(_FED) or _fed_once(item) for item in items]))
         return
     for item in items:
         _feed(sha, item)
-
-
-def _fed(item: Any) -> bytes:
-    """Return what an item adds to a digest."""
-    if getattr(item, "is_fed_once", False):
-        return _fed_once(item)
-    taken = _Bytes()
-    _feed(taken, item)
-    return b"".join(taken.parts)
 
 
 def _scalar(content: Any) -> bytes:

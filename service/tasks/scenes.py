@@ -60,14 +60,14 @@ def revise_scene(payload: dict[str, Any], _: Channel) -> dict[str, Any]:
     request = SceneEdit.model_validate(payload["request"])
     library = library_of(payload["library"])
     operations = [operation_value(wire) for wire in request.operations]
-    before, text = _before(payload, library)
-    edited = edit_scene(before, operations, library)
-    after = text.after(before, edited)
-    if after is None:
-        scene_document(edited)  # says what is wrong
-        raise AssertionError
-    scene = tried(after[1], library)
-    return _loaded(load_like(scene, library), library, after[0])
+    with _no_collections():
+        before, text = _before(payload, library)
+        edited = edit_scene(before, operations, library)
+        after = text.after(before, edited)
+        if after is None:
+            scene_document(edited)  # says what is wrong
+            raise AssertionError
+        return _loaded(load_like(tried(after[1], library), library), library, after[0])
 
 
 @contextmanager
