@@ -11,11 +11,11 @@ from pydantic import BaseModel
 
 from service.client_watch import note_question, unless_client_leaves
 from service.errors import NotReady, UnknownResource
+from service.job_spec import PREFIXES
 from service.jobs.calls import Question
 from service.jobs.dispatcher import Dispatcher
 from service.jobs.errors import UnknownJob
 from service.jobs.json_text import Encoded
-from service.jobs.key import Key
 from service.jobs.records import Job, JobBrief, JobPage, JobSpec, JobText, LoggedEvent
 from service.jobs.states import JobState
 from service.jobs.store import JobStore
@@ -24,9 +24,6 @@ from service.scenes.shelf import SceneShelf
 from service.settings import Settings
 
 LANES = ("plan", "query", "execution", "regions")
-_PREFIXES = {"plan": "pln", "execution": "exe", "regions": "reg"}
-# A robot that has moved is not where a second attempt would begin.
-_ATTEMPTS = {"plan": 2, "execution": 1, "regions": 2}
 _CHUNK = 20
 _REVISE = "service.tasks.scenes:revise_scene"
 
@@ -158,7 +155,7 @@ class Desk:
         return await self._read(lane, identifier, self._store.text)
 
     async def _read[T](self, lane: str, identifier: str, read: Callable[[str], T]) -> T:
-        if not identifier.startswith(f"{_PREFIXES[lane]}_"):
+        if not identifier.startswith(f"{PREFIXES[lane]}_"):
             raise UnknownResource.of(lane, identifier)
         try:
             return await to_thread.run_sync(read, identifier)
@@ -301,27 +298,3 @@ class Desk:
             return None
         folder = self._settings.data_dir.resolve() / "cores"
         return {"folder": str(folder), "count": self._settings.search_processes}
-
-
-def spec_of(
-    lane: str,
-    task: str,
-    payload: dict[str, Any],
-    *,
-    scene: SceneRecord,
-    key: Key,
-    allowed: float | None = None,
-) -> JobSpec:
-    """Return the spec of a job about a scene."""
-    return JobSpec(
-        lane=lane,
-        task=task,
-        payload=payload,
-        prefix=_PREFIXES[lane],
-        scene=scene.id,
-        warm_key=scene.digest,
-        allowed=allowed,
-        max_attempts=_ATTEMPTS[lane],
-        key=key.text,
-        request_digest=key.digest,
-    )
