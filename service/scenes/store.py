@@ -168,8 +168,8 @@ def _inserted(
         "created_at": created_at.isoformat(),
     }
     written = {name: _as_json(connection, text) for name, text in texts.items()}
-    done = connection.execute(insert(scenes).values(**row, **written))
-    serial = int(done.inserted_primary_key[0])
+    done = connection.execute(insert(scenes).values(**row, **written).returning(scenes.c.serial))
+    serial = int(done.scalar_one())
     return SceneRecord(serial, identifier, revision, loaded.digest, loaded.name, created_at, loaded)
 
 
