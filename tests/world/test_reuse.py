@@ -206,12 +206,8 @@ def test_what_is_moved_to_a_robot_is_warned_of() -> None:
     world.summary  # noqa: B018  (what it finds is known then)
     hand = world.frame_pose("arm::wrist_2_link", world.state).position
     for gap in (1.0, 0.5, 0.2, 0.12, 0.05, 0.0, 0.4):
-        scene = edit_scene(
-            world.scene, [MoveObject("b1", Pose.from_parts(hand + np.array([gap, 0, 0])))]
-        )
-        scene = edit_scene(
-            scene, [SetPositions("arm", (0.1, -1.5, 1.6, -1.5, -1.5, 0.0))][: told > 2]
-        )
+        pose = Pose.from_parts(hand + np.array([gap, 0, 0]))
+        scene = edit_scene(world.scene, [MoveObject("b1", pose)])
         between = load(scene, like=world)
         after = edit_scene(scene, [MoveObject("b3", Pose.from_parts((3.0, gap, 0.0)))])
         world = load(after, like=between)
@@ -219,3 +215,16 @@ def test_what_is_moved_to_a_robot_is_warned_of() -> None:
         assert warnings == load(after).summary.warnings
         told += bool(warnings)
     assert 0 < told < 7
+
+
+def test_a_robot_that_is_moved_to_what_stands_is_warned_of() -> None:
+    first, told = load(SCENE), set()
+    there = first.embed(first.group("arm"), CONFIGURATIONS[2])
+    hand = MoveObject("b1", first.frame_pose("arm::wrist_2_link", there))
+    world = load(edit_scene(SCENE, [hand]))
+    for q in CONFIGURATIONS[:4]:
+        scene = edit_scene(world.scene, [SetPositions("arm", tuple(q))])
+        world = load(scene, like=world)
+        assert world.summary.warnings == load(scene).summary.warnings
+        told.add(bool(world.summary.warnings))
+    assert told == {True, False}

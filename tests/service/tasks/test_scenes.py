@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from service.tasks import scene_text, worlds
+from service.tasks import scene_text, unchecked_text, worlds
 from service.tasks.queries import check
 from service.tasks.scenes import load_scene, revise_scene
 
@@ -45,6 +45,7 @@ def task(tmp_path):
 def forget():
     worlds._idle.clear()
     scene_text._recent.clear()
+    unchecked_text._written.clear()
 
 
 def test_an_edit_is_the_same_wherever_it_is_made(task):
