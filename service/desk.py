@@ -11,23 +11,21 @@ from pydantic import BaseModel
 
 from service.client_watch import note_question, unless_client_leaves
 from service.errors import NotReady, UnknownResource
+from service.job_spec import PREFIXES
 from service.jobs.calls import Question
 from service.jobs.dispatcher import Dispatcher
 from service.jobs.errors import UnknownJob
 from service.jobs.json_text import Encoded
-from service.jobs.key import Key
 from service.jobs.records import Job, JobBrief, JobPage, JobSpec, JobText, LoggedEvent
 from service.jobs.states import JobState
 from service.jobs.store import JobStore
-from service.scenes.records import SceneRecord
+from service.scenes.records import LoadedScene, SceneRecord
 from service.scenes.shelf import SceneShelf
 from service.settings import Settings
 
 LANES = ("plan", "query", "execution", "regions")
-_PREFIXES = {"plan": "pln", "execution": "exe", "regions": "reg"}
-# A robot that has moved is not where a second attempt would begin.
-_ATTEMPTS = {"plan": 2, "execution": 1, "regions": 2}
 _CHUNK = 20
+_REVISE = "service.tasks.scenes:revise_scene"
 
 
 class Desk:
@@ -60,45 +58,52 @@ class Desk:
         file = await self._scenes.file(record)
         return {**self.common, "scene": {"digest": record.digest, "document": str(file)}}
 
-    async def ask(
-        self, task: str, payload: dict[str, Any], *, size: int = 0, leaves: str = ""
-    ) -> Any:
+    async def ask(self, task: str, payload: dict[str, Any], size: int = 0) -> Any:
         """Run a short task in the query lane and return its answer; it ends if the client leaves.
 
         Args:
             task: To run.
             payload: With `scene` where it is about one.
             size: How much is asked: what is twice as much takes longer.
-            leaves: Of a task that loads a scene, the field of its answer that has the digest.
 
         Raises:
             WayproofError: What the task raised, or that it took too long, or that it crashed, or
                 that no worker was free in time.
             ClientLeft: Its client does not wait any more.
         """
-        key = payload["scene"]["digest"] if "scene" in payload else None
-        return await self._ask(task, payload, warm_key=key, size=size, leaves=leaves)
+        return await self._ask(task, payload, size=size)
 
     async def ask_text(self, task: str, payload: dict[str, Any]) -> Encoded:
         """Ask as `ask` does, for an answer that is passed on as it is."""
         found: Encoded = await self._ask(task, payload, is_passed_on=True)
         return found
 
+    async def load(self, task: str, payload: dict[str, Any], size: int = 0) -> LoadedScene:
+        """Ask as `ask` does, for a scene that the task loads."""
+        more = {"leaves": "digest", "is_in_parts": True}
+        return LoadedScene(**await self._ask(task, payload, size=size, **more))
+
     async def _ask(self, task: str, payload: dict[str, Any], **more: Any) -> Any:
         allowed, patience = self._settings.query_timeout, self._settings.query_patience
-        question = Question(task, payload, "query", allowed, patience, **more)
+        key = payload["scene"]["digest"] if "scene" in payload else None
+        question = Question(task, payload, "query", allowed, patience, key, **more)
         answer = await unless_client_leaves(self._dispatcher.call(question))
         note_question(answer.waited, answer.worked)
         return answer.content
 
-    async def ask_scene(
-        self, task: str, record: SceneRecord, request: BaseModel, *, leaves: str = ""
-    ) -> Any:
+    async def ask_scene(self, task: str, record: SceneRecord, request: BaseModel) -> Any:
         """Ask a loaded scene something; raises as `ask`."""
+        return await self.ask(task, *await self._about(record, request))
+
+    async def load_edited(self, record: SceneRecord, request: BaseModel) -> LoadedScene:
+        """Return what comes of editing a scene; raises as `ask`."""
+        return await self.load(_REVISE, *await self._about(record, request))
+
+    async def _about(self, record: SceneRecord, request: BaseModel) -> tuple[dict[str, Any], int]:
+        """Return the payload of a question to a scene, and how much it asks."""
         asked = request.model_dump(mode="json")
         payload = {**await self.scene_payload(record), "request": asked}
-        size = sum(len(field) for field in asked.values() if isinstance(field, list))
-        return await self.ask(task, payload, size=size, leaves=leaves)
+        return payload, sum(len(field) for field in asked.values() if isinstance(field, list))
 
     async def planners(self) -> list[dict[str, Any]]:
         """Return all planners; they are asked for once, because they never change."""
@@ -150,7 +155,7 @@ class Desk:
         return await self._read(lane, identifier, self._store.text)
 
     async def _read[T](self, lane: str, identifier: str, read: Callable[[str], T]) -> T:
-        if not identifier.startswith(f"{_PREFIXES[lane]}_"):
+        if not identifier.startswith(f"{PREFIXES[lane]}_"):
             raise UnknownResource.of(lane, identifier)
         try:
             return await to_thread.run_sync(read, identifier)
@@ -293,27 +298,3 @@ class Desk:
             return None
         folder = self._settings.data_dir.resolve() / "cores"
         return {"folder": str(folder), "count": self._settings.search_processes}
-
-
-def spec_of(
-    lane: str,
-    task: str,
-    payload: dict[str, Any],
-    *,
-    scene: SceneRecord,
-    key: Key,
-    allowed: float | None = None,
-) -> JobSpec:
-    """Return the spec of a job about a scene."""
-    return JobSpec(
-        lane=lane,
-        task=task,
-        payload=payload,
-        prefix=_PREFIXES[lane],
-        scene=scene.id,
-        warm_key=scene.digest,
-        allowed=allowed,
-        max_attempts=_ATTEMPTS[lane],
-        key=key.text,
-        request_digest=key.digest,
-    )

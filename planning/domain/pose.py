@@ -10,6 +10,8 @@ from planning.domain import rotation
 from planning.domain.value import Value, frozen
 from planning.errors import ProblemInvalid
 
+_NO_TURN = frozen([1.0, 0.0, 0.0, 0.0])
+
 
 @dataclass(frozen=True, eq=False)
 class Pose(Value):
@@ -44,7 +46,9 @@ class Pose(Value):
         p = _vector("position", position, 3)
         if rpy is not None:
             return cls(p, rotation.from_rpy(_vector("rpy", rpy, 3)))
-        a = _vector("quaternion", (1, 0, 0, 0) if quaternion is None else quaternion, 4)
+        if quaternion is None:
+            return cls(p, _NO_TURN)
+        a = _vector("quaternion", quaternion, 4)
         length = float(np.linalg.norm(a))
         if length < 1e-9:
             message = "quaternion [w, x, y, z] must not be zero"

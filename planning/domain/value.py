@@ -194,6 +194,10 @@ def _fed_once(content: Any) -> bytes:
 
 def _feed_all(sha: Any, kind: str, items: Sequence[Any]) -> None:
     sha.update(f"{kind}({len(items)})".encode())
+    kinds = set(map(type, items))
+    if len(kinds) == 1 and getattr(kinds.pop(), "is_fed_once", False):
+        sha.update(b"".join([item.__dict__.get(_FED) or _fed_once(item) for item in items]))
+        return
     for item in items:
         _feed(sha, item)
 

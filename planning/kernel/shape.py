@@ -1,5 +1,6 @@
 """ConvexShape: collision geometry as the kernel takes it."""
 
+import math
 from dataclasses import dataclass
 from enum import StrEnum
 
@@ -54,4 +55,4 @@ class ConvexShape(Value):
             case ShapeKind.ELLIPSOID:
                 return np.zeros(3), float(size.max())
             case _:
-                return np.zeros(3), float(np.linalg.norm(size))
+                return np.zeros(3), math.hypot(*size.tolist())

@@ -50,6 +50,19 @@ class Candidates:
         names = self.names
         return tuple([(names[a], names[b]) for a, b in self.rows.tolist()])
 
+    @cached_property
+    def moving(self) -> tuple[GeometryId, ...]:
+        """Shapes of Drake's model that can meet what stands outside of it, in order."""
+        first = self.rows[self.rows[:, 1] >= self.num_of_drake, 0]
+        is_moving = np.zeros(len(self.ids), dtype=bool)
+        is_moving[first] = True
+        return tuple(self.ids[row] for row in np.flatnonzero(is_moving).tolist())
+
+    @cached_property
+    def name_of(self) -> dict[GeometryId, str]:
+        """The full name of the body of each shape."""
+        return dict(zip(self.ids, self.names, strict=True))
+
     @property
     def pairs_of_drake(self) -> list[Ids]:
         """The pairs of which Drake's model has both shapes."""

@@ -1,5 +1,6 @@
 """Drake's collision shapes as the kernel takes them."""
 
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -30,7 +31,7 @@ def convex_shape(shape: Any) -> ConvexShape | None:  # noqa: PLR0911  (one case 
     """Return the convex body that Drake takes a shape for; None if it is of an unknown kind."""
     match shape:
         case Box():
-            return _primitive(ShapeKind.BOX, *(np.asarray(shape.size()) / 2))
+            return _primitive(ShapeKind.BOX, *(np.asarray(shape.size()) / 2).tolist())
         case Sphere():
             return _primitive(ShapeKind.SPHERE, shape.radius())
         case Cylinder():
@@ -47,6 +48,8 @@ def convex_shape(shape: Any) -> ConvexShape | None:  # noqa: PLR0911  (one case 
             return None
 
 
+# Many objects of a scene are as large as each other.
+@lru_cache(maxsize=4096)
 def _primitive(kind: ShapeKind, *sizes: float) -> ConvexShape:
     size = np.zeros(3)
     size[: len(sizes)] = sizes

@@ -23,7 +23,8 @@ def hull_warnings(model: DrakeModel) -> tuple[str, ...]:
         for name, index in model.bodies.items()
         for geometry in model.plant.GetCollisionGeometriesForBody(model.plant.get_body(index))
     ]
-    shapes += list(zip(model.standing.rows, model.standing.drake_shapes, strict=True))
+    standing = model.standing
+    shapes += [(standing.things[row].name, standing.drake_shapes[row]) for row in standing.meshes]
     found: list[str] = []
     for name, shape in shapes:
         if isinstance(shape, Mesh | Convex) and shape.source().is_path():

@@ -80,12 +80,9 @@ class KernelScene:
         names = set(exceptions)
         found = np.full(len(self.is_of_one_robot), np.nan)
         for kind in (self.is_of_one_robot, ~self.is_of_one_robot):
+            rows: Any = np.flatnonzero(kind)  # of which mostly the first is what is looked for
             some = next(
-                (
-                    pair
-                    for pair in map(self.names, np.flatnonzero(kind).tolist())
-                    if (min(pair), max(pair)) not in names
-                ),
+                (pair for pair in map(self.names, rows) if (min(pair), max(pair)) not in names),
                 None,
             )
             if some is not None:

@@ -89,6 +89,7 @@ def _require_bearable(scene: Scene) -> None:
 def _make_ready(world: World) -> None:
     """Do now what the first questions would wait for."""
     shared_context(world.drake)
+    world.drake.standing.make_ready()
     unchecked_pairs(world.drake)
     for group in world.groups[:_MOST_READY]:
         world.limits(group)

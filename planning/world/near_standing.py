@@ -5,7 +5,7 @@ shown those whose balls are as near to a shape that moves as the question reache
 of a pair does not depend on what else it was shown.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from functools import cached_property
 from itertools import batched
 from typing import Any
@@ -41,6 +41,7 @@ class NearStanding:
         """Make the context, which has all that Drake's model has, or use a given one of it."""
         self._model = model
         self._shown: set[int] = set()
+        self._last_gaps: tuple[bytes, tuple[Array, Array]] | None = None
         self._enter(context or measuring_context(model))
 
     @property
@@ -165,6 +166,12 @@ class NearStanding:
         gaps, sizes = self._gaps()
         return float((gaps + sizes).min())
 
+    def are_beyond(self, rows: Collection[int], reach: float) -> bool:
+        """Return whether objects surely are farther than `reach` [m] from all shapes that move."""
+        if not rows or not self._moving:
+            return True
+        return bool((self._gaps()[0][:, list(rows)] > reach).all())
+
     def _rows_within(self, reach: float) -> Indices:
         if not len(self._model.standing) or not self._moving:
             return np.zeros(0, dtype=np.intp)
@@ -172,12 +179,20 @@ class NearStanding:
 
     def _gaps(self) -> tuple[Array, Array]:
         """Return gaps of balls, shapes that move by objects, and twice the sums of radii [m]."""
+        here = self._model.plant.GetPositions(self.plant_context).tobytes()
+        if self._last_gaps is None or self._last_gaps[0] != here:
+            self._last_gaps = here, self._gaps_here()
+        return self._last_gaps[1]
+
+    def _gaps_here(self) -> tuple[Array, Array]:
         query = self.query
         own_centers, own_radii = self._balls
         poses = np.array([query.GetPoseInWorld(i).GetAsMatrix4() for i in self._moving])
         here = np.einsum("nij,nj->ni", poses[:, :3, :3], own_centers) + poses[:, :3, 3]
         there, radii = self._model.standing.balls
-        squares = ((here[:, None] - there[None]) ** 2).sum(axis=2)
+        squares = np.zeros((len(here), len(there)))
+        for axis in range(3):  # one after the other: a table of all three is slow to go through
+            squares += (here[:, None, axis] - there[None, :, axis]) ** 2
         sizes = own_radii[:, None] + radii[None]
         return np.sqrt(squares) - sizes, 2 * sizes
 
@@ -190,15 +205,12 @@ class NearStanding:
 
     @cached_property
     def _names(self) -> dict[GeometryId, str]:
-        found = candidates_of(self._model)
-        return dict(zip(found.ids, found.names, strict=True))
+        return candidates_of(self._model).name_of
 
     @cached_property
     def _moving(self) -> dict[GeometryId, None]:
         """Shapes of the model that can meet what stands, in order."""
-        found = candidates_of(self._model)
-        rows = found.rows[found.rows[:, 1] >= found.num_of_drake, 0]
-        return dict.fromkeys(found.ids[row] for row in np.unique(rows).tolist())
+        return dict.fromkeys(candidates_of(self._model).moving)
 
     @cached_property
     def _boxes(self) -> dict[GeometryId, Array]:

@@ -15,6 +15,7 @@ from planning.world.keep_files import KeptScene
 from planning.world.kernel_scene import share_kernel_scene
 from planning.world.scene_build import LoadedRobot
 from planning.world.standing_build import standing_frames, transforms
+from planning.world.start_warnings import share_start_warnings
 from planning.world.unchecked_pairs import share_unchecked
 from planning.world.world import World
 
@@ -85,5 +86,6 @@ def _moved(
     )
     share_candidates(before, after)
     share_unchecked(before, after)
+    share_start_warnings(before, after, rows)
     share_kernel_scene(before, after, rows)
     return after

@@ -235,23 +235,10 @@ class SceneDocument(Strictest):
 
     def value(self) -> Scene:
         """Return the domain's scene."""
-        return self._scene(tuple(thing.value() for thing in self.objects))
-
-    def value_after(self, like: "SceneDocument", before: Scene) -> Scene:
-        """Return the domain's scene, with the objects of an earlier one where they are the same.
-
-        Args:
-            like: The document of the earlier scene, with which this one was written.
-            before: That scene.
-        """
-        known = {id(d): value for d, value in zip(like.objects, before.objects, strict=True)}
-        return self._scene(tuple(known.get(id(d)) or d.value() for d in self.objects))
-
-    def _scene(self, objects: tuple[SceneObject, ...]) -> Scene:
         return Scene(
             name=self.name,
             robots=tuple(robot.value() for robot in self.robots),
-            objects=objects,
+            objects=tuple(thing.value() for thing in self.objects),
             frames=tuple(frame.value() for frame in self.frames),
             allowed_collisions=tuple((a, b) for a, b in self.allowed_collisions),
             configurations=tuple(

@@ -29,6 +29,13 @@ def parse_scene(source: str | bytes | Mapping[str, Any], name: str = "the scene"
     Raises:
         SceneInvalid: With the `path` of every fault and, for text, its `line`.
     """
+    return read_document(source, name).value()
+
+
+def read_document(
+    source: str | bytes | Mapping[str, Any], name: str = "the scene"
+) -> SceneDocument:
+    """Return the document in a text or a decoded document; raises as `parse_scene`."""
     if isinstance(source, Mapping):
         return _validate(source, None, name)
     if len(source) > MAX_TEXT_BYTES:
@@ -74,9 +81,9 @@ def with_line(fault: SceneInvalid, source: str | bytes) -> SceneInvalid:
     return SceneInvalid(f"line {line}: {fault.detail}", {**fault.evidence, "line": line})
 
 
-def _validate(document: Mapping[str, Any], node: Any, name: str) -> Scene:
+def _validate(document: Mapping[str, Any], node: Any, name: str) -> SceneDocument:
     try:
-        return SceneDocument.model_validate(document).value()
+        return SceneDocument.model_validate(document)
     except ValidationError as refusal:
         found = refusal.errors(include_url=False, include_context=False)
     faults = [

@@ -23,9 +23,7 @@ from planning.world.scene_document import ObjectDocument, SceneDocument
 from planning.world.scene_file import parse_scene
 
 
-def scene_document(
-    scene: Scene, like: SceneDocument | None = None, before: Scene | None = None
-) -> SceneDocument:
+def scene_document(scene: Scene, like: SceneDocument | None = None) -> SceneDocument:
     """Return the document of a scene.
 
     Read again it gives the same scene, but for the last bit of quaternions that are normalised
@@ -35,8 +33,6 @@ def scene_document(
         scene: What to describe.
         like: A document of an earlier revision: robots, objects and frames that are as it says
             stay as they are written there, bit for bit.
-        before: The scene that `like` describes, if it is at hand: objects of it need not be read
-            to be known, and of ten thousand most are as before.
 
     Raises:
         SceneInvalid: The scene has what no document may have, such as too many objects.
@@ -46,15 +42,21 @@ def scene_document(
     if like is not None:
         written["robots"] = _kept(written["robots"], scene.robots, like.robots)
         written["frames"] = _kept(written["frames"], scene.frames, like.frames)
-        known = (
-            [document.value() for document in like.objects] if before is None else before.objects
-        )
-        objects = _kept_objects(scene.objects, known, like.objects)
+        objects = _kept_objects(scene.objects, like.objects)
     try:
         return SceneDocument.model_validate({**written, "objects": objects})
     except ValidationError:
         parse_scene({**written, "objects": list(map(_object, scene.objects))})  # says what is wrong
         raise
+
+
+def object_document(thing: SceneObject) -> ObjectDocument:
+    """Return the document of an object.
+
+    Raises:
+        ValidationError: It is what no document may say.
+    """
+    return ObjectDocument.model_validate(_object(thing))
 
 
 def _written(scene: Scene) -> dict[str, Any]:
@@ -76,20 +78,16 @@ def _written(scene: Scene) -> dict[str, Any]:
 
 
 def _kept_objects(
-    values: Sequence[SceneObject],
-    before: Sequence[SceneObject],
-    documents: Sequence[ObjectDocument],
+    values: Sequence[SceneObject], documents: Sequence[ObjectDocument]
 ) -> list[ObjectDocument | dict[str, Any]]:
     """Return what describes objects: the earlier documents of those that are as before."""
-    earlier = {
-        value.name: (value, document) for value, document in zip(before, documents, strict=True)
-    }
-    found: list[ObjectDocument | dict[str, Any]] = []
-    for value in values:
-        known = earlier.get(value.name)
-        is_known = known is not None and (known[0] is value or known[0] == value)
-        found.append(known[1] if known is not None and is_known else _object(value))
-    return found
+    earlier = {document.name: document for document in documents}
+    return [
+        known
+        if (known := earlier.get(value.name)) is not None and known.value() == value
+        else _object(value)
+        for value in values
+    ]
 
 
 def _kept(written: list[Any], values: Iterable[Any], documents: Iterable[Any]) -> list[Any]:

@@ -16,6 +16,7 @@ from planning.domain.shapes import (
     Shape,
     Sphere,
 )
+from planning.domain.value import frozen
 from planning.world.strict import Number, Positive, Strictest
 
 type Sizes = Annotated[list[Positive], Field(min_length=3, max_length=3)]
@@ -95,7 +96,7 @@ class ShapeDocument(Strictest):
     def value(self) -> Shape:  # noqa: PLR0911  (one return per shape)
         """Return the domain's shape."""
         if self.box is not None:
-            return Box(np.array(self.box))
+            return Box(frozen(self.box))
         if self.sphere is not None:
             return Sphere(self.sphere)
         if self.cylinder is not None:
@@ -103,7 +104,7 @@ class ShapeDocument(Strictest):
         if self.capsule is not None:
             return Capsule(self.capsule.radius, self.capsule.length)
         if self.ellipsoid is not None:
-            return Ellipsoid(np.array(self.ellipsoid))
+            return Ellipsoid(frozen(self.ellipsoid))
         if self.convex is not None:
             return Convex(np.array(self.convex.points))
         if self.mesh is not None:

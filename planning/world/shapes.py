@@ -20,7 +20,7 @@ def drake_shape(shape: Shape) -> geometry.Shape:  # noqa: C901, PLR0911  (one ca
     """Return Drake's shape; its frame is the object's."""
     match shape:
         case Box():
-            return geometry.Box(*shape.size)
+            return geometry.Box(*shape.size.tolist())
         case Sphere():
             return geometry.Sphere(shape.radius)
         case Cylinder():
@@ -28,7 +28,7 @@ def drake_shape(shape: Shape) -> geometry.Shape:  # noqa: C901, PLR0911  (one ca
         case Capsule():
             return geometry.Capsule(shape.radius, shape.length)
         case Ellipsoid():
-            return geometry.Ellipsoid(*shape.semi_axes)
+            return geometry.Ellipsoid(*shape.semi_axes.tolist())
         case Convex():
             return geometry.Convex(np.asfortranarray(np.asarray(shape.points).T), "convex")
         case Mesh():

@@ -14,7 +14,13 @@ from typing import Any
 
 import numpy as np
 from jaxtyping import Float64
-from pydrake.geometry import GeometryId, GeometryInstance, ProximityProperties
+from pydrake.geometry import (
+    Convex,
+    GeometryId,
+    GeometryInstance,
+    Mesh,
+    ProximityProperties,
+)
 from pydrake.math import RigidTransform
 
 from planning.domain.scene import SceneObject
@@ -60,11 +66,22 @@ class StandingObjects:
         return {identifier: row for row, identifier in enumerate(self.ids)}
 
     @cached_property
+    def meshes(self) -> tuple[int, ...]:
+        """Rows of those whose shape may be a file."""
+        return tuple(
+            i for i, shape in enumerate(self.drake_shapes) if isinstance(shape, Mesh | Convex)
+        )
+
+    @cached_property
     def balls(self) -> tuple[Float64[np.ndarray, "n 3"], Float64[np.ndarray, " n"]]:
         """Balls around them: centres in world, and radii [m]."""
         local = [shape.ball for shape in self.shapes]
-        centers = [x.multiply(p) for x, (p, _) in zip(self.poses, local, strict=True)]
+        centers = [_at(x, p) for x, (p, _) in zip(self.poses, local, strict=True)]
         return np.array(centers).reshape(-1, 3), np.array([radius for _, radius in local])
+
+    def make_ready(self) -> None:
+        """Work out now what the first edit or the first question would wait for."""
+        _ = self.balls, self.rows, self.row_of, self.meshes
 
     def moved(
         self,
@@ -82,11 +99,11 @@ class StandingObjects:
         placed = tuple(poses.get(row, x) for row, x in enumerate(self.poses))
         after = replace(self, things=tuple(things), poses=placed, frames=frames)
         # What has not changed need not be worked out again.
-        after.__dict__.update(row_of=self.row_of, rows=self.rows)
+        after.__dict__.update(row_of=self.row_of, rows=self.rows, meshes=self.meshes)
         centers, radii = self.balls
         centers = centers.copy()
         for row, x in poses.items():
-            centers[row] = x.multiply(self.shapes[row].ball[0])
+            centers[row] = _at(x, self.shapes[row].ball[0])
         after.__dict__["balls"] = centers, radii
         return after
 
@@ -108,3 +125,9 @@ class StandingObjects:
     @cached_property
     def _instances(self) -> dict[int, GeometryInstance]:
         return {}
+
+
+def _at(x: RigidTransform, p: Array) -> Array:
+    """Return a point in world; most are their frame's origin, which is known without a product."""
+    moved: Array = x.multiply(p) if p.any() else x.translation()
+    return moved

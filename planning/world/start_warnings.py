@@ -1,23 +1,54 @@
 """start_warnings(): what is wrong with where a scene puts its robots, and what would mend it."""
 
 import json
+from collections.abc import Collection
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
 from planning.domain.body_pair import BodyPair
 from planning.domain.joints import JointGroup, JointType
+from planning.domain.value import digest
 from planning.world.collision import DistanceProbe
+from planning.world.contexts import shared_context
+from planning.world.drake_model import DrakeModel
 from planning.world.margins import PairMargins
+from planning.world.near_standing import NearStanding
+from planning.world.standing import StandingObjects
 
 if TYPE_CHECKING:
     from planning.world.world import World
+
+# What is farther away than its margin by so much is so by every measure [m].
+_SURELY = 1e-3
+
+
+@dataclass(frozen=True)
+class _Known:
+    """What was found of a model, or of one that it shares, when all stood as `place` says.
+
+    Attributes:
+        place: Digest of where robots are and of what is demanded of them.
+        is_free: Whether everything kept its distance.
+        of_configurations: Warnings that do not depend on what stands around.
+        unseen: Rows of `standing` that are elsewhere since.
+    """
+
+    place: str
+    is_free: bool
+    of_configurations: tuple[str, ...]
+    unseen: frozenset[int] = frozenset()
+
+
+_known: WeakKeyDictionary[StandingObjects, _Known] = WeakKeyDictionary()
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # Configurations beside the scene's own in which pairs are looked at that touch there.
 _NUM_TRIED = 20
-# Groups whose judges are asked: of more, making them takes longer than measuring everything.
+# Of more groups making a judge takes longer than measuring everything.
 _MOST_ASKED = 4
 # Pairs that are told one by one.
 _MOST_TOLD = 10
@@ -33,12 +64,15 @@ def start_warnings(world: "World") -> tuple[str, ...]:
     """Return what makes every plan fail that begins at the scene's positions.
 
     Pairs of links of one robot that touch in all configurations that are tried are offered as
-    an edit that lets them touch. Where nothing touches, this takes one collision check per group,
-    or one for all.
+    an edit that lets them touch. Where nothing touches, this takes one collision check.
     """
-    margins = world.margins()
+    margins, scene = world.margins(), world.scene
+    place = digest((world.state, scene.margin, scene.margins, scene.configurations))
+    known = _known.get(world.drake.standing)
+    known = known if known is not None and known.place == place else None
     touching: tuple[BodyPair, ...] = ()
-    if not _is_free(world, margins):
+    is_free = _is_still_free(world, known, margins) or _is_free(world, margins)
+    if not is_free:
         touching = world.distance_probe(margins).violations(world.state)
     told = [_text(world, pair) for pair in touching[:_MOST_TOLD]]
     if len(touching) > _MOST_TOLD:
@@ -51,15 +85,29 @@ def start_warnings(world: "World") -> tuple[str, ...]:
             "were tried, as shapes do that are drawn into each other; if they may touch, edit the "
             f"scene with {json.dumps({'operations': operations})}"
         )
-    return (*told, *_configuration_warnings(world))
+    of_configurations = _configuration_warnings(world) if known is None else known.of_configurations
+    _known[world.drake.standing] = _Known(place, is_free, of_configurations)
+    return (*told, *of_configurations)
+
+
+def _is_still_free(world: "World", known: _Known | None, margins: PairMargins) -> bool:
+    """Return whether everything surely keeps its distance, because it did and little has moved."""
+    if known is None or not known.is_free:
+        return False
+    near = NearStanding(world.drake, shared_context(world.drake))
+    near.go_to(world.state)
+    return near.are_beyond(known.unseen, margins.largest + _SURELY)
 
 
 def _is_free(world: "World", margins: PairMargins) -> bool:
     """Return whether everything keeps its distance; False where only the probe can say it."""
     if len(world.groups) > _MOST_ASKED:
         return False
-    oracles = [(world.collision_oracle(g, margins), world.positions(g)) for g in world.groups]
-    return all(oracle.is_free(q) for oracle, q in oracles)
+    # Where its group is as the scene says, a judge's verdict is of all pairs: one says it all.
+    return all(
+        world.collision_oracle(group, margins).is_free(world.positions(group))
+        for group in world.groups[:1]
+    )
 
 
 def _text(world: "World", pair: BodyPair) -> str:
@@ -113,7 +161,14 @@ def _are_of_one(a: str, b: str) -> bool:
     return bool(scoped_a and scoped_b) and robot_a == robot_b
 
 
-def _configuration_warnings(world: "World") -> list[str]:
+def share_start_warnings(before: DrakeModel, after: DrakeModel, rows: Collection[int]) -> None:
+    """Let a model have what is known of another one, with some rows of `standing` elsewhere."""
+    if before.standing in _known:
+        known = _known[before.standing]
+        _known[after.standing] = replace(known, unseen=known.unseen.union(rows))
+
+
+def _configuration_warnings(world: "World") -> tuple[str, ...]:
     """Name configurations that no motion can begin or end at, whatever stands around the robot.
 
     The same one of several robots of one model is looked at once.
@@ -127,7 +182,7 @@ def _configuration_warnings(world: "World") -> list[str]:
                 wrong = "" if alike in seen else _wrong(world, group, q)
                 seen.add(alike)
                 found += [f"configuration {name!r} of {group.name} {wrong}"] if wrong else []
-    return found
+    return tuple(found)
 
 
 def _wrong(world: "World", group: JointGroup, q: Array) -> str:

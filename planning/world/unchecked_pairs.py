@@ -4,6 +4,7 @@ from itertools import combinations
 from typing import Any
 from weakref import WeakKeyDictionary
 
+import numpy as np
 from pydrake.multibody.tree import BodyIndex
 
 from planning.domain.unchecked_pair import UncheckedPair, UncheckedReason
@@ -35,8 +36,10 @@ def share_unchecked(before: DrakeModel, after: DrakeModel) -> None:
 
 def _of_plant(model: DrakeModel) -> list[UncheckedPair]:
     candidates = candidates_of(model)
-    bodies = [int(body) for body in candidates.bodies]
-    looked_at = {frozenset((bodies[a], bodies[b])) for a, b in candidates.rows.tolist()}
+    bodies = np.array([int(body) for body in candidates.bodies], dtype=np.int64)
+    a, b = bodies[candidates.rows].T
+    count = model.plant.num_bodies()
+    looked_at = {frozenset(divmod(pair, count)) for pair in np.unique(a * count + b).tolist()}
     shaped = sorted({body for body in _shaped(model) if BodyIndex(body) in model.body_names})
     clusters = _clusters(model.plant, shaped)
     world = clusters[int(model.plant.world_body().index())]

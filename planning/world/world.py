@@ -3,10 +3,11 @@
 from copy import copy
 from functools import cached_property
 from typing import Any
+from weakref import WeakKeyDictionary
 
 import numpy as np
 from jaxtyping import Float64
-from pydrake.planning import SceneGraphCollisionChecker
+from pydrake.planning import RobotDiagram, SceneGraphCollisionChecker
 
 from planning.domain.body_pair import BodyPair
 from planning.domain.followers import Follower, together
@@ -263,10 +264,11 @@ class World:
             )
             for group in self.groups
         }
+        frames, bodies = _sorted_names(self.drake)
         return SceneSummary(
             groups=groups,
-            frames=tuple(sorted(self.drake.all_frames)),
-            bodies=tuple(sorted(self.drake.all_bodies)),
+            frames=frames,
+            bodies=bodies,
             num_pairs=len(candidates_of(self.drake).rows),
             digest=self.digest,
             unchecked=unchecked_pairs(self.drake),
@@ -285,6 +287,20 @@ class World:
     def robot_groups(self) -> list[RobotGroups]:
         """The groups of each robot, in order."""
         return self._robot_groups
+
+
+_names: WeakKeyDictionary[RobotDiagram, tuple[tuple[str, ...], tuple[str, ...]]] = (
+    WeakKeyDictionary()
+)
+
+
+def _sorted_names(model: DrakeModel) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """Return the names of all frames and bodies; models that share an engine share them."""
+    found = _names.get(model.diagram)
+    if found is None:
+        found = tuple(sorted(model.all_frames)), tuple(sorted(model.all_bodies))
+        _names[model.diagram] = found
+    return found
 
 
 def _key_of(group: JointGroup) -> tuple[str, ...]:

@@ -73,7 +73,7 @@ def unchecked_wire(pairs: Sequence[UncheckedPair]) -> list[dict[str, Any]]:
 
 
 def scene_wire(summary: SceneSummary, aliases: dict[str, list[str]]) -> dict[str, Any]:
-    """Return what a scene holds for the wire.
+    """Return what a scene holds for the wire, but for pairs that are not looked at.
 
     Args:
         summary: Of the loaded scene.
@@ -87,7 +87,6 @@ def scene_wire(summary: SceneSummary, aliases: dict[str, list[str]]) -> dict[str
         "frames": list(summary.frames),
         "bodies": list(summary.bodies),
         "num_pairs": summary.num_pairs,
-        "unchecked": unchecked_wire(summary.unchecked),
         "assumed": list(summary.assumed),
         "warnings": list(summary.warnings),
     }

@@ -2,8 +2,9 @@
 
 from typing import Any
 
-from service.desk import Desk, spec_of
+from service.desk import Desk
 from service.executions.whereabouts import require_at_rest, require_at_start
+from service.job_spec import spec_of
 from service.jobs.key import Key
 from service.jobs.records import Job, JobSpec
 from service.plans.wire import polynomial_of

@@ -10,7 +10,6 @@ from service.errors import RevisionConflict
 from service.executions.whereabouts import last_status
 from service.scenes.preflight import Group, require_group
 from service.scenes.records import SceneRecord
-from service.scenes.revision import TASK
 from service.scenes.shelf import SceneShelf
 from service.schemas.scene_edit import SceneEdit, SetPositionsOperationWire
 
@@ -27,7 +26,7 @@ async def settled(record: SceneRecord, scenes: SceneShelf, desk: Desk) -> SceneR
         UnknownResource: The scene is gone.
     """
     while (edit := await _pending(record, desk)) is not None:
-        loaded = await desk.ask_scene(TASK, record, edit, leaves="digest")
+        loaded = await desk.load_edited(record, edit)
         try:
             return await scenes.revise(record, loaded)
         except RevisionConflict:  # another reader was quicker

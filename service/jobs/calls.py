@@ -10,7 +10,7 @@ from service.jobs.durations import Kind
 from service.jobs.errors import WORKER, QueueTimeout
 from service.jobs.floor import Floor
 from service.jobs.json_steps import STEP, decode
-from service.jobs.json_text import Encoded
+from service.jobs.json_text import Encoded, decode_parts
 from service.jobs.outcome import Crashed, Outcome, Returned, TimedOut, error_of
 from service.jobs.recorder import NoSink
 from service.jobs.slot import Run, Slot
@@ -32,6 +32,7 @@ class Question:
         size: How much is asked: lists with twice as many items take longer.
         leaves: Of a task that loads a scene, the field of its answer that is the warm key of it.
         is_passed_on: Whether the answer is wanted as the JSON that the task gave.
+        is_in_parts: Whether the members that the task encoded itself are wanted as they are.
     """
 
     task: str
@@ -43,6 +44,7 @@ class Question:
     size: int = 0
     leaves: str = ""
     is_passed_on: bool = False
+    is_in_parts: bool = False
 
     @property
     def kind(self) -> Kind:
@@ -55,7 +57,7 @@ class Answer:
     """What a short task returned.
 
     Attributes:
-        content: Decoded JSON, or `Encoded` if it is passed on.
+        content: Decoded JSON, or `Encoded` if it is passed on, or an object of both.
         waited: For a slot [s].
         worked: In the slot [s].
     """
@@ -164,10 +166,11 @@ class Calls:
     async def _content(question: Question, result: Encoded) -> Any:
         if question.is_passed_on:
             return result
+        read = decode_parts if question.is_in_parts else decode
         if len(result.text) <= STEP:
-            return decode(result.text)
+            return read(result.text)
         # What is large is decoded elsewhere: nothing else would be answered meanwhile.
-        return await asyncio.to_thread(decode, result.text)
+        return await asyncio.to_thread(read, result.text)
 
     def _sit(self, lane: str, seated: asyncio.Future[Slot], slot: Slot) -> None:
         """Hand a slot to a call; take it back if the call waits no longer."""

@@ -6,6 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+_READER = json.JSONDecoder()
+
 
 @dataclass(frozen=True)
 class Encoded:
@@ -29,6 +31,35 @@ def encode(content: Any) -> str:
         if "Circular" in str(fault):
             raise
         return json.dumps(_finite(content), allow_nan=False, separators=(",", ":"))
+
+
+def encode_in_parts(content: Mapping[str, Any]) -> str:
+    """Return the JSON text of an object, some members of which, but not all, are `Encoded` already.
+
+    It is JSON like any other. Each member that was encoded has a line of its own, which the texts
+    themselves never have: `decode_parts` takes the lines apart without reading them.
+
+    Raises:
+        TypeError: Something in it is not JSON-compatible.
+    """
+    texts = {name: part.text for name, part in content.items() if isinstance(part, Encoded)}
+    plain = encode({name: part for name, part in content.items() if name not in texts})
+    lines = [f"{json.dumps(name)}:{text}" for name, text in texts.items()]
+    return "{" + ",\n".join([plain[1:-1], *lines]) + "}"
+
+
+def decode_parts(text: str) -> dict[str, Any]:
+    """Return what was given to `encode_in_parts`: what was encoded then stays so.
+
+    Raises:
+        ValueError: It was encoded in some other way.
+    """
+    first, *lines = text[1:-1].split(",\n")
+    plain: dict[str, Any] = json.loads(f"{{{first}}}")
+    for line in lines:
+        name, end = _READER.raw_decode(line)
+        plain[name] = Encoded(line[end + 1 :])
+    return plain
 
 
 def encode_leniently(content: Any) -> str:

@@ -10,7 +10,7 @@ from typing import Any
 from planning.errors import WayproofError
 from service.jobs.error_text import error_text
 from service.jobs.errors import InternalError
-from service.jobs.json_text import encode, encode_leniently
+from service.jobs.json_text import Encoded, encode, encode_in_parts, encode_leniently
 from service.jobs.link import FrameKind
 from service.jobs.outline import outline_of, without
 
@@ -44,7 +44,7 @@ def run_task(task: str, payload: str, channel: Any) -> TaskEnd:
         found = load_task(task)(json.loads(payload), channel)
         large = outline_of(task).result
         brief = encode(without(found, large)) if large else ""
-        return TaskEnd(FrameKind.RESULT, encode(found), brief)
+        return TaskEnd(FrameKind.RESULT, _text(found), brief)
     except WayproofError as error:
         return TaskEnd(FrameKind.FAILURE, error_text(error))
     except MemoryError:
@@ -53,6 +53,11 @@ def run_task(task: str, payload: str, channel: Any) -> TaskEnd:
         return TaskEnd(FrameKind.FAILURE, error_text(_internal(fault)))
     except BaseException as fault:  # noqa: BLE001
         return TaskEnd(FrameKind.CRASH, f"{type(fault).__name__}: {fault}"[:500])
+
+
+def _text(found: Any) -> str:
+    is_in_parts = isinstance(found, dict) and any(isinstance(x, Encoded) for x in found.values())
+    return encode_in_parts(found) if is_in_parts else encode(found)
 
 
 def load_task(task: str) -> Any:

@@ -9,7 +9,8 @@ from planning.domain.foreign_planners import unknown_planner
 from planning.errors import UnknownName
 from service.convert.goals import steering_value
 from service.convert.trajectories import require_one_sampling
-from service.desk import Desk, spec_of
+from service.desk import Desk
+from service.job_spec import spec_of
 from service.jobs.key import Key
 from service.jobs.records import Job
 from service.regions.choice import chosen_regions, regions_file

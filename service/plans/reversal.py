@@ -2,7 +2,8 @@
 
 from typing import Any
 
-from service.desk import Desk, spec_of
+from service.desk import Desk
+from service.job_spec import spec_of
 from service.jobs.key import Key
 from service.jobs.records import Job
 from service.plans.admission import SLACK

@@ -2,7 +2,8 @@
 
 from planning.domain.region_request import require_one_turn
 from planning.errors import UnknownName
-from service.desk import Desk, spec_of
+from service.desk import Desk
+from service.job_spec import spec_of
 from service.jobs.key import Key
 from service.jobs.records import Job
 from service.regions.fitness import own_cars, require_fit

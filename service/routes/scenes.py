@@ -10,9 +10,10 @@ from service.dependencies import DeskDep, ScenesDep
 from service.errors import UnknownInScene
 from service.executions.replay import executed_motions
 from service.routes.answers import Cursor, Limit, Revision, SceneId, problems
+from service.routes.whole import passed_on
 from service.scenes.body import read_scene_body
 from service.scenes.revision import revised
-from service.scenes.wire import scene_brief, scene_resource
+from service.scenes.wire import scene_brief, scene_text
 from service.schemas.scene import Scene, ScenePage
 from service.schemas.scene_edit import SceneEdit
 from service.schemas.scene_examples import REQUEST_BODY
@@ -38,20 +39,18 @@ _HTML = {"schema": {"type": "string", "description": "A page that needs nothing 
     responses=problems(400, 413, 415, 422, 429, 503),
     openapi_extra={"requestBody": REQUEST_BODY},
 )
-async def create_scene(
-    request: Request, response: Response, scenes: ScenesDep, desk: DeskDep
-) -> Any:
+async def create_scene(request: Request, scenes: ScenesDep, desk: DeskDep) -> Response:
     """Post a scene as JSON or YAML; it is loaded at once, and its faults are named by line."""
     text, media = await read_scene_body(request)
     payload = {**desk.common, "text": text, "media": media}
     try:
         task = "service.tasks.scenes:load_scene"
-        loaded = await desk.ask(task, payload, size=len(text), leaves="digest")
+        loaded = await desk.load(task, payload, size=len(text))
     except UnknownName as fault:
         raise UnknownInScene(fault.detail, fault.evidence) from fault
     record = await scenes.add(loaded)
-    response.headers["Location"] = f"/v1/scenes/{record.id}"
-    return scene_resource(record)
+    location = {"location": f"/v1/scenes/{record.id}"}
+    return passed_on(scene_text(record), 201, location)
 
 
 @router.get("", operation_id="listScenes", response_model=ScenePage, responses=problems(422))
@@ -69,9 +68,9 @@ async def list_scenes(scenes: ScenesDep, limit: Limit = 50, cursor: Cursor = Non
     response_model_exclude_none=True,
     responses=problems(404, 422),
 )
-async def get_scene(scene: SceneId, scenes: ScenesDep, revision: Revision = None) -> Any:
+async def get_scene(scene: SceneId, scenes: ScenesDep, revision: Revision = None) -> Response:
     """Show a scene, by default its latest revision: document, groups, frames and bodies."""
-    return scene_resource(await scenes.get(scene, revision))
+    return passed_on(scene_text(await scenes.get(scene, revision)))
 
 
 @router.get(
@@ -97,9 +96,11 @@ async def get_scene_replay(
     response_model_exclude_none=True,
     responses=problems(400, 404, 409, 413, 422, 429, 503),
 )
-async def edit_scene(scene: SceneId, request: SceneEdit, scenes: ScenesDep, desk: DeskDep) -> Any:
+async def edit_scene(
+    scene: SceneId, request: SceneEdit, scenes: ScenesDep, desk: DeskDep
+) -> Response:
     """Edit a scene: its next revision, which plans use from now on; older ones stay."""
-    return scene_resource(await revised(scene, request, scenes, desk))
+    return passed_on(scene_text(await revised(scene, request, scenes, desk)))
 
 
 @router.delete(

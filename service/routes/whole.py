@@ -1,6 +1,6 @@
 """A job with its result, which goes out as the text that the database has: it is not read here."""
 
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Mapping
 
 from anyio import to_thread
 from fastapi import Response
@@ -36,12 +36,15 @@ async def whole(brief: Answer, found: Encoded | None, told: Response | None = No
     return StreamingResponse(_in_pieces(head, result), status, headers, _JSON)
 
 
-def passed_on(found: Encoded) -> Response:
-    """Return an answer that is what a task gave."""
+def passed_on(
+    found: Encoded, status: int = 200, headers: Mapping[str, str] | None = None
+) -> Response:
+    """Return an answer that is what a task gave, with headers of its own."""
+    told = dict(headers or {})
     if len(found.text) <= STEP:
-        return Response(found.text.encode(), media_type=_JSON)
-    headers = {"content-length": str(len(found.text))}
-    return StreamingResponse(_in_pieces(b"", found.text, b""), 200, headers, _JSON)
+        return Response(found.text.encode(), status, told, _JSON)
+    told["content-length"] = str(len(found.text))
+    return StreamingResponse(_in_pieces(b"", found.text, b""), status, told, _JSON)
 
 
 async def _in_pieces(head: bytes, text: str, tail: bytes = b"}") -> AsyncIterator[bytes]:

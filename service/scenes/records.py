@@ -1,5 +1,6 @@
-"""SceneRecord, and the table that it is kept in."""
+"""SceneRecord and its parts, and the table that they are kept in."""
 
+import json
 from dataclasses import dataclass
 from datetime import datetime
 from typing import Any
@@ -15,6 +16,8 @@ from sqlalchemy import (
     Table,
     UniqueConstraint,
 )
+
+from service.jobs.json_text import Encoded
 
 metadata = MetaData()
 
@@ -36,8 +39,27 @@ scenes = Table(
 
 
 @dataclass(frozen=True)
-class SceneRecord:
-    """A revision of a scene.
+class LoadedScene:
+    """A scene that a slot has loaded; what is large and goes out as it is stays text.
+
+    Attributes:
+        name: For people.
+        digest: sha256 of the content, the bytes of all files included.
+        document: What was posted, or what came of editing it, defaults filled in.
+        summary: What it holds once loaded, for the wire, but for:
+        unchecked: Pairs of bodies that no collision check looks at, a list.
+    """
+
+    name: str
+    digest: str
+    document: Encoded
+    summary: dict[str, Any]
+    unchecked: Encoded
+
+
+@dataclass(frozen=True)
+class SceneBrief:
+    """A revision of a scene without its content.
 
     Attributes:
         serial: Order of creation.
@@ -46,8 +68,6 @@ class SceneRecord:
         digest: sha256 of the content, the bytes of all files included.
         name: For people.
         created_at: When (UTC).
-        document: What was posted, or what came of editing it, defaults filled in.
-        summary: What it holds once loaded, for the wire.
     """
 
     serial: int
@@ -56,5 +76,34 @@ class SceneRecord:
     digest: str
     name: str
     created_at: datetime
-    document: dict[str, Any]
-    summary: dict[str, Any]
+
+
+@dataclass(frozen=True)
+class SceneRecord(SceneBrief):
+    """A revision of a scene.
+
+    Attributes:
+        loaded: Its content.
+    """
+
+    loaded: LoadedScene
+
+    @property
+    def document(self) -> dict[str, Any]:
+        """What was posted, or what came of editing it; read each time: of many objects it is long.
+
+        For whoever needs more than the text.
+        """
+        found: dict[str, Any] = json.loads(self.loaded.document.text)
+        return found
+
+    @property
+    def summary(self) -> dict[str, Any]:
+        """What it holds once loaded, for the wire, but for the pairs that are not looked at."""
+        return self.loaded.summary
+
+    @property
+    def num_chars(self) -> int:
+        """How much text it is, nearly."""
+        names = len(self.summary.get("bodies", ())) + len(self.summary.get("frames", ()))
+        return len(self.loaded.document.text) + len(self.loaded.unchecked.text) + 100 * names

@@ -8,7 +8,6 @@ from service.scenes.records import SceneRecord
 from service.scenes.shelf import SceneShelf
 from service.schemas.scene_edit import SceneEdit
 
-TASK = "service.tasks.scenes:revise_scene"
 # Somebody who edits a scene faster than it can be loaded, again and again, is told so.
 _MAX_ROUNDS = 10
 
@@ -33,7 +32,7 @@ async def revised(
         if request.revision not in {None, base.revision}:
             wanted = await scenes.get(identifier, request.revision)
             raise RevisionConflict.of(identifier, wanted.revision, base.revision)
-        loaded = await desk.ask_scene(TASK, base, request, leaves="digest")
+        loaded = await desk.load_edited(base, request)
         try:
             return await scenes.revise(base, loaded)
         except RevisionConflict:

@@ -4,12 +4,12 @@ import asyncio
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from anyio import to_thread
 
 from service.jobs.errors import DatabaseUnavailable
-from service.scenes.records import SceneRecord
+from service.scenes.records import LoadedScene, SceneBrief, SceneRecord
 from service.scenes.store import SceneStore
 
 if TYPE_CHECKING:
@@ -35,20 +35,18 @@ class SceneShelf:
         self.settle: Callable[[SceneRecord], Awaitable[SceneRecord]] | None = None
         self.forgotten: Callable[[], None] | None = None
 
-    async def add(self, loaded: dict[str, Any]) -> SceneRecord:
+    async def add(self, loaded: LoadedScene) -> SceneRecord:
         """Record a scene that a slot has loaded."""
-        fields = (loaded["name"], loaded["digest"], loaded["document"], loaded["summary"])
-        return await self._write(self._store.add, *fields)
+        return await self._write(self._store.add, loaded)
 
-    async def revise(self, base: SceneRecord, loaded: dict[str, Any]) -> SceneRecord:
+    async def revise(self, base: SceneBrief, loaded: LoadedScene) -> SceneRecord:
         """Record the revision that follows `base`.
 
         Raises:
             UnknownResource: The scene is gone.
             RevisionConflict: `base` has a successor already.
         """
-        fields = (loaded["name"], loaded["digest"], loaded["document"], loaded["summary"])
-        return await self._write(self._store.revise, base, *fields)
+        return await self._write(self._store.revise, base, loaded)
 
     async def get(self, identifier: str, revision: int | None = None) -> SceneRecord:
         """Return a revision of a scene, by default the latest, with its robots where they are.
@@ -69,7 +67,7 @@ class SceneShelf:
         """
         return await to_thread.run_sync(self._store.get, identifier, revision)
 
-    async def page(self, limit: int, before: int | None) -> list[SceneRecord]:
+    async def page(self, limit: int, before: int | None) -> list[SceneBrief]:
         """Return scenes older than the serial `before`, newest first."""
         return await to_thread.run_sync(self._store.page, limit, before)
 

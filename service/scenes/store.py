@@ -7,11 +7,28 @@ from pathlib import Path
 from threading import Lock
 from typing import Any
 
-from sqlalchemy import Engine, Row, delete, func, insert, select
+from sqlalchemy import (
+    JSON,
+    Connection,
+    Engine,
+    Row,
+    Text,
+    cast,
+    delete,
+    func,
+    insert,
+    literal,
+    select,
+)
 
 from planning.whole_files import write_durably
 from service.errors import RevisionConflict, UnknownResource
-from service.scenes.records import SceneRecord, metadata, scenes
+from service.jobs.json_text import Encoded, encode
+from service.scenes.recent import RecentScenes
+from service.scenes.records import LoadedScene, SceneBrief, SceneRecord, metadata, scenes
+
+_CONTENT = (scenes.c.document, scenes.c.summary)
+_BRIEF = tuple(column for column in scenes.c if column not in {*_CONTENT})
 
 
 class SceneStore:
@@ -26,6 +43,7 @@ class SceneStore:
         self._engine = engine
         self._folder = folder
         self._revising = Lock()
+        self._recent = RecentScenes()
 
     def open(self) -> None:
         """Create what is missing."""
@@ -34,33 +52,22 @@ class SceneStore:
             index.create(self._engine, checkfirst=True)
         self._folder.mkdir(parents=True, exist_ok=True)
 
-    def add(
-        self, name: str, digest: str, document: dict[str, Any], summary: dict[str, Any]
-    ) -> SceneRecord:
+    def add(self, loaded: LoadedScene) -> SceneRecord:
         """Record a new scene."""
-        identifier = f"scn_{secrets.token_hex(8)}"
-        row = _row(identifier, 1, {"name": name, "digest": digest}, document, summary)
-        self._write(digest, document, summary)
+        self._write(loaded)
         with self._engine.begin() as connection:
-            connection.execute(insert(scenes).values(row))
-        return self.get(identifier)
+            record = _inserted(connection, f"scn_{secrets.token_hex(8)}", 1, loaded)
+        self._recent.put(record)
+        return record
 
-    def revise(
-        self,
-        base: SceneRecord,
-        name: str,
-        digest: str,
-        document: dict[str, Any],
-        summary: dict[str, Any],
-    ) -> SceneRecord:
+    def revise(self, base: SceneBrief, loaded: LoadedScene) -> SceneRecord:
         """Record the revision that follows `base`.
 
         Raises:
             UnknownResource: The scene is gone.
             RevisionConflict: `base` has a successor already.
         """
-        row = _row(base.id, base.revision + 1, {"name": name, "digest": digest}, document, summary)
-        self._write(digest, document, summary)
+        self._write(loaded)
         newest = select(func.max(scenes.c.revision)).where(scenes.c.id == base.id)
         # One server works on a database, so a lock in this process keeps writers apart.
         with self._revising, self._engine.begin() as connection:
@@ -69,8 +76,9 @@ class SceneStore:
                 raise UnknownResource.of("scene", base.id)
             if latest != base.revision:
                 raise RevisionConflict.of(base.id, base.revision, latest)
-            connection.execute(insert(scenes).values(row))
-        return self.get(base.id, base.revision + 1)
+            record = _inserted(connection, base.id, latest + 1, loaded)
+        self._recent.put(record)
+        return record
 
     def get(self, identifier: str, revision: int | None = None) -> SceneRecord:
         """Return a revision of a scene, by default the latest.
@@ -78,19 +86,23 @@ class SceneStore:
         Raises:
             UnknownResource: There is none.
         """
-        query = select(scenes).where(scenes.c.id == identifier)
+        query = select(*_BRIEF).where(scenes.c.id == identifier)
         with self._engine.connect() as connection:
-            found = connection.execute(query.order_by(scenes.c.revision.desc())).first()
-            if found is not None and revision not in {None, found.revision}:
+            latest = query.order_by(scenes.c.revision.desc()).limit(1)
+            found = connection.execute(latest).first()
+            if found is None:
+                raise UnknownResource.of("scene", identifier)
+            if revision not in {None, found.revision}:
                 wanted = query.where(scenes.c.revision == revision)
                 found = connection.execute(wanted).first()
                 if found is None:
                     raise UnknownResource.of("revision", f"{identifier}/{revision}")
-        if found is None:
-            raise UnknownResource.of("scene", identifier)
-        return _record(found)
+            known = self._recent.get(identifier, found.revision)
+            record = known or _read(connection, _brief(found))
+        self._recent.put(record)
+        return record
 
-    def page(self, limit: int, before: int | None) -> list[SceneRecord]:
+    def page(self, limit: int, before: int | None) -> list[SceneBrief]:
         """Return the latest revision of scenes older than `before`, newest scene first.
 
         A scene is as old as its first revision, whose serial stands for it: pages join up
@@ -103,11 +115,11 @@ class SceneStore:
         first, other = firsts.subquery(), scenes.alias()
         latest = select(func.max(other.c.revision)).where(other.c.id == first.c.id)
         is_latest = (scenes.c.id == first.c.id) & (scenes.c.revision == latest.scalar_subquery())
-        columns = [column for column in scenes.c if column is not scenes.c.serial]
+        columns = [column for column in _BRIEF if column is not scenes.c.serial]
         query = select(first.c.serial, *columns).select_from(first).join(scenes, is_latest)
         query = query.order_by(first.c.serial.desc())
         with self._engine.connect() as connection:
-            return [_record(row) for row in connection.execute(query)]
+            return [_brief(row) for row in connection.execute(query)]
 
     def delete(self, identifier: str) -> None:
         """Forget a scene; plans that were made in it stay.
@@ -124,46 +136,71 @@ class SceneStore:
         """Return the file of a scene's document, written again if it was lost."""
         path = self._path(record.digest)
         if not path.is_file():
-            self._write(record.digest, record.document, record.summary)
+            self._write(record.loaded)
         return path
 
     def _path(self, digest: str) -> Path:
         return (self._folder / f"{digest}.json").resolve()
 
-    def _write(self, digest: str, document: dict[str, Any], summary: dict[str, Any]) -> None:
+    def _write(self, loaded: LoadedScene) -> None:
         """Write the document and what its files are, whole or not at all."""
-        written = {"document": document}
-        if "files" in summary:  # not in those of servers that kept no files
-            written["files"] = summary["files"]
-        write_durably(self._path(digest), json.dumps(written).encode())
+        written = f'{{"document":{loaded.document.text}'
+        if "files" in loaded.summary:  # not in those of servers that kept no files
+            written += f',"files":{encode(loaded.summary["files"])}'
+        write_durably(self._path(loaded.digest), f"{written}}}".encode())
 
 
-def _row(
-    identifier: str,
-    revision: int,
-    named: dict[str, str],
-    document: dict[str, Any],
-    summary: dict[str, Any],
-) -> dict[str, Any]:
-    created_at = datetime.now(UTC).isoformat()
-    return {
-        **named,
+def _inserted(
+    connection: Connection, identifier: str, revision: int, loaded: LoadedScene
+) -> SceneRecord:
+    """Return the record of a new row."""
+    summary = encode(loaded.summary)[:-1] + ("," if loaded.summary else "")
+    texts = {
+        "document": loaded.document.text,
+        "summary": f'{summary}"unchecked":{loaded.unchecked.text}}}',
+    }
+    created_at = datetime.now(UTC)
+    row = {
         "id": identifier,
         "revision": revision,
-        "created_at": created_at,
-        "document": document,
-        "summary": summary,
+        "digest": loaded.digest,
+        "name": loaded.name,
+        "created_at": created_at.isoformat(),
     }
+    written = {name: _as_json(connection, text) for name, text in texts.items()}
+    done = connection.execute(insert(scenes).values(**row, **written).returning(scenes.c.serial))
+    serial = int(done.scalar_one())
+    return SceneRecord(serial, identifier, revision, loaded.digest, loaded.name, created_at, loaded)
 
 
-def _record(row: Row[Any]) -> SceneRecord:
-    return SceneRecord(
+def _as_json(connection: Connection, text: str) -> Any:
+    """Return what a column of JSON takes for a text that is JSON already."""
+    written = literal(text, Text)
+    return cast(written, JSON) if connection.dialect.name == "postgresql" else written
+
+
+def _read(connection: Connection, brief: SceneBrief) -> SceneRecord:
+    """Return a record whose brief was read.
+
+    Raises:
+        UnknownResource: The scene is gone.
+    """
+    texts = [cast(column, Text).label(column.name) for column in _CONTENT]
+    row = connection.execute(select(*texts).where(scenes.c.serial == brief.serial)).first()
+    if row is None:
+        raise UnknownResource.of("scene", brief.id)
+    summary: dict[str, Any] = json.loads(row.summary)
+    unchecked = Encoded(encode(summary.pop("unchecked", [])))
+    loaded = LoadedScene(brief.name, brief.digest, Encoded(row.document), summary, unchecked)
+    return SceneRecord(**vars(brief), loaded=loaded)
+
+
+def _brief(row: Row[Any]) -> SceneBrief:
+    return SceneBrief(
         serial=row.serial,
         id=row.id,
         revision=row.revision,
         digest=row.digest,
         name=row.name,
         created_at=datetime.fromisoformat(row.created_at),
-        document=row.document,
-        summary=row.summary,
     )

@@ -3,11 +3,9 @@
 from collections.abc import Mapping
 from typing import Any
 
-import yaml
-
-from planning import SceneDocument, parse_scene
-from planning.domain.scene import Scene
+from planning import SceneDocument
 from planning.errors import SceneInvalid
+from planning.world.scene_file import read_document
 from service.errors import UnreadableBody
 from service.json_body import RepeatedKey
 from service.json_body import decode_json as decode
@@ -21,10 +19,8 @@ MAX_DEPTH = 64
 MAX_YAML_TOKENS = 100_000
 
 
-def decode_scene(text: str, media: str) -> tuple[Scene, dict[str, Any]]:
-    """Return the scene in a text, and its document with the defaults filled in.
-
-    The document gives the same scene again, bit for bit.
+def decode_scene(text: str, media: str) -> SceneDocument:
+    """Return the document of a scene in a text, with the defaults filled in.
 
     Args:
         text: What was posted.
@@ -35,14 +31,9 @@ def decode_scene(text: str, media: str) -> tuple[Scene, dict[str, Any]]:
         SceneInvalid: It is no scene, with the `path` and, for YAML, the `line` of the fault.
     """
     if media == "json":
-        decoded = decode_json(text)
-        scene = parse_scene(decoded)
-    else:
-        _refuse_long(text)
-        scene = parse_scene(text)
-        decoded = yaml.load(text, Loader=yaml.CSafeLoader)
-    document = SceneDocument.model_validate(decoded)
-    return scene, document.model_dump(mode="json", exclude_none=True)
+        return read_document(decode_json(text))
+    _refuse_long(text)
+    return read_document(text)
 
 
 def decode_json(text: str) -> Mapping[str, Any]:

@@ -1,10 +1,14 @@
 """Loading a posted or edited scene: whether it stands, and what it holds."""
 
+import gc
+from collections.abc import Generator
+from contextlib import contextmanager
 from dataclasses import replace
 from typing import Any
 
 from planning import (
     ModelLibrary,
+    Scene,
     World,
     edit_scene,
     load_world,
@@ -19,27 +23,33 @@ from service.schemas.scene_edit import SceneEdit
 from service.tasks.channel import Channel
 from service.tasks.decode import decode_scene
 from service.tasks.scene_files import files_wire, read_posted
+from service.tasks.scene_text import SceneText, keep_text, kept_text
+from service.tasks.unchecked_text import unchecked_text
 from service.tasks.worlds import keep, library_of, load_like, take_world
 
 
 def load_scene(payload: dict[str, Any], _: Channel) -> dict[str, Any]:
-    """Return `document`, `digest` and `summary` of a posted scene; its world stays warm here.
+    """Return a posted scene as `LoadedScene` has it; its world and text stay warm here.
 
     Raises:
         UnreadableBody: The text is not JSON.
         InputError: The scene has a fault.
     """
-    scene, document = decode_scene(payload["text"], payload["media"])
     library = library_of(payload["library"])
-    try:
-        world = load_world(tried(scene, library), library)
-    except SceneInvalid as fault:
-        raise with_line(fault, payload["text"]) from fault
-    return _loaded(world, library, document)
+    with _no_collections():
+        document = decode_scene(payload["text"], payload["media"])
+        try:
+            world = load_world(tried(document.value(), library), library)
+        except SceneInvalid as fault:
+            raise with_line(fault, payload["text"]) from fault
+        return _loaded(world, library, SceneText.of(document))
 
 
 def revise_scene(payload: dict[str, Any], _: Channel) -> dict[str, Any]:
     """Return the same of a scene after the operations in `request`.
+
+    Where its world and text are warm, only what is edited is read and written; else all of it is
+    read from the file, with the same outcome.
 
     Raises:
         UnknownName: An operation names what the scene does not have.
@@ -49,24 +59,48 @@ def revise_scene(payload: dict[str, Any], _: Channel) -> dict[str, Any]:
     """
     request = SceneEdit.model_validate(payload["request"])
     library = library_of(payload["library"])
-    posted, files = read_posted(payload)
     operations = [operation_value(wire) for wire in request.operations]
-    world = take_world(payload)
-    before = replace(posted.value(), files=files) if world is None else world.scene
+    with _no_collections():
+        before, text = _before(payload, library)
+        edited = edit_scene(before, operations, library)
+        after = text.after(before, edited)
+        if after is None:
+            scene_document(edited)  # says what is wrong
+            raise AssertionError
+        return _loaded(load_like(tried(after[1], library), library), library, after[0])
+
+
+@contextmanager
+def _no_collections() -> Generator[None]:
+    """Collect no garbage: what is made meanwhile mostly stays, and is looked through each time."""
+    was_enabled = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if was_enabled:
+            gc.enable()
+
+
+def _before(payload: dict[str, Any], library: ModelLibrary) -> tuple[Scene, SceneText]:
+    """Return the scene that a task is about and its text, from here or from its file."""
+    world, text = take_world(payload), kept_text(payload["scene"]["digest"])
     if world is not None:
         keep(world, library)
-    edited = edit_scene(before, operations, library)
-    document = scene_document(edited, like=posted, before=before)
-    scene = tried(replace(document.value_after(posted, before), files=edited.files), library)
-    plain = document.model_dump(mode="json", exclude_none=True)
-    return _loaded(load_like(scene, library), library, plain)
+    if world is not None and text is not None:
+        return world.scene, text
+    posted, files = read_posted(payload)
+    before = replace(posted.value(), files=files) if world is None else world.scene
+    return before, SceneText.of(posted)
 
 
-def _loaded(world: World, library: ModelLibrary, document: dict[str, Any]) -> dict[str, Any]:
-    summary = scene_wire(world.summary, aliases_of(world)) | {"files": files_wire(world.scene)}
+def _loaded(world: World, library: ModelLibrary, text: SceneText) -> dict[str, Any]:
     keep(world, library)
-    name, digest = world.scene.name, world.digest
-    return {"name": name, "document": document, "digest": digest, "summary": summary}
+    keep_text(world.digest, text)
+    summary = world.summary
+    wire = scene_wire(summary, aliases_of(world)) | {"files": files_wire(world.scene)}
+    told = {"name": world.scene.name, "digest": world.digest, "summary": wire}
+    return {**told, "unchecked": unchecked_text(summary.unchecked), "document": text.whole}
 
 
 def aliases_of(world: World) -> dict[str, list[str]]:

@@ -198,3 +198,33 @@ def test_a_judge_that_was_asked_before_the_edit_does_not_answer_after_it() -> No
     assert not moved.collision_oracle(group, moved.margins()).is_free(q)
     assert not planning.check_configurations(moved, "arm", q[None])[0].valid
     assert world.collision_oracle(group, world.margins()).is_free(q)
+
+
+def test_what_is_moved_to_a_robot_is_warned_of() -> None:
+    """Also if the warnings of revisions between were never asked for."""
+    world, told = load(SCENE), 0
+    world.summary  # noqa: B018  (what it finds is known then)
+    hand = world.frame_pose("arm::wrist_2_link", world.state).position
+    for gap in (1.0, 0.5, 0.2, 0.12, 0.05, 0.0, 0.4):
+        pose = Pose.from_parts(hand + np.array([gap, 0, 0]))
+        scene = edit_scene(world.scene, [MoveObject("b1", pose)])
+        between = load(scene, like=world)
+        after = edit_scene(scene, [MoveObject("b3", Pose.from_parts((3.0, gap, 0.0)))])
+        world = load(after, like=between)
+        warnings = world.summary.warnings
+        assert warnings == load(after).summary.warnings
+        told += bool(warnings)
+    assert 0 < told < 7
+
+
+def test_a_robot_that_is_moved_to_what_stands_is_warned_of() -> None:
+    first, told = load(SCENE), set()
+    there = first.embed(first.group("arm"), CONFIGURATIONS[2])
+    hand = MoveObject("b1", first.frame_pose("arm::wrist_2_link", there))
+    world = load(edit_scene(SCENE, [hand]))
+    for q in CONFIGURATIONS[:4]:
+        scene = edit_scene(world.scene, [SetPositions("arm", tuple(q))])
+        world = load(scene, like=world)
+        assert world.summary.warnings == load(scene).summary.warnings
+        told.add(bool(world.summary.warnings))
+    assert told == {True, False}

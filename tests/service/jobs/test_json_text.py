@@ -4,10 +4,17 @@ import json
 import math
 
 import pytest
-from hypothesis import given
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from service.jobs.json_text import encode, encode_leniently
+from service.jobs.json_text import (
+    Encoded,
+    decode_parts,
+    encode,
+    encode_in_parts,
+    encode_leniently,
+)
+from tests.profiles import num_cases
 
 SCALARS = st.none() | st.booleans() | st.integers(-(2**60), 2**60) | st.floats() | st.text()
 CONTENT = st.recursive(
@@ -44,3 +51,16 @@ def test_what_is_no_json_is_refused_or_shown():
     with pytest.raises(ValueError, match="Circular"):
         encode(endless)
     assert "shown" in json.loads(encode_leniently(endless))
+
+
+@given(
+    plain=st.dictionaries(st.text(), CONTENT.map(expected), min_size=1, max_size=3),
+    encoded=st.dictionaries(st.text(), CONTENT.map(expected), max_size=3),
+)
+@settings(max_examples=num_cases(20))
+def test_parts_are_taken_apart_as_they_were_put_together(plain, encoded):
+    assume(not plain.keys() & encoded.keys())
+    parts = {name: Encoded(encode(part)) for name, part in encoded.items()}
+    text = encode_in_parts({**parts, **plain})
+    assert decode_parts(text) == {**plain, **parts}
+    assert json.loads(text) == {**plain, **encoded}

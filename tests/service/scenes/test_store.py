@@ -5,12 +5,22 @@ import resource
 from concurrent.futures import ThreadPoolExecutor
 
 import pytest
-from sqlalchemy import create_engine
+from sqlalchemy import create_engine, insert
 
 from service.errors import RevisionConflict, UnknownResource
+from service.jobs.json_text import Encoded, encode
+from service.scenes.recent import RecentScenes
+from service.scenes.records import LoadedScene, scenes
 from service.scenes.store import SceneStore
+from service.scenes.wire import scene_text
 
 DOCUMENT = {"robots": [{"name": "arm", "model": "ur5e"}], "margin": 0.1 + 0.2}
+UNCHECKED = Encoded(encode([{"bodies": ["a", "b"], "reason": "welded", "evidence": "w"}]))
+
+
+def loaded(name, digest, document=None, summary=None):
+    document = Encoded(encode(document or DOCUMENT))
+    return LoadedScene(name, digest, document, summary or {}, UNCHECKED)
 
 
 @pytest.fixture
@@ -28,7 +38,7 @@ def store(engine, tmp_path):
 
 
 def test_what_is_added_is_found_by_another_store(store, engine, tmp_path):
-    added = store.add("a", "d1", DOCUMENT, {"groups": []})
+    added = store.add(loaded("a", "d1", summary={"groups": []}))
     again = SceneStore(engine, tmp_path / "documents")
     again.open()
     assert again.get(added.id) == added
@@ -36,7 +46,7 @@ def test_what_is_added_is_found_by_another_store(store, engine, tmp_path):
 
 
 def test_unknown_scenes_and_revisions_are_refused(store):
-    added = store.add("a", "d1", DOCUMENT, {})
+    added = store.add(loaded("a", "d1"))
     for wrong in (("nothing",), (added.id, 2), ("nothing", 1)):
         with pytest.raises(UnknownResource):
             store.get(*wrong)
@@ -45,7 +55,7 @@ def test_unknown_scenes_and_revisions_are_refused(store):
 
 
 def test_pages_have_every_scene_once_newest_first(store):
-    names = [store.add(f"s{i}", "d", DOCUMENT, {}).name for i in range(7)]
+    names = [store.add(loaded(f"s{i}", "d")).name for i in range(7)]
     seen, before = [], None
     while page := store.page(3, before):
         seen += [record.name for record in page]
@@ -55,7 +65,7 @@ def test_pages_have_every_scene_once_newest_first(store):
 
 def test_deleted_scenes_are_gone_but_their_file_stays(store):
     files = {"arm": {"named": "ur5e"}}
-    added = store.add("a", "d1", DOCUMENT, {"files": files})
+    added = store.add(loaded("a", "d1", summary={"files": files}))
     file = store.file(added)
     store.delete(added.id)
     with pytest.raises(UnknownResource):
@@ -64,15 +74,15 @@ def test_deleted_scenes_are_gone_but_their_file_stays(store):
 
 
 def test_a_lost_file_is_written_again_bit_for_bit(store):
-    added = store.add("a", "d1", DOCUMENT, {})
+    added = store.add(loaded("a", "d1"))
     before = store.file(added).read_bytes()
     store.file(added).unlink()
     assert store.file(added).read_bytes() == before
 
 
 def test_revisions_follow_one_another_and_stay_readable(store):
-    first = store.add("a", "d1", DOCUMENT, {})
-    second = store.revise(first, "a", "d2", {**DOCUMENT, "margin": 1.0}, {"groups": []})
+    first = store.add(loaded("a", "d1"))
+    second = store.revise(first, loaded("a", "d2", {**DOCUMENT, "margin": 1.0}, {"groups": []}))
     assert (second.id, second.revision) == (first.id, 2)
     assert store.get(first.id) == second
     assert store.get(first.id, 1) == first
@@ -83,13 +93,13 @@ def test_revisions_follow_one_another_and_stay_readable(store):
         with pytest.raises(UnknownResource):
             store.get(first.id, revision)
     with pytest.raises(UnknownResource):
-        store.revise(second, "a", "d3", DOCUMENT, {})
+        store.revise(second, loaded("a", "d3"))
 
 
 def test_of_two_successors_one_is_refused(store):
-    first = store.add("a", "d1", DOCUMENT, {})
+    first = store.add(loaded("a", "d1"))
     with ThreadPoolExecutor(8) as pool:
-        asked = [pool.submit(store.revise, first, "a", f"d{i}", DOCUMENT, {}) for i in range(8)]
+        asked = [pool.submit(store.revise, first, loaded("a", f"d{i}")) for i in range(8)]
     refusals = [future.exception() for future in asked]
     assert refusals.count(None) == 1
     assert all(isinstance(r, RevisionConflict) for r in refusals if r is not None)
@@ -97,9 +107,9 @@ def test_of_two_successors_one_is_refused(store):
 
 
 def test_pages_have_the_latest_revision_at_the_place_of_the_first(store):
-    made = [store.add(f"s{i}", "d", DOCUMENT, {}) for i in range(5)]
+    made = [store.add(loaded(f"s{i}", "d")) for i in range(5)]
     page = store.page(2, None)
-    revised = store.revise(made[1], "s1 edited", "e", DOCUMENT, {})
+    revised = store.revise(made[1], loaded("s1 edited", "e"))
     seen = [record.name for record in page]
     while page := store.page(2, page[-1].serial):
         seen += [record.name for record in page]
@@ -112,8 +122,51 @@ def test_what_finds_no_room_leaves_nothing_behind(store, tmp_path):
     resource.setrlimit(resource.RLIMIT_FSIZE, (1, before[1]))
     try:
         with pytest.raises(OSError, match="File too large"):
-            store.add("a", "d1", DOCUMENT, {})
+            store.add(loaded("a", "d1"))
     finally:
         resource.setrlimit(resource.RLIMIT_FSIZE, before)
     assert list((tmp_path / "documents").iterdir()) == []
-    assert store.file(store.add("a", "d1", DOCUMENT, {})).is_file()
+    assert store.file(store.add(loaded("a", "d1"))).is_file()
+
+
+def test_records_are_read_again_only_when_they_were_put_aside(store, monkeypatch):
+    made = [store.add(loaded(f"s{i}", "d")) for i in range(3)]
+    monkeypatch.setattr("service.scenes.store._read", None)
+    assert [store.get(record.id) for record in made] == made
+    assert all(store.get(record.id) is record for record in made)
+
+
+def test_of_what_is_kept_the_oldest_goes_first_and_the_last_stays(store):
+    a, b, c = (store.add(loaded(f"s{i}", "d")) for i in range(3))
+    recent = RecentScenes(most_chars=2 * a.num_chars)
+    for record in (a, b, a, c):
+        recent.put(record)
+        recent.get(a.id, 1)
+    assert [recent.get(record.id, 1) for record in (a, b, c)] == [a, None, c]
+    small = RecentScenes(most_chars=0)
+    for record in (a, b, b):
+        small.put(record)
+    assert [small.get(record.id, 1) for record in (a, b)] == [None, b]
+
+
+def test_a_scene_of_an_older_server_is_read_and_told(store, engine):
+    """Its row was written member by member, and may lack what came later."""
+    group = {"name": "arm", "aliases": [], "joints": [], "position_names": []}
+    group |= {"velocity_names": [], "tool_frames": [], "configurations": {}, "positions": []}
+    rates = ["lower", "upper", "blocks", "velocity", "acceleration", "jerk", "effort"]
+    group["limits"] = {name: [] for name in rates}
+    told = {"groups": [group], "frames": ["f"], "bodies": [], "num_pairs": 0, "assumed": []}
+    told |= {"warnings": [], "unchecked": json.loads(UNCHECKED.text), "no_longer": "told"}
+    row = {"id": "scn_old", "revision": 1, "digest": "d", "name": "old"}
+    row |= {"created_at": "2026-01-02T03:04:05+00:00", "document": DOCUMENT, "summary": told}
+    with engine.begin() as connection:
+        connection.execute(insert(scenes).values(row))
+    record = store.get("scn_old")
+    assert record.document == DOCUMENT
+    assert record.summary == {k: part for k, part in told.items() if k != "unchecked"}
+    answer = json.loads(scene_text(record).text)
+    assert answer["document"] == DOCUMENT
+    assert answer["unchecked"] == told["unchecked"]
+    assert answer["files"] == {}
+    assert "no_longer" not in answer
+    assert answer["created_at"] == "2026-01-02T03:04:05Z"

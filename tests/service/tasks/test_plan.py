@@ -36,7 +36,7 @@ def payload(tmp_path):
     posted = {"library": library, "text": json.dumps(BLOCK_SCENE), "media": "json"}
     loaded = load_scene(posted, Channel())
     file = tmp_path / "scene.json"
-    kept = {"document": loaded["document"], "files": loaded["summary"]["files"]}
+    kept = {"document": json.loads(loaded["document"].text), "files": loaded["summary"]["files"]}
     file.write_text(json.dumps(kept))
     request = {"scene": "s", "group": "arm", "goal": {"type": "configuration", "name": "ready"}}
     request["search"] = {"allowed_planning_time": ALLOWED}

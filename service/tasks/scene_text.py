@@ -1,0 +1,125 @@
+"""SceneText: a scene's document as text, object by object, so that an edit writes what it edits.
+
+Of ten thousand objects all but a few are after an edit what they were before. Their texts stay, and
+so do their values: nothing is read, validated or written for them.
+"""
+
+import threading
+from collections import OrderedDict
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from itertools import zip_longest
+
+from pydantic import ValidationError
+
+from planning import Scene, SceneDocument, scene_document
+from planning.domain.scene import SceneObject
+from planning.world.scene_document import ObjectDocument
+from planning.world.scene_writer import object_document
+from service.jobs.json_text import Encoded, encode
+
+_MOST_OBJECTS = 10_000
+# As many as there are worlds in a worker; the texts of revisions are mostly the same.
+_MOST_KEPT = 8
+
+
+@dataclass(frozen=True)
+class SceneText:
+    """The document of a scene.
+
+    Attributes:
+        rest: All of it but the objects.
+        objects: The JSON text of each object.
+    """
+
+    rest: SceneDocument
+    objects: tuple[str, ...]
+
+    @classmethod
+    def of(cls, document: SceneDocument) -> "SceneText":
+        """Return a document object by object."""
+        rest = document.model_copy(update={"objects": []})
+        return cls(rest, tuple(map(_text, document.objects)))
+
+    @property
+    def whole(self) -> Encoded:
+        """The JSON text of the document; read again it gives the same scene, bit for bit."""
+        plain = self.rest.model_dump(mode="json", exclude_none=True)
+        objects = f"[{','.join(self.objects)}]"
+        members = [
+            f"{encode(name)}:{objects if name == 'objects' else encode(part)}"
+            for name, part in plain.items()
+        ]
+        return Encoded(f"{{{','.join(members)}}}")
+
+    def after(self, before: Scene, edited: Scene) -> "tuple[SceneText, Scene] | None":
+        """Return the text of a scene that was edited, and the scene that it says.
+
+        None if it says what no document may: then the whole document tells what is wrong.
+
+        Args:
+            before: The scene that this text describes.
+            edited: The same after an edit.
+        """
+        if len(edited.objects) > _MOST_OBJECTS:
+            return None
+        bare = replace(edited, objects=())
+        try:
+            rest = scene_document(bare, like=self.rest)
+            texts, objects = self._after(before.objects, edited.objects)
+        except ValidationError:
+            return None
+        scene = replace(rest.value(), objects=objects, files=edited.files)
+        return SceneText(rest, texts), scene
+
+    def _after(
+        self, before: Sequence[SceneObject], edited: Sequence[SceneObject]
+    ) -> tuple[tuple[str, ...], tuple[SceneObject, ...]]:
+        rows = zip_longest(self.objects, before, edited)
+        # All but a few are in their places, and only those few are looked for by name.
+        wanted = {value.name for _, same, value in rows if value is not None and value is not same}
+        known = {
+            same.name: (text, same)
+            for text, same in zip(self.objects, before, strict=True)
+            if same.name in wanted
+        }
+        rows = zip_longest(self.objects, before, edited)
+        found = [
+            (text, same)
+            if value is same
+            else self._again(value, *known.get(value.name, ("", None)))
+            for text, same, value in rows
+            if value is not None
+        ]
+        return tuple(text for text, _ in found), tuple(value for _, value in found)
+
+    @staticmethod
+    def _again(value: SceneObject, text: str, same: SceneObject | None) -> tuple[str, SceneObject]:
+        """Return text and value of an object: as they were if it is the same as before."""
+        if same is not None and (value is same or value == same):
+            return text, same
+        document = object_document(value)
+        return _text(document), document.value()
+
+
+_recent: OrderedDict[str, SceneText] = OrderedDict()
+_lock = threading.Lock()
+
+
+def keep_text(digest: str, text: SceneText) -> None:
+    """Keep the text of a scene for its next edit in this process."""
+    with _lock:
+        _recent[digest] = text
+        _recent.move_to_end(digest)
+        while len(_recent) > _MOST_KEPT:
+            _recent.popitem(last=False)
+
+
+def kept_text(digest: str) -> SceneText | None:
+    """Return the text of a scene if it is here."""
+    with _lock:
+        return _recent.get(digest)
+
+
+def _text(document: ObjectDocument) -> str:
+    return encode(document.model_dump(mode="json", exclude_none=True))
