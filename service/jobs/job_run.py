@@ -64,6 +64,8 @@ class JobRun:
         self._floor = floor
         self._recorder = EventRecorder(self._log)
         self._slot: Slot | None = None
+        self._is_known = asyncio.Event()
+        self._is_dropped = False
         self._is_unwanted = job.is_cancel_requested
         self._interrupted = ""
         self._started: Moved | None = None
@@ -94,6 +96,17 @@ class JobRun:
         known = self._recording.unrecorded(self.job.id)
         own = {"events": self._recorder.is_refused, "end": self._has_ended}
         return list(dict.fromkeys([*known, *(what for what, is_so in own.items() if is_so)]))
+
+    def enter(self, job: Job) -> None:
+        """Record what happens from now on: the table has the job, which reads so."""
+        self.job = job
+        self._is_known.set()
+
+    def drop(self) -> None:
+        """End the run, and record nothing of it: the table will never have the job."""
+        self._is_dropped = True
+        self._is_known.set()
+        self.cancel()
 
     def cancel(self) -> None:
         """End the run on request, whatever it does."""
@@ -151,6 +164,9 @@ class JobRun:
         return await self._conclude(outcome, refused, self._started.attempts)
 
     async def _write_start(self) -> Moved | None:
+        await self._is_known.wait()
+        if self._is_dropped:
+            return None
         store, identifier = self._recording.store, self.job.id
         # What the database forgot to have begun would be begun once more, and could not end.
         lasting = store.may_crash_alone
@@ -230,7 +246,12 @@ class JobRun:
         store, identifier = self._recording.store, self.job.id
         if isinstance(outcome, Returned):
             result, brief = outcome.result, outcome.brief
-            moved = await self._move(partial(store.succeed, identifier, result, brief))
+            succeed = partial(store.succeed, identifier, result, brief)
+            # What a power cut takes back runs again with the same seed; what moved a robot cannot.
+            lasting = store.may_crash_alone or self.job.max_attempts == 1
+            moved = await self._recording.move(
+                identifier, succeed, is_durable=lasting, is_owed=True
+            )
             if moved is not None:
                 self._has_ended_with(moved, result, json.loads((brief or result).text))
             return False

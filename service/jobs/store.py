@@ -14,7 +14,7 @@ from planning.errors import Canceled, WayproofError
 from service.jobs import reading
 from service.jobs.briefs import fill_briefs
 from service.jobs.database import set_durability
-from service.jobs.enrolling import enroll, job_by_key
+from service.jobs.enrolling import Draft, draft, enroll, job_by_key
 from service.jobs.errors import DatabaseTaken
 from service.jobs.json_text import Encoded, encode
 from service.jobs.moving import Moved, log, move, reserve
@@ -49,6 +49,7 @@ _END = {
 }
 _IF_OPEN = update(jobs).where(jobs.c.id == _WHOSE, jobs.c.state.in_(_OPEN))
 _CANCEL = _IF_OPEN.values(is_cancel_requested=True)
+_FLUSH = Prepared(update(owner).values(epoch=owner.c.epoch))
 _EPOCH = Prepared(select(owner.c.epoch).with_for_update(read=True))
 
 
@@ -121,9 +122,13 @@ class JobStore(JobReads):
             IdempotencyConflict: The key was used for another request.
             TypeError: The payload is not JSON-compatible.
         """
+        return self.enter(draft(spec))
+
+    def enter(self, drafted: Draft) -> tuple[Job, bool]:
+        """Write a job that was drafted; returns and raises as `insert`."""
         with self.transaction(is_durable=True) as connection:
-            known = job_by_key(connection, spec)
-            return (enroll(connection, spec), True) if known is None else (known, False)
+            known = job_by_key(connection, drafted.job)
+            return (enroll(connection, drafted), True) if known is None else (known, False)
 
     def start(self, identifier: str) -> Moved | None:
         """Let a queued job run; None if it is not queued any more. So for the other moves."""
@@ -203,6 +208,12 @@ class JobStore(JobReads):
         with self.transaction(is_durable=False) as connection:
             first = reserve(connection, identifier, told, may_wait=may_wait)
             return [] if first is None else log(connection, identifier, first, told)
+
+    def flush(self) -> None:
+        """Make durable what was committed before this."""
+        with self.transaction(is_durable=True) as connection:
+            # Databases write in order, and what is written last need not change anything.
+            _FLUSH(connection)
 
     def _give_up(
         self,
