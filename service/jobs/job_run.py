@@ -71,6 +71,7 @@ class JobRun:
         self._started: Moved | None = None
         self._start_is_known = asyncio.Event()
         self._has_ended = False
+        self._untold: list[Told] = []
         self._seconds = 0.0
 
     @property
@@ -160,8 +161,8 @@ class JobRun:
         if self._started is None:  # canceled while it was queued
             return False
         self._has_ended = True
-        refused = await self._recorder.close()
-        return await self._conclude(outcome, refused, self._started.attempts)
+        self._untold = await self._recorder.close()
+        return await self._conclude(outcome, self._started.attempts)
 
     async def _write_start(self) -> Moved | None:
         await self._is_known.wait()
@@ -219,27 +220,25 @@ class JobRun:
             self._floor.release(job.lane, slot, self._seconds)
         return outcome
 
-    async def _conclude(self, outcome: Outcome, refused: list[Told], attempts: int) -> bool:
+    async def _conclude(self, outcome: Outcome, attempts: int) -> bool:
         """Write the end into the table, however long that takes."""
         identifier = self.job.id
-
-        async def write() -> bool:
-            if refused:
-                await self._recording.log(identifier, refused)
-                refused.clear()
-            return await self._write_end(outcome, attempts)
-
+        write = partial(self._write_end, outcome, attempts)
         try:
             return await self._recording.insist(identifier, "end", write)
         except DatabaseTaken:
             return False
         except Exception as fault:
+            if self._untold:
+                _log.exception("%d events of %s were lost", len(self._untold), identifier)
+                self._untold = []
+                return await self._conclude(outcome, attempts)
             # The database is well: it is what the task gave that it does not take.
             if isinstance(outcome, Raised) and isinstance(outcome.error, InternalError):
                 raise
             _log.exception("the end of %s could not be written", identifier)
             reason = f"the result could not be recorded: {type(fault).__name__}"
-            return await self._conclude(Raised(InternalError(reason)), [], attempts)
+            return await self._conclude(Raised(InternalError(reason)), attempts)
 
     async def _write_end(self, outcome: Outcome, attempts: int) -> bool:
         """Write the end, and return whether the job is queued again instead."""
@@ -249,9 +248,7 @@ class JobRun:
             succeed = partial(store.succeed, identifier, result, brief)
             # What a power cut takes back runs again with the same seed; what moved a robot cannot.
             lasting = store.may_crash_alone or self.job.max_attempts == 1
-            moved = await self._recording.move(
-                identifier, succeed, is_durable=lasting, is_owed=True
-            )
+            moved = await self._move(succeed, is_durable=lasting)
             if moved is not None:
                 self._has_ended_with(moved, result, json.loads((brief or result).text))
             return False
@@ -308,5 +305,11 @@ class JobRun:
             case _:
                 return error
 
-    async def _move(self, work: Callable[[], Moved | None]) -> Moved | None:
-        return await self._recording.move(self.job.id, work)
+    async def _move(
+        self, work: Callable[[], Moved | None], *, is_durable: bool = True
+    ) -> Moved | None:
+        """Write a move of the job, with what it said last."""
+        move = partial(self._recording.move, self.job.id, work, told=self._untold)
+        moved = await move(is_durable=is_durable, is_owed=True)
+        self._untold = []
+        return moved

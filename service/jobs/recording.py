@@ -80,13 +80,25 @@ class Recording:
         identifier: str,
         work: Callable[[], Moved | None],
         *,
+        told: Sequence[Told] = (),
         is_durable: bool = True,
         is_owed: bool = False,
     ) -> Moved | None:
-        """Move a job to another state, and tell of it; raises as `write`."""
-        moved = await self.write(work, is_durable=is_durable, is_owed=is_owed)
-        if moved is not None:
-            self._bus.publish(identifier, [moved.event])
+        """Move a job to another state, and tell of it; raises as `write`.
+
+        Args:
+            identifier: Of the job.
+            work: Moves it.
+            told: What it said before, and is not recorded yet.
+            is_durable: As for `write`.
+            is_owed: As for `write`.
+        """
+
+        def both() -> tuple[list[LoggedEvent], Moved | None]:
+            return self.store.record(identifier, told), work()
+
+        said, moved = await self.write(both, is_durable=is_durable, is_owed=is_owed)
+        self.publish(identifier, said if moved is None else [*said, moved.event])
         return moved
 
     async def log(self, identifier: str, told: Sequence[Told], *, may_wait: bool = False) -> None:
