@@ -42,7 +42,7 @@ async def submit_execution(
             return known
         # Before the scene is read: what ends until then is in it.
         await require_at_rest(desk, wanted["scene"])
-        record = await scenes.get(wanted["scene"])
+        record = await scenes.fresh(wanted["scene"])
         group = require_group(record, wanted["group"])
         require_at_start(group, (plan.result or {})["result"]["start"])
         await _require_proven(desk, record, plan, polynomial)

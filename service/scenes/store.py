@@ -24,7 +24,7 @@ class SceneStore:
     def __init__(self, engine: Engine, folder: Path) -> None:
         """Keep records in `engine` and files in `folder`; call `open` before use."""
         self._engine = engine
-        self._folder = folder
+        self._folder = folder.resolve()
         self._revising = Lock()
 
     def open(self) -> None:
@@ -122,20 +122,21 @@ class SceneStore:
 
     def file(self, record: SceneRecord) -> Path:
         """Return the file of a scene's document, written again if it was lost."""
-        path = self._path(record.digest)
+        path = self.path(record.digest)
         if not path.is_file():
             self._write(record.digest, record.document, record.summary)
         return path
 
-    def _path(self, digest: str) -> Path:
-        return (self._folder / f"{digest}.json").resolve()
+    def path(self, digest: str) -> Path:
+        """Return where the file of a document is, or would be."""
+        return self._folder / f"{digest}.json"
 
     def _write(self, digest: str, document: dict[str, Any], summary: dict[str, Any]) -> None:
         """Write the document and what its files are, whole or not at all."""
         written = {"document": document}
         if "files" in summary:  # not in those of servers that kept no files
             written["files"] = summary["files"]
-        write_durably(self._path(digest), json.dumps(written).encode())
+        write_durably(self.path(digest), json.dumps(written).encode())
 
 
 def _row(

@@ -19,7 +19,7 @@ class Moving:
         self.positions = [0.0]
         self.admitting_motion = asyncio.Lock()
 
-    async def get(self, identifier):
+    async def fresh(self, identifier):
         group = {"name": "arm", "aliases": [], "joints": [JOINT], "position_names": ["arm::j"]}
         summary = {"groups": [{**group, "positions": self.positions}]}
         return SimpleNamespace(id=identifier, digest="d", summary=summary)
