@@ -6,6 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from pydantic_core import to_json
+
 
 @dataclass(frozen=True)
 class Encoded:
@@ -29,6 +31,21 @@ def encode(content: Any) -> str:
         if "Circular" in str(fault):
             raise
         return json.dumps(_finite(content), allow_nan=False, separators=(",", ":"))
+
+
+def encode_result(content: Any) -> str:
+    """Return what `encode` does, a few times faster, of what a task gives: members have names.
+
+    What only Python can tell from lists and strings (sets, bytes, instants) is not refused.
+
+    Raises:
+        TypeError: Something in it is not JSON-compatible.
+        ValueError: It contains itself.
+    """
+    try:
+        return to_json(content, inf_nan_mode="null", ensure_ascii=True).decode("ascii")
+    except ValueError:  # halves of characters, or what has to be refused with a reason
+        return encode(content)
 
 
 def encode_leniently(content: Any) -> str:

@@ -10,7 +10,7 @@ from typing import Any
 from planning.errors import WayproofError
 from service.jobs.error_text import error_text
 from service.jobs.errors import InternalError
-from service.jobs.json_text import encode, encode_leniently
+from service.jobs.json_text import encode_leniently, encode_result
 from service.jobs.link import FrameKind
 from service.jobs.outline import outline_of, without
 
@@ -43,8 +43,8 @@ def run_task(task: str, payload: str, channel: Any) -> TaskEnd:
     try:
         found = load_task(task)(json.loads(payload), channel)
         large = outline_of(task).result
-        brief = encode(without(found, large)) if large else ""
-        return TaskEnd(FrameKind.RESULT, encode(found), brief)
+        brief = encode_result(without(found, large)) if large else ""
+        return TaskEnd(FrameKind.RESULT, encode_result(found), brief)
     except WayproofError as error:
         return TaskEnd(FrameKind.FAILURE, error_text(error))
     except MemoryError:
