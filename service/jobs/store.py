@@ -13,7 +13,7 @@ from sqlalchemy import Connection, Engine, bindparam, delete, insert, select, up
 from planning.errors import Canceled, WayproofError
 from service.jobs import reading
 from service.jobs.briefs import fill_briefs
-from service.jobs.database import set_durability
+from service.jobs.database import set_durability, sync_log
 from service.jobs.enrolling import Draft, draft, enroll, job_by_key
 from service.jobs.errors import DatabaseTaken
 from service.jobs.json_text import Encoded, encode
@@ -49,7 +49,6 @@ _END = {
 }
 _IF_OPEN = update(jobs).where(jobs.c.id == _WHOSE, jobs.c.state.in_(_OPEN))
 _CANCEL = _IF_OPEN.values(is_cancel_requested=True)
-_FLUSH = Prepared(update(owner).values(epoch=owner.c.epoch))
 _EPOCH = Prepared(select(owner.c.epoch).with_for_update(read=True))
 
 
@@ -210,10 +209,12 @@ class JobStore(JobReads):
             return [] if first is None else log(connection, identifier, first, told)
 
     def flush(self) -> None:
-        """Make durable what was committed before this."""
-        with self.transaction(is_durable=True) as connection:
-            # Databases write in order, and what is written last need not change anything.
-            _FLUSH(connection)
+        """Make durable what was committed before this.
+
+        Raises:
+            OSError: The disk does not take it.
+        """
+        sync_log(self._engine)
 
     def _give_up(
         self,

@@ -5,6 +5,7 @@ that takes milliseconds to be sure slows each job, not their number.
 """
 
 import asyncio
+import logging
 import queue
 import threading
 from collections.abc import Callable, Sequence
@@ -21,6 +22,7 @@ _MAX_BATCH = 64
 # When what is owed to the disk is given to it: after such a lull, at the latest after so long, and
 # again so long after the database refused it [s].
 _LULL, _LONGEST_DEBT, _AGAIN = 0.01, 0.05, 1.0
+_log = logging.getLogger(__name__)
 # How long to wait before a database that refused is asked again, and again [s].
 _PAUSES = (0.1, 0.3, 1.0, 3.0)
 
@@ -127,9 +129,9 @@ class Writer:
         self._debt_since, self._lull = None, _LULL
         try:
             self._store.flush()
-        except Exception as fault:  # noqa: BLE001  (it is committed, and so nobody waits for it)
-            if is_of_database(fault):
-                self._debt_since, self._lull = monotonic(), _AGAIN
+        except OSError:
+            _log.exception("the disk does not take what was committed")
+            self._debt_since, self._lull = monotonic(), _AGAIN
 
     def _note(self, orders: list[_Order]) -> None:
         """Count what has just been committed together."""

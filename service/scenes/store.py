@@ -2,15 +2,18 @@
 
 import json
 import secrets
+from collections.abc import Generator
+from contextlib import contextmanager
 from datetime import UTC, datetime
 from pathlib import Path
 from threading import Lock
 from typing import Any
 
-from sqlalchemy import Engine, Row, delete, func, insert, select
+from sqlalchemy import Connection, Engine, Row, delete, func, insert, select
 
 from planning.whole_files import write_durably
 from service.errors import RevisionConflict, UnknownResource
+from service.jobs.database import set_durability
 from service.scenes.records import SceneRecord, metadata, scenes
 
 
@@ -41,7 +44,7 @@ class SceneStore:
         identifier = f"scn_{secrets.token_hex(8)}"
         row = _row(identifier, 1, {"name": name, "digest": digest}, document, summary)
         self._write(digest, document, summary)
-        with self._engine.begin() as connection:
+        with self._writing() as connection:
             connection.execute(insert(scenes).values(row))
         return self.get(identifier)
 
@@ -63,7 +66,7 @@ class SceneStore:
         self._write(digest, document, summary)
         newest = select(func.max(scenes.c.revision)).where(scenes.c.id == base.id)
         # One server works on a database, so a lock in this process keeps writers apart.
-        with self._revising, self._engine.begin() as connection:
+        with self._revising, self._writing() as connection:
             latest = connection.execute(newest).scalar()
             if latest is None:
                 raise UnknownResource.of("scene", base.id)
@@ -115,7 +118,7 @@ class SceneStore:
         Raises:
             UnknownResource: There is none.
         """
-        with self._engine.begin() as connection:
+        with self._writing() as connection:
             gone = connection.execute(delete(scenes).where(scenes.c.id == identifier))
         if gone.rowcount == 0:
             raise UnknownResource.of("scene", identifier)
@@ -126,6 +129,13 @@ class SceneStore:
         if not path.is_file():
             self._write(record.digest, record.document, record.summary)
         return path
+
+    @contextmanager
+    def _writing(self) -> Generator[Connection]:
+        """Write what survives a power cut: connections are shared with what need not."""
+        with self._engine.begin() as connection:
+            set_durability(connection, is_durable=True)
+            yield connection
 
     def path(self, digest: str) -> Path:
         """Return where the file of a document is, or would be."""

@@ -3,11 +3,12 @@
 import json
 import math
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from service.jobs.json_text import encode, encode_leniently
+from service.jobs.json_text import encode, encode_leniently, encode_result
 
 SCALARS = st.none() | st.booleans() | st.integers(-(2**60), 2**60) | st.floats() | st.text()
 CONTENT = st.recursive(
@@ -27,12 +28,26 @@ def expected(content):
             return content
 
 
+@pytest.mark.parametrize("encode", [encode, encode_result])
 @given(CONTENT)
-def test_what_goes_in_comes_out(content):
+def test_what_goes_in_comes_out(encode, content):
     text = encode(content)
     assert text.isascii()
     assert "\0" not in text
     assert repr(json.loads(text)) == repr(expected(content))
+
+
+@pytest.mark.parametrize(
+    "odd", [np.int64(1), np.zeros(2), object(), "\ud800", {1}, b"", {1: 2}, (1, [2.5])]
+)
+def test_results_are_refused_as_anything_is(odd):
+    def said(encode):
+        try:
+            return encode({"a": [odd]})
+        except TypeError as fault:
+            return str(fault)
+
+    assert said(encode_result) == said(encode)
 
 
 def test_what_is_no_json_is_refused_or_shown():

@@ -5,9 +5,13 @@ import resource
 from concurrent.futures import ThreadPoolExecutor
 
 import pytest
-from sqlalchemy import create_engine
+from sqlalchemy import create_engine, event
 
 from service.errors import RevisionConflict, UnknownResource
+from service.jobs.database import open_engine
+from service.jobs.json_text import Encoded
+from service.jobs.records import JobSpec
+from service.jobs.store import JobStore
 from service.scenes.store import SceneStore
 
 DOCUMENT = {"robots": [{"name": "arm", "model": "ur5e"}], "margin": 0.1 + 0.2}
@@ -117,3 +121,25 @@ def test_what_finds_no_room_leaves_nothing_behind(store, tmp_path):
         resource.setrlimit(resource.RLIMIT_FSIZE, before)
     assert list((tmp_path / "documents").iterdir()) == []
     assert store.file(store.add("a", "d1", DOCUMENT, {})).is_file()
+
+
+def test_scenes_are_durable_although_they_share_connections_with_what_need_not_be(tmp_path):
+    """SQLite's `synchronous` is a connection's: 2 is FULL, which waits for the disk."""
+    engine, levels = open_engine(f"sqlite:///{tmp_path / 'scenes.sqlite'}"), []
+    scenes, jobs = SceneStore(engine, tmp_path / "documents"), JobStore(engine)
+    scenes.open()
+    jobs.open()
+
+    def note(connection):
+        levels.append(connection.exec_driver_sql("PRAGMA synchronous").scalar())
+
+    event.listen(engine, "commit", note)
+    identifier = jobs.insert(JobSpec("plan", "m:f", {}))[0].id
+    jobs.start(identifier)
+    added = scenes.add("a", "d", DOCUMENT, {})
+    jobs.record(identifier, [("stage", Encoded("{}"))])
+    scenes.revise(added, "a", "e", DOCUMENT, {})
+    jobs.record(identifier, [("stage", Encoded("{}"))])
+    scenes.delete(added.id)
+    engine.dispose()
+    assert levels == [2, 1, 2, 1, 2, 1, 2]
