@@ -12,8 +12,8 @@ from typing import Any
 from planning.errors import Canceled, WayproofError
 from service.jobs.errors import DatabaseTaken, InternalError, ServerRestarted
 from service.jobs.floor import Floor
-from service.jobs.json_text import Encoded, encode
-from service.jobs.moving import Moved
+from service.jobs.json_text import Encoded
+from service.jobs.moving import Moved, as_read
 from service.jobs.outcome import (
     Crashed,
     Ended,
@@ -24,8 +24,8 @@ from service.jobs.outcome import (
     Silent,
     error_of,
     placed,
+    repeats,
 )
-from service.jobs.reading import brief_of
 from service.jobs.recorder import EventRecorder, Told
 from service.jobs.recording import Recording
 from service.jobs.records import Job, JobText
@@ -245,12 +245,11 @@ class JobRun:
         store, identifier = self._recording.store, self.job.id
         if isinstance(outcome, Returned):
             result, brief = outcome.result, outcome.brief
+            shown = json.loads((brief or result).text)
             succeed = partial(store.succeed, identifier, result, brief)
-            # What a power cut takes back runs again with the same seed; what moved a robot cannot.
-            lasting = store.may_crash_alone or self.job.max_attempts == 1
-            moved = await self._move(succeed, is_durable=lasting)
+            moved = await self._move(succeed, is_durable=self._must_last(shown))
             if moved is not None:
-                self._has_ended_with(moved, result, json.loads((brief or result).text))
+                self._has_ended_with(moved, result, shown)
             return False
         requeue = self._requeue(outcome, attempts)
         if requeue is not None:
@@ -266,13 +265,15 @@ class JobRun:
             self._has_ended_with(moved, None, None)
         return False
 
+    def _must_last(self, shown: Any) -> bool:
+        """Return whether a power cut must not take a result back, which would be made again."""
+        is_last = self.job.max_attempts == 1 or self._recording.store.may_crash_alone
+        return is_last or not repeats(shown)
+
     def _has_ended_with(self, moved: Moved, result: Encoded | None, brief: Any) -> None:
         """Keep the job as it would be read, for those who wait for it."""
-        failure = json.loads(encode(moved.event.data.get("failure")))
         made_by = self._recording.store.versions
-        content = {"payload": self.job.payload, "result": brief, "failure": failure}
-        columns = {**moved.columns, **content, "made_by": made_by}
-        self.ended = JobText(brief_of(columns), result)
+        self.ended = as_read(moved, self.job.payload, made_by, result, brief)
 
     def _requeue(self, outcome: Failed, attempts: int) -> Callable[[], Moved | None] | None:
         """Return how to queue the job again if it is to run again, else None."""

@@ -4,6 +4,7 @@ import asyncio
 import os
 import sqlite3
 from contextlib import contextmanager
+from pathlib import Path
 
 import pytest
 
@@ -103,7 +104,7 @@ def test_what_is_refused_ends_and_leaves_no_trace(tmp_path, task):
 
 def test_what_is_refused_while_it_waits_takes_no_place(tmp_path):
     async def story():
-        async with serving(tmp_path, patience=Patience(record=0.2)) as (dispatcher, store):
+        async with serving(tmp_path, patience=Patience(record=0.2)) as (dispatcher, _):
             gate = tmp_path / "gate"
             first = await dispatcher.submit(spec("wait_for_file", payload={"file": str(gate)}))
             with locked(tmp_path / "jobs.sqlite"), pytest.raises(DatabaseUnavailable):
@@ -143,10 +144,16 @@ def test_a_success_that_is_told_outlives_the_server_at_once_and_soon_a_power_cut
     async def story():
         async with serving(tmp_path) as (dispatcher, store):
             told = watched(store)
-            assert await ended(dispatcher, spec("warm")) is JobState.SUCCEEDED
+            assert await ended(dispatcher, spec("repeat")) is JobState.SUCCEEDED
             assert told == [True, False, False]
             await eventually(lambda: told[3:] == ["flush"])
-            for wanted in (spec("warm", max_attempts=1), spec("refuse")):
+            cut = {"cut_short": ["refine"]}
+            for wanted in (
+                spec("repeat", max_attempts=1),
+                spec("repeat", payload=cut),
+                spec("warm"),
+                spec("refuse"),
+            ):
                 told.clear()
                 await ended(dispatcher, wanted)
                 assert told[-1] is True
@@ -156,9 +163,8 @@ def test_a_success_that_is_told_outlives_the_server_at_once_and_soon_a_power_cut
 
 def test_a_flush_has_the_disk_take_the_log(tmp_path, monkeypatch):
     taken = []
-    monkeypatch.setattr(
-        os, "fsync", lambda file: taken.append(os.readlink(f"/proc/self/fd/{file}"))
-    )
+    named = "/proc/self/fd/{}".format
+    monkeypatch.setattr(os, "fsync", lambda file: taken.append(str(Path(named(file)).readlink())))
     engine = open_engine(f"sqlite:///{tmp_path / 'jobs.sqlite'}")
     store = JobStore(engine)
     store.open()

@@ -37,9 +37,10 @@ def test_what_goes_in_comes_out(encode, content):
     assert repr(json.loads(text)) == repr(expected(content))
 
 
-@pytest.mark.parametrize(
-    "odd", [np.int64(1), np.zeros(2), object(), "\ud800", {1}, b"", {1: 2}, (1, [2.5])]
-)
+ODD = [np.int64(1), np.zeros(2), object(), "\ud800", {1}, b"", {1: 2}, (1, [2.5]), np.float64(1)]
+
+
+@pytest.mark.parametrize("odd", ODD)
 def test_results_are_refused_as_anything_is(odd):
     def said(encode):
         try:
