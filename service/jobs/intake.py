@@ -48,11 +48,7 @@ class Intake:
             TypeError: Its payload is not JSON-compatible.
         """
         drafted = draft(spec)
-        if spec.max_attempts == 1:
-            job, is_new = await self._write(drafted)
-            if is_new:
-                self._seat(job, {}).enter(job)
-            return job
+        # In time for what may run twice; a run of what may not waits for its start to be written.
         run = self._seat(drafted.job, {})
         try:
             job, is_new = await self._write(drafted)
