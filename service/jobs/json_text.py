@@ -6,8 +6,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from pydantic_core import to_json
+from pydantic import TypeAdapter
 
+_ANY: TypeAdapter[Any] = TypeAdapter(Any)
 _SCALARS = frozenset({float, int, str, bool, type(None)})
 _NAMES = frozenset({str})
 
@@ -45,7 +46,7 @@ def encode_result(content: Any) -> str:
     """
     try:
         if _is_plain(content):  # the faster encoder would take sets, bytes and instants as well
-            return to_json(content, inf_nan_mode="null", ensure_ascii=True).decode("ascii")
+            return _ANY.dump_json(content, ensure_ascii=True).decode("ascii")
     except (ValueError, RecursionError):  # halves of characters; what has to be refused
         pass
     return encode(content)
