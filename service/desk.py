@@ -113,11 +113,7 @@ class Desk:
             QueueFull: Its lane has as many waiting jobs as it may.
             IdempotencyConflict: Its key was used for another request.
         """
-        if spec.lane != "execution" or spec.scene is None:
-            return await self._dispatcher.submit(spec)
-        # What it moves is looked up again until it has ended and the scene knows where.
-        with self._scenes.latest.changing(spec.scene):
-            return await self._dispatcher.submit(spec)
+        return await self._dispatcher.submit(spec)
 
     async def known(self, spec: JobSpec) -> Job | None:
         """Return the job that the spec's idempotency key names, if there is one.

@@ -54,7 +54,10 @@ async def submit_execution(
             "trajectory": polynomial,
             "speed": request.speed,
         }
-        return await desk.submit(spec_of("execution", TASK, payload, scene=record, key=named))
+        job = spec_of("execution", TASK, payload, scene=record, key=named)
+        # The scene is looked up again until this has ended and the scene knows where.
+        with scenes.latest.changing(record.id):
+            return await desk.submit(job)
 
 
 async def _require_proven(
