@@ -1,4 +1,7 @@
-"""What endpoints are handed: settings, scenes, jobs; all of it lives in the app's state."""
+"""What endpoints are handed: settings, scenes, jobs; all of it lives in the app's state.
+
+All of it is asynchronous: FastAPI has a thread carry out what is not, which takes longer than that.
+"""
 
 from typing import Annotated
 
@@ -11,17 +14,17 @@ from service.scenes.shelf import SceneShelf
 from service.settings import Settings
 
 
-def _settings(request: Request) -> Settings:
+async def _settings(request: Request) -> Settings:
     settings: Settings = request.app.state.settings
     return settings
 
 
-def _scenes(request: Request) -> SceneShelf:
+async def _scenes(request: Request) -> SceneShelf:
     scenes: SceneShelf = request.app.state.scenes
     return scenes
 
 
-def _desk(request: Request) -> Desk:
+async def _desk(request: Request) -> Desk:
     desk: Desk = request.app.state.desk
     return desk
 

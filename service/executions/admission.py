@@ -43,7 +43,7 @@ async def submit_execution(
             return known
         # Before the scene is read: what ends until then is in it.
         await require_at_rest(desk, wanted["scene"])
-        record = await scenes.get(wanted["scene"])
+        record = await scenes.fresh(wanted["scene"])
         group = require_group(record, wanted["group"])
         require_at_start(group, (plan.result or {})["result"]["start"])
         await _require_proven(desk, record, plan, polynomial)
@@ -55,7 +55,10 @@ async def submit_execution(
             "trajectory": polynomial,
             "speed": request.speed,
         }
-        return await desk.submit(spec_of("execution", TASK, payload, scene=record, key=named))
+        job = spec_of("execution", TASK, payload, scene=record, key=named)
+        # The scene is looked up again until this has ended and the scene knows where.
+        with scenes.latest.changing(record.id):
+            return await desk.submit(job)
 
 
 async def _require_proven(

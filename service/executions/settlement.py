@@ -8,14 +8,17 @@ the execution ended, so that nothing is lost if the server ends before.
 from service.desk import Desk
 from service.errors import RevisionConflict
 from service.executions.whereabouts import last_status
+from service.jobs.records import JobBrief
 from service.scenes.preflight import Group, require_group
 from service.scenes.records import SceneRecord
 from service.scenes.shelf import SceneShelf
 from service.schemas.scene_edit import SceneEdit, SetPositionsOperationWire
 
 
-async def settled(record: SceneRecord, scenes: SceneShelf, desk: Desk) -> SceneRecord:
+async def settled(record: SceneRecord, scenes: SceneShelf, desk: Desk) -> tuple[SceneRecord, bool]:
     """Return the latest revision of a scene with its robots where executions left them.
+
+    Also whether it stays the latest until something is done to the scene: nothing moves in it.
 
     Args:
         record: The latest revision as it is stored.
@@ -25,29 +28,39 @@ async def settled(record: SceneRecord, scenes: SceneShelf, desk: Desk) -> SceneR
     Raises:
         UnknownResource: The scene is gone.
     """
-    while (edit := await _pending(record, desk)) is not None:
+    while (job := await _last(record, desk)) is not None:
+        if job.finished_at is None:
+            return record, False
+        edit = await _pending(record, job, desk)
+        if edit is None:
+            break
         loaded = await desk.load_edited(record, edit)
         try:
-            return await scenes.revise(record, loaded)
+            return await scenes.revise(record, loaded), False
         except RevisionConflict:  # another reader was quicker
             record = await scenes.stored(record.id)
-    return record
+    return record, True
 
 
-async def _pending(record: SceneRecord, desk: Desk) -> SceneEdit | None:
-    """Return what the last execution changed and the revision does not know, None if nothing."""
+async def _last(record: SceneRecord, desk: Desk) -> JobBrief | None:
+    """Return the last execution in a scene, None if there was none."""
     async for job in desk.newest("execution", scene=record.id):
-        if job.finished_at is None or job.finished_at <= record.created_at:
-            return None
-        status = await last_status(desk, job)
-        if status is None:  # it never moved
-            return None
-        group = require_group(record, job.payload["group"])
-        robot = group["name"].partition("::")[0]
-        positions = _by_joint(group, robot, status["positions"])
-        operation = SetPositionsOperationWire(op="set_positions", robot=robot, positions=positions)
-        return SceneEdit(operations=[operation])
+        return job
     return None
+
+
+async def _pending(record: SceneRecord, job: JobBrief, desk: Desk) -> SceneEdit | None:
+    """Return what an execution changed and the revision does not know, None if nothing."""
+    if job.finished_at is None or job.finished_at <= record.created_at:
+        return None
+    status = await last_status(desk, job)
+    if status is None:  # it never moved
+        return None
+    group = require_group(record, job.payload["group"])
+    robot = group["name"].partition("::")[0]
+    positions = _by_joint(group, robot, status["positions"])
+    operation = SetPositionsOperationWire(op="set_positions", robot=robot, positions=positions)
+    return SceneEdit(operations=[operation])
 
 
 def _by_joint(group: Group, robot: str, positions: list[float]) -> dict[str, float | list[float]]:

@@ -1,6 +1,8 @@
 """Databases: how they are opened, and how durable a transaction is."""
 
 import asyncio
+import os
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +19,7 @@ from sqlalchemy.exc import TimeoutError as PoolTimeout
 _BUSY_TIMEOUT_MS = 5_000
 # A database that has vanished is noticed: seconds to connect, milliseconds to acknowledge (libpq).
 _IN_TIME = {"connect_timeout": 5, "tcp_user_timeout": 10_000}
+_LEVEL = "synchronous"
 _OURS = (DataError, IntegrityError, NotSupportedError, ProgrammingError)
 
 
@@ -83,6 +86,25 @@ def is_in_loop() -> bool:
     return True
 
 
+def sync_log(engine: Engine) -> None:
+    """Wait until the disk has what a database has committed; only SQLite leaves that to us.
+
+    All that it has committed is in its write-ahead log, or on the disk (sqlite.org/wal.html). To
+    write once more, durably, would do as well, but what changes nothing is not written at all.
+
+    Raises:
+        OSError: The disk does not take it.
+    """
+    if engine.dialect.name != "sqlite" or not engine.url.database:
+        return
+    with suppress(FileNotFoundError):
+        log = os.open(f"{engine.url.database}-wal", os.O_RDONLY)
+        try:
+            os.fsync(log)
+        finally:
+            os.close(log)
+
+
 def set_durability(connection: Connection, *, is_durable: bool) -> None:
     """Say whether the transaction that begins must survive a power cut, or only a crash of ours.
 
@@ -92,7 +114,10 @@ def set_durability(connection: Connection, *, is_durable: bool) -> None:
     match connection.dialect.name:
         case "sqlite":
             level = "FULL" if is_durable else "NORMAL"
-            connection.exec_driver_sql(f"PRAGMA synchronous={level}")
+            # What a connection of the driver was told last is kept beside it.
+            if connection.info.get(_LEVEL) != level:
+                connection.exec_driver_sql(f"PRAGMA synchronous={level}")
+                connection.info[_LEVEL] = level
         case "postgresql":
             level = "on" if is_durable else "off"
             connection.exec_driver_sql(f"SET LOCAL synchronous_commit = {level}")

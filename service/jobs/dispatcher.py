@@ -5,12 +5,12 @@ import logging
 from collections.abc import AsyncGenerator, Callable, Mapping
 from contextlib import aclosing
 from dataclasses import replace
-from functools import partial
 from typing import Any
 
 from service.events.bus import EventBus, Stretch
 from service.jobs.calls import Answer, Calls, Question
 from service.jobs.floor import Floor
+from service.jobs.intake import Intake
 from service.jobs.job_run import JobRun
 from service.jobs.lane import Lane
 from service.jobs.ownership import Ownership
@@ -65,6 +65,7 @@ class Dispatcher:
         self._waiting = Waiting(self._runs, self._bus, store)
         self._recording: Recording
         self._steering: Steering
+        self._intake: Intake
 
     async def start(self, warm_up: str | None = None) -> None:
         """Take the database, recover what an earlier server left, and begin to warm the slots.
@@ -81,6 +82,8 @@ class Dispatcher:
             await asyncio.to_thread(self._store.open)
             self._recording = Recording(self._store, self._bus, self.give_up)
             self._steering = Steering(self._runs, self._recording, self._floor)
+            within = self._patience.record
+            self._intake = Intake(self._recording, self._seat, self._unseat, within)
             await self._floor.open(warm_up)
             recovery = Recovery(self._recording, self._ownership, self._floor, self._enqueue)
             await recovery.run(self._patience.takeover)
@@ -157,13 +160,7 @@ class Dispatcher:
             if known:
                 return known
         self._floor.require_room(spec.lane)
-        # Not in this thread: while a locked database is waited for, others are to be stopped.
-        job, is_new = await self._recording.write(
-            partial(self._store.insert, spec), within=self._patience.record
-        )
-        if is_new:
-            self._enqueue(job, {})
-        return job
+        return await self._intake.take(spec)
 
     async def cancel(self, identifier: str) -> JobBrief:
         """Ask for the end of a job, whatever its state, and return it; again does no harm.
@@ -215,7 +212,11 @@ class Dispatcher:
         return await self._calls.ask(question)
 
     def _enqueue(self, job: Job, controls: Mapping[str, Any], order: int | None = None) -> None:
-        """Run a queued job when it has a slot; if its process dies it keeps its place."""
+        """Run a queued job of the table when it has a slot."""
+        self._seat(job, controls, order).enter(job)
+
+    def _seat(self, job: Job, controls: Mapping[str, Any], order: int | None = None) -> JobRun:
+        """Run a job when it has a slot; if its process dies it keeps its place."""
         place: list[int] = []
         run = self._runs[job.id] = JobRun(job, self._recording, self._floor, controls)
 
@@ -227,6 +228,15 @@ class Dispatcher:
         place[0] = self._floor.seat(
             job.lane, job.id, use, warm_key=job.warm_key, priority=job.priority, order=order
         )
+        return run
+
+    def _unseat(self, run: JobRun) -> None:
+        """Have a job that the table does not have run no more."""
+        run.drop()
+        self._floor.lane(run.job.lane).remove(run.job.id)
+        if not run.has_begun:
+            self._runs.pop(run.job.id, None)
+            run.concluded.set()
 
     async def _run(self, run: JobRun, slot: Slot, place: list[int]) -> None:
         is_queued_again = False

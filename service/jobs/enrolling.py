@@ -2,6 +2,8 @@
 
 import json
 import secrets
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from typing import Any
 
 from sqlalchemy import Connection, insert
@@ -36,21 +38,43 @@ _ADD_BODY = Prepared(insert(bodies), "job", "payload")
 _ADD_BRIEF = Prepared(insert(briefs), "job", "payload")
 
 
-def enroll(connection: Connection, spec: JobSpec) -> Job:
-    """Write a new queued job, and return it as it would be read.
+@dataclass(frozen=True)
+class Draft:
+    """A job that is not in the tables yet.
+
+    Attributes:
+        job: As it will be read, but for its serial, which is 0.
+        row: Its columns.
+        payload: As JSON.
+    """
+
+    job: Job
+    row: Mapping[str, Any]
+    payload: str
+
+
+def draft(spec: JobSpec) -> Draft:
+    """Return a new queued job with an identifier of its own.
 
     Raises:
         TypeError: The payload is not JSON-compatible.
     """
     row, payload = _queued_row(spec), encode(spec.payload)
-    short = without(spec.payload, outline_of(spec.task).payload)
-    brief = payload if short is spec.payload else encode(short)
-    serial = _ADD_JOB(connection, **row).scalar_one()
-    _ADD_BODY(connection, job=row["id"], payload=payload)
-    _ADD_BRIEF(connection, job=row["id"], payload=brief)
-    log(connection, row["id"], 1, [("queued", Encoded("{}"))])
     later = dict.fromkeys(_NOT_YET)
-    return job_of({**row, "serial": serial, "payload": json.loads(payload), **later})
+    job = job_of({**row, "serial": 0, "payload": json.loads(payload), **later})
+    return Draft(job, row, payload)
+
+
+def enroll(connection: Connection, drafted: Draft) -> Job:
+    """Write a job as it was drafted, and return it as it would be read."""
+    job, payload = drafted.job, drafted.payload
+    short = without(job.payload, outline_of(job.task).payload)
+    brief = payload if short is job.payload else encode(short)
+    serial = _ADD_JOB(connection, **drafted.row).scalar_one()
+    _ADD_BODY(connection, job=job.id, payload=payload)
+    _ADD_BRIEF(connection, job=job.id, payload=brief)
+    log(connection, job.id, 1, [("queued", Encoded("{}"))])
+    return replace(job, serial=serial)
 
 
 def _queued_row(spec: JobSpec) -> dict[str, Any]:
@@ -68,7 +92,7 @@ def _queued_row(spec: JobSpec) -> dict[str, Any]:
     }
 
 
-def job_by_key(connection: Connection, spec: JobSpec) -> Job | None:
+def job_by_key(connection: Connection, spec: JobSpec | Job) -> Job | None:
     """Return the job that an idempotency key names, if there is one.
 
     Raises:

@@ -12,8 +12,8 @@ from typing import Any
 from planning.errors import Canceled, WayproofError
 from service.jobs.errors import DatabaseTaken, InternalError, ServerRestarted
 from service.jobs.floor import Floor
-from service.jobs.json_text import Encoded, encode
-from service.jobs.moving import Moved
+from service.jobs.json_text import Encoded
+from service.jobs.moving import Moved, as_read
 from service.jobs.outcome import (
     Crashed,
     Ended,
@@ -24,8 +24,8 @@ from service.jobs.outcome import (
     Silent,
     error_of,
     placed,
+    repeats,
 )
-from service.jobs.reading import brief_of
 from service.jobs.recorder import EventRecorder, Told
 from service.jobs.recording import Recording
 from service.jobs.records import Job, JobText
@@ -64,11 +64,14 @@ class JobRun:
         self._floor = floor
         self._recorder = EventRecorder(self._log)
         self._slot: Slot | None = None
+        self._is_known = asyncio.Event()
+        self._is_dropped = False
         self._is_unwanted = job.is_cancel_requested
         self._interrupted = ""
         self._started: Moved | None = None
         self._start_is_known = asyncio.Event()
         self._has_ended = False
+        self._untold: list[Told] = []
         self._seconds = 0.0
 
     @property
@@ -94,6 +97,17 @@ class JobRun:
         known = self._recording.unrecorded(self.job.id)
         own = {"events": self._recorder.is_refused, "end": self._has_ended}
         return list(dict.fromkeys([*known, *(what for what, is_so in own.items() if is_so)]))
+
+    def enter(self, job: Job) -> None:
+        """Record what happens from now on: the table has the job, which reads so."""
+        self.job = job
+        self._is_known.set()
+
+    def drop(self) -> None:
+        """End the run, and record nothing of it: the table will never have the job."""
+        self._is_dropped = True
+        self._is_known.set()
+        self.cancel()
 
     def cancel(self) -> None:
         """End the run on request, whatever it does."""
@@ -147,10 +161,13 @@ class JobRun:
         if self._started is None:  # canceled while it was queued
             return False
         self._has_ended = True
-        refused = await self._recorder.close()
-        return await self._conclude(outcome, refused, self._started.attempts)
+        self._untold = await self._recorder.close()
+        return await self._conclude(outcome, self._started.attempts)
 
     async def _write_start(self) -> Moved | None:
+        await self._is_known.wait()
+        if self._is_dropped:
+            return None
         store, identifier = self._recording.store, self.job.id
         # What the database forgot to have begun would be begun once more, and could not end.
         lasting = store.may_crash_alone
@@ -203,36 +220,36 @@ class JobRun:
             self._floor.release(job.lane, slot, self._seconds)
         return outcome
 
-    async def _conclude(self, outcome: Outcome, refused: list[Told], attempts: int) -> bool:
+    async def _conclude(self, outcome: Outcome, attempts: int) -> bool:
         """Write the end into the table, however long that takes."""
         identifier = self.job.id
-
-        async def write() -> bool:
-            if refused:
-                await self._recording.log(identifier, refused)
-                refused.clear()
-            return await self._write_end(outcome, attempts)
-
+        write = partial(self._write_end, outcome, attempts)
         try:
             return await self._recording.insist(identifier, "end", write)
         except DatabaseTaken:
             return False
         except Exception as fault:
+            if self._untold:
+                _log.exception("%d events of %s were lost", len(self._untold), identifier)
+                self._untold = []
+                return await self._conclude(outcome, attempts)
             # The database is well: it is what the task gave that it does not take.
             if isinstance(outcome, Raised) and isinstance(outcome.error, InternalError):
                 raise
             _log.exception("the end of %s could not be written", identifier)
             reason = f"the result could not be recorded: {type(fault).__name__}"
-            return await self._conclude(Raised(InternalError(reason)), [], attempts)
+            return await self._conclude(Raised(InternalError(reason)), attempts)
 
     async def _write_end(self, outcome: Outcome, attempts: int) -> bool:
         """Write the end, and return whether the job is queued again instead."""
         store, identifier = self._recording.store, self.job.id
         if isinstance(outcome, Returned):
             result, brief = outcome.result, outcome.brief
-            moved = await self._move(partial(store.succeed, identifier, result, brief))
+            shown = json.loads((brief or result).text)
+            succeed = partial(store.succeed, identifier, result, brief)
+            moved = await self._move(succeed, is_durable=self._must_last(shown))
             if moved is not None:
-                self._has_ended_with(moved, result, json.loads((brief or result).text))
+                self._has_ended_with(moved, result, shown)
             return False
         requeue = self._requeue(outcome, attempts)
         if requeue is not None:
@@ -248,13 +265,15 @@ class JobRun:
             self._has_ended_with(moved, None, None)
         return False
 
+    def _must_last(self, shown: Any) -> bool:
+        """Return whether a power cut must not take a result back, which would be made again."""
+        is_last = self.job.max_attempts == 1 or self._recording.store.may_crash_alone
+        return is_last or not repeats(shown)
+
     def _has_ended_with(self, moved: Moved, result: Encoded | None, brief: Any) -> None:
         """Keep the job as it would be read, for those who wait for it."""
-        failure = json.loads(encode(moved.event.data.get("failure")))
         made_by = self._recording.store.versions
-        content = {"payload": self.job.payload, "result": brief, "failure": failure}
-        columns = {**moved.columns, **content, "made_by": made_by}
-        self.ended = JobText(brief_of(columns), result)
+        self.ended = as_read(moved, self.job.payload, made_by, result, brief)
 
     def _requeue(self, outcome: Failed, attempts: int) -> Callable[[], Moved | None] | None:
         """Return how to queue the job again if it is to run again, else None."""
@@ -287,5 +306,11 @@ class JobRun:
             case _:
                 return error
 
-    async def _move(self, work: Callable[[], Moved | None]) -> Moved | None:
-        return await self._recording.move(self.job.id, work)
+    async def _move(
+        self, work: Callable[[], Moved | None], *, is_durable: bool = True
+    ) -> Moved | None:
+        """Write a move of the job, with what it said last."""
+        move = partial(self._recording.move, self.job.id, work, told=self._untold)
+        moved = await move(is_durable=is_durable, is_owed=True)
+        self._untold = []
+        return moved

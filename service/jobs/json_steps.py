@@ -14,6 +14,10 @@ from typing import Any
 STEP = 256 * 1024
 # A string, a list of plain numbers, or a bracket.
 _TOKEN = re.compile(r'"[^"\\]*(?:\\.[^"\\]*)*"|\[[^"\[\]{}]*\]|[\[\]{}]')
+# Up to the next bracket that matters, but not so far that it takes long; then perhaps that bracket.
+_FLAT = re.compile(
+    r'(?:[^"\[\]{}]++|"[^"\\]*+(?:\\.[^"\\]*+)*+"|\[[^"\[\]{}]*+\]){0,1000}+([\[\]{}]?)'
+)
 
 
 def decode(text: str) -> Any:
@@ -43,18 +47,34 @@ def members_of(text: str) -> Iterator[tuple[str, str]]:
     Args:
         text: Of a JSON object.
     """
-    name, begin, depth = "", 0, 0
-    for token in _TOKEN.finditer(text):
-        start, after = token.span()
-        if text[start] == '"':
-            if depth == 1 and text[after : after + 1] == ":":
-                if begin:
-                    yield name, text[begin:start].rstrip(", ")
-                name, begin = json.loads(token[0]), after + 1
-        elif after - start == 1:
-            depth += 1 if text[start] in "[{" else -1
-            if depth == 0 and begin:
+    name, begin, at = "", 0, 1
+    while (token := _TOKEN.search(text, at)) is not None:
+        start, at = token.span()
+        if text[start] == '"' and text[at : at + 1] == ":":
+            if begin:
+                yield name, text[begin:start].rstrip(", ")
+            name, begin = json.loads(token[0]), at + 1
+        elif text[start] == "}":
+            if begin:
                 yield name, text[begin:start].rstrip()
+            return
+        elif at - start == 1:
+            at = _after(text, at)
+
+
+def _after(text: str, at: int) -> int:
+    """Return where what has just been opened by a bracket has been closed."""
+    depth = 1
+    while depth:
+        found = _FLAT.match(text, at)
+        assert found is not None  # noqa: S101  (it matches nothing as well)
+        if found.end() == at:
+            message = "a bracket is not closed"
+            raise ValueError(message)
+        at = found.end()
+        if found[1]:
+            depth += 1 if found[1] in "[{" else -1
+    return at
 
 
 def _portions(text: str) -> Iterator[str]:

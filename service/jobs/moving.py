@@ -1,5 +1,6 @@
 """Moving a job from state to state, and the event that tells of it, in one transaction."""
 
+import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
@@ -9,8 +10,8 @@ from sqlalchemy import Connection, Update, bindparam, insert, or_, update
 
 from service.jobs.json_text import Encoded, encode
 from service.jobs.prepared import Prepared
-from service.jobs.reading import columns_of, decoded, now, progress_in
-from service.jobs.records import FINISHED, LoggedEvent, events, jobs
+from service.jobs.reading import brief_of, columns_of, decoded, now, progress_in
+from service.jobs.records import FINISHED, JobText, LoggedEvent, events, jobs
 from service.jobs.states import JobEvent, JobState, advance, sources
 
 _EVENT_NAMES = {
@@ -72,6 +73,27 @@ def move(
     # A prepared statement has booleans as the database has them.
     columns = {**columns_of(row), "is_cancel_requested": bool(row.is_cancel_requested)}
     return Moved(logged, row.attempts, columns["is_cancel_requested"], columns)
+
+
+def as_read(
+    moved: Moved,
+    payload: Mapping[str, Any],
+    made_by: Mapping[str, str],
+    result: Encoded | None,
+    brief: Any,
+) -> JobText:
+    """Return a job that has just ended as it would be read.
+
+    Args:
+        moved: Its last move.
+        payload: Its own.
+        made_by: The versions of what ran it.
+        result: Whole, None if it has none.
+        brief: What lists show of the result.
+    """
+    failure = json.loads(encode(moved.event.data.get("failure")))
+    content = {"payload": payload, "result": brief, "failure": failure, "made_by": made_by}
+    return JobText(brief_of({**moved.columns, **content}), result)
 
 
 def reserve(

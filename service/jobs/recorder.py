@@ -3,6 +3,7 @@
 import asyncio
 import logging
 from collections.abc import Awaitable, Callable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 
 from service.jobs.database import is_of_database
@@ -10,6 +11,8 @@ from service.jobs.errors import DatabaseTaken
 from service.jobs.json_text import Encoded
 
 _MAX_BACKLOG = 256
+# What is said so soon after something else is recorded with it [s].
+_GATHERING = 0.01
 # Before a database that took nothing is asked again [s].
 _PAUSE = 1.0
 _log = logging.getLogger(__name__)
@@ -39,7 +42,7 @@ class EventRecorder:
         self._record = record
         self._backlog: list[_Event] = []
         self._pump: asyncio.Task[None] | None = None
-        self._is_closed = False
+        self._closed = asyncio.Event()
         self._has_room = asyncio.Event()
         self._has_room.set()
 
@@ -52,7 +55,7 @@ class EventRecorder:
             is_update: Whether it may replace the one before it if that is of its type and there is
                 much to record.
         """
-        if self._is_closed:
+        if self._closed.is_set():
             return
         self.latest[event_type[:64]] = data
         self._backlog.append(_Event(event_type[:64], data, is_update))
@@ -65,14 +68,14 @@ class EventRecorder:
         await self._has_room.wait()
 
     async def close(self) -> list[Told]:
-        """Take no more, wait for what is being recorded, and return what was refused."""
-        self._is_closed = True
+        """Take no more, wait for what is being recorded, and return what is not recorded."""
+        self._closed.set()
         if self._pump is not None:
             await self._pump
         return [(event.type, event.data) for event in self._backlog]
 
     async def _write(self) -> None:
-        while self._backlog:
+        while self._backlog and not await self._is_closed_soon():
             events, self._backlog = self._backlog, []
             self._has_room.set()
             try:
@@ -87,10 +90,16 @@ class EventRecorder:
                 self.is_refused = True
                 self._backlog = events + self._backlog
                 self._bound()
-                if self._is_closed:
+                if self._closed.is_set():
                     break
                 await asyncio.sleep(_PAUSE)
         self._pump = None
+
+    async def _is_closed_soon(self) -> bool:
+        """Let events gather, and return whether no more will."""
+        with suppress(TimeoutError):
+            await asyncio.wait_for(self._closed.wait(), _GATHERING)
+        return self._closed.is_set()
 
     def _bound(self) -> None:
         """Hold no more than there is room for.

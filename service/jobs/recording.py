@@ -47,13 +47,19 @@ class Recording:
         return list(dict.fromkeys(self._unrecorded.get(identifier, ())))
 
     async def write[T](
-        self, work: Callable[[], T], *, is_durable: bool = True, within: float | None = None
+        self,
+        work: Callable[[], T],
+        *,
+        is_durable: bool = True,
+        is_owed: bool = False,
+        within: float | None = None,
     ) -> T:
         """Carry out a write; it is committed when this returns.
 
         Args:
             work: Calls methods of the store.
             is_durable: Whether it must survive a power cut.
+            is_owed: Whether it is to survive one that comes a moment later, if it must not at once.
             within: How long to wait [s]; what is not committed by then never is.
 
         Raises:
@@ -62,18 +68,37 @@ class Recording:
             DBAPIError: The database did not take it.
         """
         try:
-            return await self._writer.do(work, is_durable=is_durable, within=within)
+            return await self._writer.do(
+                work, is_durable=is_durable, is_owed=is_owed, within=within
+            )
         except DatabaseTaken:
             self._on_taken()
             raise
 
     async def move(
-        self, identifier: str, work: Callable[[], Moved | None], *, is_durable: bool = True
+        self,
+        identifier: str,
+        work: Callable[[], Moved | None],
+        *,
+        told: Sequence[Told] = (),
+        is_durable: bool = True,
+        is_owed: bool = False,
     ) -> Moved | None:
-        """Move a job to another state, and tell of it; raises as `write`."""
-        moved = await self.write(work, is_durable=is_durable)
-        if moved is not None:
-            self._bus.publish(identifier, [moved.event])
+        """Move a job to another state, and tell of it; raises as `write`.
+
+        Args:
+            identifier: Of the job.
+            work: Moves it.
+            told: What it said before, and is not recorded yet.
+            is_durable: As for `write`.
+            is_owed: As for `write`.
+        """
+
+        def both() -> tuple[list[LoggedEvent], Moved | None]:
+            return self.store.record(identifier, told), work()
+
+        said, moved = await self.write(both, is_durable=is_durable, is_owed=is_owed)
+        self.publish(identifier, said if moved is None else [*said, moved.event])
         return moved
 
     async def log(self, identifier: str, told: Sequence[Told], *, may_wait: bool = False) -> None:

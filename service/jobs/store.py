@@ -13,8 +13,8 @@ from sqlalchemy import Connection, Engine, bindparam, delete, insert, select, up
 from planning.errors import Canceled, WayproofError
 from service.jobs import reading
 from service.jobs.briefs import fill_briefs
-from service.jobs.database import set_durability
-from service.jobs.enrolling import enroll, job_by_key
+from service.jobs.database import set_durability, sync_log
+from service.jobs.enrolling import Draft, draft, enroll, job_by_key
 from service.jobs.errors import DatabaseTaken
 from service.jobs.json_text import Encoded, encode
 from service.jobs.moving import Moved, log, move, reserve
@@ -121,9 +121,13 @@ class JobStore(JobReads):
             IdempotencyConflict: The key was used for another request.
             TypeError: The payload is not JSON-compatible.
         """
+        return self.enter(draft(spec))
+
+    def enter(self, drafted: Draft) -> tuple[Job, bool]:
+        """Write a job that was drafted; returns and raises as `insert`."""
         with self.transaction(is_durable=True) as connection:
-            known = job_by_key(connection, spec)
-            return (enroll(connection, spec), True) if known is None else (known, False)
+            known = job_by_key(connection, drafted.job)
+            return (enroll(connection, drafted), True) if known is None else (known, False)
 
     def start(self, identifier: str) -> Moved | None:
         """Let a queued job run; None if it is not queued any more. So for the other moves."""
@@ -203,6 +207,14 @@ class JobStore(JobReads):
         with self.transaction(is_durable=False) as connection:
             first = reserve(connection, identifier, told, may_wait=may_wait)
             return [] if first is None else log(connection, identifier, first, told)
+
+    def flush(self) -> None:
+        """Make durable what was committed before this.
+
+        Raises:
+            OSError: The disk does not take it.
+        """
+        sync_log(self._engine)
 
     def _give_up(
         self,

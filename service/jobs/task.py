@@ -10,7 +10,7 @@ from typing import Any
 from planning.errors import WayproofError
 from service.jobs.error_text import error_text
 from service.jobs.errors import InternalError
-from service.jobs.json_text import Encoded, encode, encode_in_parts, encode_leniently
+from service.jobs.json_text import Encoded, encode_in_parts, encode_leniently, encode_result
 from service.jobs.link import FrameKind
 from service.jobs.outline import outline_of, without
 
@@ -43,7 +43,7 @@ def run_task(task: str, payload: str, channel: Any) -> TaskEnd:
     try:
         found = load_task(task)(json.loads(payload), channel)
         large = outline_of(task).result
-        brief = encode(without(found, large)) if large else ""
+        brief = encode_result(without(found, large)) if large else ""
         return TaskEnd(FrameKind.RESULT, _text(found), brief)
     except WayproofError as error:
         return TaskEnd(FrameKind.FAILURE, error_text(error))
@@ -57,7 +57,7 @@ def run_task(task: str, payload: str, channel: Any) -> TaskEnd:
 
 def _text(found: Any) -> str:
     is_in_parts = isinstance(found, dict) and any(isinstance(x, Encoded) for x in found.values())
-    return encode_in_parts(found) if is_in_parts else encode(found)
+    return encode_in_parts(found) if is_in_parts else encode_result(found)
 
 
 def load_task(task: str) -> Any:

@@ -6,6 +6,7 @@ from contextlib import aclosing
 
 from service.events.bus import EventBus
 from service.jobs.job_run import JobRun
+from service.jobs.json_steps import STEP, decode
 from service.jobs.reads import JobReads
 from service.jobs.records import Job, JobText, LoggedEvent
 from service.jobs.wait_limits import WaitLimits
@@ -32,7 +33,9 @@ class Waiting:
         Raises:
             UnknownJob: There is none.
         """
-        await self._until_ended(identifier, seconds)
+        run = await self._until_ended(identifier, seconds)
+        if run is not None and run.ended is not None:
+            return await _whole(run.ended)
         return await asyncio.to_thread(self._store.get, identifier)
 
     async def text(self, identifier: str, seconds: float) -> JobText:
@@ -65,3 +68,11 @@ class Waiting:
         async with aclosing(self._bus.follow(identifier, END_OF_STREAM)) as nothing:
             async for _ in nothing:
                 pass
+
+
+async def _whole(ended: JobText) -> Job:
+    """Return a job with its result, which is decoded."""
+    text = "null" if ended.result is None else ended.result.text
+    is_small = len(text) <= STEP
+    result = decode(text) if is_small else await asyncio.to_thread(decode, text)
+    return Job(**{**vars(ended.brief), "result": result})

@@ -5,11 +5,13 @@ that takes milliseconds to be sure slows each job, not their number.
 """
 
 import asyncio
+import logging
 import queue
 import threading
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
+from time import monotonic
 from typing import Any
 
 from service.jobs.database import is_of_database
@@ -17,6 +19,10 @@ from service.jobs.errors import DatabaseUnavailable
 from service.jobs.store import JobStore
 
 _MAX_BATCH = 64
+# When what is owed to the disk is given to it: after such a lull, at the latest after so long, and
+# again so long after the database refused it [s].
+_LULL, _LONGEST_DEBT, _AGAIN = 0.01, 0.05, 1.0
+_log = logging.getLogger(__name__)
 # How long to wait before a database that refused is asked again, and again [s].
 _PAUSES = (0.1, 0.3, 1.0, 3.0)
 
@@ -28,6 +34,7 @@ class _Order:
     work: Callable[[], Any]
     done: asyncio.Future[Any]
     is_durable: bool
+    is_owed: bool = False
     is_withdrawn: bool = False
     is_sealed: bool = False
 
@@ -52,24 +59,32 @@ class Writer:
         self._closing = threading.Event()
         self._sealing = threading.Lock()
         self._orders: queue.SimpleQueue[_Order | None] = queue.SimpleQueue()
+        self._debt_since: float | None = None
+        self._lull = _LULL
         self._thread = threading.Thread(target=self._serve, name="job-writer", daemon=True)
         self._thread.start()
 
     async def do[T](
-        self, work: Callable[[], T], *, is_durable: bool = True, within: float | None = None
+        self,
+        work: Callable[[], T],
+        *,
+        is_durable: bool = True,
+        is_owed: bool = False,
+        within: float | None = None,
     ) -> T:
         """Carry out a write; it is committed when this returns.
 
         Args:
             work: Calls methods of the store; called again if the database did not take it.
             is_durable: Whether it must survive a power cut.
+            is_owed: Whether it is to survive one that comes a moment later, if it must not at once.
             within: How long to wait [s]; what is not committed by then never is.
 
         Raises:
             DatabaseUnavailable: The database did not take it in that time.
         """
         done: asyncio.Future[Any] = self._loop.create_future()
-        order = _Order(work, done, is_durable)
+        order = _Order(work, done, is_durable, is_owed)
         self._orders.put(order)
         try:
             async with asyncio.timeout(within):
@@ -92,12 +107,38 @@ class Writer:
     def _serve(self) -> None:
         is_open = True
         while is_open:
-            orders = [self._orders.get()]
-            with suppress(queue.Empty):
-                while len(orders) < _MAX_BATCH:
-                    orders.append(self._orders.get_nowait())
+            orders = self._next()
             is_open = None not in orders
             self._carry_out([order for order in orders if order is not None])
+            if self._debt_since is not None and (
+                not orders or not is_open or monotonic() > self._debt_since + _LONGEST_DEBT
+            ):
+                self._pay()
+
+    def _next(self) -> list[_Order | None]:
+        """Wait for orders, and return them; none if a debt comes first."""
+        orders: list[_Order | None] = []
+        with suppress(queue.Empty):
+            orders.append(self._orders.get(timeout=self._lull if self._debt_since else None))
+            while len(orders) < _MAX_BATCH:
+                orders.append(self._orders.get_nowait())
+        return orders
+
+    def _pay(self) -> None:
+        """Have the disk take what is owed to it."""
+        self._debt_since, self._lull = None, _LULL
+        try:
+            self._store.flush()
+        except OSError:
+            _log.exception("the disk does not take what was committed")
+            self._debt_since, self._lull = monotonic(), _AGAIN
+
+    def _note(self, orders: list[_Order]) -> None:
+        """Count what has just been committed together."""
+        if any(order.is_durable for order in orders):
+            self._debt_since = None
+        elif self._debt_since is None and any(order.is_owed for order in orders):
+            self._debt_since, self._lull = monotonic(), _LULL
 
     def _carry_out(self, orders: list[_Order]) -> None:
         """Write all, and again what the database did not take, a few times."""
@@ -122,6 +163,7 @@ class Writer:
                 self._seal(orders)
         except Exception:  # noqa: BLE001  (whose fault it is comes out one by one)
             return self._write_each(orders)
+        self._note(orders)
         answers = zip(orders, results, strict=True)
         self._answer([(order.done, result, None) for order, result in answers])
         return []
@@ -145,6 +187,7 @@ class Writer:
                     return [(other, fault) for other in rest]
                 self._answer([(order.done, None, fault)])
             else:
+                self._note([order])
                 self._answer([(order.done, result, None)])
         return []
 

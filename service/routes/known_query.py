@@ -8,7 +8,7 @@ from planning.errors import UnknownName
 from service.errors import RequestInvalid
 
 
-def require_known_query(request: Request) -> None:
+async def require_known_query(request: Request) -> None:
     """Go on only if the endpoint, or what it depends on, declares every parameter of the query.
 
     Raises:

@@ -42,7 +42,7 @@ class Submission:
         return found
 
 
-def _submission(
+async def _submission(
     response: Response,
     desk: DeskDep,
     settings: SettingsDep,

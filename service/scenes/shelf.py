@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from anyio import to_thread
 
 from service.jobs.errors import DatabaseUnavailable
+from service.scenes.latest import Latest
 from service.scenes.records import LoadedScene, SceneBrief, SceneRecord
 from service.scenes.store import SceneStore
 
@@ -23,8 +24,9 @@ class SceneShelf:
     """Asks the store in a thread, because databases and disks make one wait.
 
     Attributes:
+        latest: Revisions that need not be read.
         settle: What the latest revision goes through before it is given out: it returns the one
-            that knows where executions left the robots.
+            that knows where executions left the robots, and whether nothing moves them now.
         forgotten: Called after a scene was deleted.
     """
 
@@ -32,7 +34,8 @@ class SceneShelf:
         """Ask `store`."""
         self._store = store
         self._writing = asyncio.Lock()
-        self.settle: Callable[[SceneRecord], Awaitable[SceneRecord]] | None = None
+        self.latest = Latest()
+        self.settle: Callable[[SceneRecord], Awaitable[tuple[SceneRecord, bool]]] | None = None
         self.forgotten: Callable[[], None] | None = None
 
     async def add(self, loaded: LoadedScene) -> SceneRecord:
@@ -46,7 +49,8 @@ class SceneShelf:
             UnknownResource: The scene is gone.
             RevisionConflict: `base` has a successor already.
         """
-        return await self._write(self._store.revise, base, loaded)
+        with self.latest.changing(base.id):
+            return await self._write(self._store.revise, base, loaded)
 
     async def get(self, identifier: str, revision: int | None = None) -> SceneRecord:
         """Return a revision of a scene, by default the latest, with its robots where they are.
@@ -54,10 +58,24 @@ class SceneShelf:
         Raises:
             UnknownResource: There is none.
         """
-        record = await self.stored(identifier, revision)
         if revision is not None or self.settle is None:
+            return await self.stored(identifier, revision)
+        return self.latest.of(identifier) or await self.fresh(identifier)
+
+    async def fresh(self, identifier: str) -> SceneRecord:
+        """Return the latest revision as `get` does, but by a look at what is stored.
+
+        Raises:
+            UnknownResource: There is none.
+        """
+        look = self.latest.look()
+        record = await self.stored(identifier)
+        if self.settle is None:
             return record
-        return await self.settle(record)
+        record, is_at_rest = await self.settle(record)
+        if is_at_rest:
+            self.latest.keep(record, look)
+        return record
 
     async def stored(self, identifier: str, revision: int | None = None) -> SceneRecord:
         """Return a revision as it is stored, by default the latest.
@@ -77,12 +95,16 @@ class SceneShelf:
         Raises:
             UnknownResource: There is none.
         """
-        await self._write(self._store.delete, identifier)
+        with self.latest.changing(identifier):
+            await self._write(self._store.delete, identifier)
         if self.forgotten is not None:
             self.forgotten()
 
     async def file(self, record: SceneRecord) -> Path:
         """Return the file of a scene's document."""
+        path = self._store.path(record.digest)
+        if path.is_file():  # quicker than a thread
+            return path
         return await to_thread.run_sync(self._store.file, record)
 
     async def _write[**P, T](self, work: Callable[P, T], *args: P.args, **kwargs: P.kwargs) -> T:

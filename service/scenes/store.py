@@ -2,6 +2,8 @@
 
 import json
 import secrets
+from collections.abc import Generator
+from contextlib import contextmanager
 from datetime import UTC, datetime
 from pathlib import Path
 from threading import Lock
@@ -23,6 +25,7 @@ from sqlalchemy import (
 
 from planning.whole_files import write_durably
 from service.errors import RevisionConflict, UnknownResource
+from service.jobs.database import set_durability
 from service.jobs.json_text import Encoded, encode
 from service.scenes.recent import RecentScenes
 from service.scenes.records import LoadedScene, SceneBrief, SceneRecord, metadata, scenes
@@ -41,7 +44,7 @@ class SceneStore:
     def __init__(self, engine: Engine, folder: Path) -> None:
         """Keep records in `engine` and files in `folder`; call `open` before use."""
         self._engine = engine
-        self._folder = folder
+        self._folder = folder.resolve()
         self._revising = Lock()
         self._recent = RecentScenes()
 
@@ -55,7 +58,7 @@ class SceneStore:
     def add(self, loaded: LoadedScene) -> SceneRecord:
         """Record a new scene."""
         self._write(loaded)
-        with self._engine.begin() as connection:
+        with self._writing() as connection:
             record = _inserted(connection, f"scn_{secrets.token_hex(8)}", 1, loaded)
         self._recent.put(record)
         return record
@@ -70,7 +73,7 @@ class SceneStore:
         self._write(loaded)
         newest = select(func.max(scenes.c.revision)).where(scenes.c.id == base.id)
         # One server works on a database, so a lock in this process keeps writers apart.
-        with self._revising, self._engine.begin() as connection:
+        with self._revising, self._writing() as connection:
             latest = connection.execute(newest).scalar()
             if latest is None:
                 raise UnknownResource.of("scene", base.id)
@@ -127,27 +130,35 @@ class SceneStore:
         Raises:
             UnknownResource: There is none.
         """
-        with self._engine.begin() as connection:
+        with self._writing() as connection:
             gone = connection.execute(delete(scenes).where(scenes.c.id == identifier))
         if gone.rowcount == 0:
             raise UnknownResource.of("scene", identifier)
 
     def file(self, record: SceneRecord) -> Path:
         """Return the file of a scene's document, written again if it was lost."""
-        path = self._path(record.digest)
+        path = self.path(record.digest)
         if not path.is_file():
             self._write(record.loaded)
         return path
 
-    def _path(self, digest: str) -> Path:
-        return (self._folder / f"{digest}.json").resolve()
+    @contextmanager
+    def _writing(self) -> Generator[Connection]:
+        """Write what survives a power cut: connections are shared with what need not."""
+        with self._engine.begin() as connection:
+            set_durability(connection, is_durable=True)
+            yield connection
+
+    def path(self, digest: str) -> Path:
+        """Return where the file of a document is, or would be."""
+        return self._folder / f"{digest}.json"
 
     def _write(self, loaded: LoadedScene) -> None:
         """Write the document and what its files are, whole or not at all."""
         written = f'{{"document":{loaded.document.text}'
         if "files" in loaded.summary:  # not in those of servers that kept no files
             written += f',"files":{encode(loaded.summary["files"])}'
-        write_durably(self._path(loaded.digest), f"{written}}}".encode())
+        write_durably(self.path(loaded.digest), f"{written}}}".encode())
 
 
 def _inserted(

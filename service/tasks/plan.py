@@ -30,7 +30,7 @@ _WRITING = 10.0
 
 
 def plan_motion(payload: dict[str, Any], channel: Channel) -> dict[str, Any]:
-    """Return the `result` of a plan, its exact `polynomial`, `timings` [s], `digest` and `graph`.
+    """Return a plan's `result`, exact `polynomial`, `timings` [s], `digest`, `cut_short`, `graph`.
 
     The allowed time begins once the scene is loaded; soon after it the process is ended.
 
@@ -120,5 +120,6 @@ def delivered(
         "polynomial": polynomial_wire(found.trajectory),
         "timings": {"load": loaded, **found.timings, "samples": samples},
         "digest": result["digest"],
+        "cut_short": result["cut_short"],
         "graph": None if found.graph is None else found.graph.plain,
     }

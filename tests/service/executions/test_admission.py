@@ -7,6 +7,7 @@ import pytest
 
 from service.errors import StartMismatch
 from service.executions import admission
+from service.scenes.latest import Latest
 from service.schemas.execution import ExecutionRequest
 
 JOINT = {"name": "arm::j", "type": "revolute"}
@@ -18,8 +19,9 @@ class Moving:
     def __init__(self):
         self.positions = [0.0]
         self.admitting_motion = asyncio.Lock()
+        self.latest = Latest()
 
-    async def get(self, identifier):
+    async def fresh(self, identifier):
         group = {"name": "arm", "aliases": [], "joints": [JOINT], "position_names": ["arm::j"]}
         summary = {"groups": [{**group, "positions": self.positions}]}
         return SimpleNamespace(id=identifier, digest="d", summary=summary)

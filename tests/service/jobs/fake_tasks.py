@@ -22,6 +22,11 @@ def warm(_: dict[str, Any], __: Channel) -> dict[str, Any]:
     return {}
 
 
+def repeat(payload: dict[str, Any], _: Channel) -> dict[str, Any]:
+    """Give the same whenever it is asked, unless a clock had a part in it."""
+    return {"cut_short": payload.get("cut_short", [])}
+
+
 def refuse(_: dict[str, Any], __: Channel) -> dict[str, Any]:
     raise GoalUnreachable("too far", {"metres": 2.0})
 

@@ -67,6 +67,9 @@ def test_what_is_waited_for_is_what_is_recorded(tmp_path, task):
             ended = await dispatcher.wait_text(job.id, GUARD)
             assert ended.brief.state.is_final
             assert await asyncio.to_thread(store.text, job.id) == ended
+            again = await dispatcher.submit(spec(task, payload={"a": [1.5, None]}, scene="s"))
+            whole = await dispatcher.wait(again.id, GUARD)
+            assert await asyncio.to_thread(store.get, again.id) == whole
             # Somebody who comes later reads the same.
             assert await dispatcher.wait_text(job.id, GUARD) == ended
 

@@ -3,6 +3,7 @@
 import json
 import math
 
+import numpy as np
 import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
@@ -13,6 +14,7 @@ from service.jobs.json_text import (
     encode,
     encode_in_parts,
     encode_leniently,
+    encode_result,
 )
 from tests.profiles import num_cases
 
@@ -34,12 +36,27 @@ def expected(content):
             return content
 
 
+@pytest.mark.parametrize("encode", [encode, encode_result])
 @given(CONTENT)
-def test_what_goes_in_comes_out(content):
+def test_what_goes_in_comes_out(encode, content):
     text = encode(content)
     assert text.isascii()
     assert "\0" not in text
     assert repr(json.loads(text)) == repr(expected(content))
+
+
+ODD = [np.int64(1), np.zeros(2), object(), "\ud800", {1}, b"", {1: 2}, (1, [2.5]), np.float64(1)]
+
+
+@pytest.mark.parametrize("odd", ODD)
+def test_results_are_refused_as_anything_is(odd):
+    def said(encode):
+        try:
+            return encode({"a": [odd]})
+        except TypeError as fault:
+            return str(fault)
+
+    assert said(encode_result) == said(encode)
 
 
 def test_what_is_no_json_is_refused_or_shown():

@@ -8,8 +8,10 @@ from functools import partial
 import pytest
 from sqlalchemy.exc import OperationalError
 
+from service.jobs import writer as module
 from service.jobs.errors import DatabaseUnavailable
 from service.jobs.writer import Writer
+from tests.service.jobs.test_stopping import eventually
 
 
 class Store:
@@ -18,6 +20,7 @@ class Store:
     def __init__(self, num_faults=0):
         self.durable = []
         self.num_faults = num_faults
+        self.num_full = 0
         self.has_begun = threading.Event()
         self.gate = threading.Event()
         self.gate.set()
@@ -31,6 +34,12 @@ class Store:
             raise OperationalError("BEGIN", {}, Exception("database is locked"))
         yield
         self.durable.append(is_durable)
+
+    def flush(self):
+        if self.num_full > 0:
+            self.num_full -= 1
+            raise OSError
+        self.durable.append("flush")
 
 
 @asynccontextmanager
@@ -170,5 +179,51 @@ def test_what_is_refused_leaves_the_others_of_its_transaction():
         # Once for nothing, in the transaction that was given up.
         assert [what for what in written if what != "slow"] == ["first", "other", "other"]
         assert len(store.durable) == 2
+
+    asyncio.run(story())
+
+
+def test_what_is_owed_to_the_disk_is_paid_in_a_lull_or_by_what_follows():
+    async def story():
+        store = Store()
+        async with writing(store) as writer:
+            await writer.do(partial(int, "1"), is_durable=False)
+            await writer.do(partial(int, "2"), is_durable=False, is_owed=True)
+            await eventually(lambda: store.durable == [False, False, "flush"])
+            store.gate.clear()
+            store.has_begun.clear()
+            first = asyncio.create_task(writer.do(partial(int, "3"), is_durable=False))
+            await asyncio.to_thread(store.has_begun.wait, 60)
+            owed = writer.do(partial(int, "4"), is_durable=False, is_owed=True)
+            together = [asyncio.create_task(work) for work in (owed, writer.do(partial(int, "5")))]
+            await asyncio.sleep(0)
+            store.gate.set()
+            await asyncio.gather(first, *together)
+            await writer.do(partial(int, "6"), is_durable=False)
+        assert store.durable[3:] == [False, True, False]
+
+    asyncio.run(story())
+
+
+def test_what_is_owed_is_paid_before_the_end():
+    async def story():
+        store = Store()
+        async with writing(store) as writer:
+            await writer.do(partial(int, "1"), is_durable=False, is_owed=True)
+        assert store.durable == [False, "flush"]
+
+    asyncio.run(story())
+
+
+def test_a_disk_that_refuses_what_is_owed_gets_it_again(monkeypatch):
+    monkeypatch.setattr(module, "_AGAIN", 0.001)
+
+    async def story():
+        store = Store()
+        store.num_full = 3
+        async with writing(store) as writer:
+            await writer.do(partial(int, "1"), is_durable=False, is_owed=True)
+            await eventually(lambda: store.durable == [False, "flush"])
+            assert store.num_full == 0
 
     asyncio.run(story())

@@ -5,10 +5,13 @@ import resource
 from concurrent.futures import ThreadPoolExecutor
 
 import pytest
-from sqlalchemy import create_engine, insert
+from sqlalchemy import create_engine, event, insert
 
 from service.errors import RevisionConflict, UnknownResource
+from service.jobs.database import open_engine
 from service.jobs.json_text import Encoded, encode
+from service.jobs.records import JobSpec
+from service.jobs.store import JobStore
 from service.scenes.recent import RecentScenes
 from service.scenes.records import LoadedScene, scenes
 from service.scenes.store import SceneStore
@@ -170,3 +173,25 @@ def test_a_scene_of_an_older_server_is_read_and_told(store, engine):
     assert answer["files"] == {}
     assert "no_longer" not in answer
     assert answer["created_at"] == "2026-01-02T03:04:05Z"
+
+
+def test_scenes_are_durable_although_they_share_connections_with_what_need_not_be(tmp_path):
+    """SQLite's `synchronous` is a connection's: 2 is FULL, which waits for the disk."""
+    engine, levels = open_engine(f"sqlite:///{tmp_path / 'scenes.sqlite'}"), []
+    store, jobs = SceneStore(engine, tmp_path / "documents"), JobStore(engine)
+    store.open()
+    jobs.open()
+
+    def note(connection):
+        levels.append(connection.exec_driver_sql("PRAGMA synchronous").scalar())
+
+    event.listen(engine, "commit", note)
+    identifier = jobs.insert(JobSpec("plan", "m:f", {}))[0].id
+    jobs.start(identifier)
+    added = store.add(loaded("a", "d"))
+    jobs.record(identifier, [("stage", Encoded("{}"))])
+    store.revise(added, loaded("a", "e"))
+    jobs.record(identifier, [("stage", Encoded("{}"))])
+    store.delete(added.id)
+    engine.dispose()
+    assert levels == [2, 1, 2, 1, 2, 1, 2]

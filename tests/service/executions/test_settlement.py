@@ -1,0 +1,46 @@
+"""What is known of a scene stays true until something is done to it, and only then is kept."""
+
+import asyncio
+from datetime import UTC, datetime, timedelta
+from types import SimpleNamespace
+
+import pytest
+
+from service.executions.settlement import settled
+
+CREATED = datetime(2026, 1, 1, tzinfo=UTC)
+LATER, BEFORE = CREATED + timedelta(seconds=1), CREATED - timedelta(seconds=1)
+RECORD = SimpleNamespace(id="scn", created_at=CREATED)
+
+
+class Desk:
+    """Knows one execution at most."""
+
+    def __init__(self, *executions):
+        self.executions = executions
+
+    async def newest(self, lane, *, scene):
+        assert (lane, scene) == ("execution", RECORD.id)
+        for job in self.executions:
+            yield job
+
+    async def last_told(self, job, event_type):
+        return None
+
+
+def execution(finished_at):
+    return SimpleNamespace(finished_at=finished_at, result=None)
+
+
+@pytest.mark.parametrize(
+    ("desk", "is_at_rest"),
+    [
+        (Desk(), True),
+        (Desk(execution(BEFORE)), True),
+        (Desk(execution(LATER)), True),  # it never moved
+        (Desk(execution(None)), False),
+        (Desk(execution(None), execution(BEFORE)), False),
+    ],
+)
+def test_a_revision_is_the_latest_for_good_once_nothing_moves(desk, is_at_rest):
+    assert asyncio.run(settled(RECORD, None, desk)) == (RECORD, is_at_rest)
