@@ -142,4 +142,4 @@ def test_lines_as_long_as_a_refusal_says_would_do(
     cut = min(shares, key=lambda name: shares[name])
     longer = shorter | {cut: ways[cut] * min(1.0, 1.1 * shares[cut] + 0.01)}
     with pytest.raises(ApproachBlocked):
-        ask(world, "arm", with_ways(goal, **{"approach": None, **longer}), looks=300)
+        ask(world, "arm", with_ways(goal, **{"approach": None, **longer}), looks=150)
