@@ -120,7 +120,6 @@ class StopLoad:
         sizes += self.off_slope[at] * np.abs(ramp).max(axis=0)[:, None]
         return (sizes <= self.bounds[at]).all(axis=1)
 
-
     @cached_property
     def _hulls(self) -> tuple[Array, Array, Array, Array | None]:
         """Those of slope, bend, rest and drag in all cells: they are asked for again and again."""

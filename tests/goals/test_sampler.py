@@ -16,7 +16,7 @@ from planning.goals.ranking import equivalents
 from planning.world.world import World
 from tests.conftest import group_of, limits_of
 from tests.goals.conftest import ENGINES, ask, at, world_by
-from tests.profiles import num_cases
+from tests.profiles import num_cases, only_campaign
 
 
 @ENGINES
@@ -117,7 +117,11 @@ def test_rejections_are_tallied_by_pair_and_the_funnel_narrows(engine: str) -> N
     assert any("table" in t.bodies for t in funnel.rejected_by)
 
 
-@ENGINES
+@pytest.mark.campaign
+@pytest.mark.parametrize(
+    "engine",
+    ["kernel", pytest.param("drake", marks=only_campaign("test_nearest.py asks Drake as well"))],
+)
 def test_the_nearest_pose_is_not_beaten_by_random_tries(engine: str) -> None:
     world = world_by("ur5e_pickup", engine)
     group = world.group("arm")

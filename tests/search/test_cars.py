@@ -25,7 +25,7 @@ from planning.search.polyline import path_length
 from planning.search.solver import SearchTask, search
 from planning.stopwatch import Stopwatch
 from tests.clocks import FakeClock, after_looks, no_hurry
-from tests.profiles import num_cases, pairs, seeds
+from tests.profiles import PROFILE, num_cases, pairs, seeds
 from tests.search.conftest import Oracle, group_of, limits_of
 
 PLANE = (JointType.PLANAR,)
@@ -140,7 +140,10 @@ class Solving(Stopwatch):
         self.is_on = False
 
 
-@pytest.mark.parametrize("name", DIRECTED)
+@pytest.mark.campaign
+@pytest.mark.parametrize(
+    "name", DIRECTED if PROFILE.is_campaign else ["BITstar", "KPIECE1", "RRTConnect", "RRTstar"]
+)
 def test_planners_for_one_way_check_in_the_direction_of_motion(name):
     """Every sample of what the planner finds was asked for as it is driven."""
     group, watch, asked = car(reverse=False), Solving(), []

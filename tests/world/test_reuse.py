@@ -116,7 +116,7 @@ def compared(told: list[Any], expected: list[Any]) -> None:
 
 
 @given(steps=st.lists(operations, min_size=1, max_size=6))
-@settings(max_examples=num_cases(8))
+@settings(max_examples=num_cases(5, 320))
 def test_edited_in_place_is_loaded_anew(steps: list[Any]) -> None:
     scene, world = SCENE, load(SCENE)
     done = 0
