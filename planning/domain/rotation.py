@@ -4,6 +4,7 @@ Quaternions are `[w, x, y, z]`. Formulas: Sola, Deray, Atchuthan, "A micro Lie t
 estimation in robotics" (2018), eqs. 132-148. All functions take stacks along leading axes.
 """
 
+import math
 from collections.abc import Sequence
 from typing import Any
 
@@ -60,23 +61,22 @@ def matrix(a: Float64[np.ndarray, "*n 4"]) -> Float64[np.ndarray, "*n 3 3"]:
     ]
     if a.ndim == 1:
         return np.array(rows)
-    return np.stack([_stacked(row) for row in rows], axis=-2)
+    return _stacked([entry for row in rows for entry in row]).reshape(*a.shape[:-1], 3, 3)
 
 
 def from_matrix(r: Float64[np.ndarray, "3 3"]) -> Float64[np.ndarray, "4"]:
     """Return the unit quaternion (w >= 0) of a rotation matrix, by its largest component."""
-    diagonal = np.array([r[0, 0] + r[1, 1] + r[2, 2], r[0, 0], r[1, 1], r[2, 2]])
+    m: list[list[float]] = r.tolist()
+    diagonal = [m[0][0] + m[1][1] + m[2][2], m[0][0], m[1][1], m[2][2]]
     i = int(np.argmax(diagonal))
-    skew = np.array([r[2, 1] - r[1, 2], r[0, 2] - r[2, 0], r[1, 0] - r[0, 1]])
+    skew = [m[2][1] - m[1][2], m[0][2] - m[2][0], m[1][0] - m[0][1]]
     if i == 0:
-        a = np.concatenate([[1 + diagonal[0]], skew])
+        a = np.array([1 + diagonal[0], *skew])
     else:
         k = i - 1
-        a = np.zeros(4)
-        a[0] = skew[k]
-        a[1:] = r[k] + r[:, k]
-        a[i] = 1 + 2 * r[k, k] - diagonal[0]
-    a = a / np.linalg.norm(a)
+        a = np.array([skew[k], *(m[k][j] + m[j][k] for j in range(3))])
+        a[i] = 1 + 2 * m[k][k] - diagonal[0]
+    a = a / math.sqrt(a.dot(a))
     return a if a[0] >= 0 else -a
 
 
