@@ -18,7 +18,7 @@ from planning.certify import bernstein
 from planning.certify.equal_parts import equal_parts
 from planning.certify.limit_checks import MAX_UTILISATION, RATES, has_fixed_axes, turning_blocks
 from planning.certify.request import CertifyRequest
-from planning.certify.stop_load import StopLoad
+from planning.certify.stop_load import StopLoad, hull
 from planning.certify.turn_bounds import turn_bounds
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
@@ -43,6 +43,11 @@ class BlockRates:
     limits: tuple[Float64[np.ndarray, " blocks"], ...]
     middles: Float64[np.ndarray, " blocks"]
     is_turning: bool = False
+
+    @cached_property
+    def hulls(self) -> tuple[Array, ...]:
+        """Least and largest coefficients by order, shape (2, n, blocks, size)."""
+        return tuple(hull(form) for form in self.forms)
 
     @cached_property
     def load(self) -> StopLoad:

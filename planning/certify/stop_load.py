@@ -111,13 +111,20 @@ class StopLoad:
             rate: Least and largest s', shape (2, m).
             ramp: Least and largest s'', shape (2, m).
         """
-        total = spread(hull(self.bend[at]), np.maximum(rate, 0.0) ** 2)
-        total += spread(hull(self.slope[at]), ramp) + hull(self.rest[at])
-        if self.drag is not None:
-            total += spread(hull(self.drag[at]), np.maximum(rate, 0.0))
+        slope, bend, rest, drag = self._hulls
+        total = spread(bend[:, at], np.maximum(rate, 0.0) ** 2)
+        total += spread(slope[:, at], ramp) + rest[:, at]
+        if drag is not None:
+            total += spread(drag[:, at], np.maximum(rate, 0.0))
         sizes = np.linalg.norm(np.abs(total).max(axis=0), axis=2)
         sizes += self.off_slope[at] * np.abs(ramp).max(axis=0)[:, None]
         return (sizes <= self.bounds[at]).all(axis=1)
+
+    @cached_property
+    def _hulls(self) -> tuple[Array, Array, Array, Array | None]:
+        """Those of slope, bend, rest and drag in all cells: they are asked for again and again."""
+        drag = None if self.drag is None else hull(self.drag)
+        return hull(self.slope), hull(self.bend), hull(self.rest), drag
 
 
 def _finite(form: Array) -> Array:
@@ -132,5 +139,6 @@ def hull(form: Array) -> Array:
 def spread(hulls: Array, interval: Array) -> Array:
     """Return the products of intervals, shape (2, m, blocks, size)."""
     factors = interval[:, :, None, None]
-    products = np.stack([hulls[i] * factors[j] for i in range(2) for j in range(2)])
-    return np.stack([products.min(axis=0), products.max(axis=0)])
+    a, b, c, d = (hulls[i] * factors[j] for i in range(2) for j in range(2))
+    least = np.minimum(np.minimum(a, b), np.minimum(c, d))
+    return np.stack([least, np.maximum(np.maximum(a, b), np.maximum(c, d))])

@@ -37,7 +37,7 @@ from jaxtyping import Float64, Int
 
 from planning.certify.limit_checks import MAX_UTILISATION
 from planning.certify.motion_cells import MotionCells
-from planning.certify.stop_load import hull, spread
+from planning.certify.stop_load import spread
 from planning.domain.deadline import UNHURRIED, Deadline
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
@@ -230,7 +230,7 @@ def _is_kept(cells: MotionCells, at: Indices, u0: Array, u1: Array, lasting: flo
     for load in cells.loads:
         kept &= load.used(at, rate, ramp)
     for rates in cells.rates:
-        first, second, third = (hull(form[at]) for form in rates.forms)
+        first, second, third = (form[:, at] for form in rates.hulls)
         vdot = spread(second, _cubed(rate, 2)) + spread(first, ramp)
         vddot = spread(third, _cubed(rate, 3)) + spread(first, twist)
         vddot += 3 * spread(second, np.stack([ramp[0] * rate[1], ramp[1] * rate[0]]))

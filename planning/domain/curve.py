@@ -59,7 +59,11 @@ class Curve(Value):
     def tangents(self, x: Float64[np.ndarray, " m"], order: int = 0) -> Array:
         """Return the order-th derivative of delta at x, shape (m, nv)."""
         piece, local = self.locate(x)
-        coefficients = derivative(self.coefficients, order)[piece]
+        # Of few instants only those pieces are differentiated that they lie on.
+        if len(x) < self.num_pieces:
+            coefficients = derivative(self.coefficients[piece], order)
+        else:
+            coefficients = derivative(self.coefficients, order)[piece]
         total = np.zeros((len(x), coefficients.shape[2]))
         for k in range(coefficients.shape[1] - 1, -1, -1):
             total = total * local[:, None] + coefficients[:, k]

@@ -76,6 +76,11 @@ class Manifold(Value):
         return tuple(flag for joint in self.joints for flag in joint.wraps)
 
     @cached_property
+    def _circles(self) -> tuple[int, ...]:
+        """Which velocity coordinates are angles on a circle."""
+        return tuple(i for i, wraps in enumerate(self.wraps) if wraps)
+
+    @cached_property
     def is_vector(self) -> bool:
         """Whether q and delta are the same numbers: no circle and no rotation among them."""
         return self.is_flat and not any(self.wraps)
@@ -87,7 +92,8 @@ class Manifold(Value):
         shape = np.broadcast_shapes(q.shape[:-1], delta.shape[:-1])
         moved = np.empty((*shape, self.num_positions))
         in_q, in_v = self._plain
-        moved[..., in_q] = q[..., in_q] + delta[..., in_v]
+        if in_q:
+            moved[..., in_q] = q[..., in_q] + delta[..., in_v]
         for iq, iv in self._floating:
             turned = rotation.multiply(q[..., iq : iq + 4], rotation.exp(delta[..., iv : iv + 3]))
             moved[..., iq : iq + 4] = turned
@@ -98,17 +104,23 @@ class Manifold(Value):
         """Return the shortest delta with q0 [+] delta = q1 (up to whole turns)."""
         if self.is_vector:
             return q1 - q0
+        delta = q1 - q0 if self.is_flat else self._minus_floating(q1, q0)
+        for i in self._circles:
+            delta[..., i] = np.remainder(delta[..., i] + np.pi, 2 * np.pi) - np.pi
+        return delta
+
+    def _minus_floating(self, q1: Array, q0: Array) -> Array:
+        """Return what `minus` does, but with the whole turns of angles."""
         shape = np.broadcast_shapes(q1.shape[:-1], q0.shape[:-1])
         delta = np.empty((*shape, self.num_velocities))
         in_q, in_v = self._plain
-        delta[..., in_v] = q1[..., in_q] - q0[..., in_q]
+        if in_q:
+            delta[..., in_v] = q1[..., in_q] - q0[..., in_q]
         for iq, iv in self._floating:
             inverse = rotation.conjugate(q0[..., iq : iq + 4])
             turn = rotation.log(rotation.multiply(inverse, q1[..., iq : iq + 4]))
             delta[..., iv : iv + 3] = turn
             delta[..., iv + 3 : iv + 6] = q1[..., iq + 4 : iq + 7] - q0[..., iq + 4 : iq + 7]
-        circle = list(self.wraps)
-        delta[..., circle] = np.remainder(delta[..., circle] + np.pi, 2 * np.pi) - np.pi
         return delta
 
     def interpolate(self, q0: Array, q1: Array, s: Float64[np.ndarray, " m"]) -> Array:

@@ -4,6 +4,8 @@ Quaternions are `[w, x, y, z]`. Formulas: Sola, Deray, Atchuthan, "A micro Lie t
 estimation in robotics" (2018), eqs. 132-148. All functions take stacks along leading axes.
 """
 
+import math
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -16,17 +18,9 @@ _SMALL = 1e-4
 
 def multiply(a: Float64[np.ndarray, "*#n 4"], b: Float64[np.ndarray, "*#n 4"]) -> Array:
     """Return the Hamilton product of two quaternions."""
-    aw, ax, ay, az = np.moveaxis(a, -1, 0)
-    bw, bx, by, bz = np.moveaxis(b, -1, 0)
-    return np.stack(
-        [
-            aw * bw - ax * bx - ay * by - az * bz,
-            aw * bx + ax * bw + ay * bz - az * by,
-            aw * by - ax * bz + ay * bw + az * bx,
-            aw * bz + ax * by - ay * bx + az * bw,
-        ],
-        axis=-1,
-    )
+    if a.ndim == b.ndim == 1:
+        return np.array(_product(a.tolist(), b.tolist()))
+    return _stacked(_product([a[..., i] for i in range(4)], [b[..., i] for i in range(4)]))
 
 
 def conjugate(a: Float64[np.ndarray, "*n 4"]) -> Float64[np.ndarray, "*n 4"]:
@@ -42,7 +36,7 @@ def normalized(a: Float64[np.ndarray, "n 4"]) -> Float64[np.ndarray, "n 4"]:
 
 def exp(phi: Float64[np.ndarray, "*n 3"]) -> Float64[np.ndarray, "*n 4"]:
     """Return the unit quaternions of rotation vectors [rad]."""
-    theta = np.linalg.norm(phi, axis=-1, keepdims=True)
+    theta = np.sqrt(np.add.reduce(phi * phi, axis=-1, keepdims=True))
     half_sinc = 0.5 * np.sinc(theta / (2 * np.pi))
     return np.concatenate([np.cos(theta / 2), half_sinc * phi], axis=-1)
 
@@ -59,29 +53,30 @@ def log(a: Float64[np.ndarray, "*n 4"]) -> Float64[np.ndarray, "*n 3"]:
 
 def matrix(a: Float64[np.ndarray, "*n 4"]) -> Float64[np.ndarray, "*n 3 3"]:
     """Return the rotation matrices of unit quaternions."""
-    w, x, y, z = np.moveaxis(a, -1, 0)
+    w, x, y, z = a.tolist() if a.ndim == 1 else (a[..., i] for i in range(4))
     rows = [
         [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
         [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
         [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
     ]
-    return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
+    if a.ndim == 1:
+        return np.array(rows)
+    return _stacked([entry for row in rows for entry in row]).reshape(*a.shape[:-1], 3, 3)
 
 
 def from_matrix(r: Float64[np.ndarray, "3 3"]) -> Float64[np.ndarray, "4"]:
     """Return the unit quaternion (w >= 0) of a rotation matrix, by its largest component."""
-    diagonal = np.array([r[0, 0] + r[1, 1] + r[2, 2], r[0, 0], r[1, 1], r[2, 2]])
+    m: list[list[float]] = r.tolist()
+    diagonal = [m[0][0] + m[1][1] + m[2][2], m[0][0], m[1][1], m[2][2]]
     i = int(np.argmax(diagonal))
-    skew = np.array([r[2, 1] - r[1, 2], r[0, 2] - r[2, 0], r[1, 0] - r[0, 1]])
+    skew = [m[2][1] - m[1][2], m[0][2] - m[2][0], m[1][0] - m[0][1]]
     if i == 0:
-        a = np.concatenate([[1 + diagonal[0]], skew])
+        a = np.array([1 + diagonal[0], *skew])
     else:
         k = i - 1
-        a = np.zeros(4)
-        a[0] = skew[k]
-        a[1:] = r[k] + r[:, k]
-        a[i] = 1 + 2 * r[k, k] - diagonal[0]
-    a = a / np.linalg.norm(a)
+        a = np.array([skew[k], *(m[k][j] + m[j][k] for j in range(3))])
+        a[i] = 1 + 2 * m[k][k] - diagonal[0]
+    a = a / math.sqrt(a.dot(a))
     return a if a[0] >= 0 else -a
 
 
@@ -96,30 +91,58 @@ def from_rpy(rpy: Float64[np.ndarray, "3"]) -> Float64[np.ndarray, "4"]:
     return np.array(_product(_product(yaw, pitch), roll))
 
 
-def _product(a: tuple[float, ...], b: tuple[float, ...]) -> tuple[float, ...]:
-    """Return the Hamilton product of two quaternions: of plain numbers, as scenes have many."""
+def rotate(a: Float64[np.ndarray, "*#n 4"], p: Float64[np.ndarray, "*#n 3"]) -> Array:
+    """Return the vectors `p` rotated by the unit quaternions `a`."""
+    if a.ndim == p.ndim == 1:
+        w, *axis = a.tolist()
+        t = [2 * x for x in _crossed(axis, p.tolist())]
+        beside = _crossed(axis, t)
+        return np.array([
+            x + w * along + aside for x, along, aside in zip(p.tolist(), t, beside, strict=True)
+        ])
+    axes = a[..., 1:]
+    turned = 2 * _cross(axes, p)
+    return p + a[..., :1] * turned + _cross(axes, turned)
+
+
+# Numbers of single vectors are plain, those of stacks are arrays: a call of numpy takes ten times
+# as long as what it does with one number.
+def _product(a: Sequence[Any], b: Sequence[Any]) -> list[Any]:
+    """Return the Hamilton product of two quaternions, component by component."""
     aw, ax, ay, az = a
     bw, bx, by, bz = b
-    return (
+    return [
         aw * bw - ax * bx - ay * by - az * bz,
         aw * bx + ax * bw + ay * bz - az * by,
         aw * by - ax * bz + ay * bw + az * bx,
         aw * bz + ax * by - ay * bx + az * bw,
-    )
+    ]
 
 
-def rotate(a: Float64[np.ndarray, "*#n 4"], p: Float64[np.ndarray, "*#n 3"]) -> Array:
-    """Return the vectors `p` rotated by the unit quaternions `a`."""
-    axis = a[..., 1:]
-    t = 2 * np.cross(axis, p)
-    return p + a[..., :1] * t + np.cross(axis, t)
+def _crossed(a: Sequence[Any], b: Sequence[Any]) -> list[Any]:
+    """Return the cross product, component by component."""
+    ax, ay, az = a
+    bx, by, bz = b
+    return [ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx]
+
+
+def _cross(a: Array, b: Array) -> Array:
+    return _stacked(_crossed([a[..., i] for i in range(3)], [b[..., i] for i in range(3)]))
+
+
+def _stacked(components: Sequence[Array]) -> Array:
+    """Return components, all of one shape, along a last axis."""
+    stacked = np.empty((*components[0].shape, len(components)))
+    for i, component in enumerate(components):
+        stacked[..., i] = component
+    return stacked
 
 
 def right_jacobian(phi: Float64[np.ndarray, "*#n 3"], x: Float64[np.ndarray, "*#n 3"]) -> Array:
     """Return J_r(phi) x: the body angular velocity of exp(phi(t)) where phi' = x (eq. 143)."""
     theta = np.linalg.norm(phi, axis=-1, keepdims=True)
-    cross = np.cross(phi, x)
-    return x - _b(theta) * cross + _c(theta) * np.cross(phi, cross)
+    cross = _cross(phi, x)
+    return x - _b(theta) * cross + _c(theta) * _cross(phi, cross)
 
 
 def body_acceleration(
@@ -133,11 +156,11 @@ def body_acceleration(
     """
     theta = np.linalg.norm(phi, axis=-1, keepdims=True)
     theta_rate_times_theta = np.sum(phi * rate, axis=-1, keepdims=True)
-    cross = np.cross(phi, rate)
+    cross = _cross(phi, rate)
     turning = (
         -_b_slope(theta) * theta_rate_times_theta * cross
-        + _c_slope(theta) * theta_rate_times_theta * np.cross(phi, cross)
-        + _c(theta) * np.cross(rate, cross)
+        + _c_slope(theta) * theta_rate_times_theta * _cross(phi, cross)
+        + _c(theta) * _cross(rate, cross)
     )
     return right_jacobian(phi, curvature) + turning
 

@@ -8,6 +8,7 @@ complex objects in three-dimensional space", 1988; van den Bergen 1999 for the t
 bounds hold at every step, so an early end or a degenerate simplex costs sharpness, never truth.
 """
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import combinations
@@ -17,9 +18,12 @@ import numpy as np
 from jaxtyping import Float64
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
+type Row = list[float]
 
 _MAX_STEPS = 60
 _TOLERANCE = 1e-10
+# The determinant of a simplex without extent, as a share of what it could be at most.
+_FLAT = 1e-14
 # How near the bounds must be where the lower one cannot become large enough any more [m].
 CLOSE = 1e-5
 
@@ -56,19 +60,19 @@ def separation(
         close: Bounds as near to each other end it where the upper one is not `enough` [m].
     """
     corners = np.zeros((0, 3))
-    v = guess if np.linalg.norm(guess) > _TOLERANCE else np.array([1.0, 0.0, 0.0])
+    v = guess if _length(guess) > _TOLERANCE else np.array([1.0, 0.0, 0.0])
     simplex = np.zeros((0, 3))
-    lower, upper, direction = -np.inf, np.inf, v / np.linalg.norm(v)
+    lower, upper, direction = -np.inf, np.inf, v / _length(v)
     for _ in range(_MAX_STEPS):
-        n = v / np.linalg.norm(v)
+        n = v / _length(v)
         w = support(-n)
         slab = float(n @ w)
         if slab > lower:
             lower, direction = slab, n
         if lower >= enough or upper - lower <= max(_TOLERANCE, 0.0 if upper > enough else close):
             break
-        v, simplex = _nearest(np.vstack([simplex, w]))
-        length = float(np.linalg.norm(v))
+        v, simplex = _nearest(np.concatenate([simplex, w[None]]))
+        length = _length(v)
         if length >= upper:
             break
         upper, corners = length, simplex
@@ -118,22 +122,59 @@ def _nearest(points: Array) -> tuple[Array, Array]:
     """Return the point of a simplex nearest to the origin, and the corners that span its face.
 
     The newest corner, the last, is always one of them: it lies nearer to the origin's side than
-    every other. A face counts if the nearest point of its plane lies within it.
+    every other. A face counts if the nearest point of its plane lies within it. All in plain
+    numbers: calls of numpy would take ten times as long as what they compute.
     """
-    last = len(points) - 1
-    best, corners, least = points[last], points[last:], float(np.sum(points[last] ** 2))
+    *rows, newest = points.tolist()
+    edges = [_minus(row, newest) for row in rows]
+    gram = [[_dot(a, b) for b in edges] for a in edges]
+    right = [-_dot(edge, newest) for edge in edges]
+    best, chosen, least = newest, (), _dot(newest, newest)
     for size in range(1, len(points)):
-        for others in combinations(range(last), size):
-            face = points[[*others, last]]
-            edges = face[:-1] - face[-1]
-            gram = edges @ edges.T
-            if np.linalg.det(gram) <= 1e-14 * float(np.prod(np.diag(gram))):
+        for others in combinations(range(len(rows)), size):
+            weights = _solved(gram, right, others)
+            if not weights or min(weights) <= 0 or sum(weights) >= 1:
                 continue
-            weights = np.linalg.solve(gram, -edges @ face[-1])
-            if (weights <= 0).any() or weights.sum() >= 1:
-                continue
-            nearest = face[-1] + weights @ edges
-            square = float(nearest @ nearest)
+            nearest = newest
+            for weight, i in zip(weights, others, strict=True):
+                nearest = [x + weight * e for x, e in zip(nearest, edges[i], strict=True)]
+            square = _dot(nearest, nearest)
             if square < least:
-                best, corners, least = nearest, face, square
-    return best, corners
+                best, chosen, least = nearest, others, square
+    return np.array(best), points[[*chosen, len(rows)]]
+
+
+def _solved(gram: list[Row], right: Row, rows: tuple[int, ...]) -> Row:
+    """Return the solution of some rows and columns of a system; nothing of one that has none.
+
+    By elimination, which takes no pivoting where a matrix is positive definite (Golub, Van Loan,
+    "Matrix computations", 4.2).
+    """
+    a = [[*(gram[i][j] for j in rows), right[i]] for i in rows]
+    determinant = diagonal = 1.0
+    for k, pivot in enumerate(a):
+        determinant *= pivot[k]
+        diagonal *= gram[rows[k]][rows[k]]
+        if not determinant > _FLAT * diagonal:
+            return []
+        for below in a[k + 1 :]:
+            share = below[k] / pivot[k]
+            for j in range(k + 1, len(pivot)):
+                below[j] -= share * pivot[j]
+    found = [0.0] * len(a)
+    for k in reversed(range(len(a))):
+        known = sum(a[k][j] * found[j] for j in range(k + 1, len(a)))
+        found[k] = (a[k][-1] - known) / a[k][k]
+    return found
+
+
+def _minus(a: Row, b: Row) -> Row:
+    return [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+
+
+def _dot(a: Row, b: Row) -> float:
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+def _length(v: Array) -> float:
+    return math.sqrt(v.dot(v))

@@ -1,5 +1,6 @@
 """Support functions: the point of a convex shape that lies farthest along a direction."""
 
+import math
 from typing import Any
 
 import numpy as np
@@ -24,7 +25,8 @@ def farthest_point(shape: ConvexShape, n: Float64[np.ndarray, "3"]) -> Float64[n
         case ShapeKind.SPHERE:
             return size[0] * n
         case ShapeKind.CYLINDER:
-            return np.append(size[0] * _unit(n[:2]), np.copysign(size[1], n[2]))
+            x, y = size[0] * _unit(n[:2])
+            return np.array([x, y, np.copysign(size[1], n[2])])
         case ShapeKind.CAPSULE:
             return size[0] * n + np.array([0.0, 0.0, np.copysign(size[1], n[2])])
         case ShapeKind.ELLIPSOID:
@@ -38,5 +40,5 @@ def farthest_point(shape: ConvexShape, n: Float64[np.ndarray, "3"]) -> Float64[n
 
 def _unit(vector: Array) -> Array:
     """Return a vector of length 1; zero stays zero."""
-    length = float(np.linalg.norm(vector))
+    length = math.sqrt(vector.dot(vector))
     return vector / length if length > 0 else vector

@@ -62,7 +62,9 @@ class RobotsAlone:
             # The same bytes for the whole edit, whatever happens to the disk meanwhile.
             read = {} if self._world is None else self._world.scene.files
             kept = replace(alone, files={**read, **scene.files})
-            self._world, self._loaded = load_world(kept, self._library, kernel=False), alone
+            # Robots that only moved are not loaded again.
+            self._world = load_world(kept, self._library, kernel=False, like=self._world)
+            self._loaded = alone
         return self._world
 
 

@@ -1,5 +1,7 @@
 """Half spaces, at rest and on links that turn: what is proven is true, and what is free is."""
 
+from itertools import product
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -23,7 +25,7 @@ from tests.certify.conftest import quintic
 from tests.certify.half_spaces import Heights, Place
 from tests.certify.test_clearance import NO_MARGIN, clearance_of, judge
 from tests.clocks import no_hurry
-from tests.profiles import num_cases
+from tests.profiles import num_cases, pairs
 
 JUDGED = pytest.mark.usefixtures("implementation")
 
@@ -107,13 +109,15 @@ FAR_SHAPES = {
 }
 
 
-@pytest.mark.parametrize("away", [0.0, 100.0, 1000.0])
-@pytest.mark.parametrize("name", FAR_SHAPES)
-@pytest.mark.parametrize("roll", [0.0, 0.4])
+FAR_PLACES = list(product([0.0, 100.0, 1000.0], [0.0, 0.4]))
+
+
+@pytest.mark.campaign
+@pytest.mark.parametrize(("name", "place"), pairs(list(FAR_SHAPES), FAR_PLACES))
 def test_a_micrometre_decides_far_from_the_origin(
-    implementation: str, away: float, name: str, roll: float
+    implementation: str, name: str, place: tuple[float, float]
 ) -> None:
-    shape, below = FAR_SHAPES[name]
+    (shape, below), (away, roll) = FAR_SHAPES[name], place
     turned = RotationMatrix.MakeXRotation(roll)
     for gap in (1e-6, -1e-6):
         builder = Builder()

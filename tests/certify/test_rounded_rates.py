@@ -28,6 +28,7 @@ from planning.world.margins import PairMargins
 from tests.certify.chains import Builder, Robot
 from tests.certify.test_rounding import exact_value, powers_of
 from tests.clocks import no_hurry
+from tests.profiles import seeds
 
 MARGINS = PairMargins(0.0, {}, {})
 ARM = 0.7
@@ -69,12 +70,13 @@ def moving(robot: Robot, powers: np.ndarray) -> CertifyRequest:
     return robot.request(curve, MARGINS)
 
 
+@pytest.mark.campaign
 @pytest.mark.parametrize("degree", [14, 18, 22])
 def test_no_frame_is_faster_than_what_passes(degree: int) -> None:
     """The limit lies between the frame's true speed at the end and what is computed of it."""
     robot, model = pendulum()
     tempting = 0
-    for seed in range(20):
+    for seed in seeds(10, 200):
         powers = growing(np.random.default_rng(seed), degree, 1e-3)
         request = moving(robot, powers)
         true = ARM * value(slopes(powers), 1.0)

@@ -94,8 +94,10 @@ def test_a_goal_without_a_free_line_says_what_blocks_it(
 ) -> None:
     world = world_by("ur5e_pickup", "kernel")
     ways = [None if way is None else np.array(way) for way in (approach, retreat)]
+    # To follow a line as far as it goes takes longer.
+    looks = 300 if reason == "singularity" else 150
     with pytest.raises(ApproachBlocked) as failure:
-        ask(world, "arm", with_ways(at(Pose.identity(), "pick"), *ways), looks=300)
+        ask(world, "arm", with_ways(at(Pose.identity(), "pick"), *ways), looks=looks)
     funnel = failure.value.evidence["funnel"]
     assert funnel["collision_free"] > funnel["approach_ok"] == funnel["distinct"] == 0
     first = funnel["blocked_by"][0]

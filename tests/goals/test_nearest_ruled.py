@@ -188,7 +188,7 @@ def test_a_constraint_that_gives_way_as_told_would_do_and_no_less(case: str) -> 
     found = solved(at(pose), (widened(rules[0], told["value"]),))
     assert len(found.positions)
     less = told["value"] + 0.02 * (told["bound"] - told["value"])
-    refused(at(pose), (widened(rules[0], less),), after_looks(100))
+    refused(at(pose), (widened(rules[0], less),), after_looks(30))
 
 
 def test_other_goals_of_a_tool_have_nearest_poses_too() -> None:

@@ -77,7 +77,7 @@ def test_a_goal_inside_the_table_says_that_it_collides(engine: str) -> None:
     world = world_by("ur5e_pickup", engine)
     inside = Pose.from_parts([0.45, 0.25, 0.0], rpy=[np.pi, 0, 0.3])
     with pytest.raises(GoalInCollision) as refusal:
-        ask(world, "arm", at(inside), IkOptions(max_trials=10), looks=300)
+        ask(world, "arm", at(inside), IkOptions(max_trials=10), looks=150)
     funnel = refusal.value.evidence["funnel"]
     assert funnel["collision_free"] == 0
     assert sum(entry["count"] for entry in funnel["rejected_by"]) == funnel["within_limits"] > 0

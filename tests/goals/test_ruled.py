@@ -127,7 +127,7 @@ def test_a_predicate_goal_says_what_its_configurations_violate() -> None:
 def test_a_goal_that_fails_without_constraints_fails_as_it_does_without() -> None:
     world = world_by("ur5e_pickup", "kernel")
     goal = at(Pose.from_parts([0.45, 0.25, 0.0], rpy=[np.pi, 0, 0.3]))
-    options, soon = IkOptions(5, 60), partial(after_looks, 100)
+    options, soon = IkOptions(5, 60), partial(after_looks, 20)
     with pytest.raises(GoalInCollision) as plain:
         solve(world, goal=goal, options=options, deadline=soon())
     with pytest.raises(GoalInCollision) as ruled:

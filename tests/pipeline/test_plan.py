@@ -274,7 +274,7 @@ REFUSED = {
 def test_bad_problems_are_refused_with_a_message_that_helps(name: str) -> None:
     changes, error, words = REFUSED[name]
     with pytest.raises(error) as refusal:
-        solve("ur5e_pickup", deadline=after_looks(60), **{"goal": None, **changes()})
+        solve("ur5e_pickup", deadline=after_looks(30), **{"goal": None, **changes()})
     assert words in refusal.value.detail
     json.dumps(refusal.value.evidence)
 

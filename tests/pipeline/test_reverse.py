@@ -27,14 +27,16 @@ def soon() -> Deadline:
     return no_hurry(60.0)
 
 
-def problem_of(goal: Goal, method: str = "toppra", group: str = "arm") -> PlanningProblem:
+def problem_of(
+    goal: Goal, method: str = "toppra", group: str = "arm", *, stop_anywhere: bool = False
+) -> PlanningProblem:
     return PlanningProblem(
         group,
         goal,
         search=SearchOptions(num_states=20, approach_states=10),
         refine=planning.RefineOptions("none"),
         retime=RetimeOptions(method="ruckig" if method == "ruckig" else "toppra"),
-        certify=CertifyOptions(stop_anywhere=True),
+        certify=CertifyOptions(stop_anywhere=stop_anywhere),
         seed=3,
     )
 
@@ -45,7 +47,7 @@ def back_of(world: World, problem: PlanningProblem, found: MotionPlan) -> Motion
 
 @pytest.mark.parametrize("method", ["toppra", "ruckig"])
 def test_the_way_back_is_the_way_there(pickup: World, method: str) -> None:
-    problem = problem_of(PICK, method)
+    problem = problem_of(PICK, method, stop_anywhere=True)
     found = planning.plan(problem, pickup, deadline=soon())
     back = back_of(pickup, problem, found)
     times = np.linspace(0.0, found.trajectory.duration, 200)

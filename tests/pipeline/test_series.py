@@ -13,6 +13,10 @@ BOUNDS = {"arm::elbow_joint": (-0.2, 0.3)}
 TOOL = "arm::tcp"
 
 
+# Distances at an instant take longer than everything else.
+COUNT = 101
+
+
 def made_with(world: World, options: RetimeOptions, margin: float | None = None):
     home = world.positions(world.group("arm"))
     path = home + np.array([np.zeros(6), [0.4, 0.1, -0.2, 0, 0.1, 0], [0.8, -0.1, 0.1, 0.3, 0, 0]])
@@ -21,7 +25,7 @@ def made_with(world: World, options: RetimeOptions, margin: float | None = None)
         world, "arm", path, deadline=deadline, options=options, margin=margin
     )
     series = planning.motion_series(
-        world, "arm", made.trajectory, 401, options=options, margin=margin
+        world, "arm", made.trajectory, COUNT, options=options, margin=margin
     )
     return made, series
 

@@ -19,7 +19,7 @@ from planning.refine.power_basis import joint_spline
 from planning.retime.path_limits import path_limits
 from planning.retime.retimer import retime
 from tests.conftest import bundled_world
-from tests.profiles import num_cases
+from tests.profiles import num_cases, pairs
 from tests.refine.arms import (
     ARMS,
     KINDS,
@@ -31,7 +31,7 @@ from tests.refine.arms import (
 )
 
 SEEDS = st.integers(0, 2**32 - 1)
-EACH = pytest.mark.parametrize(("name", "kind"), [(name, kind) for name in ARMS for kind in KINDS])
+EACH = pytest.mark.parametrize(("name", "kind"), pairs(list(ARMS), KINDS))
 SOME = settings(max_examples=num_cases(4))
 
 

@@ -42,7 +42,7 @@ def test_a_single_joint_speeds_up_cruises_and_brakes() -> None:
 
 
 @pytest.mark.parametrize("method", sorted(RETIMERS))
-@settings(max_examples=num_cases(2))
+@settings(max_examples=num_cases(1, 80))
 @given(seed=st.integers(0, 10_000))
 def test_intervals_cover_the_motion_and_savings_are_what_timing_again_gives(
     method: str, seed: int
@@ -109,7 +109,7 @@ def test_while_nothing_moves_nothing_binds() -> None:
 
 
 @pytest.mark.parametrize("method", sorted(RETIMERS))
-@settings(max_examples=num_cases(3))
+@settings(max_examples=num_cases(2, 120))
 @given(seed=st.integers(0, 10_000), factor=st.floats(1.0, 20.0))
 def test_a_duration_that_is_asked_for_is_met_exactly(method: str, seed: int, factor: float) -> None:
     limits = limits_of(SEVEN)

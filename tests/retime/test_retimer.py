@@ -13,6 +13,7 @@ from planning.errors import ProblemInvalid, RetimingFailed
 from planning.retime.blend import blend_corners
 from planning.retime.retimer import RETIMERS, retime
 from tests.conftest import group_of, limits_of, random_waypoints
+from tests.profiles import num_cases
 
 GROUPS = {
     "seven joints": group_of(*[JointType.REVOLUTE] * 7),
@@ -66,7 +67,7 @@ def test_motion_stays_on_the_path_and_rests_at_its_ends(
     assert np.abs(ends).max() < 1e-6
     dense = path.spline.positions(np.linspace(0, 1, 2000))
     step = path.length / 2000
-    for q in trajectory.positions(np.linspace(0, trajectory.duration, 40)):
+    for q in trajectory.positions(np.linspace(0, trajectory.duration, num_cases(20, 40))):
         away = float(manifold.distance(dense, q[None]).min())
         assert away <= deviation + step + 1e-6
 

@@ -25,7 +25,7 @@ from planning.search.polyline import path_length
 from planning.search.solver import SearchTask, search
 from planning.stopwatch import Stopwatch
 from tests.clocks import FakeClock, after_looks, no_hurry
-from tests.profiles import num_cases, seeds
+from tests.profiles import PROFILE, num_cases, pairs, seeds
 from tests.search.conftest import Oracle, group_of, limits_of
 
 PLANE = (JointType.PLANAR,)
@@ -99,8 +99,7 @@ def assert_drivable(group, waypoints, oracle, lower=-1.0, upper=1.0):
         assert (qs[:, :2] <= upper + 1e-8).all()
 
 
-@pytest.mark.parametrize("reverse", [True, False])
-@pytest.mark.parametrize("kinds", [PLANE, WITH_ARM])
+@pytest.mark.parametrize(("kinds", "reverse"), pairs([PLANE, WITH_ARM], [True, False]))
 @pytest.mark.parametrize("seed", seeds(1, 20))
 @pytest.mark.campaign
 def test_rrtconnect_drives_around_a_wall(kinds, reverse, seed):
@@ -141,7 +140,10 @@ class Solving(Stopwatch):
         self.is_on = False
 
 
-@pytest.mark.parametrize("name", DIRECTED)
+@pytest.mark.campaign
+@pytest.mark.parametrize(
+    "name", DIRECTED if PROFILE.is_campaign else ["BITstar", "KPIECE1", "RRTConnect", "RRTstar"]
+)
 def test_planners_for_one_way_check_in_the_direction_of_motion(name):
     """Every sample of what the planner finds was asked for as it is driven."""
     group, watch, asked = car(reverse=False), Solving(), []

@@ -20,6 +20,7 @@ from planning.errors import Canceled, DeadlineExceeded
 from planning.search.planners import planner_names
 from planning.search.solver import SearchTask, search
 from tests.clocks import FakeClock, no_hurry
+from tests.profiles import pairs
 from tests.search.conftest import (
     Oracle,
     beyond_wall,
@@ -110,17 +111,21 @@ def test_what_the_oracle_raises_comes_out(plane, make_oracle, soon, crossing, na
         search(*plane, make_oracle(are_free), crossing(planner=name), soon)
 
 
+# What is held as well: objectives of ours in Python, and what was grown.
+KEEPING = (("length", False), ("duration", True))
+
+
+@pytest.mark.campaign
 def test_searches_leave_nothing_behind(plane, soon, crossing):
     """OMPL holds what checks edges, and that holds the oracle: it must not outlive the search."""
     remembered = {}
-    for name in planner_names():
+    for name, (objective, keep_graph) in pairs(planner_names(), KEEPING):
         few = {"num_samples": 200} if name in {"FMT", "BFMT"} else {}
-        for objective, keep_graph in (("length", False), ("duration", True)):
-            oracle = Oracle(beyond_wall)
-            remembered[name, objective] = weakref.ref(oracle)
-            options = {"objective": objective, "keep_graph": keep_graph, "parameters": few}
-            search(*plane, oracle, crossing(planner=name, **options), soon)
-            del oracle
+        oracle = Oracle(beyond_wall)
+        remembered[name, objective] = weakref.ref(oracle)
+        options = {"objective": objective, "keep_graph": keep_graph, "parameters": few}
+        search(*plane, oracle, crossing(planner=name, **options), soon)
+        del oracle
     gc.collect()
     assert [search for search, oracle in remembered.items() if oracle() is not None] == []
 

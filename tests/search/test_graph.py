@@ -1,6 +1,7 @@
 """What a planner explored is told truly, and what it nearly reached is never called a solution."""
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
@@ -13,6 +14,7 @@ from planning.search.planners import planner_names
 from planning.search.solver import search
 from planning.search.spaces import SearchSpace
 from tests.clocks import after_looks
+from tests.search.conftest import each_kind_of_planner
 from tests.search.test_solver import fine_samples
 
 SILENT = {"AORRTC", "BITstar"}
@@ -76,7 +78,8 @@ def test_a_straight_line_is_a_graph_of_two(plane, make_oracle, soon, crossing):
     assert found.graph.vertices.tolist() == found.path.waypoints.tolist()
 
 
-@pytest.mark.parametrize("name", planner_names())
+# One that ends by itself, and one that keeps to itself how far it came.
+@partial(each_kind_of_planner, among=("RRTConnect", "PRM", "BFMT", "BITstar"))
 def test_the_nearest_that_was_reached_can_be_reached(plane, closed, crossing, name):
     parameters = {"num_samples": 60} if name == "BFMT" else {}
     options = {"planner": name, "parameters": parameters}

@@ -13,7 +13,7 @@ from planning.domain.manifold import Manifold
 from planning.search.objective import Objective
 from planning.search.solver import search
 from planning.search.spaces import SearchSpace
-from tests.profiles import num_cases
+from tests.profiles import num_cases, pairs
 
 KINDS = (JointType.REVOLUTE, JointType.CONTINUOUS, JointType.PLANAR, JointType.FLOATING)
 NORMS = ["length", "weighted_length", "duration"]
@@ -109,8 +109,10 @@ IMPROVING = {
 }
 
 
-@pytest.mark.parametrize("planner", IMPROVING)
-@pytest.mark.parametrize("name", ["weighted_length", "duration", "clearance"])
+@pytest.mark.campaign
+@pytest.mark.parametrize(
+    ("planner", "name"), pairs(list(IMPROVING), ["weighted_length", "duration", "clearance"])
+)
 def test_planners_that_improve_take_the_objective(plane, wall, soon, crossing, name, planner):
     task = wanting(crossing(), planner=planner, parameters=IMPROVING[planner], objective=name)
     found = search(*plane, wall, task, soon)

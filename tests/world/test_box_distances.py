@@ -27,7 +27,10 @@ TRUTH = 0.02506
 
 
 def least_distance(half_a, X_A, half_b, X_B) -> float:
-    """Return the distance by projected gradients: alternating projections with momentum."""
+    """Return the distance by projected gradients: alternating projections with momentum.
+
+    They end where a slab between both boxes is as wide as the distance of the points found.
+    """
     R_A, R_B, offset = X_A[:3, :3], X_B[:3, :3], X_A[:3, 3] - X_B[:3, 3]
     x = y = np.zeros(6)
     matrix, half = np.hstack([R_A, -R_B]), np.concatenate([half_a, half_b])
@@ -35,6 +38,12 @@ def least_distance(half_a, X_A, half_b, X_B) -> float:
         step = y - matrix.T @ (matrix @ y + offset) / 2
         ahead = np.clip(step, -half, half)
         y, x = ahead + k / (k + 3) * (ahead - x), ahead
+        if k % 50 == 0:
+            away = matrix @ x + offset
+            length = np.linalg.norm(away)
+            slab = (away @ offset - np.abs(matrix.T @ away) @ half) / max(length, 1e-12)
+            if length < 1e-6 or length - slab < 1e-11:
+                break
     return float(np.linalg.norm(matrix @ x + offset))
 
 

@@ -24,7 +24,7 @@ from planning.world.world import World
 from tests.certify.chains import FLOATING, Robot, random_pose
 from tests.certify.half_spaces import Heights, Place
 from tests.clocks import no_hurry
-from tests.profiles import num_cases
+from tests.profiles import num_cases, only_campaign
 
 # A ball of 0.5 m on two slides, 1 m long enough to go around any floor that ends.
 CART = """<robot name="m"><link name="base"/><link name="x"/>
@@ -162,7 +162,11 @@ def test_slopes_of_heights_are_those_of_finite_differences(seed: int, is_carried
         np.testing.assert_allclose(np.sort(near.gradient @ way), np.sort(slopes), atol=1e-4)
 
 
-@BOTH
+@pytest.mark.campaign
+@pytest.mark.parametrize(
+    "kernel",
+    [True, pytest.param(False, marks=only_campaign("Drake's judge takes 3 s to say as much"))],
+)
 def test_the_nearest_feasible_configuration_lies_on_the_floor(
     cart: Callable[..., World], kernel: bool
 ) -> None:

@@ -3,6 +3,7 @@
 import base64
 import re
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -23,6 +24,11 @@ WORLD = planning.load_world(HELD)
 ARM = WORLD.group("arm")
 
 
+@cache
+def held_world(kernel: bool) -> planning.World:
+    return planning.load_world(HELD, kernel=kernel)
+
+
 def violating(world: planning.World, q: np.ndarray, margin: float) -> list[set[str]]:
     probe = world.distance_probe(world.margins(margin))
     return [{b for p in probe.violations(row) for b in p.bodies} for row in world.embed(ARM, q)]
@@ -31,8 +37,8 @@ def violating(world: planning.World, q: np.ndarray, margin: float) -> list[set[s
 @pytest.mark.parametrize("kernel", [True, False])
 @pytest.mark.parametrize("margin", [0.0, 0.02])
 def test_the_fast_judge_and_the_slow_one_agree_on_what_is_held(kernel, margin) -> None:
-    world = planning.load_world(HELD, kernel=kernel)
-    q = np.random.default_rng(1).uniform(-2.5, 2.5, (300, 6))
+    world = held_world(kernel)
+    q = np.random.default_rng(1).uniform(-2.5, 2.5, (200, 6))
     found = violating(world, q, margin)
     assert any("can" in bodies for bodies in found)
     free = world.collision_oracle(ARM, world.margins(margin)).are_free(q)
@@ -104,7 +110,7 @@ def test_a_held_thing_is_carried_to_a_pose_and_the_whole_way_is_free() -> None:
     )
     assert found.certificate.proven
     rows = found.trajectory.positions(found.trajectory.sample_times(0.02))
-    judge = planning.load_world(HELD, kernel=False)
+    judge = held_world(kernel=False)
     assert violating(judge, rows, 0.0019) == [set()] * len(rows)
     end = judge.frame_pose("can", judge.embed(ARM, found.goal_configuration))
     assert np.linalg.norm(end.position - place.pose.position) < 1e-4

@@ -1,5 +1,6 @@
 """Edited in place is loaded anew: the same answers, whatever was done to the scene before."""
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -20,7 +21,7 @@ from planning import (
     edit_scene,
 )
 from planning.domain.pose import Pose
-from planning.domain.scene import Scene, SceneObject
+from planning.domain.scene import PairMargin, Scene, SceneObject
 from planning.domain.shapes import Box, Sphere
 from planning.domain.value import digest
 from planning.errors import InputError, WayproofError
@@ -48,6 +49,7 @@ SCENE = planning.parse_scene({
     ],
     "frames": [{"name": "on_b1", "parent": "b1"}, {"name": "on_it", "parent": "on_b1"}],
 })
+REST = SCENE.objects[1:]
 
 near = st.floats(0.25, 0.7)
 angle = st.floats(-3.0, 3.0)
@@ -116,7 +118,7 @@ def compared(told: list[Any], expected: list[Any]) -> None:
 
 
 @given(steps=st.lists(operations, min_size=1, max_size=6))
-@settings(max_examples=num_cases(8))
+@settings(max_examples=num_cases(5, 320))
 def test_edited_in_place_is_loaded_anew(steps: list[Any]) -> None:
     scene, world = SCENE, load(SCENE)
     done = 0
@@ -174,6 +176,23 @@ def test_what_is_more_than_a_move_is_loaded_again(step: Any) -> None:
     edited = load(scene, like=world)
     assert edited.drake.diagram is not world.drake.diagram
     compared(answers(edited), answers(load(scene)))
+
+
+@pytest.mark.parametrize(
+    "scene",
+    [
+        replace(SCENE, objects=(replace(SCENE.objects[0], shape=Box(np.full(3, 0.3))), *REST)),
+        replace(SCENE, margins=(PairMargin(("b1", "arm::forearm_link"), 0.4),)),
+    ],
+    ids=["shape", "margin"],
+)
+def test_what_no_edit_changes_is_loaded_again_too(scene: Scene) -> None:
+    """A scene that is posted anew may have it changed."""
+    world = load(SCENE)
+    other = load(scene, like=world)
+    assert other.drake.diagram is not world.drake.diagram
+    compared(answers(other), answers(load(scene)))
+    assert digest(answers(other)) != digest(answers(world))
 
 
 def test_the_world_before_an_edit_answers_as_before() -> None:

@@ -1,7 +1,7 @@
 """Every pair of bodies is looked at, or listed with the reason why it is not."""
 
 import re
-from itertools import combinations
+from itertools import combinations, product
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +16,7 @@ from planning.world.convex_shapes import convex_shape
 from planning.world.world import World
 from tests.clocks import no_hurry
 from tests.conftest import bundled_world
+from tests.profiles import pairs
 
 SCENES = ["ur5e_pickup", "panda_shelf", "maze_2d", "window_3d", "irb120_cell", "parallel_parking"]
 # An arm of 1 m on an axis 1 m beside a pedestal of its own robot.
@@ -169,11 +170,10 @@ def least_shown(folder: Path, text: str) -> tuple[float, World]:
     return float(said[1]), world
 
 
-@pytest.mark.parametrize("base", SHAPES)
-@pytest.mark.parametrize("arm", SHAPES)
-@pytest.mark.parametrize("factor", [1.0, 3.0])
+@pytest.mark.campaign
+@pytest.mark.parametrize(("shapes", "factor"), pairs(list(product(SHAPES, SHAPES)), [1.0, 3.0]))
 def test_links_shown_never_to_touch_are_so_far_apart_whatever_drake_measures(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, base: str, arm: str, factor: float
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, shapes: tuple[str, str], factor: float
 ) -> None:
     """Drake's distances of separate shapes are too large now and then: here they all are."""
     measured = _Probe._measured
@@ -183,6 +183,7 @@ def test_links_shown_never_to_touch_are_so_far_apart_whatever_drake_measures(
         return factor * distance if distance > 0 else distance, normal
 
     monkeypatch.setattr(_Probe, "_measured", enlarged)
+    base, arm = shapes
     said, world = least_shown(tmp_path, NEAR.format(base=base, arm=arm, gap=0.3, up=0.02))
     model = world.drake
     inspector = model.scene_graph.model_inspector()
@@ -191,7 +192,7 @@ def test_links_shown_never_to_touch_are_so_far_apart_whatever_drake_measures(
         for name in ("r::base", "r::a")
         for i in model.plant.GetCollisionGeometriesForBody(model.plant.get_body(model.bodies[name]))
     ]
-    shapes = convex_shape(inspector.GetShape(ids[0])), convex_shape(inspector.GetShape(ids[1]))
+    known = convex_shape(inspector.GetShape(ids[0])), convex_shape(inspector.GetShape(ids[1]))
     context = model.diagram.CreateDefaultContext()
     plant_context = model.plant.GetMyMutableContextFromRoot(context)
     query_context = model.scene_graph.GetMyContextFromRoot(context)
@@ -200,7 +201,7 @@ def test_links_shown_never_to_touch_are_so_far_apart_whatever_drake_measures(
         model.plant.SetPositions(plant_context, np.array([angle]))
         query = model.scene_graph.get_query_output_port().Eval(query_context)
         poses = [np.array(query.GetPoseInWorld(i).GetAsMatrix4()) for i in ids]
-        found = distance_bounds(shapes, (poses[0], poses[1]), np.zeros(3))
+        found = distance_bounds(known, (poses[0], poses[1]), np.zeros(3))
         assert found.upper - found.lower < 1e-8
         least = min(least, found.upper)
     assert 0 < said <= least
