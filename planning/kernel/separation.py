@@ -8,9 +8,10 @@ complex objects in three-dimensional space", 1988; van den Bergen 1999 for the t
 bounds hold at every step, so an early end or a degenerate simplex costs sharpness, never truth.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import combinations
+from math import sqrt
 from typing import Any
 
 import numpy as np
@@ -56,11 +57,11 @@ def separation(
         close: Bounds as near to each other end it where the upper one is not `enough` [m].
     """
     corners = np.zeros((0, 3))
-    v = guess if np.linalg.norm(guess) > _TOLERANCE else np.array([1.0, 0.0, 0.0])
+    v = guess if _length(guess) > _TOLERANCE else np.array([1.0, 0.0, 0.0])
     simplex = np.zeros((0, 3))
-    lower, upper, direction = -np.inf, np.inf, v / np.linalg.norm(v)
+    lower, upper, direction = -np.inf, np.inf, v / _length(v)
     for _ in range(_MAX_STEPS):
-        n = v / np.linalg.norm(v)
+        n = v / _length(v)
         w = support(-n)
         slab = float(n @ w)
         if slab > lower:
@@ -68,7 +69,7 @@ def separation(
         if lower >= enough or upper - lower <= max(_TOLERANCE, 0.0 if upper > enough else close):
             break
         v, simplex = _nearest(np.vstack([simplex, w]))
-        length = float(np.linalg.norm(v))
+        length = _length(v)
         if length >= upper:
             break
         upper, corners = length, simplex
@@ -105,6 +106,11 @@ def nearest_point(
     return np.stack([weights @ ahead, weights @ behind])
 
 
+def _length(vector: Array) -> float:
+    """Return the same as numpy's norm, which takes five times as long for three numbers."""
+    return sqrt(vector @ vector)
+
+
 def _weights(corners: Array) -> Array:
     """Return how much of each corner is in the point of their plane nearest to the origin."""
     size = len(corners)
@@ -120,20 +126,68 @@ def _nearest(points: Array) -> tuple[Array, Array]:
     The newest corner, the last, is always one of them: it lies nearer to the origin's side than
     every other. A face counts if the nearest point of its plane lies within it.
     """
-    last = len(points) - 1
-    best, corners, least = points[last], points[last:], float(np.sum(points[last] ** 2))
-    for size in range(1, len(points)):
-        for others in combinations(range(last), size):
-            face = points[[*others, last]]
-            edges = face[:-1] - face[-1]
-            gram = edges @ edges.T
-            if np.linalg.det(gram) <= 1e-14 * float(np.prod(np.diag(gram))):
+    newest, edges = points[-1], points[:-1] - points[-1]
+    gram, pulls = (edges @ edges.T).tolist(), (-edges @ newest).tolist()
+    best, corners, least = newest, points[-1:], float(newest @ newest)
+    for size, solve in _SOLVERS.items():
+        for rows in combinations(range(len(edges)), size):
+            weights = solve(gram, pulls, *rows)
+            if weights is None or min(weights) <= 0 or sum(weights) >= 1:
                 continue
-            weights = np.linalg.solve(gram, -edges @ face[-1])
-            if (weights <= 0).any() or weights.sum() >= 1:
-                continue
-            nearest = face[-1] + weights @ edges
+            nearest = newest + np.array(weights) @ edges[list(rows)]
             square = float(nearest @ nearest)
             if square < least:
-                best, corners, least = nearest, face, square
+                best, corners, least = nearest, points[[*rows, -1]], square
     return best, corners
+
+
+# Solutions of G w = p for some rows; None where their edges are all but dependent. Cramer's rule
+# takes a tenth of LAPACK's time for so few rows, and is as good where edges are far from dependent.
+type _Weights = Sequence[float] | None
+_DEPENDENT, _FLAT = 1e-14, 1e-6
+
+
+def _on_edge(gram: list[list[float]], pulls: list[float], i: int) -> _Weights:
+    return (pulls[i] / gram[i][i],) if gram[i][i] > 0 else None
+
+
+def _on_triangle(gram: list[list[float]], pulls: list[float], i: int, j: int) -> _Weights:
+    a, b, c = gram[i][i], gram[i][j], gram[j][j]
+    det = a * c - b * b
+    if det <= _FLAT * a * c:
+        return _solved(gram, pulls, [i, j])
+    return (c * pulls[i] - b * pulls[j]) / det, (a * pulls[j] - b * pulls[i]) / det
+
+
+def _in_tetrahedron(
+    gram: list[list[float]], pulls: list[float], i: int, j: int, k: int
+) -> _Weights:
+    a, b, c = gram[i][i], gram[i][j], gram[i][k]
+    d, e, f = gram[j][j], gram[j][k], gram[k][k]
+    p, q, r = pulls[i], pulls[j], pulls[k]
+    # The adjugate, which is symmetric.
+    aa, ab, ac = d * f - e * e, c * e - b * f, b * e - c * d
+    bb, bc, cc = a * f - c * c, b * c - a * e, a * d - b * b
+    det = a * aa + b * ab + c * ac
+    if det <= _FLAT * a * d * f:
+        return _solved(gram, pulls, [i, j, k])
+    return (
+        (aa * p + ab * q + ac * r) / det,
+        (ab * p + bb * q + bc * r) / det,
+        (ac * p + bc * q + cc * r) / det,
+    )
+
+
+def _solved(gram: list[list[float]], pulls: list[float], rows: list[int]) -> _Weights:
+    square = np.array(gram)[np.ix_(rows, rows)]
+    if np.linalg.det(square) <= _DEPENDENT * float(np.prod(np.diag(square))):
+        return None
+    weights: list[float] = np.linalg.solve(square, np.array(pulls)[rows]).tolist()
+    return weights
+
+
+_SOLVERS: dict[int, Callable[..., _Weights]] = {
+    1: _on_edge,
+    2: _on_triangle,
+    3: _in_tetrahedron,
+}

@@ -1,5 +1,6 @@
 """Support functions: the point of a convex shape that lies farthest along a direction."""
 
+from math import sqrt
 from typing import Any
 
 import numpy as np
@@ -38,5 +39,5 @@ def farthest_point(shape: ConvexShape, n: Float64[np.ndarray, "3"]) -> Float64[n
 
 def _unit(vector: Array) -> Array:
     """Return a vector of length 1; zero stays zero."""
-    length = float(np.linalg.norm(vector))
+    length = sqrt(vector @ vector)  # numpy's norm takes five times as long for three numbers
     return vector / length if length > 0 else vector
