@@ -29,9 +29,10 @@ ARM = b"name: s\nrobots:\n  - {name: arm, model: ur5e, positions: home}\n"
 
 @dataclass(frozen=True)
 class Server:
-    """A running server: its process, where it listens, and a client of it."""
+    """A running server: its process, its folder, where it listens, and a client of it."""
 
     process: subprocess.Popen
+    folder: Path
     url: str
     client: Client
 
@@ -40,6 +41,11 @@ class Server:
         answer = httpx.request(method, self.url + path, json=body, timeout=120, **PLAIN)
         assert answer.is_success, answer.text
         return answer.json()
+
+    @property
+    def database(self):
+        """The file of its records."""
+        return self.folder / "state" / "wayproof.sqlite"
 
     def kill(self):
         """End it without a word."""
@@ -62,7 +68,7 @@ def server(folder, **environment):
     try:
         url = until(lambda: ready_url(announce))
         with Client(url) as client:
-            yield Server(process, url, client)
+            yield Server(process, folder, url, client)
     finally:
         process.stdin.close()
         try:
