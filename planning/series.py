@@ -46,7 +46,8 @@ class MotionSeries(Value):
         jumps: When acceleration jumps within the motion, which no finite jerk does [s].
         efforts: What the motion takes of each joint [N m or N].
         clearance: Smallest signed distance of any two bodies that may collide [m]; where all are
-            farther apart, half a metre more than the largest margin.
+            farther apart, half a metre more than the largest margin. Like `spare`, not a number
+            if distances were left out.
         pairs: Whose it is, or two empty names.
         margin: What is demanded of bodies of different robots and objects [m].
         spare: The least that any two bodies have to spare over the margin demanded of them [m], at
@@ -123,6 +124,7 @@ def motion_series(  # noqa: PLR0913  (a question in full)
     options: RetimeOptions | None = None,
     margin: float | None = None,
     *,
+    distances: bool = True,
     deadline: Deadline = UNHURRIED,
 ) -> MotionSeries:
     """Return a motion's numbers at evenly spread instants.
@@ -138,6 +140,7 @@ def motion_series(  # noqa: PLR0913  (a question in full)
         options: The scales of the limits, whether jerk is limited (`method`), the limits besides
             those of joints, and what the group carries that the scene does not show.
         margin: The distance that was to be kept [m]; None for the scene's.
+        distances: Whether to measure those of bodies, which takes most of the time.
         deadline: When to give up.
 
     Raises:
@@ -153,7 +156,11 @@ def motion_series(  # noqa: PLR0913  (a question in full)
     times = np.linspace(0.0, trajectory.duration, count)
     q, v = trajectory.positions(times), trajectory.velocities(times)
     margins = world.margins(margin)
-    clearance, pairs, spare = _distances(world, margins, world.embed(joints, q), deadline)
+    clearance, pairs, spare = (
+        _distances(world, margins, world.embed(joints, q), deadline)
+        if distances
+        else (np.full(count, np.nan), (("", ""),) * count, np.full(count, np.nan))
+    )
     return MotionSeries(
         group=joints,
         limits=limits,

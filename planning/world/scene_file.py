@@ -86,6 +86,8 @@ def _validate(document: Mapping[str, Any], node: Any, name: str) -> SceneDocumen
         return SceneDocument.model_validate(document)
     except ValidationError as refusal:
         found = refusal.errors(include_url=False, include_context=False)
+    every = faults_of(cast("Any", found), document, _schema())
+    # To find a line takes as long as the text has lines: of many faults only the first are told.
     faults = [
         {
             "path": fault.path,
@@ -94,15 +96,15 @@ def _validate(document: Mapping[str, Any], node: Any, name: str) -> SceneDocumen
             "message": fault.message,
             "nearest": list(fault.nearest),
         }
-        for fault in faults_of(cast("Any", found), document, _schema())
+        for fault in every[:_MAX_FAULTS]
     ]
     first = faults[0]
     where = f", line {first['line']}" if first["line"] else ""
-    more = f" (and {len(faults) - 1} more faults)" if len(faults) > 1 else ""
+    more = f" (and {len(every) - 1} more faults)" if len(every) > 1 else ""
     place = first["path"] or "the document"
     message = f"{name}{where}: {place}: {first['message']}{more}"
     evidence = {"path": first["path"], "pointer": first["pointer"], "line": first["line"]}
-    raise SceneInvalid(message, {**evidence, "faults": faults[:_MAX_FAULTS]})
+    raise SceneInvalid(message, {**evidence, "faults": faults})
 
 
 @cache

@@ -150,6 +150,8 @@ CHARTS: dict[str, Callable[[Figure, MotionSeries], None]] = {
     "utilisation": _utilisation,
     "velocity": _velocity,
 }
+# Those that draw distances of bodies, which take longer to measure than a chart to draw.
+OF_DISTANCES = frozenset({"clearance"})
 
 
 def _symmetric(series: MotionSeries, bounds: Array) -> list[tuple[float, float]]:

@@ -6,7 +6,7 @@ from typing import Any
 from planning import Deadline, motion_series
 from service.convert.goals import retime_value
 from service.convert.trajectories import trajectory_value
-from service.plots.charts import draw
+from service.plots.charts import OF_DISTANCES, draw
 from service.schemas.plan import RetimeWire
 from service.tasks.channel import Channel
 from service.tasks.worlds import borrow_world
@@ -31,6 +31,7 @@ def plot(payload: dict[str, Any], channel: Channel) -> dict[str, Any]:
             trajectory,
             options=options,
             margin=payload["margin"],
+            distances=payload["name"] in OF_DISTANCES,
             deadline=Deadline.after(_ALLOWED, time.monotonic, channel.is_canceled),
         )
     return {"svg": draw(payload["name"], series)}

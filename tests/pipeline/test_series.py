@@ -17,7 +17,9 @@ TOOL = "arm::tcp"
 COUNT = 101
 
 
-def made_with(world: World, options: RetimeOptions, margin: float | None = None):
+def made_with(
+    world: World, options: RetimeOptions, margin: float | None = None, *, distances: bool = False
+):
     home = world.positions(world.group("arm"))
     path = home + np.array([np.zeros(6), [0.4, 0.1, -0.2, 0, 0.1, 0], [0.8, -0.1, 0.1, 0.3, 0, 0]])
     deadline = no_hurry(20.0)
@@ -25,7 +27,7 @@ def made_with(world: World, options: RetimeOptions, margin: float | None = None)
         world, "arm", path, deadline=deadline, options=options, margin=margin
     )
     series = planning.motion_series(
-        world, "arm", made.trajectory, COUNT, options=options, margin=margin
+        world, "arm", made.trajectory, COUNT, options, margin, distances=distances
     )
     return made, series
 
@@ -74,7 +76,7 @@ def test_the_acceleration_range_has_bounds_by_sign(pickup: World) -> None:
 
 @pytest.mark.parametrize("margin", [0.0, 0.02, 0.08])
 def test_what_is_to_spare_is_over_the_margin_asked_for(pickup: World, margin: float) -> None:
-    made, series = made_with(pickup, RetimeOptions(), margin)
+    made, series = made_with(pickup, RetimeOptions(), margin, distances=True)
     check = next(c for c in made.certificate.checks if c.name == "clearance")
     assert series.margin == margin
     assert series.spare.min() == pytest.approx(check.value - check.bound, abs=2e-3)
@@ -95,3 +97,17 @@ def test_tool_speeds_are_those_of_the_frames_ways(pickup: World) -> None:
         ways = np.linalg.norm(after - before, axis=1) / (2 * step)
         np.testing.assert_allclose(speeds[1:-1], ways, atol=1e-4)
     assert series.tool_speeds["arm::forearm_link"].max() == pytest.approx(0.1, rel=0.01)
+
+
+def test_all_but_distances_is_the_same_without_them(pickup: World) -> None:
+    made, _ = made_with(pickup, RetimeOptions())
+    both = [
+        planning.motion_series(pickup, "arm", made.trajectory, 5, distances=distances)
+        for distances in (True, False)
+    ]
+    for name in ("times", "positions", "rates", "efforts", "jumps", "margin", "shares"):
+        np.testing.assert_equal(*(getattr(series, name) for series in both), err_msg=name)
+    measured, bare = both
+    assert np.isfinite([measured.clearance, measured.spare]).all()
+    assert np.isnan([bare.clearance, bare.spare]).all()
+    assert bare.pairs == (("", ""),) * 5

@@ -25,6 +25,15 @@ BLOCK_SCENE = {
 }
 
 
+def pytest_collection_modifyitems(items):
+    """Let the tests that share a server follow one another: most often in one process then."""
+    sharing = [item for item in items if "real_server" in getattr(item, "fixturenames", ())]
+    if sharing:
+        first, moved = items.index(sharing[0]), set(sharing)
+        rest = [item for item in items if item not in moved]
+        items[:] = [*rest[:first], *sharing, *rest[first:]]
+
+
 @pytest.fixture(scope="session")
 def settings(tmp_path_factory):
     """A folder of its own for each process of the tests, and time for what a busy machine does."""

@@ -22,22 +22,30 @@ robots:
 objects:
   - {name: wall, shape: {box: [0.02, 9, 0.2]}, pose: {position: [0, 0, 0]}}
 """
+# Without proxies, and without certificates, which take longer to read than most questions.
+PLAIN = {"trust_env": False, "verify": False}
 ARM = b"name: s\nrobots:\n  - {name: arm, model: ur5e, positions: home}\n"
 
 
 @dataclass(frozen=True)
 class Server:
-    """A running server: its process, where it listens, and a client of it."""
+    """A running server: its process, its folder, where it listens, and a client of it."""
 
     process: subprocess.Popen
+    folder: Path
     url: str
     client: Client
 
     def ask(self, method, path, body=None):
         """The JSON of an answer that is no problem."""
-        answer = httpx.request(method, self.url + path, json=body, trust_env=False, timeout=120)
+        answer = httpx.request(method, self.url + path, json=body, timeout=120, **PLAIN)
         assert answer.is_success, answer.text
         return answer.json()
+
+    @property
+    def database(self):
+        """The file of its records."""
+        return self.folder / "state" / "wayproof.sqlite"
 
     def kill(self):
         """End it without a word."""
@@ -60,7 +68,7 @@ def server(folder, **environment):
     try:
         url = until(lambda: ready_url(announce))
         with Client(url) as client:
-            yield Server(process, url, client)
+            yield Server(process, folder, url, client)
     finally:
         process.stdin.close()
         try:
@@ -84,7 +92,7 @@ def until(ask, seconds=120.0):
 def ready_url(announce):
     try:
         url = json.loads(announce.read_text())["url"]
-        return url if httpx.get(f"{url}/readyz", trust_env=False).is_success else None
+        return url if httpx.get(f"{url}/readyz", **PLAIN).is_success else None
     except (OSError, ValueError, httpx.TransportError):
         return None
 

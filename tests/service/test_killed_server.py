@@ -9,6 +9,7 @@ from service.schemas.job import Job
 from service.schemas.scene import Scene
 from tests.service.routes.test_regions import ENDLESS, REQUEST, SCENE
 from tests.service.servers import ARM, endless, helpers_of, living, request_of, server, until
+from tests.service.successor import successor
 
 
 @dataclass(frozen=True)
@@ -53,17 +54,21 @@ def left(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def restarted(left):
-    with server(left.folder, WAYPROOF_SEARCH_PROCESSES="3") as running:
+    with successor(left.folder, WAYPROOF_SEARCH_PROCESSES="3") as running:
         yield running
 
 
 @pytest.fixture(scope="module")
 def canceled(left, restarted):
-    """The plan that ran when the first server was killed, canceled when it ran again."""
-    client = restarted.client
+    """What ran when the first server was killed, canceled when it ran again: plan and regions."""
+    client, growing = restarted.client, f"/v1/regions/{left.growing}"
     until(lambda: client.plan(left.running.id).state == "running")
     client.cancel_plan(left.running.id)
-    return until(lambda: (job := client.plan(left.running.id)).finished_at and job)
+    until(lambda: restarted.ask("GET", growing)["state"] == "running")
+    restarted.ask("POST", f"{growing}/cancel")
+    plan = until(lambda: (job := client.plan(left.running.id)).finished_at and job)
+    regions = until(lambda: (job := restarted.ask("GET", growing))["finished_at"] and job)
+    return plan, regions
 
 
 def test_its_processes_end_with_it(left):
@@ -78,12 +83,10 @@ def test_what_had_ended_is_as_it_was(left, restarted):
     assert restarted.ask("GET", f"/v1/regions/{left.grown['id']}") == left.grown
 
 
-def test_what_ran_runs_again_and_can_be_canceled(left, restarted, canceled):
-    assert canceled.state == "canceled"
-    growing = f"/v1/regions/{left.growing}"
-    until(lambda: restarted.ask("GET", growing)["state"] == "running")
-    restarted.ask("POST", f"{growing}/cancel")
-    until(lambda: restarted.ask("GET", growing)["state"] == "canceled")
+def test_what_ran_runs_again_and_can_be_canceled(canceled):
+    plan, regions = canceled
+    assert plan.state == "canceled"
+    assert regions["state"] == "canceled"
 
 
 @pytest.mark.usefixtures("canceled")

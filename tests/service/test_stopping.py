@@ -13,6 +13,7 @@ import pytest
 from tests.profiles import only_campaign
 from tests.service.jobs.databases import locked
 from tests.service.servers import ARM, living, request_of, server, until
+from tests.service.successor import successor
 
 # The same is shown without HTTP, in a tenth of the time, by tests/service/jobs/test_stopping.py.
 ONLY_CAMPAIGN = only_campaign("ten seconds each")
@@ -20,15 +21,9 @@ ONLY_CAMPAIGN = only_campaign("ten seconds each")
 SLOW = {"speed": 0.02}
 
 
-@pytest.fixture(scope="module")
-def folder(tmp_path_factory):
-    return tmp_path_factory.mktemp("stopping")
-
-
-@pytest.fixture(scope="module")
-def running(folder):
-    with server(folder) as made:
-        yield made
+@pytest.fixture
+def running(real_server):
+    return real_server
 
 
 class Motion:
@@ -115,9 +110,9 @@ def check_recorded(motion, at_rest):
     assert motion.is_on_path(ended["status"])
 
 
-def test_a_robot_is_steered_and_stopped_while_the_database_is_locked(folder, running):
+def test_a_robot_is_steered_and_stopped_while_the_database_is_locked(running):
     motion = Motion(running)
-    with locked(folder / "state" / "wayproof.sqlite"):
+    with locked(running.database):
         at_rest = check_steered(motion)
     check_recorded(motion, at_rest)
 
@@ -166,7 +161,7 @@ def test_a_server_that_is_told_to_end_brings_its_robot_to_rest_first(tmp_path):
         motion = Motion(first)
         first.process.send_signal(signal.SIGTERM)
         first.process.wait(120)
-    with server(tmp_path) as second:
+    with successor(tmp_path) as second:
         ended = second.ask("GET", motion.path)
     assert ended["state"] == "canceled"
     assert ended["failure"]["evidence"]["reason"] == "the server stopped"

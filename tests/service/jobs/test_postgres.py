@@ -256,5 +256,6 @@ def test_what_moves_comes_to_rest_if_the_database_stays_away(server, url, tmp_pa
 
 
 def test_a_server_that_has_lost_its_database_ends(url, tmp_path):
-    with real_server(tmp_path, WAYPROOF_DATABASE_URL=url) as lost, taken_by_force(url):
+    on_postgres = {"WAYPROOF_DATABASE_URL": url, "WAYPROOF_ENGINE": "inline"}  # it runs nothing
+    with real_server(tmp_path, **on_postgres) as lost, taken_by_force(url):
         assert lost.process.wait(GUARD) == TAKEN

@@ -3,14 +3,19 @@
 import pytest
 
 from planning import bundled_folder
+from tests.profiles import pairs
 from tests.service.pages import walk
 
 SCENES = sorted(bundled_folder("scenes").glob("*.scene.yaml"))
 ARM = {"robots": [{"name": "arm", "model": "ur5e"}]}
 
 
-@pytest.mark.parametrize("path", SCENES, ids=lambda path: path.name.split(".")[0])
-@pytest.mark.parametrize("media", ["application/yaml", "text/yaml", "application/x-yaml"])
+@pytest.mark.campaign
+@pytest.mark.parametrize(
+    ("path", "media"),
+    pairs(SCENES, ["application/yaml", "text/yaml", "application/x-yaml"]),
+    ids=lambda one: getattr(one, "name", one).split(".")[0],
+)
 def test_bundled_scenes_are_accepted_as_yaml(client, path, media):
     answer = client.post(
         "/v1/scenes", content=path.read_bytes(), headers={"content-type": f"{media}; charset=utf-8"}

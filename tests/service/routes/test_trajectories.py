@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from service.convert.trajectories import trajectory_value
+from tests.profiles import only_campaign
 
 
 def trajectory(client, job, query=""):
@@ -116,9 +117,15 @@ def test_the_replay_is_a_page_by_itself(client, solved):
 
 JOINT_CHARTS = ["acceleration", "jerk", "position", "torque", "velocity"]
 CHARTS = [*JOINT_CHARTS, "clearance", "tool_speed", "utilisation"]
+# Drawn by tests/service/plots and by test_torque.py as well.
+DRAWN = {"acceleration", "torque"}
+FURTHER = only_campaign("half a second each")
 
 
-@pytest.mark.parametrize("name", CHARTS)
+@pytest.mark.campaign
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=[FURTHER] if name in DRAWN else []) for name in CHARTS]
+)
 def test_plots_are_drawings_of_every_joint(client, solved, name):
     answer = client.get(f"/v1/plans/{solved['id']}/plots/{name}.svg")
     assert answer.status_code == 200, answer.text

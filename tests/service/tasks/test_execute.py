@@ -10,6 +10,7 @@ from planning.execute.runner import Runner
 from service.tasks.execute import LONGEST_SILENCE, TICK, follow
 from tests.clocks import FakeClock
 from tests.execute.conftest import EchoDriver, limits, quintic
+from tests.profiles import only_campaign
 
 # What a step of the simulation takes on the wall [s].
 COST = 0.003
@@ -58,7 +59,14 @@ def followed(channel, speed, duration=200.0):
     return follow(runner, channel, speed, CLOCK, CLOCK.advance)
 
 
-@pytest.mark.parametrize("speed", [0.5, 1.0, 2.0, 10.0, 100.0])
+FURTHER = only_campaign("slow, fast and twice as fast show it")
+
+
+@pytest.mark.campaign
+@pytest.mark.parametrize(
+    "speed",
+    [0.5, 2.0, 100.0, pytest.param(1.0, marks=FURTHER), pytest.param(10.0, marks=FURTHER)],
+)
 def test_a_look_is_never_further_away_than_a_tick_and_a_step(speed):
     channel = Channel(CLOCK, looks_left=200)
     last = followed(channel, speed)
