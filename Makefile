@@ -26,7 +26,7 @@ setup: $(STAMP)
 
 # uv from the path, else from a private folder; then exactly what requirements.lock says. Bytecode is
 # compiled here, or the first server to start would do it: twelve seconds to the first plan.
-$(STAMP): requirements.lock pyproject.toml .python-version CMakeLists.txt $(wildcard planning/kernel/src/*)
+$(STAMP): requirements.lock pyproject.toml .python-version CMakeLists.txt $(wildcard planning/kernel/src/*/*)
 	@set -e; \
 	BEGUN=$$(date +%s); LAST=$$BEGUN; \
 	took() { NOW=$$(date +%s); echo "  $$((NOW - LAST)) s"; LAST=$$NOW; }; \
@@ -95,7 +95,7 @@ sanitize: setup
 	LD_PRELOAD="$$(g++ -print-file-name=libasan.so) $$(g++ -print-file-name=libubsan.so)" \
 	ASAN_OPTIONS=detect_leaks=0 WAYPROOF_NATIVE="$$SANITIZED" \
 	$(PYTHON) -m pytest -p no:cacheprovider tests/kernel \
-	  tests/certify/test_native_clearance.py tests/refine/test_nearness.py tests/refine/test_soft_rows.py
+	  tests/certify/clearance/test_native_clearance.py tests/refine/constraints/test_distance_query.py tests/refine/model/test_penalty_qp.py
 
 check: format lint imports types
 

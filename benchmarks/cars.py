@@ -22,7 +22,7 @@ sys.path.insert(0, str(ROOT))
 
 import planning  # noqa: E402
 from benchmarks.car_problems.yards import CarProblem, parking, yard  # noqa: E402
-from planning.domain.options import RefineOptions, RetimeOptions  # noqa: E402
+from planning.domain.request.options import RefineOptions, RetimeOptions  # noqa: E402
 from planning.errors import PlanningFailure  # noqa: E402
 
 

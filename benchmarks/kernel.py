@@ -21,8 +21,8 @@ from rich.table import Table
 
 import planning
 from planning.kernel.native import kernel_name
-from planning.world.collision import DrakeCollisionOracle
-from planning.world.kernel_oracle import KernelCollisionOracle
+from planning.world.collision.collision_check import DrakeCollisionOracle
+from planning.world.kernel.kernel_oracle import KernelCollisionOracle
 
 OBSTACLES = (10, 100, 1000)
 BATCHES = (1, 16, 256, 4096)

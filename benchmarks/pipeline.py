@@ -16,8 +16,8 @@ from rich.console import Console
 from rich.table import Table
 
 import planning
-from planning.domain.goal import PoseGoal, PoseTarget
-from planning.domain.options import RefineOptions, RetimeOptions, SearchOptions
+from planning.domain.goals.goal import PoseGoal, PoseTarget
+from planning.domain.request.options import RefineOptions, RetimeOptions, SearchOptions
 from planning.errors import PlanningFailure
 
 STAGES = ("goals", "search", "refine", "retime", "certify", "total")

@@ -14,8 +14,8 @@ from statistics import median
 import numpy as np
 
 import planning
-from planning.domain.manifold import Manifold
-from planning.domain.plan import MotionPlan
+from planning.domain.report.motion_plan import MotionPlan
+from planning.domain.robot.manifold import Manifold
 
 _SCENES = {
     "panda_shelf": ("panda", ("upper", "lower")),
@@ -48,7 +48,7 @@ def _row(scene: str, options: planning.RoadmapOptions, count: int) -> list[str]:
     name, frames = _SCENES[scene]
     file = planning.bundled_folder("scenes") / f"{scene}.scene.yaml"
     world = planning.load_world(planning.read_scene(file))
-    shelf = planning.RoadmapShelf()
+    shelf = planning.RoadmapCache()
     pairs: list[Pair] = []
     first = 0.0
     for k, start in enumerate(_starts(world, name, count)):
@@ -95,7 +95,7 @@ def _starts(world: planning.World, name: str, count: int) -> np.ndarray:
 
 
 def _plan(
-    problem: planning.PlanningProblem, world: planning.World, shelf: planning.RoadmapShelf
+    problem: planning.PlanningProblem, world: planning.World, shelf: planning.RoadmapCache
 ) -> MotionPlan:
     deadline = planning.Deadline.after(_ALLOWED, time.monotonic)
     return planning.plan(problem, world, deadline=deadline, roadmaps=shelf)

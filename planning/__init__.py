@@ -8,21 +8,26 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from planning.domain.constraint import (
-        DistanceBand,
-        KeepIn,
-        KeepOut,
-        LockedJoints,
-        OrientationCone,
-        PathPredicate,
-        PlacedBox,
-        PositionBand,
-        TightLimits,
+    from planning.api.certify_trajectory import certify_positions, certify_trajectory
+    from planning.api.grow_regions import grow_regions
+    from planning.api.ik import assess_configurations, solve_ik
+    from planning.api.line import TraceResolution, trace_line
+    from planning.api.motion_series import MotionSeries, motion_series
+    from planning.api.planners import list_planners
+    from planning.api.retime_path import RetimedPath, retime_path
+    from planning.api.reverse_plan import reverse_plan
+    from planning.api.sample_motion import (
+        sample_motion,
+        sample_plan,
+        unproven_samples,
     )
-    from planning.domain.curve import TimedTrajectory
-    from planning.domain.deadline import Deadline
-    from planning.domain.funnel import funnel_evidence, funnel_summary
-    from planning.domain.goal import (
+    from planning.api.splice_motion import ProvenMotion, splice_motion, stop_motion
+    from planning.domain.curves.curve import TimedTrajectory
+    from planning.domain.curves.interpolation import polyline_through, trajectory_through
+    from planning.domain.curves.sampling import Sampling
+    from planning.domain.geometry.pose import Pose
+    from planning.domain.goals.funnel import funnel_evidence, funnel_summary
+    from planning.domain.goals.goal import (
         ConfigurationGoal,
         GoalPredicate,
         JointGoal,
@@ -33,12 +38,28 @@ if TYPE_CHECKING:
         RegionGoal,
         RelativeGoal,
     )
-    from planning.domain.interpolation import polyline_through, trajectory_through
-    from planning.domain.kept_files import KeptFiles
-    from planning.domain.line import Displacement
-    from planning.domain.line_trace import LineTrace
-    from planning.domain.motion_limits import SpeedZone, ToolLimit
-    from planning.domain.options import (
+    from planning.domain.goals.line import Displacement
+    from planning.domain.goals.line_trace import LineTrace
+    from planning.domain.goals.quality import ConfigurationQuality
+    from planning.domain.planner.planner_card import PlannerCard
+    from planning.domain.planner.regions import RegionOptions, Regions
+    from planning.domain.planner.roadmap import Roadmap
+    from planning.domain.report.motion_plan import MotionPlan, Progress
+    from planning.domain.request.attempt_pool import AttemptPool
+    from planning.domain.request.constraint import (
+        DistanceBand,
+        KeepIn,
+        KeepOut,
+        LockedJoints,
+        OrientationCone,
+        PathPredicate,
+        PlacedBox,
+        PositionBand,
+        TightLimits,
+    )
+    from planning.domain.request.deadline import Deadline
+    from planning.domain.request.motion_limits import SpeedZone, ToolLimit
+    from planning.domain.request.options import (
         CertifyOptions,
         ClearanceWish,
         IkOptions,
@@ -48,18 +69,12 @@ if TYPE_CHECKING:
         RoadmapOptions,
         SearchOptions,
     )
-    from planning.domain.payload import Payload
-    from planning.domain.plan import MotionPlan, Progress
-    from planning.domain.planner_card import PlannerCard
-    from planning.domain.pool import AttemptPool
-    from planning.domain.pose import Pose
-    from planning.domain.problem import PlanningProblem
-    from planning.domain.quality import ConfigurationQuality
-    from planning.domain.regions import RegionOptions, Regions
-    from planning.domain.roadmap import Roadmap
-    from planning.domain.sampling import Sampling
-    from planning.domain.scene import Scene
-    from planning.domain.scene_operation import (
+    from planning.domain.request.problem import PlanningProblem
+    from planning.domain.robot.payload import Payload
+    from planning.domain.robot.steering import Steering
+    from planning.domain.scene.kept_files import KeptFiles
+    from planning.domain.scene.scene import Scene
+    from planning.domain.scene.scene_operation import (
         AddObject,
         AllowPair,
         AttachObject,
@@ -69,142 +84,127 @@ if TYPE_CHECKING:
         RemoveObject,
         SetPositions,
     )
-    from planning.domain.steering import Steering
-    from planning.fork_pool import ForkPool
-    from planning.growing import grow_regions
-    from planning.ik import assess_configurations, solve_ik
     from planning.kernel.native import kernel_name
-    from planning.line import Fineness, trace_line
-    from planning.own_path import RetimedPath, retime_path
-    from planning.own_trajectory import certify_positions, certify_trajectory
-    from planning.pipeline import plan
-    from planning.planners import list_planners
-    from planning.reverse import reverse_plan
-    from planning.roadmap_shelf import RoadmapShelf, RoadmapStore
-    from planning.roadmaps import build_roadmap
-    from planning.sampled_motion import (
-        sample_motion,
-        sample_plan,
-        unproven_samples,
-    )
-    from planning.series import MotionSeries, motion_series
-    from planning.shared_cores import SharedCores
-    from planning.splice import ProvenMotion, splice_motion, stop_motion
-    from planning.world.catalogue import describe_model, list_models
+    from planning.parallel.core_leases import CoreLeases
+    from planning.parallel.fork_pool import ForkPool
+    from planning.pipeline.plan import plan
+    from planning.roadmaps.load_or_build import build_roadmap
+    from planning.roadmaps.roadmap_cache import RoadmapCache, RoadmapStore
     from planning.world.check import check_configurations
-    from planning.world.kinematics import forward_kinematics
-    from planning.world.loading import load_world
-    from planning.world.model_library import ModelLibrary, bundled_folder
-    from planning.world.replay import replay_html
-    from planning.world.scene_document import SceneDocument
-    from planning.world.scene_edit import edit_scene
-    from planning.world.scene_file import parse_scene, read_scene, with_line
-    from planning.world.scene_writer import scene_document
-    from planning.world.simulation import Simulation
+    from planning.world.documents.scene_document import SceneDocument
+    from planning.world.documents.scene_edit import edit_scene
+    from planning.world.documents.scene_file import parse_scene, read_scene, with_line
+    from planning.world.documents.scene_writer import scene_document
+    from planning.world.loading.load_world import load_world
+    from planning.world.mechanics.kinematics import forward_kinematics
+    from planning.world.mechanics.simulation import Simulation
+    from planning.world.models.model_library import ModelLibrary, bundled_folder
+    from planning.world.models.model_list import describe_model, list_models
+    from planning.world.replay.replay_writer import replay_html
     from planning.world.world import World
 
 _DOORS = {
-    "AddObject": "planning.domain.scene_operation",
-    "AllowPair": "planning.domain.scene_operation",
-    "AttachObject": "planning.domain.scene_operation",
-    "AttemptPool": "planning.domain.pool",
-    "CertifyOptions": "planning.domain.options",
-    "ClearanceWish": "planning.domain.options",
-    "ConfigurationGoal": "planning.domain.goal",
-    "ConfigurationQuality": "planning.domain.quality",
-    "Deadline": "planning.domain.deadline",
-    "DetachObject": "planning.domain.scene_operation",
-    "Displacement": "planning.domain.line",
-    "DistanceBand": "planning.domain.constraint",
-    "Fineness": "planning.line",
-    "ForbidPair": "planning.domain.scene_operation",
-    "ForkPool": "planning.fork_pool",
-    "GoalPredicate": "planning.domain.goal",
-    "IkOptions": "planning.domain.options",
-    "JointGoal": "planning.domain.goal",
-    "KeepIn": "planning.domain.constraint",
-    "KeepOut": "planning.domain.constraint",
-    "KeptFiles": "planning.domain.kept_files",
-    "LineGoal": "planning.domain.goal",
-    "LineTrace": "planning.domain.line_trace",
-    "LockedJoints": "planning.domain.constraint",
-    "ModelLibrary": "planning.world.model_library",
-    "MotionPlan": "planning.domain.plan",
-    "MotionSeries": "planning.series",
-    "MoveObject": "planning.domain.scene_operation",
-    "OrientationCone": "planning.domain.constraint",
-    "PathPredicate": "planning.domain.constraint",
-    "Payload": "planning.domain.payload",
-    "PlacedBox": "planning.domain.constraint",
-    "PlannerCard": "planning.domain.planner_card",
-    "PlanningProblem": "planning.domain.problem",
-    "Pose": "planning.domain.pose",
-    "PoseBall": "planning.domain.goal",
-    "PoseGoal": "planning.domain.goal",
-    "PoseMetric": "planning.domain.options",
-    "PoseTarget": "planning.domain.goal",
-    "PositionBand": "planning.domain.constraint",
-    "Progress": "planning.domain.plan",
-    "ProvenMotion": "planning.splice",
-    "RefineOptions": "planning.domain.options",
-    "RegionGoal": "planning.domain.goal",
-    "RegionOptions": "planning.domain.regions",
-    "Regions": "planning.domain.regions",
-    "RelativeGoal": "planning.domain.goal",
-    "RemoveObject": "planning.domain.scene_operation",
-    "RetimeOptions": "planning.domain.options",
-    "RetimedPath": "planning.own_path",
-    "Roadmap": "planning.domain.roadmap",
-    "RoadmapOptions": "planning.domain.options",
-    "RoadmapShelf": "planning.roadmap_shelf",
-    "RoadmapStore": "planning.roadmap_shelf",
-    "Sampling": "planning.domain.sampling",
-    "Scene": "planning.domain.scene",
-    "SceneDocument": "planning.world.scene_document",
-    "SearchOptions": "planning.domain.options",
-    "SetPositions": "planning.domain.scene_operation",
-    "SharedCores": "planning.shared_cores",
-    "Simulation": "planning.world.simulation",
-    "SpeedZone": "planning.domain.motion_limits",
-    "Steering": "planning.domain.steering",
-    "TightLimits": "planning.domain.constraint",
-    "TimedTrajectory": "planning.domain.curve",
-    "ToolLimit": "planning.domain.motion_limits",
+    "AddObject": "planning.domain.scene.scene_operation",
+    "AllowPair": "planning.domain.scene.scene_operation",
+    "AttachObject": "planning.domain.scene.scene_operation",
+    "AttemptPool": "planning.domain.request.attempt_pool",
+    "CertifyOptions": "planning.domain.request.options",
+    "ClearanceWish": "planning.domain.request.options",
+    "ConfigurationGoal": "planning.domain.goals.goal",
+    "ConfigurationQuality": "planning.domain.goals.quality",
+    "Deadline": "planning.domain.request.deadline",
+    "DetachObject": "planning.domain.scene.scene_operation",
+    "Displacement": "planning.domain.goals.line",
+    "DistanceBand": "planning.domain.request.constraint",
+    "TraceResolution": "planning.api.line",
+    "ForbidPair": "planning.domain.scene.scene_operation",
+    "ForkPool": "planning.parallel.fork_pool",
+    "GoalPredicate": "planning.domain.goals.goal",
+    "IkOptions": "planning.domain.request.options",
+    "JointGoal": "planning.domain.goals.goal",
+    "KeepIn": "planning.domain.request.constraint",
+    "KeepOut": "planning.domain.request.constraint",
+    "KeptFiles": "planning.domain.scene.kept_files",
+    "LineGoal": "planning.domain.goals.goal",
+    "LineTrace": "planning.domain.goals.line_trace",
+    "LockedJoints": "planning.domain.request.constraint",
+    "ModelLibrary": "planning.world.models.model_library",
+    "MotionPlan": "planning.domain.report.motion_plan",
+    "MotionSeries": "planning.api.motion_series",
+    "MoveObject": "planning.domain.scene.scene_operation",
+    "OrientationCone": "planning.domain.request.constraint",
+    "PathPredicate": "planning.domain.request.constraint",
+    "Payload": "planning.domain.robot.payload",
+    "PlacedBox": "planning.domain.request.constraint",
+    "PlannerCard": "planning.domain.planner.planner_card",
+    "PlanningProblem": "planning.domain.request.problem",
+    "Pose": "planning.domain.geometry.pose",
+    "PoseBall": "planning.domain.goals.goal",
+    "PoseGoal": "planning.domain.goals.goal",
+    "PoseMetric": "planning.domain.request.options",
+    "PoseTarget": "planning.domain.goals.goal",
+    "PositionBand": "planning.domain.request.constraint",
+    "Progress": "planning.domain.report.motion_plan",
+    "ProvenMotion": "planning.api.splice_motion",
+    "RefineOptions": "planning.domain.request.options",
+    "RegionGoal": "planning.domain.goals.goal",
+    "RegionOptions": "planning.domain.planner.regions",
+    "Regions": "planning.domain.planner.regions",
+    "RelativeGoal": "planning.domain.goals.goal",
+    "RemoveObject": "planning.domain.scene.scene_operation",
+    "RetimeOptions": "planning.domain.request.options",
+    "RetimedPath": "planning.api.retime_path",
+    "Roadmap": "planning.domain.planner.roadmap",
+    "RoadmapOptions": "planning.domain.request.options",
+    "RoadmapCache": "planning.roadmaps.roadmap_cache",
+    "RoadmapStore": "planning.roadmaps.roadmap_cache",
+    "Sampling": "planning.domain.curves.sampling",
+    "Scene": "planning.domain.scene.scene",
+    "SceneDocument": "planning.world.documents.scene_document",
+    "SearchOptions": "planning.domain.request.options",
+    "SetPositions": "planning.domain.scene.scene_operation",
+    "CoreLeases": "planning.parallel.core_leases",
+    "Simulation": "planning.world.mechanics.simulation",
+    "SpeedZone": "planning.domain.request.motion_limits",
+    "Steering": "planning.domain.robot.steering",
+    "TightLimits": "planning.domain.request.constraint",
+    "TimedTrajectory": "planning.domain.curves.curve",
+    "ToolLimit": "planning.domain.request.motion_limits",
     "World": "planning.world.world",
-    "assess_configurations": "planning.ik",
-    "build_roadmap": "planning.roadmaps",
-    "bundled_folder": "planning.world.model_library",
-    "certify_positions": "planning.own_trajectory",
-    "certify_trajectory": "planning.own_trajectory",
+    "assess_configurations": "planning.api.ik",
+    "build_roadmap": "planning.roadmaps.load_or_build",
+    "bundled_folder": "planning.world.models.model_library",
+    "certify_positions": "planning.api.certify_trajectory",
+    "certify_trajectory": "planning.api.certify_trajectory",
     "check_configurations": "planning.world.check",
-    "describe_model": "planning.world.catalogue",
-    "edit_scene": "planning.world.scene_edit",
-    "forward_kinematics": "planning.world.kinematics",
-    "funnel_evidence": "planning.domain.funnel",
-    "funnel_summary": "planning.domain.funnel",
-    "grow_regions": "planning.growing",
+    "describe_model": "planning.world.models.model_list",
+    "edit_scene": "planning.world.documents.scene_edit",
+    "forward_kinematics": "planning.world.mechanics.kinematics",
+    "funnel_evidence": "planning.domain.goals.funnel",
+    "funnel_summary": "planning.domain.goals.funnel",
+    "grow_regions": "planning.api.grow_regions",
     "kernel_name": "planning.kernel.native",
-    "list_models": "planning.world.catalogue",
-    "list_planners": "planning.planners",
-    "load_world": "planning.world.loading",
-    "motion_series": "planning.series",
-    "parse_scene": "planning.world.scene_file",
-    "plan": "planning.pipeline",
-    "polyline_through": "planning.domain.interpolation",
-    "read_scene": "planning.world.scene_file",
-    "replay_html": "planning.world.replay",
-    "retime_path": "planning.own_path",
-    "sample_motion": "planning.sampled_motion",
-    "sample_plan": "planning.sampled_motion",
-    "reverse_plan": "planning.reverse",
-    "scene_document": "planning.world.scene_writer",
-    "solve_ik": "planning.ik",
-    "splice_motion": "planning.splice",
-    "stop_motion": "planning.splice",
-    "trace_line": "planning.line",
-    "trajectory_through": "planning.domain.interpolation",
-    "unproven_samples": "planning.sampled_motion",
-    "with_line": "planning.world.scene_file",
+    "list_models": "planning.world.models.model_list",
+    "list_planners": "planning.api.planners",
+    "load_world": "planning.world.loading.load_world",
+    "motion_series": "planning.api.motion_series",
+    "parse_scene": "planning.world.documents.scene_file",
+    "plan": "planning.pipeline.plan",
+    "polyline_through": "planning.domain.curves.interpolation",
+    "read_scene": "planning.world.documents.scene_file",
+    "replay_html": "planning.world.replay.replay_writer",
+    "retime_path": "planning.api.retime_path",
+    "sample_motion": "planning.api.sample_motion",
+    "sample_plan": "planning.api.sample_motion",
+    "reverse_plan": "planning.api.reverse_plan",
+    "scene_document": "planning.world.documents.scene_writer",
+    "solve_ik": "planning.api.ik",
+    "splice_motion": "planning.api.splice_motion",
+    "stop_motion": "planning.api.splice_motion",
+    "trace_line": "planning.api.line",
+    "trajectory_through": "planning.domain.curves.interpolation",
+    "unproven_samples": "planning.api.sample_motion",
+    "with_line": "planning.world.documents.scene_file",
 }
 
 __all__ = [
@@ -216,11 +216,11 @@ __all__ = [
     "ClearanceWish",
     "ConfigurationGoal",
     "ConfigurationQuality",
+    "CoreLeases",
     "Deadline",
     "DetachObject",
     "Displacement",
     "DistanceBand",
-    "Fineness",
     "ForbidPair",
     "ForkPool",
     "GoalPredicate",
@@ -259,21 +259,21 @@ __all__ = [
     "RetimeOptions",
     "RetimedPath",
     "Roadmap",
+    "RoadmapCache",
     "RoadmapOptions",
-    "RoadmapShelf",
     "RoadmapStore",
     "Sampling",
     "Scene",
     "SceneDocument",
     "SearchOptions",
     "SetPositions",
-    "SharedCores",
     "Simulation",
     "SpeedZone",
     "Steering",
     "TightLimits",
     "TimedTrajectory",
     "ToolLimit",
+    "TraceResolution",
     "World",
     "assess_configurations",
     "build_roadmap",

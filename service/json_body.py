@@ -5,7 +5,7 @@ from collections import Counter
 from collections.abc import Iterator
 from typing import Any
 
-from planning.faults import Fault
+from planning.world.documents.document_faults import Fault
 
 
 class RepeatedKey(Exception):

@@ -7,7 +7,7 @@ from typing import Any
 from fastapi import FastAPI
 from fastapi.openapi.utils import get_openapi
 
-from planning.world.scene_document import SceneDocument
+from planning.world.documents.scene_document import SceneDocument
 from service.schemas.problem import Problem
 
 _REF = "#/components/schemas/{model}"

@@ -15,7 +15,7 @@ from starlette.exceptions import HTTPException
 from starlette.routing import Match
 
 from planning.errors import WayproofError
-from planning.faults import Fault, faults_of, message_of
+from planning.world.documents.document_faults import Fault, faults_of, message_of
 from service.errors import DiskFull, Refusal, RequestInvalid, UnreadableBody, problem_of
 from service.errors import status_of as status_of_error
 from service.jobs.database import is_of_database

@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from planning.domain.deadline import Deadline
+from planning.domain.request.deadline import Deadline
 
 
 @dataclass

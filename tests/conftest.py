@@ -19,8 +19,8 @@ from hypothesis import is_hypothesis_test
 os.environ["XDG_CACHE_HOME"] = str(Path(__file__).parents[1] / ".pytest_cache" / "caches")
 
 import planning
-from planning.domain.deadline import Deadline
-from planning.domain.joints import Joint, JointGroup, JointLimits, JointType
+from planning.domain.request.deadline import Deadline
+from planning.domain.robot.joints import Joint, JointGroup, JointLimits, JointType
 from planning.kernel.native import native
 from planning.world.world import World
 from tests.clocks import no_hurry
@@ -131,7 +131,7 @@ def random_waypoints(group: JointGroup, seed: int, count: int, spread: float = 0
         if joint.type is JointType.FLOATING:
             q[offset] = 1.0
         offset += joint.num_positions
-    from planning.domain.manifold import Manifold
+    from planning.domain.robot.manifold import Manifold
 
     manifold = Manifold(group.joints)
     rows = [q]

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from planning.domain.curve import TimedTrajectory
+from planning.domain.curves.curve import TimedTrajectory
 
 
 def body_velocities(

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 import planning
-from planning.domain.options import SearchOptions
+from planning.domain.request.options import SearchOptions
 
 JOINT = "car::base_joint"
 # Half the sides of a yard [m]; a car that may not reverse needs a larger one. And the radius of the

@@ -18,8 +18,8 @@ from toppra.constraint import JointAccelerationConstraint, JointVelocityConstrai
 
 from benchmarks.retiming.motion import Array, Motion
 from benchmarks.retiming.paths import Question
-from planning.domain.curve import JointSpline, TimedTrajectory
-from planning.domain.options import RetimeOptions
+from planning.domain.curves.curve import JointSpline, TimedTrajectory
+from planning.domain.request.options import RetimeOptions
 from planning.retime.blend import blend_corners
 from planning.retime.retimer import RETIMERS, retime
 

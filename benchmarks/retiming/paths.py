@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 
 import planning
-from planning.domain.joints import JointLimits
-from planning.domain.path import JointPath
+from planning.domain.curves.path import JointPath
+from planning.domain.robot.joints import JointLimits
 
 SCENES = {"panda": ("panda_shelf", "panda"), "ur5e": ("ur5e_pickup", "arm")}
 # Standard deviation of a step in every joint [rad].

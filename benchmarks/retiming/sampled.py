@@ -8,8 +8,8 @@ import numpy as np
 
 from benchmarks.retiming.motion import Array
 from benchmarks.retiming.paths import Question
-from planning.domain.options import RetimeOptions
-from planning.domain.path import JointPath
+from planning.domain.curves.path import JointPath
+from planning.domain.request.options import RetimeOptions
 from planning.retime.blend import blend_corners
 from planning.retime.retimer import RETIMERS, retime
 from planning.retime.smooth import smoothed

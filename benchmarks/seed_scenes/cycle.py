@@ -4,7 +4,7 @@ import numpy as np
 
 import planning
 from benchmarks.seed_scenes.leg import Leg
-from planning.domain.deadline import Deadline
+from planning.domain.request.deadline import Deadline
 
 _EXACT = np.zeros(3)
 _FROM_ABOVE = np.array([0.0, 0.0, -0.1])

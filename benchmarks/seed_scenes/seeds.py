@@ -9,7 +9,7 @@ import numpy as np
 import planning
 from benchmarks.seed_scenes.cycle import pick_and_place
 from benchmarks.seed_scenes.leg import Leg
-from planning.domain.deadline import Deadline
+from planning.domain.request.deadline import Deadline
 
 EXACT = np.zeros(3)
 

@@ -3,27 +3,27 @@
 from collections.abc import Callable
 from dataclasses import replace
 
-from planning.certify.clearance import check_clearance
+from planning.certify.clearance.clearance_check import check_clearance
+from planning.certify.clearance.clearance_reserve import robustness
+from planning.certify.clearance.clearance_result import ClearanceResult
+from planning.certify.clearance.nearest_points import nearest_points
 from planning.certify.constraint_checks import constraint_checks
 from planning.certify.end_checks import continuity_checks, goal_check, rest_check, start_check
 from planning.certify.form_check import form_check
-from planning.certify.limit_checks import position_check, rate_check
-from planning.certify.line_check import line_checks
-from planning.certify.nearest_points import nearest_points
-from planning.certify.proof_parts import Clearance
+from planning.certify.frames.line_check import line_checks
+from planning.certify.frames.tool_checks import tool_checks
+from planning.certify.joints.limit_checks import position_check, rate_check
 from planning.certify.request import CertifyRequest
-from planning.certify.robustness import robustness
 from planning.certify.steering_check import steering_checks
-from planning.certify.stop_check import stop_check
-from planning.certify.tool_checks import tool_checks
-from planning.certify.torque_check import torque_check
-from planning.domain.certificate import Certificate, Check
-from planning.domain.deadline import Deadline
-from planning.domain.options import CertifyOptions
-from planning.domain.report import CertifyReport
+from planning.certify.stopping.stop_check import stop_check
+from planning.certify.torque.torque_check import torque_check
+from planning.domain.report.certificate import Certificate, Check
+from planning.domain.report.stage_reports import CertifyReport
+from planning.domain.request.deadline import Deadline
+from planning.domain.request.options import CertifyOptions
 from planning.errors import DeadlineExceeded
+from planning.world.collision.unchecked_pairs import unchecked_pairs
 from planning.world.drake_model import DrakeModel
-from planning.world.unchecked_pairs import unchecked_pairs
 
 __all__ = ["CertifyRequest", "certify", "certify_places"]
 
@@ -199,7 +199,7 @@ def _verdict(
     model: DrakeModel,
     request: CertifyRequest,
     checks: tuple[Check, ...],
-    clearance: Clearance,
+    clearance: ClearanceResult,
 ) -> Certificate:
     nearest, check = clearance.nearest, clearance.check
     points, observed = nearest_points(model, request, nearest)

@@ -1,12 +1,12 @@
 """One check for every path constraint, on the whole interval."""
 
-from planning.certify.band_check import band_check
-from planning.certify.frame_checks import box_check, cone_check
-from planning.certify.joint_checks import lock_check, tight_check
+from planning.certify.clearance.band_check import band_check
+from planning.certify.frames.frame_checks import box_check, cone_check
+from planning.certify.joints.joint_checks import lock_check, tight_check
 from planning.certify.request import CertifyRequest
 from planning.certify.sampled_check import predicate_check
-from planning.domain.certificate import Check
-from planning.domain.constraint import (
+from planning.domain.report.certificate import Check
+from planning.domain.request.constraint import (
     DistanceBand,
     KeepIn,
     KeepOut,
@@ -18,7 +18,7 @@ from planning.domain.constraint import (
     TightLimits,
     constraint_label,
 )
-from planning.domain.deadline import Deadline
+from planning.domain.request.deadline import Deadline
 from planning.world.drake_model import DrakeModel
 
 

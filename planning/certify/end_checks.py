@@ -4,9 +4,9 @@ from typing import Any
 
 import numpy as np
 
-from planning.certify.jumps import Sums, position_jumps
+from planning.certify.intervals.jumps import Sums, position_jumps
 from planning.certify.request import CertifyRequest
-from planning.domain.certificate import Check
+from planning.domain.report.certificate import Check
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 

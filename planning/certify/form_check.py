@@ -5,9 +5,9 @@ from typing import Any
 
 import numpy as np
 
+from planning.certify.intervals.rounding import LOW_DEGREE
 from planning.certify.request import CertifyRequest
-from planning.certify.rounding import LOW_DEGREE
-from planning.domain.certificate import Check
+from planning.domain.report.certificate import Check
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 

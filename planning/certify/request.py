@@ -7,18 +7,18 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float64
 
-from planning.certify import bernstein
-from planning.certify.rounding import rounding
-from planning.domain.constraint import PathConstraint
-from planning.domain.curve import TimedTrajectory
-from planning.domain.followers import Follower, together
-from planning.domain.joints import JointGroup, JointLimits
-from planning.domain.line import LineSection
-from planning.domain.motion_limits import AccelerationBounds, SpeedZone, ToolLimit
-from planning.domain.options import CertifyOptions
-from planning.domain.payload import Payload
+from planning.certify.intervals import bernstein
+from planning.certify.intervals.rounding import rounding
+from planning.domain.curves.curve import TimedTrajectory
+from planning.domain.goals.line import LineSection
+from planning.domain.request.constraint import PathConstraint
+from planning.domain.request.motion_limits import AccelerationBounds, SpeedZone, ToolLimit
+from planning.domain.request.options import CertifyOptions
+from planning.domain.robot.followers import Follower, together
+from planning.domain.robot.joints import JointGroup, JointLimits
+from planning.domain.robot.payload import Payload
 from planning.domain.value import Value
-from planning.world.margins import PairMargins
+from planning.world.collision.margins import PairMargins
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 

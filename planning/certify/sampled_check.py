@@ -2,11 +2,11 @@
 
 import numpy as np
 
+from planning.certify.intervals.joint_deviation import Segment, Segments
 from planning.certify.request import CertifyRequest
-from planning.certify.segments import Segment, Segments
-from planning.domain.certificate import Check
-from planning.domain.constraint import PathPredicate
-from planning.domain.deadline import Deadline
+from planning.domain.report.certificate import Check
+from planning.domain.request.constraint import PathPredicate
+from planning.domain.request.deadline import Deadline
 
 
 def predicate_check(

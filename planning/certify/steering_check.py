@@ -23,12 +23,12 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float64
 
-from planning.certify import bernstein
-from planning.certify.bernstein_products import raised, times
+from planning.certify.intervals import bernstein
+from planning.certify.intervals.bernstein_products import raised, times
+from planning.certify.intervals.rounding import closely
 from planning.certify.request import CertifyRequest
-from planning.certify.rounding import closely
-from planning.domain.certificate import Check
-from planning.domain.steering import Steering, steering_of
+from planning.domain.report.certificate import Check
+from planning.domain.robot.steering import Steering, steering_of
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 

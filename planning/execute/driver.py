@@ -7,7 +7,7 @@ from typing import Any, Protocol, runtime_checkable
 import numpy as np
 from jaxtyping import Float64
 
-from planning.domain.body_pair import BodyPair
+from planning.domain.geometry.body_pair import BodyPair
 from planning.domain.value import Value
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
@@ -63,7 +63,7 @@ class Driver(Protocol):
 
 @runtime_checkable
 class SimulatedGroup(Protocol):
-    """What `SimulatedDriver` needs of `planning.world.simulation.Simulation`."""
+    """What `SimulatedDriver` needs of `planning.world.mechanics.simulation.Simulation`."""
 
     @property
     def q(self) -> Array:

@@ -5,8 +5,8 @@ from typing import Any
 
 import numpy as np
 
-from planning.domain.curve import TimedTrajectory
-from planning.domain.joints import JointLimits
+from planning.domain.curves.curve import TimedTrajectory
+from planning.domain.robot.joints import JointLimits
 from planning.domain.value import Value
 from planning.errors import Contact, ExecutionFailure, ProblemInvalid, TrackingLost
 from planning.execute.driver import Measurement, Setpoint

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float64
 
-from planning.domain.body_pair import BodyPair
+from planning.domain.geometry.body_pair import BodyPair
 from planning.domain.value import Value
 from planning.errors import ExecutionFailure
 from planning.execute.states import ExecutionState

@@ -15,8 +15,8 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float64
 
-from planning.domain.curve import TimedTrajectory
-from planning.domain.joints import JointLimits
+from planning.domain.curves.curve import TimedTrajectory
+from planning.domain.robot.joints import JointLimits
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 

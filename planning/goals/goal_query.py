@@ -5,11 +5,11 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float64
 
-from planning.domain.goal import Goal
-from planning.domain.joints import JointGroup
-from planning.domain.options import IkOptions
-from planning.world.margins import PairMargins
-from planning.world.rules.path_rules import PathRules
+from planning.domain.goals.goal import Goal
+from planning.domain.request.options import IkOptions
+from planning.domain.robot.joints import JointGroup
+from planning.world.collision.margins import PairMargins
+from planning.world.constraints.path_constraints import PathConstraints
 
 
 @dataclass(frozen=True)
@@ -33,4 +33,4 @@ class GoalQuery:
     margins: PairMargins
     options: IkOptions
     num_measured: int = 2
-    rules: PathRules | None = None
+    rules: PathConstraints | None = None

@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float64
 
-from planning.domain.joints import JointGroup
-from planning.domain.manifold import Manifold
+from planning.domain.robot.joints import JointGroup
+from planning.domain.robot.manifold import Manifold
 from planning.errors import ProblemInvalid, UnknownName
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]

@@ -6,13 +6,13 @@ import numpy as np
 from jaxtyping import Float64
 from pydrake.multibody.tree import RevoluteJoint
 
-from planning.domain.body_pair import BodyPair
-from planning.domain.joints import JointGroup, JointLimits
-from planning.domain.quality import ArmBranch, ConfigurationQuality
+from planning.domain.geometry.body_pair import BodyPair
+from planning.domain.goals.quality import ArmBranch, ConfigurationQuality
+from planning.domain.robot.joints import JointGroup, JointLimits
 from planning.goals.branch import branch_of
 from planning.goals.joint_metric import JointMetric
-from planning.world.link_tree import link_tree
-from planning.world.tool_kinematics import ToolKinematics
+from planning.world.kernel.link_tree import link_tree
+from planning.world.mechanics.tool_kinematics import ToolKinematics
 from planning.world.world import World
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]

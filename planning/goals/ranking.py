@@ -5,8 +5,8 @@ from typing import Any
 import numpy as np
 from jaxtyping import Bool, Float64, Int64
 
-from planning.domain.joints import JointGroup, JointLimits, JointType
-from planning.domain.manifold import Manifold
+from planning.domain.robot.joints import JointGroup, JointLimits, JointType
+from planning.domain.robot.manifold import Manifold
 from planning.goals.joint_metric import JointMetric
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
@@ -18,7 +18,7 @@ SAME = 1e-3
 _MAX_EQUIVALENTS = 4096
 
 
-class Distinct:
+class UniqueSolutions:
     """Solutions that differ, whole turns aside, from all others of the same target."""
 
     def __init__(self, group: JointGroup, manifold: Manifold) -> None:

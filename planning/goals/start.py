@@ -5,23 +5,23 @@ from typing import Any
 import numpy as np
 from jaxtyping import Bool, Float64
 
-from planning.domain.body_pair import BodyPair
-from planning.domain.joints import JointGroup, JointLimits
-from planning.domain.manifold import Manifold
+from planning.domain.geometry.body_pair import BodyPair
+from planning.domain.robot.joints import JointGroup, JointLimits
+from planning.domain.robot.manifold import Manifold
 from planning.errors import StartInCollision, StartOutOfLimits, StartTooNear
-from planning.goals.words import millimetres
-from planning.world.margins import PairMargins
+from planning.goals.diagnosis.distance_text import millimetres
+from planning.world.collision.margins import PairMargins
 from planning.world.world import World
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # A violation of limits up to this much is numeric dust: it is clipped and reported [rad or m].
-DUST = 1e-6
+ROUNDING = 1e-6
 # A distance of less is what rounding makes of 0 [m].
 _TOUCH = 1e-9
 
 
-def admit_start(
+def validate_start(
     world: World, group: JointGroup, q: Float64[np.ndarray, " nq"], margins: PairMargins
 ) -> tuple[Array, Array]:
     """Return the start inside its limits, and by how much it was moved, both shape (nq,).
@@ -32,7 +32,7 @@ def admit_start(
         StartTooNear: None does, but a pair is nearer than its margin.
     """
     limits = world.limits(group)
-    start = clip_dust(limits, Manifold.of(group.joints), q)
+    start = clip_rounding(limits, Manifold.of(group.joints), q)
     outside = limit_violations(limits, group, start)
     if outside:
         worst = max(outside, key=lambda entry: entry["violation"])
@@ -55,11 +55,13 @@ def admit_start(
     return start, start - q
 
 
-def clip_dust(limits: JointLimits, manifold: Manifold, q: Float64[np.ndarray, "*n nq"]) -> Array:
+def clip_rounding(
+    limits: JointLimits, manifold: Manifold, q: Float64[np.ndarray, "*n nq"]
+) -> Array:
     """Return q with unit quaternions, and with limits that it misses by dust kept."""
     unit = manifold.normalized(q)
     clipped = np.clip(unit, limits.lower, limits.upper)
-    return np.where(np.abs(clipped - unit) <= DUST, clipped, unit)
+    return np.where(np.abs(clipped - unit) <= ROUNDING, clipped, unit)
 
 
 def within_limits(limits: JointLimits, q: Float64[np.ndarray, "n nq"]) -> Bool[np.ndarray, " n"]:

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float64
 
-from planning.kernel.separation import Separation, separation
+from planning.kernel.gjk import GjkResult, separation
 from planning.kernel.shape import ConvexShape, ShapeKind
 from planning.kernel.support import farthest_point
 
@@ -22,7 +22,7 @@ def distance_bounds(
     poses: tuple[Float64[np.ndarray, "4 4"], Float64[np.ndarray, "4 4"]],
     guess: Float64[np.ndarray, "3"],
     enough: float = np.inf,
-) -> Separation:
+) -> GjkResult:
     """Bound the distance of two shapes from both sides [m].
 
     Args:
@@ -41,7 +41,7 @@ def distance_bounds(
 
     begin = guess if np.isfinite(guess).all() and guess.any() else away
     found = separation(support, begin, enough + balls, close=0.0)
-    return Separation(found.lower - balls, found.upper - balls, found.direction, found.corners)
+    return GjkResult(found.lower - balls, found.upper - balls, found.direction, found.corners)
 
 
 def slab(

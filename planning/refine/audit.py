@@ -4,11 +4,11 @@ from typing import Any
 
 import numpy as np
 
-from planning.domain.curve import JointSpline
-from planning.domain.joints import JointGroup, JointLimits
-from planning.refine.buffers import Buffers
-from planning.world.rules.path_rules import PathRules
-from planning.world.rules.predicate_rule import PredicateRule
+from planning.domain.curves.curve import JointSpline
+from planning.domain.robot.joints import JointGroup, JointLimits
+from planning.refine.constraints.distance_buffers import DistanceBuffers
+from planning.world.constraints.path_constraints import PathConstraints
+from planning.world.constraints.predicate_constraint import PredicateConstraint
 from planning.world.world import World
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
@@ -29,7 +29,11 @@ class Auditor:
     """
 
     def __init__(
-        self, world: World, group: JointGroup, buffers: Buffers, rules: PathRules | None = None
+        self,
+        world: World,
+        group: JointGroup,
+        buffers: DistanceBuffers,
+        rules: PathConstraints | None = None,
     ) -> None:
         """Make the oracles: one for the ends, one that also wants a part of the buffers."""
         self._rules = rules
@@ -54,7 +58,7 @@ class Auditor:
         return np.array([s[stretch[len(stretch) // 2]] for stretch in stretches if len(stretch)])
 
 
-def is_accepted(curve: JointSpline, rules: tuple[PredicateRule, ...]) -> bool:
+def is_accepted(curve: JointSpline, rules: tuple[PredicateConstraint, ...]) -> bool:
     """Return whether predicates accept samples of the curve: some of all of it first."""
     count = int(np.clip(np.ceil(length_of(curve) / _STEP), _FEWEST, _MOST))
     positions = curve.positions(np.linspace(0.0, 1.0, count + 1))

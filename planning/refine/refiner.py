@@ -7,18 +7,18 @@ between the instants at which distances are demanded, those instants join them.
 
 from dataclasses import replace
 
-from planning.domain.curve import JointSpline
-from planning.domain.deadline import Deadline
-from planning.domain.path import JointPath
-from planning.domain.report import RefineReport
-from planning.domain.steering import steering_of
+from planning.domain.curves.curve import JointSpline
+from planning.domain.curves.path import JointPath
+from planning.domain.report.stage_reports import RefineReport
+from planning.domain.request.deadline import Deadline
+from planning.domain.robot.steering import steering_of
 from planning.refine.audit import length_of
-from planning.refine.chart import FlatChart, chart_of
-from planning.refine.drive.drive_refiner import refine_drive
-from planning.refine.quickest import quickest
+from planning.refine.cars.drive_refiner import refine_drive
+from planning.refine.curves.chart import FlatChart, chart_of
+from planning.refine.model.penalty_qp import solver_name
+from planning.refine.multi_start import solve_multi_start
+from planning.refine.refine_problem import RefineProblem
 from planning.refine.request import RefineRequest
-from planning.refine.soft_rows import solver_name
-from planning.refine.task import RefineTask
 from planning.world.world import World
 
 # With less than this left of a plan's time, the automatic method leaves the path alone [s].
@@ -59,11 +59,11 @@ def _refine_curve(
     world: World, request: RefineRequest, share: Deadline, report: RefineReport
 ) -> tuple[JointSpline | None, RefineReport]:
     """Return a curve near a path of joints that may go any way."""
-    task = RefineTask.of(world, request, share)
+    task = RefineProblem.of(world, request, share)
     report = replace(report, solver=solver_name(), lower_bound=task.least)
     if not task.is_held:
         return None, replace(report, reason="gravity is more than a joint can hold at an end")
-    found = quickest(world, task)
+    found = solve_multi_start(world, task)
     best = found.best
     report = replace(report, rounds=found.steps, duration_before=task.duration_of(found.guess))
     if best is not None and found.steps == 0 and len(task.waypoints) == 2:

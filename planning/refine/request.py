@@ -2,13 +2,13 @@
 
 from dataclasses import dataclass, field, replace
 
-from planning.domain.joints import JointLimits
-from planning.domain.motion_limits import MotionLimits
-from planning.domain.options import RefineOptions
-from planning.domain.path import JointPath
+from planning.domain.curves.path import JointPath
+from planning.domain.request.motion_limits import MotionLimits
+from planning.domain.request.options import RefineOptions
+from planning.domain.robot.joints import JointLimits
 from planning.domain.value import Value
-from planning.world.margins import PairMargins
-from planning.world.rules.path_rules import PathRules
+from planning.world.collision.margins import PairMargins
+from planning.world.constraints.path_constraints import PathConstraints
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,7 +32,7 @@ class RefineRequest(Value):
     margins: PairMargins
     options: RefineOptions
     jerk: bool = False
-    rules: PathRules | None = None
+    rules: PathConstraints | None = None
     others: MotionLimits = field(default_factory=MotionLimits)
     held: tuple[int, ...] = ()
 

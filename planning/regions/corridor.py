@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from planning.domain.regions import Regions
+from planning.domain.planner.regions import Regions
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 

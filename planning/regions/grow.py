@@ -13,13 +13,13 @@ from typing import Any
 import numpy as np
 from jaxtyping import Bool, Float64
 
-from planning.domain.deadline import Deadline
-from planning.domain.regions import Portal, Region, RegionOptions
+from planning.domain.planner.regions import Portal, Region, RegionOptions
+from planning.domain.request.deadline import Deadline
 from planning.errors import DeadlineExceeded
 from planning.regions.cliques import cliques
 from planning.regions.free_space import FreeSpace
-from planning.regions.inflate import Inflater
-from planning.regions.overlap import portals_of, trimmed
+from planning.regions.iris_zo import IrisZo
+from planning.regions.overlap import portals_of, without_redundant_faces
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
@@ -92,10 +92,10 @@ def grow(request: GrowRequest, deadline: Deadline, on_region: Callable[[Growth],
     Raises:
         Canceled: The end was asked for.
     """
-    return _Gardener(request, deadline, on_region).grow()
+    return _RegionGrower(request, deadline, on_region).grow()
 
 
-class _Gardener:
+class _RegionGrower:
     def __init__(
         self, request: GrowRequest, deadline: Deadline, on_region: Callable[[Growth], None]
     ) -> None:
@@ -103,7 +103,7 @@ class _Gardener:
         streams = np.random.SeedSequence(request.seed).spawn(3)
         audience, self._crowd, inflating = map(np.random.default_rng, streams)
         options = request.options
-        self._inflater = Inflater(
+        self._inflater = IrisZo(
             request.judge,
             request.lower,
             request.upper,
@@ -158,7 +158,7 @@ class _Gardener:
         if region is None:
             return
         growth = self._growth
-        growth.regions.append(trimmed(region))
+        growth.regions.append(without_redundant_faces(region))
         growth.portals += portals_of(growth.regions, len(growth.regions) - 1)
         growth.is_covered |= growth.regions[-1].contains(self._audience)
         self._tell(growth)

@@ -6,13 +6,13 @@ import numpy as np
 from pydrake.geometry.optimization import HPolyhedron  # pyright: ignore[reportMissingModuleSource]
 from pydrake.solvers import ClpSolver, MathematicalProgram
 
-from planning.domain.regions import Portal, Region
+from planning.domain.planner.regions import Portal, Region
 
 # Regions that share no ball of this radius do not overlap [rad or m].
 _LEAST = 1e-3
 
 
-def trimmed(region: Region) -> Region:
+def without_redundant_faces(region: Region) -> Region:
     """Return the region without the faces that say nothing."""
     whole = HPolyhedron(region.normals, region.offsets)
     said = sorted(set(range(len(region.offsets))) - whole.FindRedundant())

@@ -5,10 +5,14 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float64
 
-from planning.domain.curve import Curve, derivative
-from planning.domain.joints import JointLimits, JointType
+from planning.domain.curves.curve import Curve, derivative
+from planning.domain.robot.joints import JointLimits, JointType
+from planning.retime.limits.angular_rate_bounds import (
+    has_moving_axis,
+    rate_bounds,
+    with_derivatives,
+)
 from planning.retime.polynomials import halved, norms, to_bernstein
-from planning.retime.turning import has_moving_axis, rate_bounds, with_derivatives
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float64
 
-from planning.domain.curve import Curve, JointSpline
+from planning.domain.curves.curve import Curve, JointSpline
 from planning.retime.compose import shifted
 from planning.retime.polynomials import norms
 

@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from planning.domain.curve import JointSpline, TimedTrajectory
+from planning.domain.curves.curve import JointSpline, TimedTrajectory
 from planning.retime.profile import SpeedProfile
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]

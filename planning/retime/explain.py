@@ -10,16 +10,16 @@ from typing import Any
 
 import numpy as np
 
-from planning.domain.curve import Curve, JointSpline, TimedTrajectory
-from planning.domain.deadline import UNHURRIED, Deadline
-from planning.domain.duration import BindingInterval, DurationExplanation, Saving
-from planning.domain.joints import JointLimits
-from planning.domain.options import RetimeOptions
-from planning.domain.report import RetimeReport
+from planning.domain.curves.curve import Curve, JointSpline, TimedTrajectory
+from planning.domain.report.duration import BindingInterval, DurationExplanation, Saving
+from planning.domain.report.stage_reports import RetimeReport
+from planning.domain.request.deadline import UNHURRIED, Deadline
+from planning.domain.request.options import RetimeOptions
+from planning.domain.robot.joints import JointLimits
 from planning.errors import RetimingFailed
-from planning.retime.audit import RATES
 from planning.retime.bounds import block_norms
-from planning.retime.path_limit import PathLimit
+from planning.retime.limit_utilization import RATES
+from planning.retime.limits.path_limit import PathLimit
 from planning.retime.retimer import RETIMERS, retime
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]

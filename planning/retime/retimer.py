@@ -6,19 +6,19 @@ from typing import Any
 
 import numpy as np
 
-from planning.domain.curve import JointSpline, TimedTrajectory
-from planning.domain.deadline import UNHURRIED, Deadline
-from planning.domain.joints import JointLimits
-from planning.domain.options import RetimeOptions
-from planning.domain.report import RetimeReport
+from planning.domain.curves.curve import JointSpline, TimedTrajectory
+from planning.domain.report.stage_reports import RetimeReport
+from planning.domain.request.deadline import UNHURRIED, Deadline
+from planning.domain.request.options import RetimeOptions
+from planning.domain.robot.joints import JointLimits
 from planning.errors import ProblemInvalid, RetimingFailed
-from planning.retime.audit import RATES, Use, largest_use
 from planning.retime.compose import compose
-from planning.retime.path_limit import PathLimit, PathUse, uses_of
+from planning.retime.jerk.ruckig_retimer import ruckig_profile
+from planning.retime.limit_utilization import RATES, LimitUtilization, largest_use
+from planning.retime.limits.path_limit import PathLimit, PathUtilization, uses_of
 from planning.retime.profile import SpeedProfile
-from planning.retime.ruckig_retimer import ruckig_profile
-from planning.retime.stretches import smooth_stretches
-from planning.retime.toppra_retimer import toppra_profile
+from planning.retime.smooth_pieces import smooth_pieces
+from planning.retime.toppra.toppra_retimer import toppra_profile
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
@@ -64,8 +64,8 @@ class _Timed:
     """
 
     trajectory: TimedTrajectory
-    uses: list[Use]
-    path_uses: list[tuple[str, PathUse]]
+    uses: list[LimitUtilization]
+    path_uses: list[tuple[str, PathUtilization]]
     raw: float
 
 
@@ -109,7 +109,7 @@ def retime(
     usable = _usable(spline, scaled, options.method)
     timed = [
         _timed(stretch, usable, retimer, path_limits, deadline)
-        for stretch in smooth_stretches(spline, retimer.smoothness)
+        for stretch in smooth_pieces(spline, retimer.smoothness)
     ]
     trajectory = TimedTrajectory.joined([part.trajectory for part in timed])
     slower = _slower(trajectory.duration, options)

@@ -12,15 +12,15 @@ from typing import Any
 
 import numpy as np
 
-from planning.domain.cubic import cubic_through
-from planning.domain.curve import JointSpline
-from planning.domain.joints import Joint
-from planning.domain.manifold import Manifold
-from planning.domain.path import JointPath
-from planning.domain.steering import steering_of
+from planning.domain.curves.cubic import cubic_through
+from planning.domain.curves.curve import JointSpline
+from planning.domain.curves.path import JointPath
+from planning.domain.robot.joints import Joint
+from planning.domain.robot.manifold import Manifold
+from planning.domain.robot.steering import steering_of
 from planning.retime.cells import cut_at, with_cuts
+from planning.retime.collinear_runs import STRAIGHT, without_straight_runs
 from planning.retime.polynomials import halved, norms, to_bernstein
-from planning.retime.straight_runs import STRAIGHT, without_straight_runs
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 

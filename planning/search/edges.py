@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 from jaxtyping import Bool, Float64
 
-from planning.domain.manifold import Manifold
-from planning.search.oracle import WatchedOracle
+from planning.domain.robot.manifold import Manifold
+from planning.search.collision_oracle import WatchedOracle
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 

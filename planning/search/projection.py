@@ -12,7 +12,7 @@ import numpy as np
 from jaxtyping import Float64
 
 from planning.search.edges import EdgeChecker
-from planning.search.projected import MOST_ITERATIONS, ON, STEP, Residual
+from planning.search.ompl.projected_space import MOST_ITERATIONS, ON, STEP, Residual
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 type Rows = np.ndarray[Any, np.dtype[np.intp]]

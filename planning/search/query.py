@@ -8,22 +8,22 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float64
 
-from planning.domain.car_request import require_directed
-from planning.domain.deadline import Deadline
-from planning.domain.joints import JointGroup, JointLimits
-from planning.domain.options import SearchOptions
-from planning.domain.steering import steering_of
+from planning.domain.request.deadline import Deadline
+from planning.domain.request.options import SearchOptions
+from planning.domain.request.stopwatch import Stopwatch
+from planning.domain.robot.car_request import require_directed
+from planning.domain.robot.joints import JointGroup, JointLimits
+from planning.domain.robot.steering import steering_of
 from planning.errors import NoPathFound
-from planning.search.car_space import CarSpace
-from planning.search.demands import block_weights, bounded, held_rotations
-from planning.search.objective import Objective
-from planning.search.oracle import CollisionOracle, WatchedOracle
-from planning.search.parameters import Scalar
-from planning.search.planners import check_planners
-from planning.search.projected import ProjectedSpace
-from planning.search.spaces import SearchSpace
-from planning.search.task import SearchTask
-from planning.stopwatch import Stopwatch
+from planning.search.collision_oracle import CollisionOracle, WatchedOracle
+from planning.search.ompl.car_space import CarSpace
+from planning.search.ompl.objective import Objective
+from planning.search.ompl.parameters import Scalar
+from planning.search.ompl.planner_list import check_planners
+from planning.search.ompl.projected_space import ProjectedSpace
+from planning.search.ompl.spaces import SearchSpace
+from planning.search.request import SearchTask
+from planning.search.space_options import bounded_limits, held_rotations, metric_weights
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
@@ -86,8 +86,8 @@ def query_of(
     options = task.options
     check_planners(options.planners, options.parameters)
     require_directed(options.planners, steering_of(group))
-    limits = bounded(group, limits, options.bounds)
-    weights = block_weights(group, options.weights)
+    limits = bounded_limits(group, limits, options.bounds)
+    weights = metric_weights(group, options.weights)
     watched = WatchedOracle(oracle, group, limits, deadline)
     watch = watch or Stopwatch(deadline.clock)
     began = deadline.clock()

@@ -4,7 +4,7 @@ A straight line to one of the nearest goals comes first. If there is none, or on
 farther than the nearest, the roadmap is asked if there is one, and if it knows no way the planner
 looks for a path, which is shortened and checked again, edge by edge, four times as finely as it was
 searched; if that finds a collision the attempt starts anew with half the resolution. The best of
-all attempts is kept (see `race`); what is best, `objective` says.
+all attempts is kept (see `solve_concurrently`); what is best, `objective` says.
 """
 
 from contextlib import nullcontext
@@ -12,21 +12,27 @@ from typing import Any
 
 import numpy as np
 
-from planning.domain.deadline import Deadline
-from planning.domain.joints import JointGroup, JointLimits
-from planning.domain.path import JointPath
-from planning.domain.search_report import SearchReport
+from planning.domain.curves.path import JointPath
+from planning.domain.report.search_report import SearchReport
+from planning.domain.request.deadline import Deadline
+from planning.domain.request.stopwatch import Stopwatch
+from planning.domain.robot.joints import JointGroup, JointLimits
 from planning.errors import Canceled, DeadlineExceeded, NoPathFound, ProblemInvalid
-from planning.search.demands import driven
-from planning.search.graph import line_graph
-from planning.search.mapped import ask_roadmap, report_of
-from planning.search.oracle import CollisionOracle
+from planning.search.collision_oracle import CollisionOracle
+from planning.search.multi_planner import solve_concurrently
+from planning.search.ompl.graph import line_graph
 from planning.search.query import Query, query_of
-from planning.search.race import race
-from planning.search.sound import Closeness, SoundPath, delivered, fine_checker, followed
-from planning.search.tally import Tally
-from planning.search.task import SearchResult, SearchTask
-from planning.stopwatch import Stopwatch
+from planning.search.request import SearchResult, SearchTask
+from planning.search.roadmap.query_roadmap import query_roadmap, report_of
+from planning.search.space_options import resolve_space
+from planning.search.statistics import SearchStatistics
+from planning.search.verified_path import (
+    CheckResolution,
+    VerifiedPath,
+    delivered,
+    fine_checker,
+    followed,
+)
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
@@ -84,13 +90,13 @@ def search(
         Canceled: The end was asked for.
     """
     _require_sense(group, task)
-    group = driven(group, task.options.spaces)
+    group = resolve_space(group, task.options.spaces)
     query, rows = query_of(group, limits, oracle, task, deadline, watch)
     fine = fine_checker(query, task.resolution)
-    closeness = Closeness(task.resolution, task.options.num_states, fine, query.objective)
+    closeness = CheckResolution(task.resolution, task.options.num_states, fine, query.objective)
     # Of one attempt the end of the search tells as much.
     on_best = task.on_best if task.options.num_attempts > 1 else None
-    tally = Tally(on_best, direct=_straight_line(query, closeness))
+    tally = SearchStatistics(on_best, direct=_straight_line(query, closeness))
     if tally.best is None or _is_detour(tally.best, query):
         _look(query, closeness, task, tally)
     best = tally.best
@@ -105,7 +111,9 @@ def search(
     )
 
 
-def _look(query: Query, closeness: Closeness, task: SearchTask, tally: Tally) -> None:
+def _look(
+    query: Query, closeness: CheckResolution, task: SearchTask, tally: SearchStatistics
+) -> None:
     """Ask the guide and the roadmap if there are any, and the planners unless one knows a way.
 
     Whoever is interrupted, what the tally has by then counts.
@@ -117,9 +125,9 @@ def _look(query: Query, closeness: Closeness, task: SearchTask, tally: Tally) ->
     try:
         is_led = _is_led(query, closeness, task, tally)
         if task.roadmap is not None and not is_led:
-            ask_roadmap(task.roadmap, query, closeness, tally)
+            query_roadmap(task.roadmap, query, closeness, tally)
         if not is_led and not (tally.roadmap and tally.roadmap.used):
-            race(query, closeness, task, tally)
+            solve_concurrently(query, closeness, task, tally)
         tally.was_canceled = query.is_hurried
     except Canceled:
         if query.options.on_cancel == "discard" or tally.best is None:
@@ -133,7 +141,11 @@ def _look(query: Query, closeness: Closeness, task: SearchTask, tally: Tally) ->
 
 
 def _report(
-    query: Query, closeness: Closeness, task: SearchTask, tally: Tally, best: SoundPath
+    query: Query,
+    closeness: CheckResolution,
+    task: SearchTask,
+    tally: SearchStatistics,
+    best: VerifiedPath,
 ) -> SearchReport:
     fine = closeness.fine
     roadmap = tally.roadmap
@@ -160,7 +172,9 @@ def _report(
     )
 
 
-def _is_led(query: Query, closeness: Closeness, task: SearchTask, tally: Tally) -> bool:
+def _is_led(
+    query: Query, closeness: CheckResolution, task: SearchTask, tally: SearchStatistics
+) -> bool:
     """Whether the task's guide knows a path that is free; the tally has it then."""
     with query.watch.note("guide") if task.guide else nullcontext():
         found = None if task.guide is None else task.guide.lead(query.goals)
@@ -173,7 +187,7 @@ def _is_led(query: Query, closeness: Closeness, task: SearchTask, tally: Tally) 
     return trial.path is not None
 
 
-def _is_detour(direct: SoundPath, query: Query) -> bool:
+def _is_detour(direct: VerifiedPath, query: Query) -> bool:
     """Whether a way around to a nearer goal may well be shorter than a line to this one."""
     nearest = float(query.space.manifold.distance(query.goals[0], query.start))
     return direct.length > _DETOUR * nearest + _NEAR
@@ -208,7 +222,7 @@ def _require_sense(group: JointGroup, task: SearchTask) -> None:
             raise ProblemInvalid(f"{field} makes no sense: {_FIELDS[field]}", {"field": field})
 
 
-def _straight_line(query: Query, closeness: Closeness) -> SoundPath | None:
+def _straight_line(query: Query, closeness: CheckResolution) -> VerifiedPath | None:
     """Return the first free geodesic to one of the nearest goals."""
     for row, goal in enumerate(query.goals[:_MOST_LINES]):
         if closeness.fine.is_free(query.start, goal):
@@ -219,7 +233,7 @@ def _straight_line(query: Query, closeness: Closeness) -> SoundPath | None:
     return None
 
 
-def _no_path(query: Query, tally: Tally) -> NoPathFound:
+def _no_path(query: Query, tally: SearchStatistics) -> NoPathFound:
     last, evidence = tally.last, tally.evidence(query)
     blocked = last is not None and len(last.waypoints) > 0
     why = "what it found collides on a closer look" if blocked else "it ended without a solution"

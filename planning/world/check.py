@@ -6,10 +6,10 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float64
 
-from planning.domain.body_pair import BodyPair
+from planning.domain.geometry.body_pair import BodyPair
 from planning.domain.value import Value
 from planning.errors import ProblemInvalid
-from planning.world.positions import require_positions
+from planning.world.loading.positions import require_positions
 from planning.world.world import World
 
 # How far to look for the nearest pair of a configuration [m].

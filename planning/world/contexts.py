@@ -6,8 +6,8 @@ from weakref import WeakKeyDictionary
 from pydrake.planning import RobotDiagram
 from pydrake.systems.framework import Context
 
+from planning.world.collision.half_spaces import half_space_pairs_of, leave_out_half_spaces
 from planning.world.drake_model import DrakeModel
-from planning.world.half_spaces import half_space_pairs_of, leave_out_half_spaces
 
 _made: WeakKeyDictionary[RobotDiagram, Context] = WeakKeyDictionary()
 

@@ -12,10 +12,10 @@ from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import BodyIndex, Frame, JointIndex
 from pydrake.planning import RobotDiagram
 
-from planning.domain.joints import JointGroup
-from planning.domain.unchecked_pair import UncheckedReason
+from planning.domain.geometry.unchecked_pair import UncheckedReason
+from planning.domain.robot.joints import JointGroup
 from planning.errors import ProblemInvalid
-from planning.world.standing import StandingObjects
+from planning.world.collision.static_objects import StaticObjects
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 type Reasons = Mapping[frozenset[str], tuple[UncheckedReason, str]]
@@ -63,7 +63,7 @@ class DrakeModel:
     joint_indices: Mapping[str, JointIndex]
     couplings: tuple[Coupling, ...]
     owners: Mapping[str, str] = field(default_factory=dict)
-    standing: StandingObjects = field(default_factory=StandingObjects)
+    standing: StaticObjects = field(default_factory=StaticObjects)
     uses_kernel: bool = True
     reasons: Reasons = field(default_factory=dict)
     warnings: tuple[str, ...] = ()

@@ -11,12 +11,12 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from planning.domain.joints import JointGroup
-from planning.domain.manifold import Manifold
+from planning.domain.robot.joints import JointGroup
+from planning.domain.robot.manifold import Manifold
 from planning.domain.value import digest
-from planning.world.candidates import candidates_of
-from planning.world.convex_shapes import convex_shape
-from planning.world.standing import StandingObjects
+from planning.world.collision.shape_pairs import candidates_of
+from planning.world.collision.static_objects import StaticObjects
+from planning.world.kernel.convex_shapes import convex_shape
 from planning.world.world import World
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
@@ -26,7 +26,7 @@ type Array = np.ndarray[Any, np.dtype[np.float64]]
 _NUM_PROBES = 4
 
 
-_known: WeakKeyDictionary[StandingObjects, dict[str, str]] = WeakKeyDictionary()
+_known: WeakKeyDictionary[StaticObjects, dict[str, str]] = WeakKeyDictionary()
 
 
 def collision_fingerprint(world: World, group: JointGroup) -> str:

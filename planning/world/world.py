@@ -9,30 +9,34 @@ import numpy as np
 from jaxtyping import Float64
 from pydrake.planning import RobotDiagram, SceneGraphCollisionChecker
 
-from planning.domain.body_pair import BodyPair
-from planning.domain.followers import Follower, together
-from planning.domain.joints import JointGroup, JointLimits
-from planning.domain.pose import Pose
-from planning.domain.scene import Scene
-from planning.domain.summary import GroupSummary, SceneSummary
+from planning.domain.geometry.body_pair import BodyPair
+from planning.domain.geometry.pose import Pose
+from planning.domain.robot.followers import Follower, together
+from planning.domain.robot.joints import JointGroup, JointLimits
+from planning.domain.scene.scene import Scene
+from planning.domain.scene.summary import GroupSummary, SceneSummary
 from planning.errors import UnknownName
-from planning.world.builder import pose_of
-from planning.world.candidates import candidates_of
-from planning.world.collision import DistanceProbe, DrakeCollisionOracle, bare_checker
+from planning.world.collision.collision_check import (
+    DistanceProbe,
+    DrakeCollisionOracle,
+    make_collision_checker,
+)
+from planning.world.collision.margins import PairMargins
+from planning.world.collision.near_static import NearStatic
+from planning.world.collision.shape_pairs import candidates_of
+from planning.world.collision.unchecked_pairs import unchecked_pairs
 from planning.world.contexts import shared_context
 from planning.world.drake_model import DrakeModel
-from planning.world.followers import followers_of
-from planning.world.groups import RobotGroups, group_limits, robot_groups
-from planning.world.hull_warnings import hull_warnings
-from planning.world.kernel_oracle import KernelCollisionOracle
-from planning.world.kernel_scene import kernel_scene_of
-from planning.world.margins import PairMargins
-from planning.world.model_library import ModelLibrary
-from planning.world.near_standing import NearStanding
-from planning.world.placement import named_configurations, placed_state
-from planning.world.scene_build import LoadedRobot
-from planning.world.start_warnings import start_warnings
-from planning.world.unchecked_pairs import unchecked_pairs
+from planning.world.files.hull_warnings import hull_warnings
+from planning.world.kernel.kernel_oracle import KernelCollisionOracle
+from planning.world.kernel.kernel_scene import kernel_scene_of
+from planning.world.loading.builder import pose_of
+from planning.world.loading.placement import named_configurations, placed_state
+from planning.world.loading.scene_build import LoadedRobot
+from planning.world.loading.start_warnings import start_warnings
+from planning.world.models.groups import RobotGroups, group_limits, robot_groups
+from planning.world.models.mimic_limits import followers_of
+from planning.world.models.model_library import ModelLibrary
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 type CollisionJudge = DrakeCollisionOracle | KernelCollisionOracle
@@ -89,9 +93,9 @@ class World:
         return self.drake.diagram is other.drake.diagram
 
     @cached_property
-    def _near(self) -> NearStanding:
+    def _near(self) -> NearStatic:
         """A context for distances, made when it is first needed."""
-        return NearStanding(self.drake)
+        return NearStatic(self.drake)
 
     @property
     def _plant_context(self) -> Any:
@@ -238,7 +242,7 @@ class World:
     def _bare(self) -> SceneGraphCollisionChecker:
         """Return Drake's checker without margins, made when the kernel is first not sure."""
         if not self._checkers:
-            self._checkers.append(bare_checker(self.drake))
+            self._checkers.append(make_collision_checker(self.drake))
         return self._checkers[0]
 
     def distance_probe(self, margins: PairMargins) -> DistanceProbe:

@@ -4,7 +4,8 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from planning.domain.constraint import (
+from planning.domain.geometry.pose import Pose
+from planning.domain.request.constraint import (
     DistanceBand,
     KeepIn,
     KeepOut,
@@ -15,7 +16,6 @@ from planning.domain.constraint import (
     PositionBand,
     TightLimits,
 )
-from planning.domain.pose import Pose
 from service.schemas.constraint import (
     ConstraintWire,
     DistanceBandWire,

@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from planning.domain.body_pair import BodyPair
+from planning.domain.geometry.body_pair import BodyPair
 from planning.execute.status import ExecutionStatus
 from service.convert.numbers import listed
 

@@ -4,7 +4,8 @@ from typing import Any
 
 import numpy as np
 
-from planning.domain.goal import (
+from planning.domain.geometry.pose import Pose
+from planning.domain.goals.goal import (
     ConfigurationGoal,
     Goal,
     JointGoal,
@@ -16,8 +17,8 @@ from planning.domain.goal import (
     RegionGoal,
     RelativeGoal,
 )
-from planning.domain.line import Displacement
-from planning.domain.options import (
+from planning.domain.goals.line import Displacement
+from planning.domain.request.options import (
     CertifyOptions,
     ClearanceWish,
     IkOptions,
@@ -27,9 +28,8 @@ from planning.domain.options import (
     RoadmapOptions,
     SearchOptions,
 )
-from planning.domain.pose import Pose
-from planning.domain.problem import PlanningProblem
-from planning.domain.steering import Steering
+from planning.domain.request.problem import PlanningProblem
+from planning.domain.robot.steering import Steering
 from service.convert.constraints import constraint_values
 from service.convert.motion_limits import motion_limits
 from service.schemas.goal import (

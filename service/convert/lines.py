@@ -2,17 +2,17 @@
 
 from typing import Any
 
-from planning import Fineness, LineTrace
-from planning.domain.line_trace import LineStop
+from planning import LineTrace, TraceResolution
+from planning.domain.goals.line_trace import LineStop
 from service.convert.goals import pose_wire
 from service.convert.numbers import listed
 from service.convert.verdicts import pair_wire
 from service.schemas.line import LineRequest
 
 
-def fineness_value(request: LineRequest) -> Fineness:
+def fineness_value(request: LineRequest) -> TraceResolution:
     """Return how closely a line shall be followed."""
-    return Fineness(request.deviation.position, request.deviation.rotation, request.max_step)
+    return TraceResolution(request.deviation.position, request.deviation.rotation, request.max_step)
 
 
 def trace_wire(trace: LineTrace, *, with_poses: bool) -> dict[str, Any]:

@@ -2,8 +2,8 @@
 
 from typing import TypedDict
 
-from planning.domain.motion_limits import AccelerationBounds, SpeedZone, ToolLimit
-from planning.domain.payload import Payload
+from planning.domain.request.motion_limits import AccelerationBounds, SpeedZone, ToolLimit
+from planning.domain.robot.payload import Payload
 from service.convert.constraints import box_value
 from service.schemas.motion_limit import ScaledLimits
 

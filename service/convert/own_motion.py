@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from planning import TimedTrajectory, polyline_through, trajectory_through
-from planning.domain.joints import JointGroup, JointType
+from planning.domain.robot.joints import JointGroup, JointType
 from planning.errors import ProblemInvalid, UnknownName
 from service.schemas.own_motion import OwnPolynomial, OwnTrajectory
 

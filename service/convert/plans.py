@@ -5,8 +5,8 @@ from collections.abc import Sequence
 from typing import Any
 
 from planning import funnel_evidence
-from planning.domain.certificate import Certificate
-from planning.domain.plan import MotionPlan, StageReports
+from planning.domain.report.certificate import Certificate
+from planning.domain.report.motion_plan import MotionPlan, StageReports
 from service.convert.numbers import finite, listed
 from service.convert.summaries import unchecked_wire
 from service.convert.trajectories import check_wire

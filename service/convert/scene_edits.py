@@ -10,7 +10,7 @@ from planning import (
     RemoveObject,
     SetPositions,
 )
-from planning.domain.scene_operation import SceneOperation
+from planning.domain.scene.scene_operation import SceneOperation
 from service.schemas.scene_edit import (
     AddOperationWire,
     AllowOperationWire,

@@ -4,10 +4,10 @@ import dataclasses
 from collections.abc import Sequence
 from typing import Any
 
-from planning.domain.joints import JointLimits
-from planning.domain.steering import steering_of
-from planning.domain.summary import GroupSummary, RobotSummary, SceneSummary
-from planning.domain.unchecked_pair import UncheckedPair
+from planning.domain.geometry.unchecked_pair import UncheckedPair
+from planning.domain.robot.joints import JointLimits
+from planning.domain.robot.steering import steering_of
+from planning.domain.scene.summary import GroupSummary, RobotSummary, SceneSummary
 from service.convert.numbers import bounds
 
 

@@ -7,11 +7,11 @@ from typing import Any
 import numpy as np
 
 from planning import Sampling
-from planning.domain.certificate import Check
-from planning.domain.curve import TimedTrajectory
-from planning.domain.interpolation_proof import InterpolationProof
-from planning.domain.joints import Joint, JointType
-from planning.domain.sampling import SampledTrajectory
+from planning.domain.curves.curve import TimedTrajectory
+from planning.domain.curves.interpolation_proof import InterpolationProof
+from planning.domain.curves.sampling import SampledTrajectory
+from planning.domain.report.certificate import Check
+from planning.domain.robot.joints import Joint, JointType
 from planning.errors import ProblemInvalid
 from service.convert.numbers import finite, listed
 

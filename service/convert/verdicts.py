@@ -2,7 +2,7 @@
 
 from typing import TYPE_CHECKING, Any
 
-from planning.domain.body_pair import BodyPair
+from planning.domain.geometry.body_pair import BodyPair
 from service.convert.numbers import finite, listed
 
 if TYPE_CHECKING:

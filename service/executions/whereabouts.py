@@ -3,7 +3,7 @@
 import math
 from typing import Any
 
-from planning.domain.joints import Joint, JointType
+from planning.domain.robot.joints import Joint, JointType
 from service.desk import Desk
 from service.errors import RobotBusy, StartMismatch
 from service.jobs.records import JobBrief

@@ -1,6 +1,6 @@
 """Admission: what must be so before regions are grown."""
 
-from planning.domain.region_request import require_one_turn
+from planning.domain.request.region_request import require_one_turn
 from planning.errors import UnknownName
 from service.desk import Desk
 from service.job_spec import spec_of

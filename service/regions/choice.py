@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from planning.errors import ProblemInvalid
-from planning.whole_files import clear_out, write_whole
+from planning.parallel.atomic_files import evict_oldest, write_atomically
 from service.desk import Desk
 from service.errors import NoRegions
 from service.jobs.records import Job, JobBrief
@@ -113,7 +113,7 @@ def regions_file(folder: Path, job: Job, most_bytes: int = _MOST_BYTES) -> str:
     try:
         os.utime(path)
     except FileNotFoundError:
-        write_whole(path, json.dumps(grown))
+        write_atomically(path, json.dumps(grown))
         with suppress(OSError):
-            clear_out(folder, most_bytes)
+            evict_oldest(folder, most_bytes)
     return str(path)

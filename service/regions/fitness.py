@@ -2,9 +2,9 @@
 
 from collections.abc import Mapping
 
-from planning.domain.joints import JointType
-from planning.domain.region_request import require_convex
-from planning.domain.steering import Steering
+from planning.domain.request.region_request import require_convex
+from planning.domain.robot.joints import JointType
+from planning.domain.robot.steering import Steering
 from service.scenes.preflight import Group
 from service.schemas.search import SearchWire
 

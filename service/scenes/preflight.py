@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Sequence
 from typing import Any
 
-from planning.domain.joints import Joint, JointType
+from planning.domain.robot.joints import Joint, JointType
 from planning.errors import ModelInvalid, UnknownName
 from service.errors import WrongCount
 from service.scenes.records import SceneRecord

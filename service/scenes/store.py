@@ -23,7 +23,7 @@ from sqlalchemy import (
     select,
 )
 
-from planning.whole_files import write_durably
+from planning.parallel.atomic_files import write_durably
 from service.errors import RevisionConflict, UnknownResource
 from service.jobs.database import set_durability
 from service.jobs.json_text import Encoded, encode

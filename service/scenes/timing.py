@@ -1,6 +1,6 @@
 """Preflight of limits on a motion: the frames and joints that they name are the scene's."""
 
-from planning.domain.motion_limits import no_efforts, require_signs
+from planning.domain.request.motion_limits import no_efforts, require_signs
 from service.scenes.preflight import Group, joints_of, require_frames
 from service.scenes.records import SceneRecord
 from service.schemas.motion_limit import MotionLimits

@@ -4,7 +4,7 @@ from datetime import datetime
 
 from pydantic import ConfigDict, Field
 
-from planning.world.scene_document import SceneDocument
+from planning.world.documents.scene_document import SceneDocument
 from service.schemas.check import UncheckedPairWire
 from service.schemas.summary import GroupWire
 from service.schemas.wire import Answer

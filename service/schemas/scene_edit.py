@@ -4,7 +4,7 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import ConfigDict, Field, Strict, model_validator
 
-from planning.world.scene_document import ObjectDocument, PoseDocument
+from planning.world.documents.scene_document import ObjectDocument, PoseDocument
 from service.schemas.numbers import WHOLE, Coordinate, Positions
 from service.schemas.wire import Boolean, Name, Wire
 

@@ -5,7 +5,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from planning import ForkPool, SharedCores
+from planning import CoreLeases, ForkPool
 
 
 @contextmanager
@@ -20,6 +20,6 @@ def own_core(cores: Mapping[str, Any] | None) -> Generator[ForkPool | None]:
     if cores is None:
         yield None
         return
-    shared = SharedCores(Path(cores["folder"]), cores["count"])
+    shared = CoreLeases(Path(cores["folder"]), cores["count"])
     with shared.lent(1):
         yield ForkPool(shared)

@@ -5,7 +5,7 @@ from typing import Any
 
 from planning import SceneDocument
 from planning.errors import SceneInvalid
-from planning.world.scene_file import read_document
+from planning.world.documents.scene_file import read_document
 from service.errors import UnreadableBody
 from service.json_body import RepeatedKey
 from service.json_body import decode_json as decode

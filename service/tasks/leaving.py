@@ -16,7 +16,7 @@ from planning import (
     splice_motion,
     stop_motion,
 )
-from planning.domain.joints import JointGroup
+from planning.domain.robot.joints import JointGroup
 from planning.errors import PlanningFailure, ProblemInvalid
 from service.convert.constraints import constraint_values
 from service.convert.failures import failure_wire

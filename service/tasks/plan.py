@@ -7,8 +7,8 @@ from dataclasses import replace
 from typing import Any
 
 from planning import Deadline, PlanningProblem, World, plan, sample_plan
-from planning.domain.plan import MotionPlan, Progress
-from planning.domain.sampling import Sampling
+from planning.domain.curves.sampling import Sampling
+from planning.domain.report.motion_plan import MotionPlan, Progress
 from planning.errors import PlanningFailure
 from service.convert.goals import problem_value
 from service.convert.plans import plan_wire

@@ -4,7 +4,7 @@ import time
 from typing import Any
 
 from planning import Deadline, certify_trajectory
-from planning.domain.certificate import Certificate
+from planning.domain.report.certificate import Certificate
 from planning.errors import NotCertified
 from service.convert.goals import problem_value
 from service.convert.trajectories import trajectory_value

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from planning import Deadline, Regions, grow_regions
-from planning.domain.plan import Progress
+from planning.domain.report.motion_plan import Progress
 from service.convert.regions import region_options_value, regions_value, regions_wire
 from service.schemas.regions import RegionsRequest
 from service.tasks.channel import Channel

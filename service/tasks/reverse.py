@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 
 from planning import Deadline, reverse_plan
-from planning.domain.path import JointPath
-from planning.domain.plan import PlanPart, Progress
+from planning.domain.curves.path import JointPath
+from planning.domain.report.motion_plan import PlanPart, Progress
 from service.convert.goals import problem_value
 from service.convert.trajectories import trajectory_value
 from service.schemas.plan import PlanRequest

@@ -3,10 +3,10 @@
 from functools import cache
 from pathlib import Path
 
-from planning import RoadmapShelf
+from planning import RoadmapCache
 
 
 @cache
-def shelf_in(folder: str) -> RoadmapShelf:
+def shelf_in(folder: str) -> RoadmapCache:
     """Return this process's shelf over a folder that all processes of a server share."""
-    return RoadmapShelf(folder=Path(folder))
+    return RoadmapCache(folder=Path(folder))

@@ -13,9 +13,9 @@ from itertools import zip_longest
 from pydantic import ValidationError
 
 from planning import Scene, SceneDocument, scene_document
-from planning.domain.scene import SceneObject
-from planning.world.scene_document import ObjectDocument
-from planning.world.scene_writer import object_document
+from planning.domain.scene.scene import SceneObject
+from planning.world.documents.scene_document import ObjectDocument
+from planning.world.documents.scene_writer import object_document
 from service.jobs.json_text import Encoded, encode
 
 _MOST_OBJECTS = 10_000

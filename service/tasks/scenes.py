@@ -16,7 +16,7 @@ from planning import (
     with_line,
 )
 from planning.errors import SceneInvalid
-from planning.world.trial import tried
+from planning.world.files.trial_load import tried
 from service.convert.scene_edits import operation_value
 from service.convert.summaries import scene_wire
 from service.schemas.scene_edit import SceneEdit

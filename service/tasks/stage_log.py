@@ -3,7 +3,7 @@
 import time
 from typing import Any
 
-from planning.domain.plan import Progress
+from planning.domain.report.motion_plan import Progress
 from service.tasks.channel import Channel
 
 # Events are for people and progress bars: twenty a second are enough.

@@ -16,9 +16,9 @@ from planning import (
     sample_plan,
     unproven_samples,
 )
-from planning.domain.plan import PlanPart
+from planning.domain.report.motion_plan import PlanPart
 from planning.errors import InputError
-from planning.world.replay import ShownMotion, replay_html, replay_motions_html
+from planning.world.replay.replay_writer import ShownMotion, replay_html, replay_motions_html
 from service.convert.goals import problem_value
 from service.convert.trajectories import (
     IN_QUERY,

@@ -3,7 +3,7 @@
 import threading
 from collections import OrderedDict
 
-from planning.domain.unchecked_pair import UncheckedPair
+from planning.domain.geometry.unchecked_pair import UncheckedPair
 from service.convert.summaries import unchecked_wire
 from service.jobs.json_text import Encoded, encode
 

@@ -7,7 +7,7 @@ from xml.etree import ElementTree as ET
 import pytest
 
 import planning
-from planning.world.robot_card import read_robot_card
+from planning.world.models.robot_card import read_robot_card
 
 JOINTS = [f"panda_joint{i}" for i in range(1, 8)]
 START = [-0.7, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785]

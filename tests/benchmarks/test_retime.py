@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-import planning.retime.toppra_passes  # noqa: F401 - silences what Python says of toppra's docstrings
+import planning.retime.toppra.toppra_passes  # noqa: F401 - silences what Python says of toppra's docstrings
 from benchmarks.retime import measured, summary
 from benchmarks.retiming.contenders import CONTENDERS, YARDSTICKS, ours
 from benchmarks.retiming.judge import Verdict, deviation, judged

@@ -29,11 +29,11 @@ from pydrake.multibody.tree import (
 from pydrake.planning import RobotDiagramBuilder
 
 from planning.certify.certifier import CertifyRequest
-from planning.domain.curve import TimedTrajectory
-from planning.domain.joints import Joint, JointGroup, JointLimits, JointType
-from planning.domain.manifold import Manifold
+from planning.domain.curves.curve import TimedTrajectory
+from planning.domain.robot.joints import Joint, JointGroup, JointLimits, JointType
+from planning.domain.robot.manifold import Manifold
+from planning.world.collision.margins import PairMargins
 from planning.world.drake_model import Coupling, DrakeModel
-from planning.world.margins import PairMargins
 from tests.certify.oracles import judged_by_oracle
 
 R, P, PLANAR, FLOATING = (

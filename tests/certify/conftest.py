@@ -8,10 +8,10 @@ import pytest
 
 import planning
 from planning.certify.certifier import CertifyRequest, certify
-from planning.domain.certificate import Certificate
-from planning.domain.curve import TimedTrajectory
-from planning.domain.joints import JointGroup
-from planning.domain.manifold import Manifold
+from planning.domain.curves.curve import TimedTrajectory
+from planning.domain.report.certificate import Certificate
+from planning.domain.robot.joints import JointGroup
+from planning.domain.robot.manifold import Manifold
 from planning.kernel.native import native
 from planning.world.world import World
 from tests.certify.oracles import judged_by_oracle, oracle

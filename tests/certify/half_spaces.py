@@ -17,7 +17,7 @@ from pydrake.geometry import (
 )
 from pydrake.math import RigidTransform
 
-from planning.domain.curve import TimedTrajectory
+from planning.domain.curves.curve import TimedTrajectory
 from tests.certify.chains import KINDS, Builder, Robot, random_pose, random_shape
 from tests.profiles import num_cases
 

@@ -7,8 +7,8 @@ from math import factorial
 import numpy as np
 
 from planning.certify.certifier import CertifyRequest
-from planning.domain.curve import TimedTrajectory
-from planning.domain.joints import JointGroup, JointLimits
+from planning.domain.curves.curve import TimedTrajectory
+from planning.domain.robot.joints import JointGroup, JointLimits
 from planning.world.world import World
 from tests.certify.conftest import request_for, smallest_distance
 from tests.conftest import bundled_world

@@ -8,8 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from planning.certify.certifier import CertifyRequest
-from planning.domain.curve import TimedTrajectory
-from planning.domain.scene import PairMargin
+from planning.domain.curves.curve import TimedTrajectory
+from planning.domain.scene.scene import PairMargin
 from planning.world.world import World
 from tests.certify.conftest import judged, quintic, request_for, smallest_distance, world_from
 from tests.conftest import bundled_world

@@ -11,8 +11,10 @@ from hypothesis import strategies as st
 from planning.certify.certifier import certify
 from planning.certify.constraint_checks import constraint_checks
 from planning.certify.request import CertifyRequest
-from planning.domain.certificate import Check
-from planning.domain.constraint import (
+from planning.domain.curves.curve import TimedTrajectory
+from planning.domain.geometry.pose import Pose
+from planning.domain.report.certificate import Check
+from planning.domain.request.constraint import (
     DistanceBand,
     KeepIn,
     KeepOut,
@@ -24,8 +26,6 @@ from planning.domain.constraint import (
     PositionBand,
     TightLimits,
 )
-from planning.domain.curve import TimedTrajectory
-from planning.domain.pose import Pose
 from planning.world.world import World
 from tests.certify.conftest import quintic, request_for, world_from
 from tests.clocks import no_hurry

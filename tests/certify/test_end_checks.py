@@ -7,9 +7,9 @@ import pytest
 from pydrake.geometry import Sphere
 
 from planning.certify.certifier import CertifyRequest, certify
-from planning.domain.curve import TimedTrajectory
-from planning.domain.joints import JointLimits
-from planning.world.margins import PairMargins
+from planning.domain.curves.curve import TimedTrajectory
+from planning.domain.robot.joints import JointLimits
+from planning.world.collision.margins import PairMargins
 from tests.certify.chains import FLOATING, Builder, P, Robot
 from tests.clocks import no_hurry
 

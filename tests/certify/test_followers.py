@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import planning
-from planning.domain.curve import TimedTrajectory
-from planning.domain.options import RetimeOptions
+from planning.domain.curves.curve import TimedTrajectory
+from planning.domain.request.options import RetimeOptions
 from planning.world.world import World
 from tests.certify.conftest import quintic
 from tests.clocks import no_hurry

@@ -9,7 +9,7 @@ from pydrake.geometry import Sphere
 from pydrake.math import RigidTransform
 
 from planning.certify.certifier import CertifyRequest, certify
-from planning.world.margins import PairMargins
+from planning.world.collision.margins import PairMargins
 from tests.certify.chains import FLOATING, Builder, P, Robot
 from tests.certify.conftest import quintic
 from tests.clocks import no_hurry

@@ -10,20 +10,20 @@ from pydrake.geometry import Box, Convex, HalfSpace, Sphere
 from pydrake.math import RigidTransform, RotationMatrix
 
 from planning.certify.certifier import certify
-from planning.certify.collision_shapes import collision_shapes
-from planning.certify.motion_bounds import MotionBounds
-from planning.certify.native_clearance import prover
-from planning.certify.pair_distances import PairDistances
-from planning.certify.robustness import robustness
-from planning.certify.segments import Segments
-from planning.domain.certificate import Certificate
-from planning.domain.curve import TimedTrajectory
-from planning.world.kernel_scene import kernel_scene
-from planning.world.margins import PairMargins
+from planning.certify.clearance.clearance_reserve import robustness
+from planning.certify.clearance.collision_shapes import collision_shapes
+from planning.certify.clearance.motion_bounds import MotionBounds
+from planning.certify.clearance.native_clearance import prover
+from planning.certify.clearance.pair_distances import PairDistances
+from planning.certify.intervals.joint_deviation import Segments
+from planning.domain.curves.curve import TimedTrajectory
+from planning.domain.report.certificate import Certificate
+from planning.world.collision.margins import PairMargins
+from planning.world.kernel.kernel_scene import kernel_scene
 from tests.certify.chains import PLANAR, Builder, P, R, Robot, random_trajectory
+from tests.certify.clearance.test_clearance_check import NO_MARGIN, clearance_of, judge
 from tests.certify.conftest import quintic
 from tests.certify.half_spaces import Heights, Place
-from tests.certify.test_clearance import NO_MARGIN, clearance_of, judge
 from tests.clocks import no_hurry
 from tests.profiles import num_cases, pairs
 

@@ -15,12 +15,12 @@ from pydrake.geometry import Box, Sphere
 from pydrake.math import RigidTransform
 
 from planning.certify.certifier import CertifyRequest, certify
-from planning.domain.certificate import Certificate
-from planning.domain.constraint import KeepIn, PlacedBox, TightLimits
-from planning.domain.joints import JointLimits
-from planning.domain.pose import Pose
+from planning.domain.geometry.pose import Pose
+from planning.domain.report.certificate import Certificate
+from planning.domain.request.constraint import KeepIn, PlacedBox, TightLimits
+from planning.domain.robot.joints import JointLimits
+from planning.world.collision.margins import PairMargins
 from planning.world.drake_model import DrakeModel
-from planning.world.margins import PairMargins
 from tests.certify.chains import Builder, P, Robot
 from tests.certify.conftest import quintic
 from tests.certify.sound_motions import (

@@ -11,22 +11,22 @@ import pytest
 from pydrake.geometry import Sphere
 from pydrake.math import RigidTransform
 
-from planning.certify.angular_rates import angular_peak
 from planning.certify.certifier import CertifyRequest
-from planning.certify.frame_chain import direction_errors, origin_errors
-from planning.certify.frame_poses import FramePoses
-from planning.certify.frame_states import FrameStates
-from planning.certify.links import links_of
-from planning.certify.tool_checks import tool_checks
-from planning.certify.torque_series import torque_series
-from planning.domain import rotation
-from planning.domain.curve import TimedTrajectory
-from planning.domain.joints import JointType
-from planning.domain.motion_limits import ToolLimit
+from planning.certify.frames.frame_chain import direction_errors, origin_errors
+from planning.certify.frames.frame_poses import FramePoses
+from planning.certify.frames.frame_states import FrameStates
+from planning.certify.frames.tool_checks import tool_checks
+from planning.certify.intervals.angular_rates import angular_peak
+from planning.certify.torque.links import links_of
+from planning.certify.torque.taylor_torques import torque_series
+from planning.domain.curves.curve import TimedTrajectory
+from planning.domain.geometry import rotation
+from planning.domain.request.motion_limits import ToolLimit
+from planning.domain.robot.joints import JointType
+from planning.world.collision.margins import PairMargins
 from planning.world.drake_model import DrakeModel
-from planning.world.margins import PairMargins
 from tests.certify.chains import Builder, Robot
-from tests.certify.test_rounding import exact_value, powers_of
+from tests.certify.intervals.test_rounding import exact_value, powers_of
 from tests.clocks import no_hurry
 from tests.profiles import seeds
 

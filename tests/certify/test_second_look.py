@@ -8,20 +8,20 @@ import pytest
 from pydrake.geometry import Box, Sphere
 
 from planning.certify.certifier import CertifyRequest
-from planning.certify.clearance import check_clearance, quick_clearance
-from planning.certify.proof_parts import Clearance
+from planning.certify.clearance.clearance_check import check_clearance, quick_clearance
+from planning.certify.clearance.clearance_result import ClearanceResult
 from planning.kernel.native import native
-from planning.world.margins import PairMargins
+from planning.world.collision.margins import PairMargins
 from tests.certify.chains import Robot
+from tests.certify.clearance.test_clearance_check import slider
 from tests.certify.conftest import quintic
-from tests.certify.test_clearance import slider
 from tests.clocks import no_hurry
 
 pytestmark = pytest.mark.skipif(native() is None, reason="the native code is not built")
 ENDS = pytest.mark.parametrize(("end", "passes"), [(0.3, True), (0.5, False)])
 
 
-def undecided(*asked: Any) -> Clearance:
+def undecided(*asked: Any) -> ClearanceResult:
     """Do as the kernel does where its bounds are no good: refuse, of no pair that is too near."""
     found = quick_clearance(*asked)
     return replace(found, check=replace(found.check, passed=False), is_decided=False)

@@ -10,9 +10,9 @@ from pydrake.geometry import Box
 from pydrake.math import RigidTransform
 
 from planning.certify.certifier import certify
-from planning.certify.collision_shapes import collision_shapes
-from planning.kernel.separation import Separation, separation
-from planning.world.margins import PairMargins
+from planning.certify.clearance.collision_shapes import collision_shapes
+from planning.kernel.gjk import GjkResult, separation
+from planning.world.collision.margins import PairMargins
 from tests.certify.chains import FLOATING, PLANAR, Builder, Robot, random_pose, random_shape
 from tests.certify.conftest import quintic
 from tests.clocks import no_hurry
@@ -58,7 +58,7 @@ def test_a_bound_that_is_enough_ends_the_search() -> None:
     assert len(steps) == 1
 
 
-def of_two(seed: int) -> tuple[Separation, float, float]:
+def of_two(seed: int) -> tuple[GjkResult, float, float]:
     """Return our bounds on two random shapes' distance, Drake's word for it, and the tolerance."""
     rng = np.random.default_rng(seed)
     builder = Builder()

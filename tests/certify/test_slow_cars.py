@@ -5,8 +5,8 @@ import pytest
 
 import planning
 from planning.certify.steering_check import SLIP, TIGHT, steering_checks
-from planning.domain.certificate import Check
-from planning.domain.curve import TimedTrajectory
+from planning.domain.curves.curve import TimedTrajectory
+from planning.domain.report.certificate import Check
 from planning.world.world import World
 from tests.certify.conftest import request_for
 from tests.certify.test_rounded_rates import growing, slopes, value

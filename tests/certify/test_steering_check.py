@@ -7,17 +7,17 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from planning.certify.bernstein_products import raised, times
+from planning.certify.intervals.bernstein_products import raised, times
 from planning.certify.request import CertifyRequest
 from planning.certify.steering_check import steering_checks
-from planning.domain.certificate import Check
-from planning.domain.curve import JointSpline, TimedTrajectory
-from planning.domain.joints import JointGroup, JointType
-from planning.domain.options import RetimeOptions
-from planning.domain.path import JointPath
-from planning.domain.steering import Steering, manifold_of, steered
+from planning.domain.curves.curve import JointSpline, TimedTrajectory
+from planning.domain.curves.path import JointPath
+from planning.domain.report.certificate import Check
+from planning.domain.request.options import RetimeOptions
+from planning.domain.robot.joints import JointGroup, JointType
+from planning.domain.robot.steering import Steering, manifold_of, steered
 from planning.retime.retimer import retime
-from planning.world.margins import PairMargins
+from planning.world.collision.margins import PairMargins
 from tests.conftest import group_of, limits_of
 from tests.drivers import assert_driven
 

@@ -10,14 +10,14 @@ import pytest
 import planning
 from benchmarks.motion_bench_maker.problems import data_folder, read_problems, round_robin
 from benchmarks.motion_bench_maker.robots import ROBOTS, robot_files, robot_library, scene_of
-from planning.domain.joints import JointGroup
-from planning.domain.manifold import Manifold
-from planning.domain.motion_samples import num_steps, sample_batches
-from planning.search.oracle import CollisionOracle
-from planning.world.collision import DrakeCollisionOracle
-from planning.world.kernel_oracle import KernelCollisionOracle
-from planning.world.kernel_scene import kernel_scene_of
-from planning.world.margins import PairMargins
+from planning.domain.curves.motion_samples import num_steps, sample_batches
+from planning.domain.robot.joints import JointGroup
+from planning.domain.robot.manifold import Manifold
+from planning.search.collision_oracle import CollisionOracle
+from planning.world.collision.collision_check import DrakeCollisionOracle
+from planning.world.collision.margins import PairMargins
+from planning.world.kernel.kernel_oracle import KernelCollisionOracle
+from planning.world.kernel.kernel_scene import kernel_scene_of
 from planning.world.world import World
 from tests.conftest import bundled_world
 from tests.profiles import num_cases, rng_of

@@ -6,9 +6,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from planning.domain.curve import JointSpline
-from planning.domain.joints import JointType
-from planning.domain.pose import Pose
+from planning.domain.curves.curve import JointSpline
+from planning.domain.geometry.pose import Pose
+from planning.domain.robot.joints import JointType
 from planning.domain.value import digest
 from planning.errors import ProblemInvalid
 from tests.conftest import group_of, random_waypoints

@@ -6,9 +6,9 @@ from dataclasses import dataclass, field
 import numpy as np
 import pytest
 
-from planning.domain.body_pair import BodyPair
-from planning.domain.curve import TimedTrajectory
-from planning.domain.joints import Joint, JointLimits, JointType
+from planning.domain.curves.curve import TimedTrajectory
+from planning.domain.geometry.body_pair import BodyPair
+from planning.domain.robot.joints import Joint, JointLimits, JointType
 from planning.execute.driver import Measurement, Setpoint
 from planning.execute.execution import Execution
 

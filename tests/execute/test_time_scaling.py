@@ -4,8 +4,8 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from planning.domain.curve import TimedTrajectory
-from planning.domain.joints import Joint, JointLimits, JointType
+from planning.domain.curves.curve import TimedTrajectory
+from planning.domain.robot.joints import Joint, JointLimits, JointType
 from planning.execute.time_scaling import choose_ramp, ramp_bounds
 from tests.profiles import num_cases
 

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 import planning
-from planning.domain.goal import PoseGoal, PoseTarget
-from planning.domain.goal_configurations import GoalConfigurations
-from planning.domain.options import IkOptions
-from planning.domain.pose import Pose
-from planning.goals.sampler import GoalQuery, find_goals
+from planning.domain.geometry.pose import Pose
+from planning.domain.goals.goal import PoseGoal, PoseTarget
+from planning.domain.goals.goal_configurations import GoalConfigurations
+from planning.domain.request.options import IkOptions
+from planning.goals.find_goals import GoalQuery, find_goals
 from planning.kernel.native import native
 from planning.world.world import World
 from tests.clocks import after_looks, no_hurry

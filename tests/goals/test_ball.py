@@ -7,13 +7,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from planning.domain import rotation
-from planning.domain.goal import PoseBall, PoseGoal
-from planning.domain.options import IkOptions
-from planning.domain.pose import Pose
+from planning.domain.geometry import rotation
+from planning.domain.geometry.pose import Pose
+from planning.domain.goals.goal import PoseBall, PoseGoal
+from planning.domain.request.options import IkOptions
 from planning.errors import GoalUnreachable, UnknownName
-from planning.goals.ball_target import BallTarget
-from planning.goals.reach_ball import ReachBall
+from planning.goals.targets.ball_target import BallTarget
+from planning.goals.targets.workspace_bound import WorkspaceBound
 from planning.world.world import World
 from tests.goals.conftest import ENGINES, ask, at, world_by
 from tests.profiles import num_cases
@@ -39,7 +39,7 @@ def test_samples_are_inside_and_what_is_closest_is_too(seed: int, free: list[boo
     axes = Pose.from_parts(quaternion=rng.normal(size=4)).quaternion
     weights = np.where(free, 0.0, rng.uniform(0.1, 5.0, 4))
     ball = BallTarget("tool", middle, weights, float(rng.uniform(0.01, 1.0)), axes)
-    samples = ball.samples(9, ReachBall(middle.position, 2.0), rng)
+    samples = ball.samples(9, WorkspaceBound(middle.position, 2.0), rng)
     drawn = [Pose(p, a) for p, a in zip(*samples, strict=True)]
     assert drawn[0].distance(middle) == pytest.approx((0.0, 0.0), abs=1e-7)
     for pose in [*drawn, ball.closest(far)]:

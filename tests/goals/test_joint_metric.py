@@ -5,9 +5,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from planning.domain.joints import JointType
-from planning.domain.options import IkOptions
-from planning.domain.pose import Pose
+from planning.domain.geometry.pose import Pose
+from planning.domain.request.options import IkOptions
+from planning.domain.robot.joints import JointType
 from planning.errors import ProblemInvalid, UnknownName
 from planning.goals.joint_metric import JointMetric
 from tests.conftest import group_of, random_waypoints

@@ -6,13 +6,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import planning
-from planning.domain.goal import PoseTarget
-from planning.domain.line import Displacement
-from planning.domain.line_trace import LineTrace
-from planning.domain.manifold import Manifold
-from planning.domain.pose import Pose
+from planning.api.line import TraceResolution, trace_line
+from planning.domain.geometry.pose import Pose
+from planning.domain.goals.goal import PoseTarget
+from planning.domain.goals.line import Displacement
+from planning.domain.goals.line_trace import LineTrace
+from planning.domain.robot.manifold import Manifold
 from planning.errors import DeadlineExceeded, ProblemInvalid, UnknownName
-from planning.line import Fineness, trace_line
 from planning.world.world import World
 from tests.clocks import no_hurry
 from tests.conftest import bundled_world
@@ -21,7 +21,7 @@ from tests.profiles import num_cases
 
 
 def follow(
-    world: World, group: str, to: PoseTarget | Displacement, fineness: Fineness | None = None
+    world: World, group: str, to: PoseTarget | Displacement, fineness: TraceResolution | None = None
 ) -> LineTrace:
     deadline = no_hurry(30)
     return trace_line(world, group, to, deadline=deadline, fineness=fineness)
@@ -65,8 +65,8 @@ def test_the_tool_is_on_the_line_at_waypoints_and_as_near_as_said_between(
             fraction = np.dot(pose.position - line.begin.position, line.shift) / line.length**2
             nearest = line.pose(float(np.clip(fraction, 0, 1)))
             assert pose.distance(nearest)[0] <= found.max_shift + 1e-9
-    assert 0 < found.max_shift <= Fineness().max_shift
-    assert found.max_turn <= Fineness().max_turn
+    assert 0 < found.max_shift <= TraceResolution().max_shift
+    assert found.max_turn <= TraceResolution().max_turn
 
 
 @given(seed=st.integers(0, 100))
@@ -158,11 +158,11 @@ def test_a_spare_joint_gives_way_at_its_limit() -> None:
 
 def test_a_step_bounds_the_way_between_waypoints() -> None:
     world = bundled_world("ur5e_pickup")
-    found = follow(world, "arm", by(0.1, 0, 0), Fineness(max_step=0.004))
+    found = follow(world, "arm", by(0.1, 0, 0), TraceResolution(max_step=0.004))
     steps = np.diff(found.fractions) * found.line.length
     assert steps.max() <= 0.004 + 1e-9
     with pytest.raises(ProblemInvalid):
-        follow(world, "arm", by(0.1, 0, 0), Fineness(max_step=0.0))
+        follow(world, "arm", by(0.1, 0, 0), TraceResolution(max_step=0.0))
 
 
 def test_a_start_that_collides_goes_nowhere() -> None:

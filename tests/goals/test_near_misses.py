@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 import planning
-from planning.domain.goal import JointGoal, PoseGoal, PoseTarget
-from planning.domain.options import IkOptions
-from planning.domain.pose import Pose
+from planning.domain.geometry.pose import Pose
+from planning.domain.goals.goal import JointGoal, PoseGoal, PoseTarget
+from planning.domain.request.options import IkOptions
 from planning.errors import (
     GoalInCollision,
     GoalTooNear,
@@ -17,7 +17,7 @@ from planning.errors import (
     StartInCollision,
     StartTooNear,
 )
-from planning.goals.words import degrees, millimetres
+from planning.goals.diagnosis.distance_text import degrees, millimetres
 from planning.world.world import World
 from tests.clocks import no_hurry
 

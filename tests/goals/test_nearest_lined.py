@@ -8,21 +8,21 @@ import numpy as np
 import pytest
 
 import planning
-from planning.domain.goal import PoseGoal
-from planning.domain.options import IkOptions, PoseMetric
-from planning.domain.pose import Pose
-from planning.domain.problem import PlanningProblem
+from planning.domain.geometry.pose import Pose
+from planning.domain.goals.goal import PoseGoal
+from planning.domain.request.options import IkOptions, PoseMetric
+from planning.domain.request.problem import PlanningProblem
 from planning.errors import ApproachBlocked
-from planning.goals.leg_judge import LegJudge
-from planning.goals.pose_solvers import kernel_pose_solver
-from planning.goals.sampler import GoalQuery
+from planning.goals.find_goals import GoalQuery
+from planning.goals.ik.pose_solvers import kernel_pose_solver
+from planning.goals.lines.approach import ApproachChecker
 from planning.goals.start import within_limits
-from planning.goals.tool_target import ToolTarget
+from planning.goals.targets.tool_target import ToolTarget
 from planning.kernel.native import native
 from planning.world.world import World
 from tests.clocks import no_hurry
 from tests.goals.conftest import EXACT, TRIES, ask, at, world_by
-from tests.goals.test_nearest import cost_of, nearer_tries
+from tests.goals.diagnosis.test_nearest_pose import cost_of, nearer_tries
 from tests.profiles import only_campaign
 
 NAME = "ur5e_pickup"
@@ -50,7 +50,7 @@ def have_lines(world: World, goal: PoseGoal, rows: np.ndarray, poses: list[Pose]
     group = world.group("arm")
     query = GoalQuery(group, goal, world.positions(group), world.margins(), IkOptions())
     targets = [ToolTarget("arm::tcp", pose, EXACT, EXACT) for pose in poses]
-    judge = LegJudge(world, query, goal, targets, no_hurry())
+    judge = ApproachChecker(world, query, goal, targets, no_hurry())
     return judge.admit(rows, np.arange(len(rows)))
 
 

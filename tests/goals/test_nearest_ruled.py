@@ -8,7 +8,10 @@ import numpy as np
 import pytest
 
 import planning
-from planning.domain.constraint import (
+from planning.domain.geometry.pose import Pose
+from planning.domain.goals.goal import PoseGoal, PoseTarget, RegionGoal, RelativeGoal
+from planning.domain.goals.goal_configurations import GoalConfigurations
+from planning.domain.request.constraint import (
     DistanceBand,
     KeepIn,
     KeepOut,
@@ -19,22 +22,19 @@ from planning.domain.constraint import (
     PlacedBox,
     PositionBand,
 )
-from planning.domain.deadline import Deadline
-from planning.domain.goal import PoseGoal, PoseTarget, RegionGoal, RelativeGoal
-from planning.domain.goal_configurations import GoalConfigurations
-from planning.domain.options import IkOptions, PoseMetric
-from planning.domain.pose import Pose
-from planning.domain.problem import PlanningProblem
+from planning.domain.request.deadline import Deadline
+from planning.domain.request.options import IkOptions, PoseMetric
+from planning.domain.request.problem import PlanningProblem
 from planning.errors import GoalViolatesConstraint, PlanningFailure
-from planning.goals.pose_solvers import kernel_pose_solver
+from planning.goals.ik.pose_solvers import kernel_pose_solver
 from planning.goals.start import within_limits
-from planning.goals.tool_target import ToolTarget
+from planning.goals.targets.tool_target import ToolTarget
 from planning.kernel.native import native
-from planning.world.rules.path_rules import PathRules
+from planning.world.constraints.path_constraints import PathConstraints
 from planning.world.world import World
 from tests.clocks import after_looks, no_hurry
 from tests.goals.conftest import EXACT, TRIES, at, world_by
-from tests.goals.test_nearest import cost_of, nearer_tries
+from tests.goals.diagnosis.test_nearest_pose import cost_of, nearer_tries
 from tests.profiles import num_cases
 
 NAME, UP = "ur5e_pickup", np.array([0.0, 0.0, 1.0])
@@ -90,9 +90,9 @@ def place_of(told: dict[str, Any]) -> Pose:
     return Pose.from_parts(told["position"], told["quaternion"])
 
 
-def rules_of(world: World, case: str) -> PathRules:
+def rules_of(world: World, case: str) -> PathConstraints:
     group = world.group("arm")
-    return PathRules.compiled(world, group, CASES[case][1], world.positions(group))
+    return PathConstraints.compiled(world, group, CASES[case][1], world.positions(group))
 
 
 @EVERY

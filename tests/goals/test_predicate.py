@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 import planning
-from planning.domain.goal import ConfigurationGoal, GoalPredicate
-from planning.domain.options import IkOptions, RefineOptions
-from planning.domain.problem import PlanningProblem
+from planning.domain.goals.goal import ConfigurationGoal, GoalPredicate
+from planning.domain.request.options import IkOptions, RefineOptions
+from planning.domain.request.problem import PlanningProblem
 from planning.errors import GoalInCollision, GoalUnreachable, ProblemInvalid
 from tests.clocks import no_hurry
 from tests.goals.conftest import ask, world_by

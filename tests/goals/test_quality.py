@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 import planning
-from planning.domain.goal import PoseGoal
-from planning.domain.pose import Pose
+from planning.domain.geometry.pose import Pose
+from planning.domain.goals.goal import PoseGoal
 from planning.goals.branch import branch_of
 from planning.goals.joint_metric import JointMetric
 from planning.goals.quality import QualityProbe
-from planning.world.tool_kinematics import ToolKinematics
+from planning.world.mechanics.tool_kinematics import ToolKinematics
 from tests.clocks import no_hurry
 from tests.goals.conftest import at, world_by
 

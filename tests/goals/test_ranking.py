@@ -4,9 +4,9 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from planning.domain.joints import JointType
-from planning.domain.manifold import Manifold
-from planning.goals.ranking import Distinct
+from planning.domain.robot.joints import JointType
+from planning.domain.robot.manifold import Manifold
+from planning.goals.ranking import UniqueSolutions
 from tests.conftest import group_of
 from tests.profiles import num_cases
 
@@ -47,7 +47,7 @@ def test_rows_are_new_unless_they_repeat_one_before(
     dust = rng.uniform(-1e-4, 1e-4, (40, manifold.num_velocities))
     rows = manifold.plus(places[choice], dust)
     rows += turning * 2 * np.pi * rng.integers(-1, 2, rows.shape)
-    distinct = Distinct(group, manifold)
+    distinct = UniqueSolutions(group, manifold)
     seen: set[tuple[int, int]] = set()
     for part in np.array_split(np.arange(40), 3):
         are_new = distinct.are_new(rows[part], targets[part])

@@ -7,15 +7,15 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from planning.domain import rotation
-from planning.domain.goal import PoseTarget, RegionGoal
-from planning.domain.options import IkOptions
-from planning.domain.pose import Pose
+from planning.domain.geometry import rotation
+from planning.domain.geometry.pose import Pose
+from planning.domain.goals.goal import PoseTarget, RegionGoal
+from planning.domain.request.options import IkOptions
 from planning.errors import GoalUnreachable
-from planning.goals.aims import ExactPoses
-from planning.goals.drawn_aims import DrawnAims
-from planning.goals.reach_ball import ReachBall, reach_ball
-from planning.goals.region_target import RegionTarget
+from planning.goals.targets.region_samples import RegionSamples
+from planning.goals.targets.region_target import RegionTarget
+from planning.goals.targets.target_samples import ExactPoses
+from planning.goals.targets.workspace_bound import WorkspaceBound, workspace_bound
 from tests.goals.conftest import ENGINES, EXACT, ask, world_by
 from tests.profiles import num_cases
 
@@ -56,7 +56,7 @@ def test_samples_are_in_the_region_and_little_else_is(
     bounds = np.where(free, FREE, bound * rng.uniform(0.3, 1.0, 3))
     box = rng.uniform(0.0, 0.5, 3)
     target = RegionTarget("tool", middle, box, bounds)
-    samples = target.samples(12, ReachBall(middle.position, 10.0), rng)
+    samples = target.samples(12, WorkspaceBound(middle.position, 10.0), rng)
     drawn = [Pose(p, a) for p, a in zip(*samples, strict=True)]
     assert target.are_met_by(np.stack([pose.matrix for pose in drawn])).all()
     for pose in drawn:
@@ -135,13 +135,13 @@ class Counted(RegionTarget):
 def test_poses_are_drawn_as_trials_are_made() -> None:
     """However many may come: those that are not needed are not drawn, and all are in there."""
     world = world_by("ur5e_pickup", "kernel")
-    reach = reach_ball(world, world.group("arm"), "arm::tcp")
+    reach = workspace_bound(world, world.group("arm"), "arm::tcp")
     regions = [
         Counted("arm::tcp", middle, np.full(3, 0.05), np.array([0.1, 0.1, FREE]))
         for middle in (DOWN, HARD)
     ]
     rng = np.random.default_rng(0)
-    aims = DrawnAims(regions, reach, 3001, rng)
+    aims = RegionSamples(regions, reach, 3001, rng)
     state = rng.bit_generator.state
     assert 0 < Counted.most < 700
     begin = 0
@@ -208,7 +208,7 @@ def test_no_configuration_leaves_the_ball(name: str) -> None:
         upper = np.where(np.isfinite(limits.upper), limits.upper, np.pi)
         rows = rng.uniform(lower, upper, (200, group.num_positions))
         frame = group.tool_frames[0]
-        ball = reach_ball(world, group, frame)
+        ball = workspace_bound(world, group, frame)
         for x_wt in world.frame_poses(frame, world.embed(group, rows)):
             assert np.linalg.norm(x_wt[:3, 3] - ball.center) <= ball.radius + 1e-9
         assert ball.radius < 3.0
@@ -223,7 +223,7 @@ def test_the_ball_of_an_arm_is_as_large_as_its_links_are_long() -> None:
     ]
     names = [*(world.drake.body_names[body.index()] for body in bodies), "arm::tcp"]
     places = np.array([world.frame_pose(name, world.state).position for name in names])
-    ball = reach_ball(world, group, "arm::tcp")
+    ball = workspace_bound(world, group, "arm::tcp")
     np.testing.assert_allclose(ball.center, places[0], atol=1e-9)
     lengths = np.linalg.norm(np.diff(places, axis=0), axis=1)
     assert ball.radius == pytest.approx(lengths.sum())

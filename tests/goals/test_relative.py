@@ -5,9 +5,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from planning.domain.goal import RelativeGoal
-from planning.domain.options import IkOptions
-from planning.domain.pose import Pose
+from planning.domain.geometry.pose import Pose
+from planning.domain.goals.goal import RelativeGoal
+from planning.domain.request.options import IkOptions
 from planning.errors import UnknownName
 from tests.goals.conftest import ask, world_by
 from tests.profiles import num_cases

@@ -7,7 +7,11 @@ import numpy as np
 import pytest
 
 import planning
-from planning.domain.constraint import (
+from planning.domain.geometry.pose import Pose
+from planning.domain.goals.funnel import Funnel, rejections
+from planning.domain.goals.goal import GoalPredicate, PoseGoal, PoseTarget, RegionGoal
+from planning.domain.goals.goal_configurations import GoalConfigurations
+from planning.domain.request.constraint import (
     KeepIn,
     LockedJoints,
     OrientationCone,
@@ -16,11 +20,7 @@ from planning.domain.constraint import (
     PlacedBox,
     TightLimits,
 )
-from planning.domain.funnel import Funnel, rejections
-from planning.domain.goal import GoalPredicate, PoseGoal, PoseTarget, RegionGoal
-from planning.domain.goal_configurations import GoalConfigurations
-from planning.domain.options import IkOptions
-from planning.domain.pose import Pose
+from planning.domain.request.options import IkOptions
 from planning.errors import GoalInCollision, GoalViolatesConstraint
 from planning.world.world import World
 from tests.clocks import after_looks, no_hurry

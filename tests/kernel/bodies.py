@@ -4,7 +4,7 @@ import numpy as np
 from pydrake.geometry import Convex
 
 from planning.kernel.shape import ConvexShape, ShapeKind
-from planning.world.convex_shapes import convex_shape
+from planning.world.kernel.convex_shapes import convex_shape
 
 Kind = ShapeKind
 

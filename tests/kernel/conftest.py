@@ -6,11 +6,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from planning.domain.manifold import Manifold
+from planning.domain.robot.manifold import Manifold
 from planning.kernel.native import native
-from planning.world.kernel_oracle import demands_of
-from planning.world.kernel_scene import KernelScene, kernel_scene
-from planning.world.margins import PairMargins
+from planning.world.collision.margins import PairMargins
+from planning.world.kernel.kernel_oracle import pair_thresholds
+from planning.world.kernel.kernel_scene import KernelScene, kernel_scene
 from tests.certify.chains import FLOATING, Robot
 
 FREE, COLLIDING, UNSURE = 0, 1, 2
@@ -47,7 +47,7 @@ class Judged:
             model.position_indices(group).astype(np.int64),
             model.velocity_indices(group).astype(np.int64),
             model.follow(np.array(self.robot.state)),
-            demands_of(self.scene, self.margins(margin)),
+            pair_thresholds(self.scene, self.margins(margin)),
             kernel,
         )
 

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from pydrake.geometry import Box, Sphere
 from pydrake.math import RigidTransform
 
-from planning.domain.joints import JointGroup
+from planning.domain.robot.joints import JointGroup
 from planning.kernel.native import native
 from tests.certify.chains import FLOATING, PLANAR, Builder, P, R, Robot, random_robot
 from tests.kernel.conftest import COLLIDING, FREE, UNSURE, Judged

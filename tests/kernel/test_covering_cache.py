@@ -7,7 +7,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from planning.kernel.covering import VERSION, Covering, cached_covering, cover, stored_covering
+from planning.kernel.coverings.covering import (
+    VERSION,
+    Covering,
+    cached_covering,
+    cover,
+    stored_covering,
+)
 from planning.kernel.shape import ConvexShape, ShapeKind
 from tests.kernel.bodies import body, hull
 

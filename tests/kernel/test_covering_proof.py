@@ -8,7 +8,7 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from planning.errors import ModelInvalid
-from planning.kernel.covering import Covering, cover
+from planning.kernel.coverings.covering import Covering, cover
 from planning.kernel.shape import ConvexShape, ShapeKind
 from tests.kernel.bodies import body, depth, distance, hull, inside, on_surface
 from tests.profiles import num_cases

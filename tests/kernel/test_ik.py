@@ -7,11 +7,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from planning.domain.manifold import Manifold
-from planning.domain.pose import Pose
-from planning.goals.tool_target import FreedomKind, ToolTarget
+from planning.domain.geometry.pose import Pose
+from planning.domain.robot.manifold import Manifold
+from planning.goals.targets.tool_target import FreedomKind, ToolTarget
 from planning.kernel.native import native
-from planning.world.kernel_tree import kernel_chain
+from planning.world.kernel.kernel_tree import kernel_chain
 from planning.world.world import World
 from tests.conftest import bundled_world
 from tests.kernel.test_kinematics import drake_pose, made_up

@@ -8,10 +8,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from planning.domain.manifold import Manifold
+from planning.domain.robot.manifold import Manifold
 from planning.kernel.native import native
 from planning.world.drake_model import Coupling, DrakeModel
-from planning.world.kernel_tree import kernel_chain
+from planning.world.kernel.kernel_tree import kernel_chain
 from tests.certify.chains import FLOATING, P, R, Robot, random_robot
 from tests.profiles import num_cases
 

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 import planning
-from planning.domain.goal import JointGoal
-from planning.domain.options import RefineOptions, SearchOptions
-from planning.domain.plan import Progress
-from planning.domain.problem import PlanningProblem
+from planning.domain.goals.goal import JointGoal
+from planning.domain.report.motion_plan import Progress
+from planning.domain.request.options import RefineOptions, SearchOptions
+from planning.domain.request.problem import PlanningProblem
 from planning.errors import Canceled
 from tests.clocks import no_hurry
 from tests.conftest import bundled_world

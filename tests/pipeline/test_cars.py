@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 import planning
-from planning.domain.plan import MotionPlan
+from planning.domain.report.motion_plan import MotionPlan
 from planning.errors import NotCertified, ProblemInvalid
-from planning.world.collision import DrakeCollisionOracle
+from planning.world.collision.collision_check import DrakeCollisionOracle
 from planning.world.world import World
 from tests.clocks import no_hurry
 from tests.drivers import assert_driven, body_velocities

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 import planning
-from planning.domain.goal import JointGoal
-from planning.domain.options import CertifyOptions
-from planning.domain.plan import MotionPlan
-from planning.domain.problem import PlanningProblem
+from planning.domain.goals.goal import JointGoal
+from planning.domain.report.motion_plan import MotionPlan
+from planning.domain.request.options import CertifyOptions
+from planning.domain.request.problem import PlanningProblem
 from planning.domain.value import digest
 from planning.errors import NotCertified
 from planning.world.world import World

@@ -6,8 +6,11 @@ import numpy as np
 import pytest
 
 import planning
-from planning.domain.certificate import Check
-from planning.domain.constraint import (
+from planning.domain.geometry.pose import Pose
+from planning.domain.goals.goal import ConfigurationGoal, Goal, JointGoal, PoseGoal, PoseTarget
+from planning.domain.report.certificate import Check
+from planning.domain.report.motion_plan import MotionPlan
+from planning.domain.request.constraint import (
     DistanceBand,
     KeepIn,
     KeepOut,
@@ -19,11 +22,8 @@ from planning.domain.constraint import (
     PositionBand,
     TightLimits,
 )
-from planning.domain.goal import ConfigurationGoal, Goal, JointGoal, PoseGoal, PoseTarget
-from planning.domain.options import RefineOptions, RetimeOptions, SearchOptions
-from planning.domain.plan import MotionPlan
-from planning.domain.pose import Pose
-from planning.domain.problem import PlanningProblem
+from planning.domain.request.options import RefineOptions, RetimeOptions, SearchOptions
+from planning.domain.request.problem import PlanningProblem
 from planning.errors import (
     DeadlineExceeded,
     GoalViolatesConstraint,

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 import planning
-from planning.domain.deadline import Deadline
-from planning.domain.goal import JointGoal
-from planning.domain.options import RefineOptions
-from planning.domain.problem import PlanningProblem
+from planning.domain.goals.goal import JointGoal
+from planning.domain.request.deadline import Deadline
+from planning.domain.request.options import RefineOptions
+from planning.domain.request.problem import PlanningProblem
 from planning.world.world import World
 
 LINK = """<link name="{0}"><inertial><mass value="1"/><inertia ixx="0.1" iyy="0.1" izz="0.1" ixy="0"

@@ -13,11 +13,13 @@ import numpy as np
 import pytest
 
 import planning
-from planning.domain.constraint import OrientationCone
-from planning.domain.deadline import Deadline
-from planning.domain.goal import ConfigurationGoal, Goal, PoseGoal, PoseTarget
-from planning.domain.motion_limits import ToolLimit
-from planning.domain.options import (
+from planning.domain.geometry.pose import Pose
+from planning.domain.goals.goal import ConfigurationGoal, Goal, PoseGoal, PoseTarget
+from planning.domain.report.motion_plan import MotionPlan, Progress
+from planning.domain.request.constraint import OrientationCone
+from planning.domain.request.deadline import Deadline
+from planning.domain.request.motion_limits import ToolLimit
+from planning.domain.request.options import (
     CertifyOptions,
     IkOptions,
     RefineOptions,
@@ -25,9 +27,7 @@ from planning.domain.options import (
     RoadmapOptions,
     SearchOptions,
 )
-from planning.domain.plan import MotionPlan, Progress
-from planning.domain.pose import Pose
-from planning.domain.problem import PlanningProblem
+from planning.domain.request.problem import PlanningProblem
 from planning.errors import DeadlineExceeded, GoalUnreachable, PlanningFailure
 from tests.clocks import FakeClock, after_looks, no_hurry
 from tests.conftest import bundled_world

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 import planning
-from planning.world.collision import DrakeCollisionOracle
+from planning.world.collision.collision_check import DrakeCollisionOracle
 from planning.world.world import World
 from tests.certify.conftest import smallest_distance
 from tests.clocks import no_hurry

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import planning
-from planning.domain.options import RetimeOptions
+from planning.domain.request.options import RetimeOptions
 from planning.errors import RetimingFailed
 from planning.world.world import World
 from tests.clocks import no_hurry

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 import planning
-from planning.domain.goal import JointGoal
-from planning.domain.options import RefineOptions, RetimeOptions
-from planning.domain.problem import PlanningProblem
+from planning.domain.goals.goal import JointGoal
+from planning.domain.request.options import RefineOptions, RetimeOptions
+from planning.domain.request.problem import PlanningProblem
 from planning.errors import PlanningFailure, StartOutOfLimits
 from planning.world.world import World
 from tests.clocks import no_hurry

@@ -10,16 +10,16 @@ import numpy as np
 import pytest
 
 import planning
-from planning import pipeline
-from planning.domain.constraint import TightLimits
-from planning.domain.goal import ConfigurationGoal
-from planning.domain.options import SearchOptions
-from planning.domain.problem import PlanningProblem
-from planning.domain.regions import RegionOptions, Regions
+from planning.api.grow_regions import domain_of
+from planning.domain.goals.goal import ConfigurationGoal
+from planning.domain.planner.regions import RegionOptions, Regions
+from planning.domain.request.constraint import TightLimits
+from planning.domain.request.options import SearchOptions
+from planning.domain.request.problem import PlanningProblem
 from planning.errors import ProblemInvalid, UnknownName
-from planning.growing import domain_of
-from planning.regions.walk import walked
-from planning.world.collision import DrakeCollisionOracle
+from planning.pipeline import plan as pipeline
+from planning.regions.hit_and_run import hit_and_run
+from planning.world.collision.collision_check import DrakeCollisionOracle
 from tests.clocks import no_hurry
 from tests.conftest import bundled_world
 
@@ -66,7 +66,7 @@ def test_regions_are_free_by_drake_alone(regions):
     for region in regions.regions:
         begin = np.repeat(region.center[None], 2000, axis=0)
         shape = np.diag(regions.upper - regions.lower)
-        qs = walked(begin, (region.normals, region.offsets), shape, 20, generator)
+        qs = hit_and_run(begin, (region.normals, region.offsets), shape, 20, generator)
         assert region.contains(qs).all()
         # less than 3 in num_free collide: 95 % of all regions have 3 of these at most
         assert (~judge.are_free(qs)).sum() <= 3

@@ -8,28 +8,28 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import planning
-from planning.certify.tool_checks import tool_checks
-from planning.domain.constraint import PlacedBox
-from planning.domain.curve import TimedTrajectory
-from planning.domain.deadline import Deadline
-from planning.domain.goal import ConfigurationGoal, Goal, PoseGoal, PoseTarget
-from planning.domain.manifold import Manifold
-from planning.domain.motion_limits import SpeedZone, ToolLimit
-from planning.domain.options import RefineOptions, RetimeOptions
-from planning.domain.path import JointPath
-from planning.domain.plan import MotionPlan
-from planning.domain.pose import Pose
+from planning.certify.frames.tool_checks import tool_checks
+from planning.domain.curves.curve import TimedTrajectory
+from planning.domain.curves.path import JointPath
+from planning.domain.geometry.pose import Pose
+from planning.domain.goals.goal import ConfigurationGoal, Goal, PoseGoal, PoseTarget
+from planning.domain.report.motion_plan import MotionPlan
+from planning.domain.request.constraint import PlacedBox
+from planning.domain.request.deadline import Deadline
+from planning.domain.request.motion_limits import SpeedZone, ToolLimit
+from planning.domain.request.options import RefineOptions, RetimeOptions
+from planning.domain.robot.manifold import Manifold
 from planning.errors import ProblemInvalid, UnknownName, WayproofError
 from planning.retime.blend import blend_corners
-from planning.retime.path_limits import path_limits
+from planning.retime.limits.request_limits import path_limits
 from planning.retime.retimer import retime
 from planning.world.world import World
 from tests.certify.conftest import request_for
 from tests.clocks import no_hurry
 from tests.conftest import bundled_world
 from tests.profiles import num_cases
-from tests.retime.test_tool_rate import tool_rates
-from tests.retime.test_zone_speed import are_inside
+from tests.retime.limits.test_tool_rate import tool_rates
+from tests.retime.limits.test_zone_speed import are_inside
 
 TOOL = "arm::tcp"
 LIMITS = (ToolLimit(TOOL, 0.3, 1.0), ToolLimit("arm::forearm_link", 0.2))

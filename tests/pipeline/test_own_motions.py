@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 import planning
-from planning.domain.deadline import Deadline
-from planning.domain.options import CertifyOptions, RetimeOptions
+from planning.domain.request.deadline import Deadline
+from planning.domain.request.options import CertifyOptions, RetimeOptions
 from planning.errors import NotCertified, ProblemInvalid, UnknownName
 from planning.world.world import World
 from tests.clocks import no_hurry

@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 import planning
-from planning.domain.curve import TimedTrajectory
-from planning.domain.deadline import Deadline
-from planning.domain.motion_state import MotionState
-from planning.domain.options import RetimeOptions
+from planning.domain.curves.curve import TimedTrajectory
+from planning.domain.curves.motion_state import MotionState
+from planning.domain.request.deadline import Deadline
+from planning.domain.request.options import RetimeOptions
 from planning.errors import NotCertified
 from planning.world.world import World
 from tests.clocks import no_hurry

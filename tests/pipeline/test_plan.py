@@ -10,13 +10,13 @@ import numpy as np
 import pytest
 
 import planning
-from planning.domain.deadline import Deadline
-from planning.domain.goal import ConfigurationGoal, Goal, JointGoal, PoseGoal, PoseTarget
-from planning.domain.manifold import Manifold
-from planning.domain.options import RefineOptions, RetimeOptions, SearchOptions
-from planning.domain.plan import MotionPlan, Progress
-from planning.domain.pose import Pose
-from planning.domain.problem import PlanningProblem
+from planning.domain.geometry.pose import Pose
+from planning.domain.goals.goal import ConfigurationGoal, Goal, JointGoal, PoseGoal, PoseTarget
+from planning.domain.report.motion_plan import MotionPlan, Progress
+from planning.domain.request.deadline import Deadline
+from planning.domain.request.options import RefineOptions, RetimeOptions, SearchOptions
+from planning.domain.request.problem import PlanningProblem
+from planning.domain.robot.manifold import Manifold
 from planning.errors import (
     Canceled,
     DeadlineExceeded,

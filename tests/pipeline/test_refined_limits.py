@@ -4,18 +4,18 @@ import numpy as np
 import pytest
 
 import planning
-from planning.domain.constraint import PlacedBox
-from planning.domain.goal import JointGoal
-from planning.domain.motion_limits import MotionLimits, SpeedZone, ToolLimit
-from planning.domain.options import RefineOptions, RetimeOptions, SearchOptions
-from planning.domain.payload import Payload
-from planning.domain.plan import MotionPlan
-from planning.domain.pose import Pose
-from planning.domain.problem import PlanningProblem
+from planning.domain.geometry.pose import Pose
+from planning.domain.goals.goal import JointGoal
+from planning.domain.report.motion_plan import MotionPlan
+from planning.domain.request.constraint import PlacedBox
+from planning.domain.request.motion_limits import MotionLimits, SpeedZone, ToolLimit
+from planning.domain.request.options import RefineOptions, RetimeOptions, SearchOptions
+from planning.domain.request.problem import PlanningProblem
+from planning.domain.robot.payload import Payload
 from planning.errors import RetimingFailed
 from planning.refine.refiner import refine
 from planning.refine.request import RefineRequest
-from planning.retime.path_limits import path_limits
+from planning.retime.limits.request_limits import path_limits
 from planning.retime.retimer import retime
 from tests.clocks import no_hurry
 from tests.conftest import bundled_world

@@ -9,7 +9,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import planning
-from planning.domain.constraint import (
+from planning.domain.geometry.pose import Pose
+from planning.domain.goals.goal import ConfigurationGoal, JointGoal
+from planning.domain.request.constraint import (
     DistanceBand,
     KeepIn,
     KeepOut,
@@ -20,14 +22,12 @@ from planning.domain.constraint import (
     PositionBand,
     TightLimits,
 )
-from planning.domain.goal import ConfigurationGoal, JointGoal
-from planning.domain.options import RefineOptions, RoadmapOptions, SearchOptions
-from planning.domain.pose import Pose
-from planning.domain.problem import PlanningProblem
+from planning.domain.request.options import RefineOptions, RoadmapOptions, SearchOptions
+from planning.domain.request.problem import PlanningProblem
 from planning.errors import NoPathFound, ProblemInvalid
-from planning.roadmap_ground import Ground
-from planning.roadmap_shelf import RoadmapShelf
-from planning.world.rules.path_rules import PathRules
+from planning.roadmaps.roadmap_cache import RoadmapCache
+from planning.roadmaps.roadmap_context import RoadmapContext
+from planning.world.constraints.path_constraints import PathConstraints
 from tests.clocks import no_hurry
 from tests.conftest import bundled_world
 from tests.pipeline.test_constraints import DOWN, TOOL, beside_the_pillar, hand_at, pillar
@@ -101,10 +101,10 @@ def test_every_way_of_a_roadmap_keeps_the_rules(name):
 @pytest.mark.parametrize("name", RULES)
 def test_cold_and_warm_give_the_same_bytes_and_a_motion_that_keeps_the_rules(name, tmp_path):
     constraint, excess = RULES[name]
-    shelf = RoadmapShelf(folder=tmp_path)
+    shelf = RoadmapCache(folder=tmp_path)
     problem = problem_of(constraint, seed=3)
     cold, warm = solve(maze(), problem, shelf), solve(maze(), problem, shelf)
-    disk = solve(maze(), problem, RoadmapShelf(folder=tmp_path))
+    disk = solve(maze(), problem, RoadmapCache(folder=tmp_path))
     assert [("roadmap_build" in f.timings) for f in (cold, warm, disk)] == [True, False, False]
     assert len({found.digest for found in (cold, warm, disk)}) == 1
     assert cold.stages.search == warm.stages.search == disk.stages.search
@@ -117,8 +117,10 @@ def test_cold_and_warm_give_the_same_bytes_and_a_motion_that_keeps_the_rules(nam
 def key_of(world, group, constraints, start, **options):
     problem = replace(problem_of(*constraints, **options), group=group)
     joints = world.group(group)
-    rules = PathRules.compiled(world, joints, tuple(constraints), start) if constraints else None
-    return Ground.from_problem(problem, world, start, rules).key
+    rules = (
+        PathConstraints.compiled(world, joints, tuple(constraints), start) if constraints else None
+    )
+    return RoadmapContext.from_problem(problem, world, start, rules).key
 
 
 def panda_variants():
@@ -181,7 +183,7 @@ def test_a_thin_set_is_kept_from_end_to_end():
         search=SearchOptions(allowed_planning_time=60.0, roadmap=RoadmapOptions(20, 6)),
         refine=RefineOptions("none"),
     )
-    shelf = RoadmapShelf()
+    shelf = RoadmapCache()
     found, again = solve(pillar(), problem, shelf), solve(pillar(), problem, shelf)
     assert found.digest == again.digest
     assert found.stages.search.roadmap.used, found.stages.search.roadmap.reason
@@ -208,7 +210,7 @@ def test_locked_joints_are_no_part_of_a_roadmap_and_do_not_move():
     )
     roadmap = built(pillar(), problem)
     assert roadmap.states.shape[1] == len(start) - 2
-    found = solve(pillar(), problem, RoadmapShelf([roadmap]))
+    found = solve(pillar(), problem, RoadmapCache([roadmap]))
     assert "roadmap_build" not in found.timings
     assert np.ptp(found.trajectory.positions(np.linspace(0, 1, 99))[:, [0, 4]], axis=0).max() == 0
     elsewhere = built(pillar(), replace(problem, start=goal + np.array([0.1] + [0.0] * 6)))

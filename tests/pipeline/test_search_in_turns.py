@@ -5,10 +5,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from planning.domain.options import SearchOptions
+from planning.domain.request.options import SearchOptions
 from planning.errors import NoPathFound
-from planning.ruled import _in_turns  # pyright: ignore[reportPrivateUsage]
-from planning.search.task import SearchResult, SearchTask
+from planning.pipeline.constrained_search import _in_turns  # pyright: ignore[reportPrivateUsage]
+from planning.search.request import SearchResult, SearchTask
 from tests.pipeline.test_constraints import (
     DOWN,
     TOOL,

@@ -6,15 +6,15 @@ import numpy as np
 import pytest
 
 import planning
-from planning.domain.certificate import Certificate, Check
-from planning.domain.deadline import Deadline
-from planning.domain.goal import JointGoal
-from planning.domain.options import RefineOptions, RetimeOptions, SearchOptions
-from planning.domain.payload import Payload
-from planning.domain.plan import MotionPlan
-from planning.domain.problem import PlanningProblem
+from planning.domain.goals.goal import JointGoal
+from planning.domain.report.certificate import Certificate, Check
+from planning.domain.report.motion_plan import MotionPlan
+from planning.domain.request.deadline import Deadline
+from planning.domain.request.options import RefineOptions, RetimeOptions, SearchOptions
+from planning.domain.request.problem import PlanningProblem
+from planning.domain.robot.payload import Payload
 from planning.errors import ProblemInvalid, RetimingFailed
-from planning.world.dynamics import GroupDynamics
+from planning.world.mechanics.dynamics import GroupDynamics
 from planning.world.world import World
 from tests.clocks import no_hurry
 from tests.conftest import bundled_world

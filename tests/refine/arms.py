@@ -2,14 +2,14 @@
 
 import numpy as np
 
-from planning.domain.constraint import PlacedBox
-from planning.domain.joints import JointGroup
-from planning.domain.motion_limits import MotionLimits, SpeedZone, ToolLimit
-from planning.domain.options import RefineOptions
-from planning.domain.path import JointPath
-from planning.domain.payload import Payload
-from planning.refine.bounds import Bounds
-from planning.refine.loads import bounds_of
+from planning.domain.curves.path import JointPath
+from planning.domain.request.constraint import PlacedBox
+from planning.domain.request.motion_limits import MotionLimits, SpeedZone, ToolLimit
+from planning.domain.request.options import RefineOptions
+from planning.domain.robot.joints import JointGroup
+from planning.domain.robot.payload import Payload
+from planning.refine.constraints.rate_bounds import RateBounds
+from planning.refine.constraints.request_bounds import request_bounds
 from planning.refine.request import RefineRequest
 from planning.world.world import World
 from tests.conftest import bundled_world
@@ -50,10 +50,12 @@ def request_of(
     return RefineRequest(path, limits, world.margins(), options, others=others, **more)
 
 
-def bounds_under(name: str, others: MotionLimits) -> Bounds:
+def bounds_under(name: str, others: MotionLimits) -> RateBounds:
     world, group = arm_of(name)
     still = world.positions(group)
-    return bounds_of(world, request_of(world, JointPath(group, np.stack([still, still])), others))
+    return request_bounds(
+        world, request_of(world, JointPath(group, np.stack([still, still])), others)
+    )
 
 
 def curve_points(name: str, rng: np.random.Generator, count: int = 10) -> np.ndarray:

@@ -8,14 +8,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from planning.domain.curve import JointSpline
-from planning.domain.options import RefineOptions
-from planning.domain.path import JointPath
-from planning.domain.report import RefineReport
+from planning.domain.curves.curve import JointSpline
+from planning.domain.curves.path import JointPath
+from planning.domain.report.stage_reports import RefineReport
+from planning.domain.request.options import RefineOptions
 from planning.refine.refiner import refine
 from planning.refine.request import RefineRequest
-from planning.world.loading import load_world
-from planning.world.scene_file import parse_scene
+from planning.world.documents.scene_file import parse_scene
+from planning.world.loading.load_world import load_world
 from planning.world.world import World
 from tests.clocks import no_hurry
 

@@ -6,16 +6,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from planning.domain.curve import JointSpline
-from planning.domain.deadline import Deadline
-from planning.domain.motion_limits import MotionLimits, ToolLimit
-from planning.domain.options import RetimeOptions
-from planning.domain.path import JointPath
-from planning.refine.curve_model import CurveModel
+from planning.domain.curves.curve import JointSpline
+from planning.domain.curves.path import JointPath
+from planning.domain.request.deadline import Deadline
+from planning.domain.request.motion_limits import MotionLimits, ToolLimit
+from planning.domain.request.options import RetimeOptions
+from planning.refine.model.curve_model import CurveModel
+from planning.refine.refine_problem import RefineProblem
 from planning.refine.refiner import refine
-from planning.refine.task import RefineTask
 from planning.retime.blend import blend_corners
-from planning.retime.path_limits import path_limits
+from planning.retime.limits.request_limits import path_limits
 from planning.retime.retimer import retime
 from planning.world.world import World
 from tests.clocks import no_hurry
@@ -102,7 +102,7 @@ def test_refined_curves_are_quicker_than_the_path_and_than_without_knowing(name,
 def test_small_steps_bring_what_they_promise(name, kind):
     """Together: a single one may end at a kink, where other limits bind beyond."""
     (world, _), path = arm_of(name), path_of(name, kind)
-    task = RefineTask.of(world, request_of(world, path, others_of(name, kind)), deadline())
+    task = RefineProblem.of(world, request_of(world, path, others_of(name, kind)), deadline())
     points = task.fitted(0.15)
     model = CurveModel(task.nearness, task.box, task.bounds, len(points), 60)
     costs, promises = [model.look(points).cost], []
@@ -155,7 +155,7 @@ def test_a_weight_that_cannot_be_lifted_at_all_is_refused(urdf_world: Callable[.
 def test_no_motion_of_a_frame_beats_the_straight_way():
     (world, group), path = arm_of("ur5e"), path_of("ur5e", "speed")
     others = MotionLimits((ToolLimit("arm::tcp", speed=0.05),))
-    task = RefineTask.of(world, request_of(world, path, others), deadline())
+    task = RefineProblem.of(world, request_of(world, path, others), deadline())
     full = world.embed(group, path.waypoints[[0, -1]])
     ends = world.frame_poses("arm::tcp", full)[:, :3, 3]
     assert task.least == pytest.approx(np.linalg.norm(ends[1] - ends[0]) / 0.05)
@@ -164,5 +164,5 @@ def test_no_motion_of_a_frame_beats_the_straight_way():
 def test_under_jerk_limits_both_signs_share_the_nearer_bound():
     (world, _), path = arm_of("ur5e"), path_of("ur5e", "speed")
     others = MotionLimits(acceleration_bounds={"arm::elbow_joint": (-0.5, 3.0)})
-    task = RefineTask.of(world, request_of(world, path, others, jerk=True), deadline())
+    task = RefineProblem.of(world, request_of(world, path, others, jerk=True), deadline())
     np.testing.assert_array_equal(task.bounds.signed, [[-1.0] * 6, [1.0] * 6])

@@ -9,23 +9,23 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from planning.domain.constraint import DistanceBand, PathConstraint, PathPredicate
-from planning.domain.deadline import Deadline
-from planning.domain.manifold import Manifold
-from planning.domain.options import RefineOptions, RetimeOptions
-from planning.domain.path import JointPath
+from planning.domain.curves.path import JointPath
+from planning.domain.request.constraint import DistanceBand, PathConstraint, PathPredicate
+from planning.domain.request.deadline import Deadline
+from planning.domain.request.options import RefineOptions, RetimeOptions
+from planning.domain.robot.manifold import Manifold
 from planning.domain.value import digest
-from planning.refine.curve_model import CurveModel
-from planning.refine.descent import Descent
-from planning.refine.quickest import quickest
+from planning.refine.model.curve_model import CurveModel
+from planning.refine.model.penalty_qp import solver_name
+from planning.refine.multi_start import solve_multi_start
+from planning.refine.refine_problem import RefineProblem
 from planning.refine.refiner import refine
 from planning.refine.request import RefineRequest
-from planning.refine.soft_rows import solver_name
-from planning.refine.task import RefineTask
+from planning.refine.trust_region import TrustRegion
 from planning.retime.blend import blend_corners
 from planning.retime.retimer import retime
-from planning.world.loading import load_world
-from planning.world.rules.path_rules import PathRules
+from planning.world.constraints.path_constraints import PathConstraints
+from planning.world.loading.load_world import load_world
 from planning.world.world import World
 from tests.clocks import after_looks, no_hurry
 from tests.refine.conftest import Case, case_of
@@ -37,7 +37,7 @@ import pickle, sys
 from planning.domain.value import digest
 from planning.refine.refiner import refine
 from planning.refine.request import RefineRequest
-from planning.world.loading import load_world
+from planning.world.loading.load_world import load_world
 from tests.clocks import no_hurry
 scene, request = pickle.load(open(sys.argv[1], "rb"))
 curve, report = refine(load_world(scene), request, no_hurry(60.0))
@@ -116,8 +116,8 @@ def test_a_wall_between_two_instants_is_found_and_avoided(thin_wall):
     assert thin_wall.are_free(curve.positions(np.linspace(0, 1, 5001))).all()
 
 
-def task_of(case: Case) -> RefineTask:
-    return RefineTask.of(case.world, case.request, no_hurry())
+def task_of(case: Case) -> RefineProblem:
+    return RefineProblem.of(case.world, case.request, no_hurry())
 
 
 def test_instants_that_the_audit_finds_are_added(make_puck):
@@ -132,7 +132,7 @@ def test_instants_that_the_audit_finds_are_added(make_puck):
     assert case.are_free(task.curve_of(best).positions(np.linspace(0, 1, 5001))).all()
     # The same steps without more instants.
     model = CurveModel(task.nearness, task.box, task.bounds, len(guess), 2)
-    blind = [seen for seen in Descent(model, guess).run(25) if not task.refused(seen)[0]]
+    blind = [seen for seen in TrustRegion(model, guess).run(25) if not task.refused(seen)[0]]
     assert best.duration < min(seen.duration for seen in blind) - 0.05
 
 
@@ -237,7 +237,7 @@ def test_a_robot_that_stands_near_a_wall_does_not_hinder_another(make_puck):
     assert oracle.are_free(curve.positions(FINE)).all()
 
 
-class Misled(RefineTask):
+class Misled(RefineProblem):
     """Guesses straight through whatever is in the way, if it need not be near the path."""
 
     def fitted(self, closeness: float) -> np.ndarray:
@@ -250,7 +250,7 @@ def test_a_nearer_guess_is_tried_where_the_first_leads_nowhere(thin_wall):
     nowhere, _, reason = misled.descend(misled.fitted(0.15))
     assert nowhere is None
     assert "too near" in reason
-    found = quickest(thin_wall.world, misled)
+    found = solve_multi_start(thin_wall.world, misled)
     assert found.best is not None, found.reason
     assert thin_wall.are_free(task.curve_of(found.best).positions(FINE)).all()
 
@@ -272,7 +272,7 @@ ABOUT = [[-0.5, 0.1], [0.3, 0.17], [0.62, 0.12], [0.72, 0.02], [0.75, -0.3], [0.
 def ruled_case(world: World, *constraints: PathConstraint) -> Case:
     group = world.group("puck")
     ends = np.array(ABOUT)[[0, -1]]
-    rules = PathRules.compiled(world, group, constraints, ends[0])
+    rules = PathConstraints.compiled(world, group, constraints, ends[0])
     return case_of(world, "puck", ABOUT, rules=rules.leaving_room(ends[0], ends[1:]))
 
 

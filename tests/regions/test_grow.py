@@ -4,8 +4,8 @@ from itertools import pairwise
 
 import numpy as np
 
-from planning.domain.deadline import Deadline
-from planning.domain.regions import RegionOptions
+from planning.domain.planner.regions import RegionOptions
+from planning.domain.request.deadline import Deadline
 from planning.regions.cliques import cliques
 from planning.regions.grow import GrowRequest, grow
 from tests.clocks import no_hurry

@@ -3,8 +3,8 @@
 import numpy as np
 from toppra.interpolator import SplineInterpolator
 
-from planning.domain.curve import JointSpline
-from planning.domain.joints import JointType
+from planning.domain.curves.curve import JointSpline
+from planning.domain.robot.joints import JointType
 from tests.conftest import group_of, random_waypoints
 
 SEVEN = group_of(*[JointType.REVOLUTE] * 7)

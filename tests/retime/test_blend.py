@@ -5,11 +5,11 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from planning.domain.joints import JointType
-from planning.domain.manifold import Manifold
-from planning.domain.path import JointPath
+from planning.domain.curves.path import JointPath
+from planning.domain.robot.joints import JointType
+from planning.domain.robot.manifold import Manifold
 from planning.retime.blend import blend_corners
-from planning.retime.stretches import path_derivatives, smooth_stretches
+from planning.retime.smooth_pieces import path_derivatives, smooth_pieces
 from tests.conftest import group_of, random_waypoints
 
 GROUPS = {
@@ -60,7 +60,7 @@ def test_derivatives_meet_at_every_break(name: str, smoothness: int, seed: int) 
     for order in range(smoothness):
         scale = max(1.0, float(np.abs(ends[order]).max()))
         assert np.abs(ends[order][:-1] - begins[order][1:]).max() < 1e-9 * scale
-    assert len(smooth_stretches(curve, smoothness)) == 1
+    assert len(smooth_pieces(curve, smoothness)) == 1
 
 
 def test_speed_in_the_parameter_is_the_same_on_all_lines() -> None:
@@ -83,7 +83,7 @@ def test_a_path_that_turns_back_on_itself_keeps_its_corner() -> None:
     waypoints[1, 0] = 1.0
     curve = blend_corners(JointPath(group, waypoints), 0.1)
     assert np.isclose(curve.positions(np.linspace(0, 1, 101))[:, 0].max(), 1.0)
-    assert len(smooth_stretches(curve, 1)) == 2
+    assert len(smooth_pieces(curve, 1)) == 2
 
 
 @given(st.integers(0, 1000))
@@ -93,4 +93,4 @@ def test_a_straight_path_in_many_steps_is_one_stretch(seed: int) -> None:
     fractions = np.sort(np.random.default_rng(seed).uniform(0, 1, 20))
     steps = Manifold(group.joints).interpolate(ends[0], ends[1], fractions)
     path = JointPath(group, np.concatenate([ends[:1], steps, ends[1:]]))
-    assert len(smooth_stretches(blend_corners(path, 0.05), 1)) == 1
+    assert len(smooth_pieces(blend_corners(path, 0.05), 1)) == 1

@@ -5,9 +5,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from planning.domain.joints import JointType
-from planning.domain.options import RetimeOptions
-from planning.domain.path import JointPath
+from planning.domain.curves.path import JointPath
+from planning.domain.request.options import RetimeOptions
+from planning.domain.robot.joints import JointType
 from planning.errors import RetimingFailed
 from planning.retime.blend import blend_corners
 from planning.retime.explain import explain_duration

@@ -5,9 +5,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from planning.domain.joints import JointLimits, JointType
-from planning.domain.options import RetimeOptions
-from planning.domain.path import JointPath
+from planning.domain.curves.path import JointPath
+from planning.domain.request.options import RetimeOptions
+from planning.domain.robot.joints import JointLimits, JointType
 from planning.retime.retimer import retime
 from tests.conftest import group_of, limits_of, random_waypoints
 

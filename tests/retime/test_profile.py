@@ -4,8 +4,8 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from planning.domain.curve import JointSpline
-from planning.domain.joints import JointType
+from planning.domain.curves.curve import JointSpline
+from planning.domain.robot.joints import JointType
 from planning.retime.compose import compose
 from planning.retime.line_profile import LineLimits, line_profile, profile_between
 from planning.retime.profile import SpeedProfile

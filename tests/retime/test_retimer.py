@@ -5,10 +5,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from planning.domain.joints import JointGroup, JointLimits, JointType
-from planning.domain.manifold import Manifold
-from planning.domain.options import RetimeOptions
-from planning.domain.path import JointPath
+from planning.domain.curves.path import JointPath
+from planning.domain.request.options import RetimeOptions
+from planning.domain.robot.joints import JointGroup, JointLimits, JointType
+from planning.domain.robot.manifold import Manifold
 from planning.errors import ProblemInvalid, RetimingFailed
 from planning.retime.blend import blend_corners
 from planning.retime.retimer import RETIMERS, retime

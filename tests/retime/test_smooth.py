@@ -5,13 +5,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from planning.domain.joints import JointType
-from planning.domain.options import RetimeOptions
-from planning.domain.path import JointPath
+from planning.domain.curves.path import JointPath
+from planning.domain.request.options import RetimeOptions
+from planning.domain.robot.joints import JointType
 from planning.retime.blend import blend_corners
 from planning.retime.retimer import retime
 from planning.retime.smooth import smoothed
-from planning.retime.stretches import smooth_stretches
+from planning.retime.smooth_pieces import smooth_pieces
 from tests.conftest import group_of, limits_of, random_waypoints
 from tests.profiles import num_cases
 
@@ -53,7 +53,7 @@ def test_curves_are_smooth_and_as_near_as_they_say(seed: int, count: int, jitter
     for away, curve in found:
         dense = curve.positions(np.linspace(0.0, 1.0, 2000))
         assert from_polyline(dense, path).max() <= away
-        assert len(smooth_stretches(curve, 2)) == 1
+        assert len(smooth_pieces(curve, 2)) == 1
         np.testing.assert_allclose(curve.start, path.waypoints[0], atol=1e-12)
         np.testing.assert_allclose(curve.end, path.waypoints[-1], atol=1e-12)
 

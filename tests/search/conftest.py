@@ -5,12 +5,12 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from planning.domain import motion_samples
-from planning.domain.joints import Joint, JointGroup, JointLimits, JointType
-from planning.domain.manifold import Manifold
-from planning.domain.options import SearchOptions
-from planning.domain.rotation import rotate
-from planning.search.planners import planner_names
+from planning.domain.curves import motion_samples
+from planning.domain.geometry.rotation import rotate
+from planning.domain.request.options import SearchOptions
+from planning.domain.robot.joints import Joint, JointGroup, JointLimits, JointType
+from planning.domain.robot.manifold import Manifold
+from planning.search.ompl.planner_list import planner_names
 from planning.search.solver import SearchTask
 from tests.clocks import no_hurry
 from tests.profiles import PROFILE

@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from planning.domain.deadline import Deadline
-from planning.domain.manifold import Manifold
-from planning.domain.motion_samples import are_motions_free
+from planning.domain.curves.motion_samples import are_motions_free
+from planning.domain.request.deadline import Deadline
+from planning.domain.robot.manifold import Manifold
 from planning.errors import Canceled
 from planning.search.solver import search
 from tests.clocks import no_hurry

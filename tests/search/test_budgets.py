@@ -5,13 +5,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from planning.domain.deadline import Deadline
-from planning.domain.joints import JointType
-from planning.domain.options import SearchOptions
+from planning.domain.request.deadline import Deadline
+from planning.domain.request.options import SearchOptions
+from planning.domain.request.stopwatch import Stopwatch
+from planning.domain.robot.joints import JointType
 from planning.errors import NoPathFound
+from planning.search.request import SearchTask
 from planning.search.solver import search
-from planning.search.task import SearchTask
-from planning.stopwatch import Stopwatch
 from tests.clocks import FakeClock
 from tests.profiles import num_cases
 from tests.search.conftest import Oracle, beyond_wall, group_of, limits_of

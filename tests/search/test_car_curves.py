@@ -6,9 +6,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from ompl import base as ob
 
-from planning.search.dubins import dubins_words
-from planning.search.reeds_shepp import reeds_shepp_words
-from planning.search.words import end_of
+from planning.search.cars.dubins import dubins_words
+from planning.search.cars.path_words import end_of
+from planning.search.cars.reeds_shepp import reeds_shepp_words
 
 PI = np.pi
 SHIFT = 2 * np.arctan2(2.0, np.sqrt(96.0)) + np.sqrt(96.0)

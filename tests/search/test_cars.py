@@ -9,21 +9,21 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial import cKDTree
 
-from planning.domain.car_request import require_directed
-from planning.domain.joints import JointType
-from planning.domain.manifold import Manifold
-from planning.domain.motion_samples import steps_of
-from planning.domain.options import SearchOptions
-from planning.domain.steering import Steering, manifold_of, steered
+from planning.domain.curves.motion_samples import steps_of
+from planning.domain.request.options import SearchOptions
+from planning.domain.request.stopwatch import Stopwatch
+from planning.domain.robot.car_request import require_directed
+from planning.domain.robot.joints import JointType
+from planning.domain.robot.manifold import Manifold
+from planning.domain.robot.steering import Steering, manifold_of, steered
 from planning.errors import DeadlineExceeded, ProblemInvalid, UnknownName
-from planning.search.drive_shortcut import shortened_drive
-from planning.search.driven_edges import DrivenEdges
-from planning.search.drives import Drives
-from planning.search.oracle import WatchedOracle
-from planning.search.planners import planner_names
-from planning.search.polyline import path_length
+from planning.search.cars.drive_shortcut import shortened_drive
+from planning.search.cars.steering_edges import SteeringEdgeChecker
+from planning.search.cars.steering_paths import SteeringPaths
+from planning.search.collision_oracle import WatchedOracle
+from planning.search.ompl.planner_list import planner_names
+from planning.search.shortcut.polyline import path_length
 from planning.search.solver import SearchTask, search
-from planning.stopwatch import Stopwatch
 from tests.clocks import FakeClock, after_looks, no_hurry
 from tests.profiles import PROFILE, num_cases, pairs, seeds
 from tests.search.conftest import Oracle, group_of, limits_of
@@ -237,13 +237,13 @@ def test_two_cars_at_once_are_refused():
     group = group_of(JointType.PLANAR, JointType.PLANAR)
     both = {"r::j0": Steering(0.2), "r::j1": Steering(0.3)}
     with pytest.raises(ProblemInvalid, match="one car"):
-        Drives(steered(group, both))
+        SteeringPaths(steered(group, both))
 
 
 @given(seed=st.integers(0, 10_000), reverse=st.booleans())
 def test_a_way_ends_where_it_should_and_its_arm_keeps_pace(seed, reverse):
     group = car(WITH_ARM, reverse=reverse)
-    drives = Drives(group)
+    drives = SteeringPaths(group)
     q0, q1 = np.random.default_rng(seed).uniform(-1, 1, (2, 5)) * [1, 1, 3, 1, 1]
     way = drives.way(q0, q1).waypoints
     assert_drivable(group, way, lambda qs: np.ones(len(qs), bool), -9.0, 9.0)
@@ -270,8 +270,8 @@ def test_shortcuts_only_shorten_and_stay_free(seed):
     oracle = Oracle(lambda qs: np.hypot(qs[:, 0], qs[:, 1]) > 0.35)
     soon = no_hurry(10.0)
     watched = WatchedOracle(oracle, group, limits, soon)
-    drives = Drives(group)
-    edges = DrivenEdges(
+    drives = SteeringPaths(group)
+    edges = SteeringEdgeChecker(
         drives, watched, 0.02, lambda d: np.linalg.norm(d, axis=-1), (limits.lower, limits.upper)
     )
     rng = np.random.default_rng(seed)
@@ -294,8 +294,8 @@ def test_a_blocked_drive_is_none():
     limits = limits_of(group)
     soon = no_hurry(10.0)
     oracle = WatchedOracle(Oracle(lambda qs: np.abs(qs[:, 0]) > 0.1), group, limits, soon)
-    drives = Drives(group)
-    edges = DrivenEdges(
+    drives = SteeringPaths(group)
+    edges = SteeringEdgeChecker(
         drives, oracle, 0.02, lambda d: np.linalg.norm(d, axis=-1), (limits.lower, limits.upper)
     )
     raw = drives.threaded(np.array([[-0.5, 0.0, 0.0], [0.5, 0.0, 0.0]]))
@@ -305,6 +305,6 @@ def test_a_blocked_drive_is_none():
 def test_a_straight_line_in_the_plane_is_no_way_of_a_car():
     """What is next to it is farther than it looks."""
     group = car()
-    aside = Drives(group).way(np.zeros(3), np.array([0.0, 0.1, 0.0])).waypoints
+    aside = SteeringPaths(group).way(np.zeros(3), np.array([0.0, 0.1, 0.0])).waypoints
     manifold = manifold_of(group)
     assert path_length(aside, manifold) > 3 * Manifold(group.joints).distance(aside[-1], aside[0])

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 import planning
-from planning.domain.options import SearchOptions
+from planning.domain.request.options import SearchOptions
 from planning.search.solver import SearchTask, search
-from planning.world.collision import DrakeCollisionOracle
+from planning.world.collision.collision_check import DrakeCollisionOracle
 from tests.clocks import no_hurry
 from tests.search.conftest import each_kind_of_planner
 from tests.search.test_solver import fine_samples
@@ -44,9 +44,9 @@ def scene():
 
 
 def clearances_of(scene):
-    from planning.clearances import clearances
+    from planning.world.collision.obstacle_distance import obstacle_distances
 
-    return clearances(*scene[:2])
+    return obstacle_distances(*scene[:2])
 
 
 def free_path(scene, **options):

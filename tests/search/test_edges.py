@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from planning.domain.joints import JointType
-from planning.domain.manifold import Manifold
+from planning.domain.robot.joints import JointType
+from planning.domain.robot.manifold import Manifold
 from planning.errors import Canceled
+from planning.search.collision_oracle import WatchedOracle
 from planning.search.edges import EdgeChecker
-from planning.search.oracle import WatchedOracle
 from tests.clocks import no_hurry
 
 

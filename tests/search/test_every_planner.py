@@ -13,11 +13,11 @@ from threading import Event
 import numpy as np
 import pytest
 
-from planning.domain.deadline import Deadline
-from planning.domain.joints import JointType
-from planning.domain.options import SearchOptions
+from planning.domain.request.deadline import Deadline
+from planning.domain.request.options import SearchOptions
+from planning.domain.robot.joints import JointType
 from planning.errors import Canceled, DeadlineExceeded
-from planning.search.planners import planner_names
+from planning.search.ompl.planner_list import planner_names
 from planning.search.solver import SearchTask, search
 from tests.clocks import FakeClock, no_hurry
 from tests.profiles import pairs

@@ -5,12 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from planning.domain.deadline import Deadline
-from planning.domain.options import RoadmapOptions, SearchOptions
+from planning.domain.request.deadline import Deadline
+from planning.domain.request.options import RoadmapOptions, SearchOptions
 from planning.errors import Canceled, DeadlineExceeded
-from planning.search.roadmap_growth import RoadmapRecipe, grow_roadmap
+from planning.search.request import SearchTask
+from planning.search.roadmap.build import RoadmapBuildRequest, grow_roadmap
 from planning.search.solver import search
-from planning.search.task import SearchTask
 from tests.search.conftest import Oracle, beyond_wall
 
 START = np.array([-0.8, -0.8])
@@ -47,7 +47,7 @@ def asked(who, plane, wall, soon, goals, **options):
         return replace(task, guide=Led())
     if who == "roadmap":
         few = SearchOptions(roadmap=RoadmapOptions(states=60, neighbours=6))
-        recipe = RoadmapRecipe.from_search(*plane, START, few)
+        recipe = RoadmapBuildRequest.from_search(*plane, START, few)
         return replace(task, roadmap=grow_roadmap(recipe, wall, "key", soon))
     return task
 

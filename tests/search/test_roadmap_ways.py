@@ -8,15 +8,15 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from planning.domain.deadline import Deadline
-from planning.domain.joints import JointType
-from planning.domain.options import RoadmapOptions, SearchOptions
-from planning.domain.steering import Steering, steered
+from planning.domain.request.deadline import Deadline
+from planning.domain.request.options import RoadmapOptions, SearchOptions
+from planning.domain.robot.joints import JointType
+from planning.domain.robot.steering import Steering, steered
 from planning.errors import DeadlineExceeded
 from planning.search.projection import projected
-from planning.search.roadmap_growth import RoadmapRecipe, grow_roadmap
+from planning.search.request import SearchTask
+from planning.search.roadmap.build import RoadmapBuildRequest, grow_roadmap
 from planning.search.solver import search
-from planning.search.task import SearchTask
 from tests.clocks import no_hurry
 from tests.profiles import num_cases
 from tests.search.conftest import Oracle, group_of, limits_of
@@ -49,7 +49,7 @@ def on_open_ring(qs):
 def ring_roadmap(soon, states=40, seed=0):
     group = group_of(JointType.PRISMATIC, JointType.PRISMATIC)
     options = SearchOptions(roadmap=RoadmapOptions(states, 6, seed), resolution=0.1)
-    recipe = RoadmapRecipe.from_search(group, limits_of(group), np.zeros(2), options)
+    recipe = RoadmapBuildRequest.from_search(group, limits_of(group), np.zeros(2), options)
     return group, grow_roadmap(recipe, Oracle(on_open_ring), "key", soon, Ring())
 
 
@@ -118,7 +118,7 @@ def test_a_car_finds_its_way_in_a_roadmap_of_drives(arm):
     oracle, limits = Oracle(beyond_disc, group), limits_of(group)
     options = SearchOptions(roadmap=FEW)
     deadline = no_hurry(30.0)
-    recipe = RoadmapRecipe.from_search(group, limits, start, options)
+    recipe = RoadmapBuildRequest.from_search(group, limits, start, options)
     roadmap = grow_roadmap(recipe, oracle, "key", deadline)
     assert grow_roadmap(recipe, oracle, "key", deadline) == roadmap
     task = SearchTask(start, goal[None], options, 0.05, 0.0, 0, roadmap=roadmap)
@@ -134,7 +134,7 @@ def test_a_car_finds_its_way_in_a_roadmap_of_drives(arm):
 def test_the_way_back_of_every_drive_of_a_roadmap_is_free_as_well():
     group = steered(group_of(JointType.PLANAR), {"r::j0": Steering(0.3, reverse=True)})
     oracle, limits = Oracle(beyond_disc, group), limits_of(group)
-    recipe = RoadmapRecipe.from_search(group, limits, np.zeros(3), SearchOptions(roadmap=FEW))
+    recipe = RoadmapBuildRequest.from_search(group, limits, np.zeros(3), SearchOptions(roadmap=FEW))
     deadline = no_hurry(30.0)
     roadmap = grow_roadmap(recipe, oracle, "key", deadline)
     assert len(roadmap.edges) > 20

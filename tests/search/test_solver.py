@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 from ompl import util as ou
 
-from planning.domain.joints import JointType
-from planning.domain.manifold import Manifold
-from planning.domain.options import SearchOptions
+from planning.domain.request.options import SearchOptions
+from planning.domain.robot.joints import JointType
+from planning.domain.robot.manifold import Manifold
 from planning.errors import (
     NoPathFound,
     ProblemInvalid,

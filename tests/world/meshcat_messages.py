@@ -7,7 +7,7 @@ import struct
 
 import numpy as np
 
-from planning.domain import rotation
+from planning.domain.geometry import rotation
 
 
 def messages(page: str) -> list[dict]:

@@ -11,9 +11,9 @@ from pydrake.math import RollPitchYaw
 
 import planning
 from planning.kernel.box_distance import box_distances, box_gaps
-from planning.world.collision import DrakeCollisionOracle
-from planning.world.kernel_oracle import KernelCollisionOracle
-from planning.world.kernel_scene import kernel_scene
+from planning.world.collision.collision_check import DrakeCollisionOracle
+from planning.world.kernel.kernel_oracle import KernelCollisionOracle
+from planning.world.kernel.kernel_scene import kernel_scene
 from planning.world.world import World
 from tests.profiles import num_cases
 

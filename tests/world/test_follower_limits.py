@@ -8,8 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import planning
-from planning.domain.followers import Follower, together
-from planning.domain.joints import JointType
+from planning.domain.robot.followers import Follower, together
+from planning.domain.robot.joints import JointType
 from planning.errors import ModelInvalid
 from planning.world.world import World
 from tests.conftest import group_of, limits_of

@@ -11,9 +11,9 @@ import pytest
 
 import planning
 from planning import AddObject, ModelLibrary, edit_scene, load_world, parse_scene
-from planning.domain.kept_files import KeptFiles
+from planning.domain.scene.kept_files import KeptFiles
 from planning.errors import AssetNotFound, ModelInvalid, SceneInvalid
-from planning.world.file_store import FileStore
+from planning.world.files.file_store import FileStore
 from planning.world.fingerprint import collision_fingerprint
 
 CARD = """

@@ -7,8 +7,8 @@ import pytest
 import trimesh
 
 import planning
-from planning.world import mesh_files
-from planning.world.model_library import ModelLibrary
+from planning.world.files import mesh_files
+from planning.world.models.model_library import ModelLibrary
 
 URDF = """<robot name="r"><link name="base"><collision><geometry><mesh filename="{mesh}"/>
 </geometry></collision></link><link name="a"/><joint name="j" type="prismatic">

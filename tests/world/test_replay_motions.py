@@ -4,15 +4,15 @@ import numpy as np
 import pytest
 
 from planning import DetachObject, SetPositions, edit_scene, read_scene
-from planning.domain.curve import JointSpline, TimedTrajectory
-from planning.domain.pose import Pose
-from planning.domain.scene import SceneObject
-from planning.domain.scene_operation import AddObject, AttachObject, RemoveObject
-from planning.domain.shapes import Box
-from planning.world.loading import load_world
-from planning.world.model_library import bundled_folder
-from planning.world.replay import ShownMotion, replay_html, replay_motions_html
-from planning.world.scene_file import parse_scene
+from planning.domain.curves.curve import JointSpline, TimedTrajectory
+from planning.domain.geometry.pose import Pose
+from planning.domain.geometry.shapes import Box
+from planning.domain.scene.scene import SceneObject
+from planning.domain.scene.scene_operation import AddObject, AttachObject, RemoveObject
+from planning.world.documents.scene_file import parse_scene
+from planning.world.loading.load_world import load_world
+from planning.world.models.model_library import bundled_folder
+from planning.world.replay.replay_writer import ShownMotion, replay_html, replay_motions_html
 from planning.world.world import World
 from tests.world.meshcat_messages import animation, messages, overlay, tracks
 

@@ -8,7 +8,7 @@ import pytest
 import trimesh
 
 import planning
-from planning.world.model_warnings import parser_warnings
+from planning.world.models.model_warnings import parser_warnings
 from planning.world.world import World
 
 LINK = '<link name="a">{}</link>'

@@ -9,7 +9,7 @@ import pytest
 
 import planning
 from planning.errors import AssetNotFound, ModelInvalid, SceneInvalid, UnknownName, WayproofError
-from planning.world.model_library import ModelLibrary
+from planning.world.models.model_library import ModelLibrary
 from planning.world.world import World
 from tests.conftest import bundled_world
 from tests.profiles import num_cases

@@ -4,10 +4,16 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
-from planning.domain.goal import ConfigurationGoal, JointGoal, PoseGoal, RegionGoal, RelativeGoal
-from planning.domain.options import ClearanceWish, IkOptions, PoseMetric, RefineOptions
-from planning.domain.pose import Pose
-from planning.domain.problem import PlanningProblem
+from planning.domain.geometry.pose import Pose
+from planning.domain.goals.goal import (
+    ConfigurationGoal,
+    JointGoal,
+    PoseGoal,
+    RegionGoal,
+    RelativeGoal,
+)
+from planning.domain.request.options import ClearanceWish, IkOptions, PoseMetric, RefineOptions
+from planning.domain.request.problem import PlanningProblem
 from service.convert.goals import problem_value
 from service.schemas.plan import PlanRequest
 

@@ -6,9 +6,9 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from planning.domain.curve import TimedTrajectory
-from planning.domain.joints import Joint, JointType
-from planning.domain.sampling import Sampling, sampled
+from planning.domain.curves.curve import TimedTrajectory
+from planning.domain.curves.sampling import Sampling, sampled
+from planning.domain.robot.joints import Joint, JointType
 from service.convert.trajectories import polynomial_wire, sampled_wire, trajectory_value
 from tests.profiles import num_cases
 

@@ -7,7 +7,7 @@ import pytest
 
 import planning
 from planning.errors import ProblemInvalid
-from planning.retime.path_limits import path_limits
+from planning.retime.limits.request_limits import path_limits
 from service.app import create_app
 from service.jobs.task import run_task
 from service.settings import Settings

@@ -7,11 +7,11 @@ import sys
 
 import pytest
 
-from planning.domain.scene import Scene
+from planning.domain.scene.scene import Scene
 from planning.errors import ModelInvalid
-from planning.world import trial
-from planning.world.model_library import ModelLibrary
-from planning.world.scene_file import parse_scene
+from planning.world.documents.scene_file import parse_scene
+from planning.world.files import trial_load as trial
+from planning.world.models.model_library import ModelLibrary
 from tests.service.hostile.files import FILES
 from tests.service.hostile.test_bodies import tells_of_the_server
 

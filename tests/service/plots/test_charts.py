@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 from matplotlib.text import Text
 
 import planning
-from planning.domain.options import RetimeOptions
+from planning.domain.request.options import RetimeOptions
 from planning.world.world import World
 from service.plots.charts import CHARTS
 from tests.clocks import no_hurry

@@ -5,8 +5,8 @@ import threading
 
 import pytest
 
-from planning.domain.foreign_planners import KIN
-from planning.search.planners import planner_names
+from planning.domain.planner.foreign_planners import KIN
+from planning.search.ompl.planner_list import planner_names
 
 MAZE = {
     "robots": [{"name": "body", "model": "planar_l", "positions": [-0.35, -0.3, 0]}],

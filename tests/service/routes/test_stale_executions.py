@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from planning.domain import rotation
+from planning.domain.geometry import rotation
 from service.client.events import decode_events
 
 ARM = {"name": "free", "robots": [{"name": "arm", "model": "ur5e", "positions": "home"}]}

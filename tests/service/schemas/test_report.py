@@ -4,7 +4,10 @@ import dataclasses
 
 import pytest
 
-from planning.domain import certificate, funnel, report, robustness, search_report, stop_report
+from planning.domain.goals import funnel
+from planning.domain.report import certificate, search_report, stop_report
+from planning.domain.report import stage_reports as report
+from planning.domain.request import robustness
 from service.schemas import funnel as funnel_wire
 from service.schemas import report as wire
 from service.schemas import result

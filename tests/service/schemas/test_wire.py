@@ -8,7 +8,7 @@ import pytest
 from pydantic import BaseModel, TypeAdapter, ValidationError
 
 import service.app
-from planning.world.strict import Strictest
+from planning.world.documents.strict_model import StrictModel
 from service.schemas.search import CarWire
 from service.schemas.wire import Wire
 
@@ -26,7 +26,7 @@ def booleans() -> dict[str, TypeAdapter]:
     """Return the fields of all bodies that may be booleans and nothing else."""
     fields = {
         f"{model.__name__}.{name}": TypeAdapter(field.rebuild_annotation())
-        for base in (Wire, Strictest)
+        for base in (Wire, StrictModel)
         for model in descendants(base)
         for name, field in model.model_fields.items()
     }

@@ -2,7 +2,7 @@
 
 import pytest
 
-from planning.domain.plan import Progress
+from planning.domain.report.motion_plan import Progress
 from service.tasks.stage_log import StageLog
 from tests.clocks import FakeClock
 

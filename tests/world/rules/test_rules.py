@@ -9,7 +9,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import planning
-from planning.domain.constraint import (
+from planning.domain.geometry.pose import Pose
+from planning.domain.request.constraint import (
     DistanceBand,
     KeepIn,
     KeepOut,
@@ -17,9 +18,8 @@ from planning.domain.constraint import (
     PathConstraint,
     PlacedBox,
 )
-from planning.domain.pose import Pose
-from planning.world.rules.body_pairs import banded_pairs, moved_bodies
-from planning.world.rules.path_rules import PathRules
+from planning.world.constraints.body_pairs import banded_pairs, moved_bodies
+from planning.world.constraints.path_constraints import PathConstraints
 from planning.world.world import World
 from tests.conftest import bundled_world
 from tests.profiles import num_cases, seeds
@@ -28,9 +28,9 @@ TCP = "arm::tcp"
 BAND = DistanceBand(None, None, 0.01, 0.05)
 
 
-def rules_of(world: World, group: str, *constraints: PathConstraint) -> PathRules:
+def rules_of(world: World, group: str, *constraints: PathConstraint) -> PathConstraints:
     joints = world.group(group)
-    return PathRules.compiled(world, joints, constraints, world.positions(joints))
+    return PathConstraints.compiled(world, joints, constraints, world.positions(joints))
 
 
 @cache
@@ -73,7 +73,7 @@ objects: [{name: ball, shape: {sphere: 0.1}, pose: {position: [0.0, 0.2, 0.03]}}
     for world in (with_kernel, without):
         joints = world.group("body")
         free = world.collision_oracle(joints, world.margins()).are_free(qs)
-        rules = PathRules.compiled(world, joints, (BAND,), qs[0])
+        rules = PathConstraints.compiled(world, joints, (BAND,), qs[0])
         answers.append(free & rules.are_kept(qs))
     np.testing.assert_array_equal(*answers)
     assert 10 < answers[0].sum() < 290

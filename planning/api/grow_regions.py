@@ -1,0 +1,232 @@
+"""grow_regions(): regions of a group's free configurations, for the planner "GCS"."""
+
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+
+from planning.api.ik import solve_ik
+from planning.domain.curves.path import JointPath
+from planning.domain.geometry.pose import Pose
+from planning.domain.goals.goal import PoseGoal, PoseTarget
+from planning.domain.planner.regions import RegionOptions, Regions
+from planning.domain.report.motion_plan import Progress, ignore_progress
+from planning.domain.request.deadline import Deadline
+from planning.domain.request.options import IkOptions, SearchOptions
+from planning.domain.request.region_request import require_convex, require_one_turn
+from planning.domain.robot.joints import JointGroup, JointLimits, JointType
+from planning.domain.robot.manifold import Manifold
+from planning.domain.robot.steering import steering_of
+from planning.errors import (
+    DeadlineExceeded,
+    GoalInCollision,
+    GoalOutOfLimits,
+    GoalTooNear,
+    GoalUnreachable,
+    NoPathFound,
+    ProblemInvalid,
+    UnknownName,
+)
+from planning.regions.grow import GrowRequest, Growth, grow
+from planning.search.request import SearchTask
+from planning.search.solver import search
+from planning.world.world import CollisionJudge, World
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
+
+# Between two configurations of a path that get a region if no other holds them [rad or m].
+_STRIDE = 0.1
+# Share of the time that is left for finding one path.
+_PATH_SHARE = 0.1
+# Why a frame of the scene is left out.
+_NO_GOAL = (GoalInCollision, GoalTooNear, GoalUnreachable, GoalOutOfLimits, DeadlineExceeded)
+
+
+def grow_regions(
+    world: World,
+    group: str,
+    *,
+    deadline: Deadline,
+    options: RegionOptions | None = None,
+    seed: int = 0,
+    on_progress: Callable[[Progress], None] = ignore_progress,
+) -> Regions:
+    """Grow convex regions of free configurations; when time is up, return what there is.
+
+    The same arguments give the same bytes, as long as the deadline cuts nothing. A region is free
+    in so far as random configurations of it were (see `Region`); what is planned inside is
+    certified like everything.
+
+    Args:
+        world: The scene, loaded.
+        group: `robot` or `robot::group`.
+        deadline: When to stop; also asked whether anybody still wants the answer.
+        options: How many, and where.
+        seed: Of all randomness.
+        on_progress: Told of every region.
+
+    Raises:
+        UnknownName: There is no such group, or it has no such position coordinate.
+        ProblemInvalid: The group has a joint that floats or is steered, or a coordinate that
+            nothing bounds, or an option makes no sense.
+        Canceled: The end was asked for.
+    """
+    joints, chosen = world.group(group), options or RegionOptions()
+    _require_sense(chosen)
+    lower, upper = domain_of(world, joints, chosen)
+    margins = world.margins(chosen.margin, chosen.padding)
+    judge = world.collision_oracle(joints, margins)
+    limits = replace(world.limits(joints), lower=lower, upper=upper)
+    on_progress(Progress("regions", 0.0, "looking for paths"))
+    paths = (
+        [] if chosen.along == "nothing" else list(_paths(world, joints, limits, judge, deadline))
+    )
+    request = GrowRequest(judge, lower, upper, paths, chosen, seed)
+
+    def tell(growth: Growth) -> None:
+        count = len(growth.regions)
+        share = max(count / chosen.num_regions, growth.coverage / chosen.coverage)
+        detail = f"{count} regions cover {growth.coverage:.1%} of what is free"
+        on_progress(Progress("regions", min(0.99, 0.05 + 0.94 * share), detail))
+
+    growth = grow(request, deadline, tell)
+    return Regions(
+        scene=world.digest,
+        group=joints.name,
+        margin=world.margins(chosen.margin).default,
+        seed=seed,
+        lower=lower,
+        upper=upper,
+        regions=tuple(growth.regions),
+        portals=tuple(growth.portals),
+        coverage=growth.coverage,
+        coverage_error=growth.coverage_error,
+        stopped_by=growth.stopped_by,
+    )
+
+
+def domain_of(world: World, group: JointGroup, options: RegionOptions) -> tuple[Array, Array]:
+    """Return the box of configurations in which regions are grown.
+
+    It is what the limits and the options' bounds allow, and of angles that may turn further one
+    turn around 0: all postures are in it, and motions that never cross half a turn. Where whole
+    turns count, as something follows by less, it is all that is allowed.
+
+    Raises:
+        ProblemInvalid: The group has a joint that floats or is steered, or nothing bounds a
+            coordinate, or the bounds of one are wider than a turn.
+        UnknownName: The group has no coordinate that the bounds name.
+    """
+    kinds = {joint.name: joint.type for joint in group.joints}
+    require_convex(kinds, steering_of(group), "group")
+    require_one_turn(group.joints, options.bounds)
+    limits = world.limits(group)
+    lower, upper = np.array(limits.lower), np.array(limits.upper)
+    turns = np.array([
+        _turns(joint.type, k) and joint.name not in group.winding
+        for joint in group.joints
+        for k in range(joint.num_positions)
+    ])
+    is_wide = turns & (upper - lower > 2 * np.pi)
+    lower, upper = np.where(is_wide, -np.pi, lower), np.where(is_wide, np.pi, upper)
+    for name, (low, high) in options.bounds.items():
+        if name not in group.position_names:
+            raise UnknownName.among("position", name, group.position_names)
+        k = group.position_names.index(name)
+        lower[k], upper[k] = max(low, limits.lower[k]), min(high, limits.upper[k])
+    for k, name in enumerate(group.position_names):
+        if not (np.isfinite([lower[k], upper[k]]).all() and lower[k] < upper[k]):
+            raise _no_interval(name, options, float(limits.lower[k]), float(limits.upper[k]))
+    return lower, upper
+
+
+def _no_interval(name: str, options: RegionOptions, low: float, high: float) -> ProblemInvalid:
+    """Return the error of a coordinate whose limits and bounds, if any, leave none to grow in."""
+    evidence: dict[str, Any] = {"field": f"bounds.{name}"}
+    limits = f"limits [{low:g}, {high:g}]"
+    given = options.bounds.get(name)
+    if given is None:
+        message = f"regions need a bounded interval of {name}; its {limits} are none: give `bounds`"
+    else:
+        evidence["bounds"] = list(given)
+        message = (
+            f"regions need a bounded interval of {name}; its bounds [{given[0]:g}, {given[1]:g}] "
+            f"and its {limits} have none in common"
+        )
+    return ProblemInvalid(message, evidence)
+
+
+def _turns(kind: JointType, coordinate: int) -> bool:
+    """Whether a position coordinate is an angle."""
+    is_yaw = kind is JointType.PLANAR and coordinate == 2
+    return is_yaw or kind in {JointType.REVOLUTE, JointType.CONTINUOUS}
+
+
+def _require_sense(options: RegionOptions) -> None:
+    faults = {
+        "num_regions": options.num_regions < 1,
+        "coverage": not 0 < options.coverage <= 1,
+        "num_free": options.num_free < 1,
+        "iterations": options.iterations < 1,
+        "padding": not options.padding >= 0,
+        "margin": options.margin is not None and not options.margin >= 0,
+    }
+    for field, is_fault in faults.items():
+        if is_fault:
+            raise ProblemInvalid(f"{field} of the regions makes no sense", {"field": field})
+
+
+def _paths(
+    world: World, group: JointGroup, limits: JointLimits, judge: CollisionJudge, deadline: Deadline
+) -> Iterator[Array]:
+    """Yield paths from the scene's state to what it names, each shape (n, nq).
+
+    Where there is no path, or nothing starts at the state, what is named comes by itself.
+    """
+    places = [q for q in _places(world, group, deadline) if judge.is_free(q)]
+    inside = [q for q in places if ((limits.lower <= q) & (q <= limits.upper)).all()]
+    manifold = Manifold(group.joints)
+    for q in inside[1:]:
+        task = SearchTask(inside[0], q[None], SearchOptions(), 0.05, 0.0, 0)
+        try:
+            found = search(group, limits, judge, task, deadline.share(_PATH_SHARE)).path
+        except (NoPathFound, DeadlineExceeded):
+            yield q[None]
+            continue
+        along = _sampled(found.continuous, manifold)
+        yield along[((limits.lower <= along) & (along <= limits.upper)).all(axis=1)]
+    if len(inside) == 1:
+        yield inside[0][None]
+
+
+def _places(world: World, group: JointGroup, deadline: Deadline) -> Iterator[Array]:
+    """Yield the scene's state, the named configurations, and one for each of the scene's frames."""
+    yield np.array(world.positions(group))
+    yield from (np.array(q) for q in world.configurations(group).values())
+    if not group.tool_frames:
+        return
+    exact = np.zeros(3)
+    for frame in world.scene.frames:
+        goal = PoseGoal((PoseTarget(Pose.identity(), frame.name),), "", exact, exact)
+        try:
+            found = solve_ik(
+                world,
+                group.name,
+                goal,
+                deadline=deadline.share(_PATH_SHARE),
+                options=IkOptions(max_configurations=8),
+            )
+        except _NO_GOAL:
+            continue
+        yield np.array(found.positions[0])
+
+
+def _sampled(path: JointPath, manifold: Manifold) -> Array:
+    """Return configurations along a path, both ends included."""
+    rows = [path.waypoints[:1]]
+    for q0, q1 in pairwise(path.waypoints):
+        count = max(1, int(np.ceil(float(manifold.distance(q1, q0)) / _STRIDE)))
+        rows.append(manifold.interpolate(q0, q1, np.arange(1, count + 1) / count))
+    return np.concatenate(rows)

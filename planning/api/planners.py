@@ -1,0 +1,10 @@
+"""list_planners(): everybody whom a search may name."""
+
+from planning.domain.planner.planner_card import PlannerCard
+from planning.pipeline.region_guide import GCS_CARD
+from planning.search.ompl.planner_list import ompl_cards
+
+
+def list_planners() -> tuple[PlannerCard, ...]:
+    """Return all planners with their parameters, sorted by name: OMPL's, and GCS."""
+    return tuple(sorted((GCS_CARD, *ompl_cards()), key=lambda card: card.name))

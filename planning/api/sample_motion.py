@@ -1,0 +1,149 @@
+"""sample_motion(): the samples of a proven motion, and which receivers may trust them."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from planning.api.certify_trajectory import require_joints
+from planning.certify.intervals.hermite_errors import HermiteErrors
+from planning.certify.request import CertifyRequest
+from planning.certify.samples.interpolants import KINDS, prove_interpolants
+from planning.domain.curves.curve import TimedTrajectory
+from planning.domain.curves.interpolation_proof import InterpolationProof
+from planning.domain.curves.sampling import SampledTrajectory, Sampling, sampled
+from planning.domain.report.motion_plan import PlanPart
+from planning.domain.request.constraint import PathConstraint
+from planning.domain.request.deadline import Deadline
+from planning.domain.request.options import RetimeOptions
+from planning.domain.request.problem import PlanningProblem
+from planning.domain.value import Value
+from planning.pipeline.certification import certify_request
+from planning.pipeline.segment_lines import part_lines
+from planning.pipeline.timing_options import validate_timing
+from planning.search.space_options import resolve_space
+from planning.world.constraints.validate_constraints import validate_constraints
+from planning.world.world import World
+
+
+@dataclass(frozen=True, eq=False)
+class ProvenSamples(Value):
+    """Samples, and what is proven of them.
+
+    Attributes:
+        samples: Of the motion.
+        interpolations: A verdict on each of what receivers may make of them.
+    """
+
+    samples: SampledTrajectory
+    interpolations: tuple[InterpolationProof, ...]
+
+
+def sample_motion(  # noqa: PLR0913  (a question in full)
+    world: World,
+    group: str,
+    trajectory: TimedTrajectory,
+    sampling: Sampling,
+    *,
+    deadline: Deadline,
+    options: RetimeOptions | None = None,
+    clearance: float = -np.inf,
+    margin: float | None = None,
+    constraints: tuple[PathConstraint, ...] = (),
+    origin: Any = None,
+) -> ProvenSamples:
+    """Return samples of a motion that is proven, and whether each interpolation of them is.
+
+    Args:
+        world: The scene, loaded.
+        group: What moves.
+        trajectory: The motion.
+        sampling: At which instants.
+        deadline: When to stop proving; what is not proven by then is told as not proven.
+        options: Limits that it was proven to keep; `method` says whether jerk is one of them.
+        clearance: What no distance is below along the motion, as its certificate says
+            [m]; by default unknown, which takes longer.
+        margin: Distance that it keeps [m]; None for the scene's.
+        constraints: What it keeps.
+        origin: Where the motion began that it goes on from, shape (nq,); None if it begins at rest.
+
+    Raises:
+        UnknownName: There is no such group, body, frame or joint.
+        ProblemInvalid: The trajectory is of other joints, or a limit makes no sense.
+        Canceled: The caller canceled.
+    """
+    joints = world.group(group)
+    require_joints(joints, trajectory, "trajectory")
+    validate_constraints(world, joints, constraints)
+    begin = trajectory.start if origin is None else origin
+    timing = validate_timing(world, joints, options or RetimeOptions(), begin, within="")
+    request = replace(
+        certify_request(world, joints, trajectory, timing, world.margins(margin)),
+        constraints=constraints,
+        origin=origin,
+    )
+    return _sampled(world, request, sampling, clearance, deadline)
+
+
+def sample_plan(  # noqa: PLR0913  (a question in full)
+    world: World,
+    problem: PlanningProblem,
+    trajectory: TimedTrajectory,
+    parts: Sequence[PlanPart],
+    sampling: Sampling,
+    *,
+    deadline: Deadline,
+    clearance: float = -np.inf,
+) -> ProvenSamples:
+    """Return the same of a plan's motion, or of that slowed down.
+
+    Args:
+        world: The scene, loaded.
+        problem: What the motion solves.
+        trajectory: The motion.
+        parts: What it is made of.
+        sampling: At which instants.
+        deadline: When to stop proving; what is not proven by then is told as not proven.
+        clearance: As in `sample_motion`.
+
+    Raises:
+        UnknownName: The scene has no such group.
+        ProblemInvalid: The problem's cars or limits make no sense in this scene, or the trajectory
+            is of other joints.
+        Canceled: The caller canceled.
+    """
+    group = resolve_space(world.group(problem.group), problem.search.spaces)
+    require_joints(group, trajectory, "trajectory")
+    options = validate_timing(world, group, problem.retime, trajectory.start)
+    request = replace(
+        certify_request(world, group, trajectory, options, world.margins(problem.margin)),
+        constraints=problem.constraints,
+        lines=part_lines(world, group, problem, trajectory, parts),
+        options=problem.certify,
+    )
+    return _sampled(world, request, sampling, clearance, deadline)
+
+
+def _sampled(
+    world: World, asked: CertifyRequest, sampling: Sampling, clearance: float, deadline: Deadline
+) -> ProvenSamples:
+    # The very joints of the group: what is the same thing need not be compared by content.
+    trajectory = replace(asked.trajectory, joints=asked.group.joints)
+    request = replace(asked, trajectory=trajectory)
+    limits = request.limits.per_coordinate(request.limits.acceleration)
+    errors = HermiteErrors.of(request)
+    gaps = None if errors is None else errors.gaps("quintic")
+    samples = sampled(trajectory, sampling, limits, gaps)
+    proofs = prove_interpolants(world.drake, request, samples, clearance, deadline, errors)
+    return ProvenSamples(samples, proofs)
+
+
+def unproven_samples(trajectory: TimedTrajectory, sampling: Sampling, reason: str) -> ProvenSamples:
+    """Return samples of which nothing is proven, and why, where there is no scene to ask."""
+    nowhere = np.full(trajectory.manifold.num_velocities, np.inf)
+    proofs = tuple(
+        InterpolationProof(kind, proven=False, deviation=np.inf, up_to_period=None, reason=reason)
+        for kind in KINDS
+    )
+    return ProvenSamples(sampled(trajectory, sampling, nowhere), proofs)

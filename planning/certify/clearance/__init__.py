@@ -1,0 +1,1 @@
+"""That bodies keep their distances between samples too."""

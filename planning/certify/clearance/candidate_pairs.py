@@ -1,0 +1,85 @@
+"""Pairs of collision shapes that may collide, and what is demanded of each."""
+
+from dataclasses import dataclass
+from weakref import WeakKeyDictionary
+
+import numpy as np
+from jaxtyping import Bool, Float64, Int
+from pydrake.geometry import GeometryId
+
+from planning.certify.clearance.collision_shapes import CollisionShapes, collision_shapes
+from planning.certify.clearance.motion_bounds import MotionBounds
+from planning.world.collision.margins import PairMargins
+from planning.world.collision.shape_pairs import Candidates, candidates_of
+from planning.world.collision.static_objects import StaticObjects
+from planning.world.drake_model import DrakeModel
+
+type Ids = tuple[GeometryId, GeometryId]
+
+
+@dataclass(frozen=True)
+class Geometry:
+    """What is read of a model once; holds no reference to it.
+
+    Attributes:
+        shapes: All collision shapes.
+        candidates: Pairs of them that no filter excludes, in a fixed order.
+    """
+
+    shapes: CollisionShapes
+    candidates: Candidates
+
+
+_read: WeakKeyDictionary[StaticObjects, Geometry] = WeakKeyDictionary()
+
+
+def geometry_of(model: DrakeModel) -> Geometry:
+    """Return the model's collision geometry, reading it the first time only.
+
+    Raises:
+        ModelInvalid: A shape of a kind that cannot be certified.
+    """
+    found = _read.get(model.standing)
+    if found is None:
+        found = _read[model.standing] = Geometry(collision_shapes(model), candidates_of(model))
+    return found
+
+
+@dataclass(frozen=True)
+class CandidatePairs:
+    """Pairs of shapes, a row each.
+
+    Attributes:
+        ids: Drake's names of both shapes.
+        rows: Their rows in `CollisionShapes`, shape (n, 2).
+        names: Full names of their bodies.
+        margins: The distance demanded [m], shape (n,).
+        is_moved: Whether the group moves one relative to the other, shape (n,).
+        index: Row by Drake's names, in either order.
+    """
+
+    ids: tuple[Ids, ...]
+    rows: Int[np.ndarray, "n 2"]
+    names: tuple[tuple[str, str], ...]
+    margins: Float64[np.ndarray, " n"]
+    is_moved: Bool[np.ndarray, " n"]
+    index: dict[Ids, int]
+
+
+def candidate_pairs(
+    geometry: Geometry, bounds: MotionBounds, margins: PairMargins
+) -> CandidatePairs:
+    """Return all pairs of a model, with what one group and one set of margins make of them."""
+    bodies, candidates = geometry.shapes.bodies, geometry.candidates
+    names, rows = candidates.pair_names, candidates.rows
+    demanded = {pair: margins.of(*pair) for pair in set(names)}
+    moved = [bounds.chains[a] != bounds.chains[b] for a, b in bodies[rows].tolist()]
+    index = {pair: i for i, pair in enumerate(candidates.pairs)}
+    return CandidatePairs(
+        ids=candidates.pairs,
+        rows=rows,
+        names=names,
+        margins=np.array([demanded[pair] for pair in names], dtype=np.float64),
+        is_moved=np.array(moved, dtype=bool),
+        index=index | {(b, a): i for (a, b), i in index.items()},
+    )

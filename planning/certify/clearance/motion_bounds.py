@@ -1,0 +1,217 @@
+"""How far the points of each collision shape can move while joints move by known amounts.
+
+Let joint k turn by at most a_k and shift by at most d_k from the reference instant t_m, and let
+y(t) be a point of a shape in the joint's child frame, within m_{k+1} of y(t_m). In the parent frame
+it is R(t) y(t) + p(t), and
+
+    R(t) y(t) - R(t_m) y(t_m) = R(t) (y(t) - y(t_m)) + (R(t) - R(t_m)) y(t_m),
+
+so it stays within m_k = m_{k+1} + 2 sin(a_k / 2) rho_k + d_k of where it was, where rho_k is the
+largest distance of the shape's points at t_m from the joint's axis (from its origin, if it turns
+about any axis): a chord of a circle of radius rho_k. Summing from the tip to the common ancestor of
+two shapes bounds how far each moves relative to it, and the sum of both how much nearer they come.
+This is the bound of Schwarzer, Saha, Latombe, "Adaptive dynamic collision checking for single and
+multiple articulated robots" (IEEE T-RO 21:3, 2005), with lever arms taken at the present
+configuration instead of the worst one; the first term above, rotated by R(t) as a whole, is why no
+product of a_k and m_{k+1} is needed. The argument holds as well for a joint that Drake runs from
+child to parent: the inverse transform turns about the same axis by the same angle. So it holds in
+the frame of a half space that a chain carries: there the other shape moves, by that chain run
+backwards and then its own, and the lever arms of both are those of its points, where those of the
+half space would have no end.
+"""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float64
+from pydrake.multibody.tree import (
+    PlanarJoint,
+    PrismaticJoint,
+    QuaternionFloatingJoint,
+    RevoluteJoint,
+)
+
+from planning.certify.clearance.collision_shapes import CollisionShapes
+from planning.domain.robot.joints import JointGroup, JointType
+from planning.errors import ModelInvalid
+from planning.world.drake_model import DrakeModel
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
+
+
+# In what a joint can be off: in turn, in shift.
+_ERRORS = {
+    JointType.REVOLUTE: (1.0, 0.0),
+    JointType.CONTINUOUS: (1.0, 0.0),
+    JointType.PRISMATIC: (0.0, 1.0),
+    JointType.PLANAR: (1.0, 1.0),
+    JointType.FLOATING: (1.0, 1.0),
+}
+
+
+@dataclass(frozen=True)
+class MovingJoint:
+    """A joint that moves with the group: one of its own, or one that follows one of its own.
+
+    Attributes:
+        joint: Drake's.
+        member: Which joint of the group moves it.
+        scale: Its displacement over that of the member, not negative.
+    """
+
+    joint: Any
+    member: int
+    scale: float
+
+
+class MotionBounds:
+    """Bounds on the motion of one group of one model."""
+
+    def __init__(self, model: DrakeModel, group: JointGroup, shapes: CollisionShapes) -> None:
+        """Read the tree; nothing here depends on a configuration.
+
+        Raises:
+            ModelInvalid: A joint moves in a way that cannot be bounded here.
+        """
+        self._shapes = shapes
+        self._joints = moving_joints(model, group)
+        self.chains = joint_chains(model, self._joints)
+        self.carries = np.array(
+            [[k in self.chains[body] for k in range(len(self._joints))] for body in shapes.bodies],
+            dtype=bool,
+        ).reshape(len(shapes.bodies), len(self._joints))
+        offsets = [m.joint.frame_on_child().GetFixedPoseInBodyFrame() for m in self._joints]
+        axes = [_axis(m.joint) for m in self._joints]
+        self._p_bm = np.array([x.translation() for x in offsets]).reshape(-1, 3)
+        self._axes_B = np.array([
+            x.rotation().matrix() @ axis for x, axis in zip(offsets, axes, strict=True)
+        ]).reshape(-1, 3)
+        self.joint_bodies = np.array(
+            [int(m.joint.child_body().index()) for m in self._joints], dtype=np.intp
+        )
+        self._members = np.array([m.member for m in self._joints], dtype=np.intp)
+        self._to_turn, self._to_shift = _scales(self._joints)
+        self._errors = np.array([_ERRORS[joint.type] for joint in group.joints])
+
+    def reaches(
+        self,
+        R_WB: Float64[np.ndarray, "num_bodies 3 3"],
+        p_wb: Float64[np.ndarray, "num_bodies 3"],
+        turn: Float64[np.ndarray, " num_joints"],
+        shift: Float64[np.ndarray, " num_joints"],
+    ) -> Float64[np.ndarray, "num_shapes num_moving"]:
+        """Return by how much each moving joint moves the points of each shape [m].
+
+        A joint that does not carry a shape moves it in the frame of what it carries.
+
+        Args:
+            R_WB: Orientations of all bodies at the reference instant.
+            p_wb: Their positions [m].
+            turn: Largest rotation of each joint of the group from there [rad].
+            shift: Largest translation of each joint of the group from there [m].
+        """
+        given = np.stack([turn[self._members], shift[self._members]], axis=1)
+        turns = np.einsum("kd,kd->k", self._to_turn, given)
+        shifts = np.einsum("kd,kd->k", self._to_shift, given)
+        chords = 2 * np.sin(np.minimum(turns, np.pi) / 2)
+        arms = self._lever_arms(R_WB, p_wb)
+        turned = np.where(chords > 0, arms, 0.0) * chords
+        return turned + shifts
+
+    def sensitivities(
+        self, R_WB: Float64[np.ndarray, "num_bodies 3 3"], p_wb: Float64[np.ndarray, "num_bodies 3"]
+    ) -> Float64[np.ndarray, "num_shapes num_moving"]:
+        """Return by how much more each joint moves each shape's points per error of it.
+
+        If every joint of the group turns, shifts, or does both, by e more than was said, no entry
+        of `reaches` grows by more than e times this [m per rad or m].
+        """
+        turns = np.einsum("kd,kd->k", self._to_turn, self._errors[self._members])
+        shifts = np.einsum("kd,kd->k", self._to_shift, self._errors[self._members])
+        arms = np.where(turns > 0, self._lever_arms(R_WB, p_wb), 0.0)
+        return arms * turns + shifts
+
+    def _lever_arms(self, R_WB: Array, p_wb: Array) -> Array:
+        """Return the largest distance of each shape's points from each joint's axis or origin."""
+        shapes, own = self._shapes, self.joint_bodies
+        centers = np.einsum("sij,sj->si", R_WB[shapes.bodies], shapes.centers) + p_wb[shapes.bodies]
+        origins = np.einsum("kij,kj->ki", R_WB[own], self._p_bm) + p_wb[own]
+        axes = np.einsum("kij,kj->ki", R_WB[own], self._axes_B)
+        away = centers[:, None, :] - origins[None]
+        along = np.einsum("skx,kx->sk", away, axes)
+        squares = np.einsum("skx,skx->sk", away, away) - along**2
+        return np.sqrt(np.maximum(squares, 0.0)) + shapes.radii[:, None]
+
+
+def moving_joints(model: DrakeModel, group: JointGroup) -> list[MovingJoint]:
+    """Return the group's joints and all that follow them, directly or through others."""
+    plant = model.plant
+    joints = [plant.get_joint(model.joint_indices[joint.name]) for joint in group.joints]
+    moving = [MovingJoint(joint, i, 1.0) for i, joint in enumerate(joints)]
+    found = {m.joint.velocity_start(): m for m in moving}
+    by_start = {plant.get_joint(i).velocity_start(): plant.get_joint(i) for i in _moveable(plant)}
+    for c in model.following(group):
+        source = found[c.leader_velocity]
+        scale = source.scale * abs(c.multiplier)
+        joint = by_start[c.follower_velocity]
+        found[c.follower_velocity] = MovingJoint(joint, source.member, scale)
+    return list(found.values())
+
+
+def _moveable(plant: Any) -> list[Any]:
+    return [i for i in plant.GetJointIndices() if plant.get_joint(i).num_velocities() > 0]
+
+
+def joint_chains(model: DrakeModel, moving: list[MovingJoint]) -> dict[int, frozenset[int]]:
+    """Return, for every body, which moving joints lie between it and the world."""
+    plant = model.plant
+    ordinal = {int(m.joint.index()): k for k, m in enumerate(moving)}
+    links: dict[int, list[tuple[int, int]]] = {}
+    for index in plant.GetJointIndices():
+        joint = plant.get_joint(index)
+        a, b = int(joint.parent_body().index()), int(joint.child_body().index())
+        links.setdefault(a, []).append((b, int(index)))
+        links.setdefault(b, []).append((a, int(index)))
+    world = int(plant.world_body().index())
+    chains = {world: frozenset[int]()}
+    frontier = [world]
+    while frontier:
+        body = frontier.pop()
+        for neighbour, index in links.get(body, []):
+            if neighbour not in chains:
+                here = {ordinal[index]} if index in ordinal else set[int]()
+                chains[neighbour] = chains[body] | here
+                frontier.append(neighbour)
+    return chains
+
+
+def _axis(joint: Any) -> Array:
+    """Return the line that a joint turns about, in its own frame; zero if there is none."""
+    match joint:
+        case RevoluteJoint():
+            return np.array(joint.revolute_axis())
+        case PlanarJoint():
+            return np.array([0.0, 0.0, 1.0])
+        case PrismaticJoint() | QuaternionFloatingJoint():
+            return np.zeros(3)
+        case _:
+            message = f"joint {joint.name()!r} of kind {joint.type_name()!r} cannot be certified"
+            raise ModelInvalid(message, {"joint": joint.name(), "reason": message})
+
+
+def _scales(joints: list[MovingJoint]) -> tuple[Array, Array]:
+    """Return what each joint's turn and shift take from its member's turn and shift.
+
+    A follower takes its leader's displacement as its own, whether either is an angle or a length.
+    """
+    to_turn, to_shift = np.zeros((len(joints), 2)), np.zeros((len(joints), 2))
+    for k, moving in enumerate(joints):
+        match moving.joint:
+            case RevoluteJoint():
+                to_turn[k] = moving.scale
+            case PrismaticJoint():
+                to_shift[k] = moving.scale
+            case _:
+                to_turn[k, 0] = to_shift[k, 1] = moving.scale
+    return to_turn, to_shift

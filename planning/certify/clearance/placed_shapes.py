@@ -1,0 +1,92 @@
+"""Collision shapes where they are now, and slabs between them."""
+
+from typing import Any
+
+import numpy as np
+from pydrake.multibody.tree import BodyIndex
+
+from planning.certify.clearance.collision_shapes import CollisionShapes
+from planning.certify.clearance.motion_bounds import MotionBounds
+from planning.kernel.gjk import CLOSE, GjkResult, separation
+from planning.world.drake_model import DrakeModel
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
+type Indices = np.ndarray[Any, np.dtype[np.intp]]
+
+
+class PlacedShapes:
+    """Shapes at one configuration.
+
+    Attributes:
+        rotations: R_WB of all bodies of interest, shape (num_bodies, 3, 3).
+        positions: p_WB of the same [m], shape (num_bodies, 3).
+    """
+
+    def __init__(self, model: DrakeModel, shapes: CollisionShapes, bounds: MotionBounds) -> None:
+        """Remember which bodies matter, and which of them move; call `place` before all else."""
+        self._plant, self._shapes = model.plant, shapes
+        indices = sorted({*map(int, shapes.bodies), *map(int, bounds.joint_bodies)})
+        bodies = [model.plant.get_body(BodyIndex(i)) for i in indices]
+        self._moving = [body for body in bodies if bounds.chains[int(body.index())]]
+        self._unread = [body for body in bodies if not bounds.chains[int(body.index())]]
+        count = model.plant.num_bodies()
+        self.rotations = np.tile(np.eye(3), (count, 1, 1))
+        self.positions = np.zeros((count, 3))
+
+    def place(self, plant_context: Any) -> None:
+        """Put all shapes where their bodies are; what does not move is read only once."""
+        for body in [*self._moving, *self._unread]:
+            pose = self._plant.EvalBodyPoseInWorld(plant_context, body).GetAsMatrix34()
+            index = int(body.index())
+            self.rotations[index], self.positions[index] = pose[:, :3], pose[:, 3]
+        self._unread = []
+        shapes = self._shapes
+        R_WB, p_wb = self.rotations[shapes.bodies], self.positions[shapes.bodies]
+        self._R_WG = R_WB @ shapes.R_BG
+        self._p_wg = (R_WB @ shapes.p_bg[:, :, None])[:, :, 0] + p_wb
+        self._centers = (R_WB @ shapes.centers[:, :, None])[:, :, 0] + p_wb
+
+    def sphere_gaps(self, a: Indices, b: Indices) -> Array:
+        """Return the distances of bounding spheres [m]; half spaces have none, so -inf."""
+        between = self._centers[a] - self._centers[b]
+        return np.sqrt((between**2).sum(axis=1)) - self._shapes.radii[a] - self._shapes.radii[b]
+
+    def slabs(self, a: Indices, b: Indices, n: Array) -> Array:
+        """Return the widths of the slabs across unit vectors n between shapes b and a ahead [m].
+
+        Where n is not a number, neither is the width bounded: -inf.
+        """
+        widths = -self._reach(a, -n) - self._reach(b, n)
+        return np.where(np.isfinite(widths), widths, -np.inf)
+
+    def best_axes(self, a: Indices, b: Indices) -> Array:
+        """Return the best for a slab of both shapes' axes, towards a, and the lines of centres."""
+        between = self._centers[a] - self._centers[b]
+        axes = [*np.moveaxis(self._R_WG[a], 2, 0), *np.moveaxis(self._R_WG[b], 2, 0)]
+        with np.errstate(invalid="ignore"):
+            lines = [between / np.linalg.norm(between, axis=1)[:, None]]
+        lines += [np.where((axis * between).sum(axis=1)[:, None] < 0, -axis, axis) for axis in axes]
+        count = len(lines)
+        slabs = self.slabs(np.tile(a, count), np.tile(b, count), np.concatenate(lines))
+        best = slabs.reshape(count, len(a)).argmax(axis=0)
+        return np.stack(lines)[best, np.arange(len(a))]
+
+    def separate(self, a: int, b: int, enough: float, *, close: float = CLOSE) -> GjkResult:
+        """Bound the distance of two shapes from both sides [m]; see `separation`."""
+        rotations, positions, shapes = self._R_WG, self._p_wg, self._shapes
+
+        def support(n: Array) -> Array:
+            ahead = shapes.point(a, rotations[a], positions[a], n)
+            return ahead - shapes.point(b, rotations[b], positions[b], -n)
+
+        return separation(support, self._centers[a] - self._centers[b], enough, close)
+
+    def height(self, a: int, b: int) -> float:
+        """Return the height of the lowest point of one shape above the other, a half space [m]."""
+        flat, other = (a, b) if self._shapes.is_half_space[a] else (b, a)
+        up = self._R_WG[flat][:, 2]
+        level = up @ self._p_wg[flat]
+        return float(-self._reach(np.array([other]), -up[None])[0] - level)
+
+    def _reach(self, rows: Indices, n: Array) -> Array:
+        return self._shapes.reach(rows, self._R_WG[rows], self._p_wg[rows], n)

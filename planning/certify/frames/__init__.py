@@ -1,0 +1,1 @@
+"""Where frames are, how fast they move and turn, on whole intervals."""

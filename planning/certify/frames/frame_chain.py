@@ -1,0 +1,259 @@
+"""Bounds on the derivatives of a frame's origin along a trajectory, on whole pieces.
+
+From the world to the frame lie joints k = 1..n, each with a rotation R_k(t), a shift T_k(t) and a
+rigid link l_k behind it: p = sum_k R_1 .. R_k (l_k + T_k), up to fixed turns, which change no
+length. Replace every Taylor coefficient at an instant by a bound on its size that holds on the
+piece (a majorant): a joint that turns by q has R(t + h) = R(t) exp([a] (q(t + h) - q(t))), so
+
+    |p^(m)| / m! <= the coefficient of h^m in  sum_k exp(Q_1 + .. + Q_k) (|l_k| + |T_k|),
+
+with Q_k(h) = sum_m>0 max |q_k^(m)| h^m / m!. Where the axis moves, R = R_0 exp(delta), Q is the
+integral of a majorant of the angular velocity, which `turn_bounds` has.
+
+The same series says what rounding does. Let no q_k^(m) be off by more than e_km. What is computed
+of the frame is then off by no more than the series with |q_k^(m)| + e_km has more than without, the
+constant terms e_k0 included: each power of each difference is a sum of products in which lengths
+count as above. Of a rotation in space J is off by no more than e_0 / 2, and its derivative by no
+more than e_1 / 2 + e_0 |delta'| / 3, both of which factors 1 + e_0 on all sizes make up for.
+"""
+
+from dataclasses import dataclass
+from math import factorial
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float64
+from pydrake.multibody.tree import (
+    PlanarJoint,
+    PrismaticJoint,
+    QuaternionFloatingJoint,
+    RevoluteJoint,
+)
+
+from planning.certify.clearance.motion_bounds import MovingJoint, joint_chains, moving_joints
+from planning.certify.intervals import bernstein
+from planning.certify.intervals.rounding import UNIT, rounding
+from planning.certify.intervals.turn_bounds import turn_bounds
+from planning.certify.request import CertifyRequest
+from planning.errors import ModelInvalid
+from planning.world.drake_model import DrakeModel
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
+
+_ORDER = 4
+_FACTORIALS = np.array([float(factorial(m)) for m in range(_ORDER + 1)])
+# What the rounding of sums and products here, and of kinematics, is less than, as a share.
+_ROUNDED = 64 * UNIT
+
+
+def derivative_bounds(
+    model: DrakeModel, request: CertifyRequest, frame: str
+) -> Float64[np.ndarray, "n 4"]:
+    """Return bounds on |p'|, |p''|, |p'''| and |p''''| of a frame's origin on every piece.
+
+    Raises:
+        ModelInvalid: A joint moves in a way that cannot be bounded here.
+    """
+    return _origin(model, request, frame, 1)[:, 1:]
+
+
+def direction_bounds(
+    model: DrakeModel, request: CertifyRequest, frame: str
+) -> Float64[np.ndarray, "n 4"]:
+    """Return bounds on the first four derivatives of a unit vector that turns with a frame.
+
+    It is R_1 .. R_n u: the same series, with a last link of length 1 and no shifts.
+
+    Raises:
+        ModelInvalid: A joint moves in a way that cannot be bounded here.
+    """
+    return _direction(model, request, frame, 1)[:, 1:]
+
+
+def origin_errors(
+    model: DrakeModel, request: CertifyRequest, frame: str
+) -> Float64[np.ndarray, "n 3"]:
+    """Bound what rounding makes of a frame's origin, its velocity and its acceleration, by piece.
+
+    Raises:
+        ModelInvalid: A joint moves in a way that cannot be bounded here.
+    """
+    return _more([_origin(model, request, frame, times) for times in (1, 2)])[:, :3]
+
+
+def direction_errors(
+    model: DrakeModel, request: CertifyRequest, frame: str
+) -> Float64[np.ndarray, " n"]:
+    """Bound what rounding makes of a unit vector that turns with a frame, on every piece.
+
+    Raises:
+        ModelInvalid: A joint moves in a way that cannot be bounded here.
+    """
+    return _more([_direction(model, request, frame, times) for times in (1, 2)])[:, 0]
+
+
+def _more(bounds: list[Array]) -> Array:
+    """Return by how much the second is more than the first, rounding of both included."""
+    less, more = bounds
+    with np.errstate(invalid="ignore"):
+        return np.nan_to_num(more - less + _ROUNDED * more, nan=np.inf, posinf=np.inf)
+
+
+def _origin(model: DrakeModel, request: CertifyRequest, frame: str, times: int) -> Array:
+    """Bound the origin and its derivatives with what rounding hides taken so many times, (n, 5)."""
+    count = request.trajectory.num_pieces
+    total, turned = np.zeros((count, _ORDER + 1)), np.zeros((count, _ORDER + 1))
+    with np.errstate(over="ignore", invalid="ignore"):
+        for link in _links(model, request, frame):
+            turn, shift = _series(model, request, link.moving, times)
+            turned += turn
+            reach = np.array(shift)
+            reach[:, 0] += link.length
+            total += _product(_exponential(turned), reach)
+    # Not a number is what overflow leaves behind: no bound.
+    return np.where(np.isnan(total), np.inf, total * _FACTORIALS)
+
+
+def _direction(model: DrakeModel, request: CertifyRequest, frame: str, times: int) -> Array:
+    turned = np.zeros((request.trajectory.num_pieces, _ORDER + 1))
+    with np.errstate(over="ignore", invalid="ignore"):
+        for link in _links(model, request, frame):
+            turned += _series(model, request, link.moving, times)[0]
+        total = _exponential(turned) * _FACTORIALS
+    return np.where(np.isnan(total), np.inf, total)
+
+
+@dataclass(frozen=True)
+class _Link:
+    """A joint on the way to the frame, and how far the next one, or the frame, is from it [m]."""
+
+    moving: MovingJoint
+    length: float
+
+
+def _links(model: DrakeModel, request: CertifyRequest, name: str) -> list[_Link]:
+    """Return what lies between the world and a frame, in order."""
+    moving = moving_joints(model, request.group)
+    chains = joint_chains(model, moving)
+    context = model.plant.CreateDefaultContext()
+    full = model.embed(request.group, request.reference, request.state)
+    model.plant.SetPositions(context, full)
+    frame = model.frame(name)
+    ends: list[tuple[int, MovingJoint, Array, Array]] = []
+    for k in chains[int(frame.body().index())]:
+        joint = moving[k].joint
+        near, far = joint.frame_on_parent(), joint.frame_on_child()
+        # Drake may run a joint from the tip to the base.
+        if k not in chains[int(joint.child_body().index())]:
+            near, far = far, near
+        rank = len(chains[int(far.body().index())])
+        places = [np.array(f.CalcPoseInWorld(context).translation()) for f in (near, far)]
+        ends.append((rank, moving[k], places[0], places[1]))
+    ends.sort(key=lambda entry: entry[0])
+    tip = np.array(frame.CalcPoseInWorld(context).translation())
+    # Without a joint in between the frame does not move, however far away it is.
+    nexts = [near for _, _, near, _ in ends[1:]] + [tip] * bool(ends)
+    return [
+        _Link(joint, float(np.linalg.norm(there - far)))
+        for (_, joint, _, far), there in zip(ends, nexts, strict=True)
+    ]
+
+
+def _series(
+    model: DrakeModel, request: CertifyRequest, moving: MovingJoint, times: int
+) -> tuple[Array, Array]:
+    """Return majorants of a joint's turn, without constant, and of its shift, shape (n, 5).
+
+    The constant of the turn is what rounding hides, but for the first time.
+    """
+    nothing = np.zeros((request.trajectory.num_pieces, _ORDER + 1))
+    sizes = _sizes(request, moving, times)
+    joint = moving.joint
+    match joint:
+        case RevoluteJoint():
+            return _about_axis(*sizes[0]), nothing
+        case PrismaticJoint():
+            return nothing, _placed(sizes[0][0], _shifts(model, request, joint, 0))
+        case PlanarJoint():
+            return _about_axis(*sizes[1]), _placed(
+                sizes[0][0], _shifts(model, request, joint, 0, 2)
+            )
+        case QuaternionFloatingJoint():
+            return _turn(*sizes[0]), _placed(sizes[1][0], _shifts(model, request, joint, 4, 7))
+        case _:
+            message = f"joint {joint.name()!r} of kind {joint.type_name()!r} cannot be certified"
+            raise ModelInvalid(message, {"joint": joint.name(), "reason": message})
+
+
+def _sizes(request: CertifyRequest, moving: MovingJoint, times: int) -> list[tuple[Array, Array]]:
+    """Return majorants of the member's blocks, |c^(m)| / m! on every piece, each shape (n, 5).
+
+    The constant is how far the block is from where the piece begins. What rounding hides is added
+    so many times; what it hides of the block itself, but for the first time, comes besides (n,).
+    """
+    curve, widths = request.trajectory, np.diff(request.trajectory.breaks)
+    joints = request.group.joints
+    begin = sum(joint.num_velocities for joint in joints[: moving.member])
+    member = joints[moving.member]
+    found: list[tuple[Array, Array]] = []
+    for _, indices in member.blocks:
+        columns = [begin + i for i in indices]
+        coefficients = curve.coefficients[:, :, columns]
+        series, hidden = np.empty((2, curve.num_pieces, _ORDER + 1))
+        for m in range(_ORDER + 1):
+            form = bernstein.from_power(bernstein.derivative(coefficients, m), widths)
+            off = rounding(np.abs(form).max(axis=1), coefficients, widths, m)
+            hidden[:, m] = np.linalg.norm(off, axis=1)
+            if m == 0:
+                form = form - form[:, :1]
+            series[:, m] = np.linalg.norm(form, axis=2).max(axis=1)
+        series = moving.scale * (series + times * hidden) / _FACTORIALS
+        found.append((series, moving.scale * (times - 1) * hidden[:, 0]))
+    return found
+
+
+def _shifts(
+    model: DrakeModel, request: CertifyRequest, joint: Any, first: int, last: int = 1
+) -> Array:
+    """Return how far a joint is shifted where each piece begins [m], shape (n,)."""
+    q = request.trajectory.positions(request.trajectory.breaks[:-1])
+    full = model.embed(request.group, q, request.state)
+    begin = joint.position_start()
+    return np.linalg.norm(full[:, begin + first : begin + last], axis=1)
+
+
+def _placed(sizes: Array, shifts: Array) -> Array:
+    placed = np.array(sizes)
+    placed[:, 0] += shifts
+    return placed
+
+
+def _about_axis(series: Array, constant: Array) -> Array:
+    found = np.array(series)
+    found[:, 0] = constant
+    return found
+
+
+def _turn(sizes: Array, constant: Array) -> Array:
+    """Return the majorant of a turn in space from that of its tangent."""
+    rates = turn_bounds((sizes * _FACTORIALS)[:, 1:].T * (1 + constant))
+    return np.column_stack([constant, rates.T]) / _FACTORIALS
+
+
+def _exponential(series: Array) -> Array:
+    """Return exp of series."""
+    powers = _about_axis(series, np.zeros(len(series)))
+    total = term = np.zeros_like(series)
+    total[:, 0] = 1.0
+    for j in range(1, _ORDER + 1):
+        term = _product(term, powers) / j
+        total = total + term
+    return total * np.exp(series[:, :1])
+
+
+def _product(a: Array, b: Array) -> Array:
+    """Return products of series, cut off behind the last coefficient."""
+    product = np.zeros_like(a)
+    for i in range(_ORDER + 1):
+        product[:, i:] += a[:, i : i + 1] * b[:, : _ORDER + 1 - i]
+    return product

@@ -1,0 +1,60 @@
+"""Where a frame is: at the request's reference, and at instants of its trajectory."""
+
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float64
+
+from planning.certify.request import CertifyRequest
+from planning.domain.request.deadline import Deadline
+from planning.world.drake_model import DrakeModel
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
+
+_AT_ONCE = 256
+
+
+class FramePoses:
+    """One frame along one trajectory, by Drake in a context of its own."""
+
+    def __init__(self, model: DrakeModel, request: CertifyRequest, name: str) -> None:
+        """Prepare; the frame exists."""
+        self._model, self._request = model, request
+        self._frame = model.frame(name)
+        self._context: Any = model.plant.CreateDefaultContext()
+
+    def at_reference(self) -> Float64[np.ndarray, "4 4"]:
+        """Return X_WF where the group is at the request's reference."""
+        return self._of(self._request.reference[None])[0]
+
+    def at(
+        self, pieces: Any, local: Float64[np.ndarray, " n"], deadline: Deadline
+    ) -> Float64[np.ndarray, "n 4 4"]:
+        """Return X_WF at places in given pieces, also where two pieces meet.
+
+        Args:
+            pieces: Which piece each place is on, shape (n,).
+            local: When, since the piece began [s].
+            deadline: When to stop.
+
+        Raises:
+            DeadlineExceeded: Time ran out.
+            Canceled: The caller canceled.
+        """
+        curve = self._request.trajectory
+        powers = local[:, None] ** np.arange(curve.coefficients.shape[1])
+        tangents = np.einsum("nk,nkv->nv", powers, curve.coefficients[pieces])
+        q = curve.manifold.plus(curve.bases[pieces], tangents)
+        found: list[Array] = []
+        for begin in range(0, len(q), _AT_ONCE):
+            deadline.check("certify")
+            found.append(self._of(q[begin : begin + _AT_ONCE]))
+        return np.concatenate(found) if found else np.zeros((0, 4, 4))
+
+    def _of(self, qs: Array) -> Array:
+        plant, context, frame = self._model.plant, self._context, self._frame
+        poses = np.empty((len(qs), 4, 4))
+        for i, q in enumerate(self._model.embed(self._request.group, qs, self._request.state)):
+            plant.SetPositions(context, q)
+            poses[i] = frame.CalcPoseInWorld(context).GetAsMatrix4()
+        return poses

@@ -1,0 +1,124 @@
+"""Where a frame's origin is at instants of a trajectory, how fast, and how that changes."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float64
+from pydrake.multibody.tree import JacobianWrtVariable
+
+from planning.certify.request import CertifyRequest
+from planning.domain.curves.curve import TimedTrajectory, derivative
+from planning.domain.request.deadline import Deadline
+from planning.world.drake_model import DrakeModel
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
+
+_AT_ONCE = 256
+
+
+@dataclass(frozen=True)
+class FrameMotion:
+    """A frame's origin at some instants, in world.
+
+    Attributes:
+        position: [m], shape (n, 3).
+        velocity: [m/s], shape (n, 3).
+        acceleration: [m/s^2], shape (n, 3).
+    """
+
+    position: Float64[np.ndarray, "n 3"]
+    velocity: Float64[np.ndarray, "n 3"]
+    acceleration: Float64[np.ndarray, "n 3"]
+
+    def __getitem__(self, rows: Any) -> "FrameMotion":
+        """Return some of the rows."""
+        return FrameMotion(self.position[rows], self.velocity[rows], self.acceleration[rows])
+
+    def interleaved(self, other: "FrameMotion") -> "FrameMotion":
+        """Return the rows of both, in turn."""
+        return FrameMotion(
+            *(
+                np.stack([mine, its], axis=1).reshape(-1, 3)
+                for mine, its in zip(self.parts, other.parts, strict=True)
+            )
+        )
+
+    @property
+    def parts(self) -> tuple[Array, Array, Array]:
+        """All three."""
+        return self.position, self.velocity, self.acceleration
+
+
+class FrameStates:
+    """One frame along one trajectory, by Drake in a context of its own."""
+
+    def __init__(self, model: DrakeModel, request: CertifyRequest, frame: str) -> None:
+        """Prepare; the frame exists."""
+        self._model, self._request, self._plant = model, request, model.plant
+        self._frame = model.frame(frame)
+        self._context: Any = model.plant.CreateDefaultContext()
+        self._columns = model.velocity_indices(request.group)
+
+    def at(self, pieces: Any, local: Float64[np.ndarray, " n"], deadline: Deadline) -> FrameMotion:
+        """Look at places in given pieces, also where two pieces meet.
+
+        Args:
+            pieces: Which piece each place is on, shape (n,).
+            local: When, since the piece began [s].
+            deadline: When to stop.
+
+        Raises:
+            DeadlineExceeded: Time ran out.
+            Canceled: The end was asked for.
+        """
+        request, model = self._request, self._model
+        q, v, vdot = _joint_states(request.trajectory, pieces, local)
+        full = model.embed(request.group, q, request.state)
+        rates = [self._followed(x) for x in (v, vdot)]
+        found = np.empty((3, len(local), 3))
+        for i in range(len(local)):
+            if i % _AT_ONCE == 0:
+                deadline.check("certify")
+            found[:, i] = self._look(full[i], rates[0][i], rates[1][i])
+        return FrameMotion(*found)
+
+    def _followed(self, rates: Array) -> Array:
+        """Return rates of the whole plant: followers follow, the rest stays."""
+        full = np.zeros((len(rates), self._plant.num_velocities()))
+        full[:, self._columns] = rates
+        for follower, leader, multiplier in self._model.mimics:
+            full[:, follower] = multiplier * full[:, leader]
+        return full
+
+    def _look(self, q: Array, v: Array, vdot: Array) -> tuple[Array, Array, Array]:
+        plant, context, frame = self._plant, self._context, self._frame
+        plant.SetPositions(context, q)
+        plant.SetVelocities(context, v)
+        world, origin = plant.world_frame(), np.zeros(3)
+        of_v = JacobianWrtVariable.kV
+        jacobian = plant.CalcJacobianTranslationalVelocity(
+            context, of_v, frame, origin, world, world
+        )
+        bias = plant.CalcBiasTranslationalAcceleration(context, of_v, frame, origin, world, world)
+        place = np.array(frame.CalcPoseInWorld(context).translation())
+        return place, jacobian @ v, jacobian @ vdot + bias[:, 0]
+
+
+def _joint_states(curve: TimedTrajectory, pieces: Any, local: Array) -> tuple[Array, Array, Array]:
+    """Return q, v and vdot at places in given pieces."""
+    delta, rate, change = (
+        _evaluated(derivative(curve.coefficients, order)[pieces], local) for order in range(3)
+    )
+    manifold = curve.manifold
+    q = manifold.plus(curve.bases[pieces], delta)
+    return (
+        q,
+        manifold.generalized_velocity(q, delta, rate),
+        manifold.generalized_acceleration(q, delta, rate, change),
+    )
+
+
+def _evaluated(coefficients: Array, local: Array) -> Array:
+    powers = local[:, None] ** np.arange(coefficients.shape[1])
+    return np.einsum("nk,nkv->nv", powers, coefficients)

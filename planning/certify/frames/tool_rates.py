@@ -1,0 +1,170 @@
+"""Bounds on how fast a tool frame moves and turns along a trajectory, and how that changes.
+
+The trajectory is cut into cells on which no joint moves far. In the middle of each, Drake gives the
+Jacobian's columns (a_k; v_k), of rotation and of translation, for every joint coordinate that
+moves, followers included. With |rate| <= r_k and |its derivative| <= b_k on the cell,
+
+    |p'| <= sum v_k r_k,    |p''| <= sum v_k b_k + sum_ij |a_i x v_j| r_i r_j,
+    |omega| <= sum a_k r_k,    |omega'| <= sum a_k b_k + (sum a_k r_k)^2 / 2,
+
+where i is no farther from the tip than j (dv_j / dq_i = a_i x v_j), which max(a_i v_j, a_j v_i)
+covers for any order. By the same derivative no v_j grows faster than sum r times the largest, so
+while the joints move by D in sum each stays within (e^D - 1) max v of what it was.
+"""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float64
+from pydrake.multibody.tree import JacobianWrtVariable
+
+from planning.certify.intervals.equal_parts import split_equally
+from planning.certify.intervals.turn_bounds import turn_bounds
+from planning.certify.request import CertifyRequest
+from planning.domain.request.deadline import Deadline
+from planning.domain.robot.joints import JointType
+from planning.world.drake_model import DrakeModel
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
+type Indices = np.ndarray[Any, np.dtype[np.intp]]
+
+# Joint coordinates move by this much in sum on a cell [rad or m].
+_FAR = 0.2
+_AT_ONCE = 256
+
+
+@dataclass(frozen=True)
+class Cells:
+    """Parts of a trajectory, with bounds that hold all over each.
+
+    Attributes:
+        begins: First instants [s], shape (n,).
+        widths: Durations [s].
+        speed: Of the tool's origin [m/s].
+        acceleration: Of the tool's origin [m/s^2].
+        turn_speed: Of the tool [rad/s].
+        turn_acceleration: Of the tool [rad/s^2].
+    """
+
+    begins: Float64[np.ndarray, " n"]
+    widths: Float64[np.ndarray, " n"]
+    speed: Float64[np.ndarray, " n"]
+    acceleration: Float64[np.ndarray, " n"]
+    turn_speed: Float64[np.ndarray, " n"]
+    turn_acceleration: Float64[np.ndarray, " n"]
+
+
+class ToolRates:
+    """One tool frame along one trajectory, by Drake in a context of its own."""
+
+    def __init__(self, model: DrakeModel, request: CertifyRequest, frame: str) -> None:
+        """Prepare; the frame exists."""
+        self._model, self._request = model, request
+        self._plant = model.plant
+        self._frame = model.frame(frame)
+        self._context = model.plant.CreateDefaultContext()
+        self._columns, self._members, self._scales = _moving(model, request)
+
+    def poses(
+        self, times: Float64[np.ndarray, " n"], deadline: Deadline
+    ) -> tuple[Float64[np.ndarray, "n 3 3"], Float64[np.ndarray, "n 3"]]:
+        """Return R_WT and p_WT [m] at instants.
+
+        Raises:
+            DeadlineExceeded: Time ran out.
+            Canceled: The end was asked for.
+        """
+        found = np.empty((len(times), 4, 4))
+        for i, q in enumerate(self._full(times)):
+            if i % _AT_ONCE == 0:
+                deadline.check("certify")
+            self._plant.SetPositions(self._context, q)
+            found[i] = self._frame.CalcPoseInWorld(self._context).GetAsMatrix4()
+        return found[:, :3, :3], found[:, :3, 3]
+
+    def cells(self, begin: float, end: float) -> Cells:
+        """Return the cells of the pieces between two instants, both of which pieces meet at."""
+        curve = self._request.trajectory
+        breaks = curve.breaks
+        middles = (breaks[:-1] + breaks[1:]) / 2
+        pieces = np.flatnonzero((middles > begin) & (middles < end))
+        rates, changes = _joint_rates(self._request, pieces)
+        rates, changes = rates[:, self._members], changes[:, self._members]
+        rates, changes = rates * self._scales, changes * self._scales
+        widths = np.diff(breaks)[pieces]
+        counts = np.maximum(1, np.ceil(rates.sum(axis=1) * widths / _FAR)).astype(np.int64)
+        owners, within = split_equally(counts)
+        widths = (widths / counts)[owners]
+        begins = breaks[pieces][owners] + within * widths
+        rates, changes = rates[owners], changes[owners]
+        turning, arms = self._columns_at(begins + widths / 2)
+        stray = (rates.sum(axis=1) * widths / 2)[:, None]
+        arms = arms + np.expm1(stray) * arms.max(axis=1, keepdims=True)
+        pairs = turning[:, :, None] * arms[:, None, :]
+        pairs = np.maximum(pairs, pairs.transpose(0, 2, 1))
+        turn_speed = (turning * rates).sum(axis=1)
+        return Cells(
+            begins=begins,
+            widths=widths,
+            speed=(arms * rates).sum(axis=1),
+            acceleration=(arms * changes).sum(axis=1)
+            + np.einsum("ci,cij,cj->c", rates, pairs, rates),
+            turn_speed=turn_speed,
+            turn_acceleration=(turning * changes).sum(axis=1) + turn_speed**2 / 2,
+        )
+
+    def _full(self, times: Array) -> Array:
+        q = self._request.trajectory.positions(times)
+        return self._model.embed(self._request.group, q, self._request.state)
+
+    def _columns_at(self, times: Array) -> tuple[Array, Array]:
+        """Return the sizes of the Jacobian's columns, rotation and translation, at instants."""
+        found = np.empty((len(times), 6, len(self._columns)))
+        world = self._plant.world_frame()
+        for i, q in enumerate(self._full(times)):
+            self._plant.SetPositions(self._context, q)
+            jacobian = self._plant.CalcJacobianSpatialVelocity(
+                self._context, JacobianWrtVariable.kV, self._frame, np.zeros(3), world, world
+            )
+            found[i] = jacobian[:, self._columns]
+        return np.linalg.norm(found[:, :3], axis=1), np.linalg.norm(found[:, 3:], axis=1)
+
+
+def _moving(model: DrakeModel, request: CertifyRequest) -> tuple[Indices, Indices, Array]:
+    """Return the plant's velocity coordinates that move, which of the group's move them, and how.
+
+    How is the factor between the two rates, not negative.
+    """
+    own = model.velocity_indices(request.group)
+    found = {int(column): (i, 1.0) for i, column in enumerate(own)}
+    for c in model.following(request.group):
+        member, scale = found[c.leader_velocity]
+        found[c.follower_velocity] = member, scale * abs(c.multiplier)
+    columns = np.array(list(found), dtype=np.intp)
+    members = np.array([member for member, _ in found.values()], dtype=np.intp)
+    return columns, members, np.array([scale for _, scale in found.values()])
+
+
+def _joint_rates(request: CertifyRequest, pieces: Any) -> tuple[Array, Array]:
+    """Bound each coordinate's rate and its derivative on pieces, shape (pieces, nv).
+
+    Of a joint that floats, omega = J_r(delta) delta' is no longer than delta'.
+    """
+    forms = [form[:, pieces] for form in request.forms[:3]]
+    hidden = request.rounding[1:3]
+    rates, changes = (
+        np.abs(form).max(axis=2).T + off for form, off in zip(forms[1:], hidden, strict=True)
+    )
+    begin = 0
+    for joint in request.group.joints:
+        if joint.type is JointType.FLOATING:
+            turn = slice(begin, begin + 3)
+            sizes = [
+                np.linalg.norm(form[turn], axis=0).max(axis=1) + np.linalg.norm(off[turn])
+                for form, off in zip(forms[1:], hidden, strict=True)
+            ]
+            rate, change = turn_bounds(np.stack(sizes))
+            rates[:, turn], changes[:, turn] = rate[:, None], change[:, None]
+        begin += joint.num_velocities
+    return rates, changes

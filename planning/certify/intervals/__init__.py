@@ -1,0 +1,1 @@
+"""Bounds on whole intervals: polynomials, Taylor series, branch and bound."""

@@ -1,0 +1,167 @@
+"""Rigorous bounds on angular velocity and its derivatives along R(t) = R_0 exp(delta(t)).
+
+In the body's frame omega = J_r(delta) delta', with the right Jacobian as a series and as a mean of
+rotations (Sola et al. 2018, eq. 143)
+
+    J_r(delta) = sum_{k >= 0} (-1)^k / (k + 1)! ad(delta)^k = int_0^1 exp(-s ad(delta)) ds.
+
+Taylor coefficients of delta about an instant give those of omega: by multiplying the series out
+where delta is small, else from the unit quaternion of exp(delta) (`turn_series`).
+
+How large they are does not depend on delta itself. With delta(t + h) = delta(t) + e(h) Duhamel's
+formula makes of exp(-s ad(delta + e)) a sum of integrals over products of rotations and of ad(e),
+so that coefficients of it are bounded by those of exp(s E), E(h) = sum_{k >= 1} |delta^(k)| h^k /
+k!, and those of omega by those of the majorant
+
+    int_0^1 exp(s E) ds E' = sum_{k >= 0} E^k E' / (k + 1)!.
+
+So on |t - t_m| <= h a derivative of omega is its Taylor polynomial, whose length Bernstein
+coefficients bound, plus a remainder of at most the majorant's next coefficient times h to its power
+(Lagrange). The majorant says what rounding does, too: where no coefficient of delta is off by more
+than e_k, those of omega are off by no more than it has more if E has e_k more, e_0 included.
+"""
+
+from math import factorial
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float64
+
+from planning.certify.intervals import bernstein
+from planning.certify.intervals.rounding import UNIT, rounding
+from planning.certify.intervals.taylor import skew
+from planning.certify.intervals.turn_series import spun_rates
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
+
+_ORDER = 6
+_MAX_HALVINGS = 14
+_MAX_PARTS = 20_000
+# Up to this the powers of delta are summed: beyond it that loses digits [rad].
+_LARGEST_ANGLE = 3.0
+_TERMS = 60
+# A bound on what the rounding of all sums and products makes, as a share of their sizes.
+_ROUNDED = 2 * (_TERMS + 2 * _ORDER) * UNIT
+
+
+def angular_peak(
+    coefficients: Float64[np.ndarray, "n k 3"],
+    widths: Float64[np.ndarray, " n"],
+    order: int,
+    tolerance: float,
+) -> tuple[float, int, float]:
+    """Bound the length of a derivative of the angular velocity.
+
+    Args:
+        coefficients: Power basis of delta on each piece [rad], lowest first.
+        widths: Lengths of the pieces [s].
+        order: 1 for angular velocity, 2 for acceleration, 3 for jerk.
+        tolerance: How far above the true peak the bound should lie at most [rad/s^order].
+
+    Returns:
+        The bound, the piece where it is, and the fraction of that piece. It lies farther above
+        where pieces turn so far that they would have to be cut into too many parts.
+    """
+    tangents = _derivatives(coefficients, widths, _ORDER + order + 2)
+    hidden = _hidden(tangents, coefficients, widths)
+    rows, low, half = np.arange(len(widths)), np.zeros(len(widths)), widths / 2
+    taylor, remainder, errors = _model(tangents, hidden, half, order)
+    for _ in range(_MAX_HALVINGS):
+        coarse = ~(remainder <= tolerance / 2)
+        if not coarse.any() or len(rows) + coarse.sum() > _MAX_PARTS:
+            break
+        tangents = [
+            np.concatenate([part[~coarse], *bernstein.halves(part[coarse])]) for part in tangents
+        ]
+        start, step = low[coarse], half[coarse]
+        low = np.concatenate([low[~coarse], start, start + step])
+        half = np.concatenate([half[~coarse], step / 2, step / 2])
+        rows = np.concatenate([rows[~coarse], rows[coarse], rows[coarse]])
+        taylor, remainder, errors = _model(tangents, hidden[rows], half, order)
+    squares = bernstein.square_norm(bernstein.about_middle(taylor, half))
+    scale = float(np.sqrt(max(squares[:, [0, -1]].max(), 0.0)))
+    top, at, fraction = bernstein.peak(squares, tolerance * max(scale, tolerance) / 2)
+    time = (low[at] + fraction * 2 * half[at]) / widths[rows[at]]
+    missed = float((remainder + errors).max())
+    return float(np.sqrt(max(top, 0.0))) + missed, int(rows[at]), min(float(time), 1.0)
+
+
+def _derivatives(coefficients: Array, widths: Array, count: int) -> list[Array]:
+    """Return the first Taylor coefficients of the tangent, delta^(k) / k!, as polynomials.
+
+    Each in Bernstein form on its own: differences of one form's coefficients would lose digits.
+    """
+    return [
+        bernstein.from_power(bernstein.derivative(coefficients, k), widths) / factorial(k)
+        for k in range(count)
+    ]
+
+
+def _hidden(tangents: list[Array], coefficients: Array, widths: Array) -> Array:
+    """Bound how far each piece's vectors in `tangents` are off, shape (n, k)."""
+    off = [
+        rounding(np.abs(part).max(axis=1) * factorial(k), coefficients, widths, k) / factorial(k)
+        for k, part in enumerate(tangents)
+    ]
+    return np.linalg.norm(np.stack(off, axis=1), axis=2)
+
+
+def _model(
+    tangents: list[Array], hidden: Array, half: Array, order: int
+) -> tuple[Array, Array, Array]:
+    """Return the derivative's Taylor polynomial about the middle, and what it misses at most.
+
+    That is, beyond its last power, and by rounding.
+    """
+    middle = np.stack([bernstein.halves(part)[0][:, -1] for part in tangents], axis=1)
+    lengths = [np.linalg.norm(part, axis=2).max(axis=1) for part in tangents]
+    bounds = (np.stack(lengths, axis=1) + hidden)[:, :, None]
+    bounds[:, 0] = 0.0
+    wider = bounds + hidden[:, :, None]
+    majorant, wide = (velocity_series(part[..., None], part, 1.0) for part in (bounds, wider))
+    lag = order - 1
+    falling = np.array([factorial(j + lag) / factorial(j) for j in range(_ORDER + 2)])
+    taylor = turn_rates(middle)[:, lag : lag + _ORDER + 1] * falling[None, : _ORDER + 1, None]
+    beyond = majorant[:, lag + _ORDER + 1, 0] * falling[_ORDER + 1]
+    angle = np.linalg.norm(middle[:, 0], axis=1)[:, None, None]
+    rounded = _ROUNDED * (np.exp(_LARGEST_ANGLE) + angle) * wide
+    off = (wide - majorant + rounded)[:, lag : lag + _ORDER + 1, 0] * falling[:-1]
+    errors = (off * half[:, None] ** np.arange(_ORDER + 1)).sum(axis=1)
+    return taylor, beyond * half ** (_ORDER + 1), errors
+
+
+def turn_rates(delta: Float64[np.ndarray, "n k 3"]) -> Float64[np.ndarray, "n m 3"]:
+    """Return Taylor coefficients of omega from those of delta, one less."""
+    is_small = np.linalg.norm(delta[:, 0], axis=1) <= _LARGEST_ANGLE
+    found = np.empty_like(delta[:, 1:])
+    if is_small.any():
+        small = delta[is_small]
+        found[is_small] = velocity_series(skew(small), small, -1.0)
+    if not is_small.all():
+        found[~is_small] = spun_rates(delta[~is_small])
+    return found
+
+
+def velocity_series(adjoint: Array, delta: Array, sign: float) -> Array:
+    """Return Taylor coefficients of omega from those of delta, or of the majorant.
+
+    Args:
+        adjoint: What multiplies a coefficient of delta with another vector, shape (n, k, c, c).
+        delta: Coefficients, shape (n, k, c).
+        sign: Of ad in the series.
+    """
+    count, length, width = len(delta), delta.shape[1] - 1, delta.shape[2]
+    # Multiplication by the whole polynomial: a lower block-triangular Toeplitz matrix.
+    product = np.zeros((count, length, width, length, width))
+    for i in range(length):
+        rows = np.arange(i, length)
+        product[:, rows, :, rows - i] = adjoint[:, i]
+    product = product.reshape(count, length * width, length * width)
+    term = (delta[:, 1:] * np.arange(1, length + 1)[None, :, None]).reshape(count, -1, 1)
+    total = term
+    for k in range(1, _TERMS):
+        term = (sign / (k + 1)) * (product @ term)
+        total = total + term
+        if np.abs(term).max() <= 1e-18 * np.abs(total).max():
+            break
+    return total.reshape(count, length, width)

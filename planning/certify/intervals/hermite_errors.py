@@ -1,0 +1,137 @@
+"""How far apart samples may be: what interpolation between them misses, from derivatives.
+
+Let a polynomial of degree 2 k - 1 meet a function and its first k - 1 derivatives at both ends of
+an interval of length h, and let M bound the function's derivative of order 2 k there. Then the r-th
+derivatives differ by at most c_r h^(2 k - r) M (Birkhoff and Priver, "Hermite interpolation errors
+for derivatives", J. Math. and Physics 46, 1967, for k = 2 and 3; for k = 1 it is h^2 M / 8).
+Samples that lie where the pieces of a motion meet have every interval in one piece, but for ramps,
+on which accelerations go over linearly, so that no rate is larger than at an end of them. Straight
+lines are nowhere faster than the motion, which has their mean speed, and pass no limit on
+positions.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from planning.certify.intervals import bernstein
+from planning.certify.joints.limit_checks import DUST, MAX_UTILISATION, RATES, rate_check
+from planning.certify.request import CertifyRequest
+from planning.domain.curves.interpolation_proof import Interpolation
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
+
+# c_r for r = 0, 1, ...
+_ERRORS: dict[Interpolation, tuple[float, ...]] = {
+    "linear": (1 / 8,),
+    "cubic": (1 / 384, 3**0.5 / 216, 1 / 12, 1 / 2),
+    "quintic": (1 / 46_080, 5**0.5 / 30_000, 1 / 1_920, 1 / 120),
+}
+_ORDERS: dict[Interpolation, int] = {"linear": 2, "cubic": 4, "quintic": 6}
+# By so little of its limit an acceleration may jump where jerk is limited, on both sides together.
+_STEP = 4e-4
+# Share of what is to spare that interpolation may use; samples may be off by the rest.
+_SHARE = 0.9
+
+
+@dataclass(frozen=True)
+class HermiteErrors:
+    """What interpolation misses of one motion, against what limits leave it.
+
+    Attributes:
+        request: The motion, proven, and the limits that it keeps; every coordinate is limited by
+            itself, and alike both ways.
+    """
+
+    request: CertifyRequest
+
+    @classmethod
+    def of(cls, request: CertifyRequest) -> "HermiteErrors | None":
+        """Build from a request, if it is such a one."""
+        is_scalar = all(len(indices) == 1 for _, indices in request.group.blocks)
+        return cls(request) if is_scalar and not request.acceleration_bounds else None
+
+    @cached_property
+    def _widths(self) -> Array:
+        return self.request.trajectory.widths
+
+    @cached_property
+    def _spare(self) -> list[Array]:
+        """What is left of limits on positions and rates, by order, each shape (nv, n)."""
+        request = self.request
+        limits, columns = request.limits, [indices[0] for _, indices in request.group.blocks]
+        places = request.forms[0] + request.trajectory.bases.T[:, :, None]
+        left = np.minimum(
+            limits.upper[:, None] - places.max(axis=2), places.min(axis=2) - limits.lower[:, None]
+        )
+        found = [np.maximum(left, 0.0) + DUST]
+        for order, form in enumerate(request.forms[1:], start=1):
+            name = RATES[order - 1]
+            limit = np.empty(len(columns))
+            limit[columns] = getattr(limits, name)
+            used = np.abs(form).max(axis=2) / limit[:, None]
+            most = rate_check(request, name, order).value
+            share = np.where(np.isfinite(limit)[:, None], np.minimum(used, most), 0.0)
+            found.append((MAX_UTILISATION - share) * limit[:, None])
+        return found
+
+    def gaps(self, kind: Interpolation) -> Array:
+        """Return how far apart samples may be on each piece for limits to be kept [s], shape (n,).
+
+        They may be farther apart than that: where a limit is met, hardly anything is to spare.
+        """
+        found = [np.full(len(self._widths), np.inf)]
+        steepest, order, errors = self._steepest(kind), _ORDERS[kind], _ERRORS[kind]
+        if kind != "linear" and steepest.any():
+            for r, spare in enumerate(self._spare):
+                found.append(_longest(spare, errors[r] * steepest, order - r).min(axis=0))
+            if self.request.jerk:
+                step = np.full_like(steepest, _STEP) * self._limit(2)[:, None]
+                found.append(_longest(step, errors[2] * steepest, order - 2).min(axis=0))
+        return np.min(found, axis=0)
+
+    def longest(self, kind: Interpolation, levers: Array, way: float) -> float:
+        """Return the longest time between samples that is proven for certain [s].
+
+        The duration, if any time is; 0 if none.
+
+        Args:
+            kind: What receivers make of the samples.
+            levers: How much nearer two shapes come at most per change of each coordinate, shape
+                (nv,).
+            way: How much nearer any two shapes may come [m].
+        """
+        steepest = self._steepest(kind)
+        if not steepest.any():
+            return self.request.trajectory.duration
+        worst = (steepest * levers[:, None]).sum(axis=0)
+        free = _longest(np.full_like(worst, way), _ERRORS[kind][0] * worst, _ORDERS[kind])
+        period = np.minimum(self.gaps(kind), free)
+        short = period < self._widths
+        return float(period[short].min()) if short.any() else self.request.trajectory.duration
+
+    def _limit(self, order: int) -> Array:
+        limits = self.request.limits
+        return limits.per_coordinate(getattr(limits, RATES[order - 1]))
+
+    @cached_property
+    def _known(self) -> dict[Interpolation, Array]:
+        return {}
+
+    def _steepest(self, kind: Interpolation) -> Array:
+        """Return a bound on the derivative that is missed, shape (nv, n)."""
+        known = self._known.get(kind)
+        if known is None:
+            power = bernstein.derivative(self.request.trajectory.coefficients, _ORDERS[kind])
+            rows = bernstein.rows_from_power(power, self._widths)
+            known = self._known[kind] = np.abs(rows).max(axis=2)
+        return known
+
+
+def _longest(spare: Array, errors: Array, power: int) -> Array:
+    """Return the largest h with errors h^power within a share of what is to spare."""
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        found = (_SHARE * np.maximum(spare, 0.0) / errors) ** (1 / power)
+    return np.where(errors > 0, found, np.inf)

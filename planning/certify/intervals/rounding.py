@@ -1,0 +1,63 @@
+"""How far double precision is off a polynomial: of its Bernstein coefficients, and of its values.
+
+A polynomial sum_k c_k t^k of n terms on [0, w] has Bernstein coefficients b_i = sum_k M_ik c_k w^k
+with 0 <= M_ik <= 1. Each product and each partial sum is rounded by u = 2^-53 of itself, so that
+the computed b_i are within 4 (n + 1) u S of the true ones, S = sum_k |c_k| w^k, to first order in
+u; and so is any value by Horner's rule, within 2 n u S (Higham, "Accuracy and Stability of
+Numerical Algorithms", 2002, sections 3.1 and 5.1). Halving takes means, where nothing cancels: each
+time the coefficients are rounded by (n + 1) u of the largest, at most 64 times. One more of each
+makes up for higher orders and for the rounding of these bounds themselves.
+
+S is much larger than the polynomial where powers of a high degree cancel each other: then neither a
+proof nor a controller knows where the motion goes.
+"""
+
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float64
+
+from planning.certify.intervals.bernstein import derivative
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
+
+UNIT = 2.0**-53
+_CONVERSION, _HALVINGS = 5, 65
+# Up to this degree S is known well enough from the b_i: rounding hides less than 5e-9 of them.
+LOW_DEGREE = 12
+
+
+def rounding(
+    largest: Float64[np.ndarray, "*n nv"],
+    coefficients: Float64[np.ndarray, "n k nv"],
+    widths: Float64[np.ndarray, " n"],
+    order: int = 0,
+) -> Float64[np.ndarray, "*n nv"]:
+    """Bound how far Bernstein coefficients and values of polynomials are off.
+
+    Args:
+        largest: Of the polynomials' Bernstein coefficients the largest absolute values: of each
+            polynomial, or of all of them.
+        coefficients: Power basis, lowest first.
+        widths: Of the intervals [0, w].
+        order: Of the derivative that is meant.
+    """
+    terms = max(coefficients.shape[1] - order, 1)
+    if terms > LOW_DEGREE + 1:
+        return closely(largest, coefficients, widths, order)
+    # c_k w^k is C(degree, k) times a k-th difference of the b_i: S is at most 3^degree of them.
+    return (terms + 1) * UNIT * (_CONVERSION * 3.0 ** (terms - 1) + _HALVINGS) * largest
+
+
+def closely(
+    largest: Float64[np.ndarray, "*n nv"],
+    coefficients: Float64[np.ndarray, "n k nv"],
+    widths: Float64[np.ndarray, " n"],
+    order: int = 0,
+) -> Float64[np.ndarray, "*n nv"]:
+    """Return the same with S itself, of low degree too: smaller, and more work."""
+    terms = max(coefficients.shape[1] - order, 1)
+    powers = widths[:, None] ** np.arange(terms)
+    sizes = np.einsum("nk,nkv->nv", powers, np.abs(derivative(coefficients, order)))
+    sizes = sizes if largest.ndim > 1 else sizes.max(axis=0)
+    return (terms + 1) * UNIT * (_CONVERSION * sizes + _HALVINGS * largest)

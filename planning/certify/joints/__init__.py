@@ -1,0 +1,1 @@
+"""That joints keep their limits between samples too."""

@@ -1,0 +1,72 @@
+"""How far apart two motions of the same joints are, at the same instant."""
+
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float64
+
+from planning.certify.intervals import bernstein
+from planning.domain.curves.curve import TimedTrajectory
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
+
+
+class Deviations:
+    """How far other motions are from one."""
+
+    def __init__(self, curve: TimedTrajectory, times: Float64[np.ndarray, " n"]) -> None:
+        """Cut the motion at its breaks and at some instants, where others may have theirs."""
+        self._curve = curve
+        self._times = np.union1d(curve.breaks, times)
+        self._widths = self._times[1:] - self._times[:-1]
+        self._here = shifted(curve, self._times[:-1]) if curve.manifold.is_flat else None
+
+    def of(self, other: TimedTrajectory) -> Float64[np.ndarray, "m nv"]:
+        """Return how far apart each coordinate of two motions is at most, at the same instant.
+
+        One row for each interval between instants at which either may have a break.
+
+        The difference of two polynomials is one, and its Bernstein coefficients bound it. Whole
+        turns do not count. Where joints float nothing is known: it is infinite.
+
+        Args:
+            other: Of the same joints and as long; its breaks are among the instants.
+        """
+        curve = self._curve
+        if self._here is None:
+            return np.full((1, curve.manifold.num_velocities), np.inf)
+        (q, here), (q_other, there) = self._here, shifted(other, self._times[:-1])
+        terms, common = here.shape[1], min(here.shape[1], there.shape[1])
+        apart = np.zeros((len(here), max(terms, there.shape[1]), here.shape[2]))
+        apart[:, :terms] = here
+        apart[:, :common] -= there[:, :common]
+        np.negative(there[:, common:], out=apart[:, common : there.shape[1]])
+        apart[:, 0] = curve.manifold.minus(q, q_other)
+        forms = np.abs(bernstein.rows_from_power(apart, self._widths))
+        # The largest of a few terms each: quicker term by term than along the last axis.
+        largest = forms[:, :, 0]
+        for k in range(1, forms.shape[2]):
+            largest = np.maximum(largest, forms[:, :, k])
+        return largest.T
+
+
+def shifted(curve: TimedTrajectory, begins: Float64[np.ndarray, " m"]) -> tuple[Array, Array]:
+    """Return where a curve is at some instants, and its polynomials about them.
+
+    That is by repeated synthetic division; shapes (m, nq) and (m, degree + 1, nv).
+    """
+    piece, offsets = curve.locate(begins)
+    moved = curve.coefficients[piece]
+    rows = np.flatnonzero(offsets)
+    if len(rows):
+        moved[rows] = _expanded(moved[rows], offsets[rows, None])
+    return curve.bases[piece] + moved[:, 0], moved
+
+
+def _expanded(coefficients: Array, away: Array) -> Array:
+    """Return polynomials about places so far away, changing what is given."""
+    terms = np.ascontiguousarray(coefficients.swapaxes(0, 1))
+    for i in range(len(terms) - 1):
+        for k in range(len(terms) - 2, i - 1, -1):
+            terms[k] += away * terms[k + 1]
+    return terms.swapaxes(0, 1)

@@ -1,0 +1,107 @@
+"""Whether a motion can be stopped anywhere, how long that takes, and how far it goes on."""
+
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float64
+
+from planning.certify.frames.tool_rates import ToolRates
+from planning.certify.intervals.motion_cells import MotionCells, motion_cells
+from planning.certify.request import CertifyRequest
+from planning.certify.stopping.stop_constraints import with_constraints
+from planning.certify.stopping.stops import Stops, hardest_stops, smooth_stops
+from planning.domain.report.certificate import Check
+from planning.domain.report.stop_report import StopReport
+from planning.domain.request.deadline import Deadline
+from planning.world.drake_model import DrakeModel
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
+
+# Cells that a motion is cut into: with jerk limits each is looked at more often.
+_CELLS, _SMOOTH_CELLS = 600, 300
+
+
+def stop_check(
+    model: DrakeModel, request: CertifyRequest, deadline: Deadline
+) -> tuple[Check, StopReport]:
+    """Return the longest stop along the path of a proven trajectory; see `stops`.
+
+    What was proven of places and velocities is true of a stop: it is the same path, and no velocity
+    is larger. Limits on accelerations of joints, by sign too, and of frames are kept, and those on
+    torques and on jerk. Where a joint cannot hold the robot still no stop can end: they go on to
+    where it can, or to the end, and the report says where that is, and which joint.
+
+    Raises:
+        DeadlineExceeded: Time ran out.
+        Canceled: The end was asked for.
+    """
+    deadline.check("certify")
+    cells = motion_cells(request, _SMOOTH_CELLS if request.jerk else _CELLS)
+    cells = with_constraints(model, request, cells, deadline)
+    stops = (smooth_stops if request.jerk else hardest_stops)(cells, deadline)
+    # From within a cell the motion goes on to its end, and stops from there.
+    times = cells.widths + stops.times[1:]
+    longest = int(np.argmax(times))
+    ways = _report(model, request, cells, stops, deadline)
+    report = StopReport(float(times[longest]), float(cells.begins[longest]), *ways, *_unheld(cells))
+    most = request.options.max_stopping_time
+    bound = np.inf if most is None else most
+    passed = report.time <= bound
+    where = report.unheld
+    return Check("stop", report.time, bound, "s", 0.0, passed, where, report.begin), report
+
+
+def _unheld(cells: MotionCells) -> tuple[str, float | None]:
+    """Return what is most over its limit where the motion is held still, and when; or ""."""
+    worst, found = 1.0, ("", None)
+    for load in cells.loads:
+        over = load.held_use
+        cell, block = np.unravel_index(int(np.argmax(over)), over.shape)
+        if not load.holds.all() and over[cell, block] > worst:
+            worst, found = float(over[cell, block]), (load.names[block], float(cells.begins[cell]))
+    return found
+
+
+def _report(
+    model: DrakeModel,
+    request: CertifyRequest,
+    cells: MotionCells,
+    stops: Stops,
+    deadline: Deadline,
+) -> tuple[float, str, float | None, str]:
+    """Return the longest way of a joint, which joint, the tool's longest way, and its frame."""
+    names, ways = cells.ways()
+    longest = _longest(ways, stops)
+    joint = int(np.argmax(longest))
+    frame = next(iter(request.group.tool_frames), "")
+    if not frame:
+        return float(longest[joint]), names[joint], None, ""
+    tool = _tool_ways(ToolRates(model, request, frame), cells, deadline)
+    return float(longest[joint]), names[joint], float(_longest(tool[:, None], stops)[0]), frame
+
+
+def _longest(ways: Float64[np.ndarray, "n m"], stops: Stops) -> Float64[np.ndarray, " m"]:
+    """Return the longest sums from a cell to where a stop from its end stands."""
+    gone = np.concatenate([np.zeros((1, ways.shape[1])), np.cumsum(ways, axis=0)])
+    return (gone[stops.ends[1:]] - gone[:-1]).max(axis=0)
+
+
+def _tool_ways(
+    tool: ToolRates, cells: MotionCells, deadline: Deadline
+) -> Float64[np.ndarray, " n"]:
+    """Bound how far the tool's origin goes in each cell [m].
+
+    On a cell of width h with |p''| <= a, velocity differs from its mean by no more than
+    a (t^2 + (h - t)^2) / (2 h): the way is longer than the chord by a h^2 / 3 at most.
+    """
+    coarse = tool.cells(0.0, cells.end)
+    edges = np.append(cells.begins, cells.end)
+    _, origins = tool.poses(edges, deadline)
+    chords = np.linalg.norm(np.diff(origins, axis=0), axis=1)
+    first = np.searchsorted(coarse.begins, edges[:-1], side="right") - 1
+    last = np.searchsorted(coarse.begins, edges[1:], side="left") - 1
+    worst = np.array([
+        coarse.acceleration[max(i, 0) : max(i, j, 0) + 1].max()
+        for i, j in zip(first, last, strict=True)
+    ])
+    return chords + worst * cells.widths**2 / 3

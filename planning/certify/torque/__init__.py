@@ -1,0 +1,1 @@
+"""Joint torques on whole intervals, against the limits on effort."""

@@ -1,0 +1,119 @@
+"""How the joints of a group move its links, one single motion after another.
+
+A planar joint is two slides and a turn, a floating one three slides and a spin.
+"""
+
+from dataclasses import dataclass, replace
+from enum import Enum
+from typing import Any
+
+import numpy as np
+from pydrake.multibody.tree import (
+    PlanarJoint,
+    PrismaticJoint,
+    QuaternionFloatingJoint,
+    RevoluteJoint,
+)
+
+from planning.domain.robot.joints import JointGroup
+from planning.errors import ModelInvalid
+from planning.world.drake_model import DrakeModel
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
+
+
+class Kind(Enum):
+    """How a link moves in the one before it."""
+
+    TURN = "turn"
+    SLIDE = "slide"
+    SPIN = "spin"
+
+
+@dataclass(frozen=True)
+class JointMotion:
+    """A coordinate that moves a link.
+
+    Attributes:
+        kind: How.
+        axis: Of a turn or slide, unit, shape (3,).
+        rate: Index of the (first) coordinate in the group's v.
+        position: Index of the (first) coordinate in the group's q.
+        scale: The link's displacement over that of the coordinate; negative if it goes against it.
+        offset: What a link that follows adds [rad or m].
+        damping: What speed takes of it [N m s/rad or N s/m].
+        rotor: What turns along with it inside its drive, as seen from the link [kg m^2 or kg].
+    """
+
+    kind: Kind
+    axis: Array
+    rate: int
+    position: int
+    scale: float = 1.0
+    offset: float = 0.0
+    damping: float = 0.0
+    rotor: float = 0.0
+
+    @property
+    def reversed(self) -> "JointMotion":
+        """The same seen from the other side; of a turn or a slide."""
+        return replace(self, scale=-self.scale, offset=-self.offset)
+
+
+class JointMotions:
+    """How the joints move that the group moves."""
+
+    def __init__(self, model: DrakeModel, group: JointGroup) -> None:
+        plant = model.plant
+        self._found: dict[int, list[JointMotion]] = {}
+        by_velocity: dict[int, JointMotion] = {}
+        iq = iv = 0
+        for joint in group.joints:
+            drake = plant.get_joint(model.joint_indices[joint.name])
+            motions = _of_joint(drake, iq, iv)
+            self._found[int(drake.index())] = motions
+            for motion in motions:
+                if motion.kind is not Kind.SPIN:
+                    by_velocity[drake.velocity_start() + motion.rate - iv] = motion
+            iq, iv = iq + joint.num_positions, iv + joint.num_velocities
+        joints = [plant.get_joint(index) for index in plant.GetJointIndices()]
+        by_start = {j.velocity_start(): j for j in joints if j.num_velocities() == 1}
+        for c in model.following(group):
+            leader = by_velocity[c.leader_velocity]
+            (own,) = _of_joint(by_start[c.follower_velocity], 0, 0)
+            motion = replace(
+                own,
+                rate=leader.rate,
+                position=leader.position,
+                scale=c.multiplier * leader.scale,
+                offset=c.multiplier * leader.offset + c.offset,
+            )
+            by_velocity[c.follower_velocity] = motion
+            self._found[int(by_start[c.follower_velocity].index())] = [motion]
+
+    def of(self, joint: Any) -> list[JointMotion]:
+        """Return how a joint moves, part after part; nothing if it does not."""
+        return self._found.get(int(joint.index()), [])
+
+
+def _of_joint(joint: Any, iq: int, iv: int) -> list[JointMotion]:
+    x, y, z = np.eye(3)
+    match joint:
+        case RevoluteJoint():
+            return [JointMotion(Kind.TURN, np.array(joint.revolute_axis()), iv, iq)]
+        case PrismaticJoint():
+            return [JointMotion(Kind.SLIDE, np.array(joint.translation_axis()), iv, iq)]
+        case PlanarJoint():
+            slides = [
+                JointMotion(Kind.SLIDE, axis, iv + i, iq + i) for i, axis in enumerate((x, y))
+            ]
+            return [*slides, JointMotion(Kind.TURN, z, iv + 2, iq + 2)]
+        case QuaternionFloatingJoint():
+            slides = [
+                JointMotion(Kind.SLIDE, axis, iv + 3 + i, iq + 4 + i)
+                for i, axis in enumerate((x, y, z))
+            ]
+            return [*slides, JointMotion(Kind.SPIN, z, iv, iq)]
+        case _:
+            message = f"joint {joint.name()!r} of kind {joint.type_name()!r} cannot be certified"
+            raise ModelInvalid(message, {"joint": joint.name(), "reason": message})

@@ -1,0 +1,193 @@
+"""A group's links as chains of single motions, with the mass that each carries.
+
+All bodies that do not move relative to each other are one link. A rigid mass distribution is its
+pseudo-inertia
+
+    J = integral of [x; 1] [x; 1]^T dm = [[S, h], [h^T, m]],   S = tr(I) / 2 - I,   h = m c,
+
+(Wensing, Kim, Slotine, RA-L 2018), which is carried into another frame by X J X^T and adds up. With
+the eigenvectors e_k and values s_k of S about the centre of mass, the moment of momentum about that
+is sum s_k (R e_k) x (R e_k)': what the motion of three points tells.
+"""
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float64
+
+from planning.certify.intervals.taylor import skew
+from planning.certify.request import CertifyRequest
+from planning.certify.torque.link_motion import JointMotion, JointMotions, Kind
+from planning.errors import ModelInvalid
+from planning.world.drake_model import DrakeModel
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
+
+
+@dataclass(frozen=True)
+class Link:
+    """What moves as one.
+
+    Attributes:
+        parent: Index of the link before it; -1 is the world.
+        X_PF: Where it is in its parent while its coordinate is 0, shape (4, 4).
+        motion: How it moves.
+        inertia: J of its bodies in its own frame, shape (4, 4).
+    """
+
+    parent: int
+    X_PF: Float64[np.ndarray, "4 4"]
+    motion: JointMotion
+    inertia: Float64[np.ndarray, "4 4"]
+
+    @property
+    def mass(self) -> float:
+        """[kg]."""
+        return float(self.inertia[3, 3])
+
+    @property
+    def center(self) -> Array:
+        """The centre of mass [m], shape (3,); zero without mass."""
+        return self.inertia[:3, 3] / self.mass if self.mass > 0 else np.zeros(3)
+
+    @property
+    def moments(self) -> tuple[Array, Array]:
+        """The s_k [kg m^2], shape (3,), and the e_k as columns, shape (3, 3)."""
+        center = self.center
+        return np.linalg.eigh(self.inertia[:3, :3] - self.mass * np.outer(center, center))
+
+
+def links_of(model: DrakeModel, request: CertifyRequest) -> tuple[Link, ...]:
+    """Return the links that the group moves, parents first.
+
+    Raises:
+        ModelInvalid: A joint is of a kind that cannot be certified, or nobody says what a body
+            weighs that moves.
+    """
+    return _Reading(model, request).run()
+
+
+class _Reading:
+    """One walk from the world to the tips."""
+
+    def __init__(self, model: DrakeModel, request: CertifyRequest) -> None:
+        self._model, self._plant, self._payload = model, model.plant, request.payload
+        self._context = model.plant.CreateDefaultContext()
+        self._plant.SetPositions(self._context, model.follow(np.array(request.state)))
+        self._motions = JointMotions(model, request.group)
+        self._rotors = self._reflected()
+        self._links: list[Link] = []
+
+    def run(self) -> tuple[Link, ...]:
+        neighbours = self._neighbours()
+        pending: list[tuple[Any, _Hold]] = [(self._plant.world_body(), _Hold(-1, np.eye(4)))]
+        seen = {int(self._plant.world_body().index())}
+        while pending:
+            body, hold = pending.pop()
+            for joint in neighbours.get(int(body.index()), []):
+                is_forward = joint.parent_body().index() == body.index()
+                other = joint.child_body() if is_forward else joint.parent_body()
+                if int(other.index()) not in seen:
+                    seen.add(int(other.index()))
+                    beyond = self._across(joint, hold, is_forward=is_forward)
+                    self._load(other, beyond)
+                    pending.append((other, beyond))
+        return tuple(self._links)
+
+    def _neighbours(self) -> dict[int, list[Any]]:
+        found: dict[int, list[Any]] = {}
+        for index in self._plant.GetJointIndices():
+            joint = self._plant.get_joint(index)
+            for body in (joint.parent_body(), joint.child_body()):
+                found.setdefault(int(body.index()), []).append(joint)
+        return found
+
+    def _across(self, joint: Any, hold: "_Hold", *, is_forward: bool) -> "_Hold":
+        """Return where the body beyond a joint is."""
+        frames = joint.frame_on_parent(), joint.frame_on_child()
+        near, far = frames if is_forward else frames[::-1]
+        x_near = hold.pose @ _matrix(near.GetFixedPoseInBodyFrame())
+        x_far = np.linalg.inv(_matrix(far.GetFixedPoseInBodyFrame()))
+        motions = self._motions.of(joint)
+        if not motions:
+            between = far.CalcPose(self._context, near)
+            return _Hold(hold.link, x_near @ _matrix(between) @ x_far)
+        if not is_forward:
+            if len(motions) > 1:
+                message = f"joint {joint.name()!r} cannot be certified from its child's side"
+                raise ModelInvalid(message, {"joint": joint.name(), "reason": message})
+            motions = [motions[0].reversed]
+        link = hold.link
+        for motion, damping in zip(motions, self._dampings(joint, motions), strict=True):
+            rotor = self._rotors.get(int(joint.index()), 0.0)
+            dragged = replace(motion, damping=damping, rotor=rotor)
+            self._links.append(Link(link, x_near, dragged, np.zeros((4, 4))))
+            link, x_near = len(self._links) - 1, np.eye(4)
+        return _Hold(link, x_far)
+
+    def _reflected(self) -> dict[int, float]:
+        """Return the rotor inertia of every joint that has a drive with one."""
+        actuators = map(self._plant.get_joint_actuator, self._plant.GetJointActuatorIndices())
+        return {
+            int(actuator.joint().index()): float(actuator.calc_reflected_inertia(self._context))
+            for actuator in actuators
+        }
+
+    def _dampings(self, joint: Any, motions: list[JointMotion]) -> list[float]:
+        """Return the damping of every part of a joint."""
+        given = np.array(joint.GetDampingVector(self._context)).tolist()
+        if motions[-1].kind is not Kind.SPIN:
+            return given
+        if any(given):
+            message = f"joint {joint.name()!r} floats and is damped, which cannot be certified"
+            raise ModelInvalid(message, {"joint": joint.name(), "reason": message})
+        return [0.0] * len(motions)
+
+    def _load(self, body: Any, hold: "_Hold") -> None:
+        """Add what a body weighs, and what it carries, to the link that it is part of."""
+        if hold.link < 0:
+            return
+        inertia = body.CalcSpatialInertiaInBodyFrame(self._context)
+        moments = np.array(inertia.CalcRotationalInertia().CopyToFullMatrix3())
+        mass, center = float(inertia.get_mass()), np.array(inertia.get_com())
+        if not (np.isfinite(mass) and np.isfinite(moments).all()):
+            message = f"nobody says what {body.name()!r} weighs, which moves"
+            raise ModelInvalid(message, {"body": body.name(), "reason": message})
+        link = self._links[hold.link]
+        total = link.inertia + _carried(hold.pose, _pseudo(mass, center, moments))
+        if self._payload is not None:
+            frame = self._model.frame(self._payload.frame)
+            if frame.body().index() == body.index():
+                added = self._payload
+                shift = skew(added.center_of_mass)
+                about_frame = added.inertia - added.mass * shift @ shift
+                x_lf = hold.pose @ _matrix(frame.GetFixedPoseInBodyFrame())
+                pseudo = _pseudo(added.mass, added.center_of_mass, about_frame)
+                total = total + _carried(x_lf, pseudo)
+        self._links[hold.link] = replace(link, inertia=total)
+
+
+@dataclass(frozen=True)
+class _Hold:
+    """Which link a body is part of, and X_LB, where it is in it."""
+
+    link: int
+    pose: Array
+
+
+def _pseudo(mass: float, center: Array, moments: Array) -> Array:
+    """Return J from mass, centre of mass and rotational inertia about the frame's origin."""
+    pseudo = np.zeros((4, 4))
+    pseudo[:3, :3] = np.trace(moments) / 2 * np.eye(3) - moments
+    pseudo[:3, 3] = pseudo[3, :3] = mass * center
+    pseudo[3, 3] = mass
+    return pseudo
+
+
+def _carried(pose: Array, pseudo: Array) -> Array:
+    return pose @ pseudo @ pose.T
+
+
+def _matrix(transform: Any) -> Array:
+    return np.array(transform.GetAsMatrix4())

@@ -1,0 +1,63 @@
+"""Joint torques along short segments of a motion, as polynomials with a bound on what they miss.
+
+Coefficients about a segment's middle come from those about the piece's break by Horner's rule: a
+sum of k + 1 terms is off by less than 2 (k + 1) 2^-53 of the sum of their sizes (Higham 2002,
+section 5.1). `torque_majorant` says what that does to torques.
+"""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float64
+
+from planning.certify.intervals.rounding import UNIT
+from planning.certify.intervals.taylor import expand_at
+from planning.certify.torque.links import Link
+from planning.certify.torque.newton_euler import TERMS, TorqueRecursion
+from planning.certify.torque.torque_remainder import missed
+from planning.domain.curves.curve import TimedTrajectory
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
+
+
+@dataclass(frozen=True)
+class Torques:
+    """Of n segments.
+
+    Attributes:
+        taylor: Coefficients about the middle [N m or N per second to the power], shape (n, k, nv);
+            of a rotation in space along the world's axes, else per coordinate.
+        missed: What each coordinate's polynomial misses at most, by rounding too [N m or N], shape
+            (n, nv); of a rotation in space the length of all three, at the first.
+    """
+
+    taylor: Float64[np.ndarray, "n k nv"]
+    missed: Float64[np.ndarray, "n nv"]
+
+
+def torque_series(
+    links: tuple[Link, ...],
+    gravity: Float64[np.ndarray, "3"],
+    trajectory: TimedTrajectory,
+    segments: tuple[Any, Float64[np.ndarray, " n"], Float64[np.ndarray, " n"]],
+    order: int = 2,
+) -> Torques:
+    """Return the torques along segments of a trajectory.
+
+    Args:
+        links: Parents first.
+        gravity: g [m/s^2].
+        trajectory: The motion.
+        segments: The piece of each, its middle relative to the piece's break, and half its width.
+        order: Of the derivative that masses resist: 2, but for shares of them; see the recursion.
+    """
+    pieces, middles, halves = segments
+    coefficients = trajectory.coefficients[pieces]
+    length = max(TERMS + 3, coefficients.shape[1])
+    tangents = expand_at(coefficients, middles, length)
+    hidden = 4 * (length + 1) * UNIT * expand_at(np.abs(coefficients), middles, length)
+    bases = trajectory.bases[pieces]
+    found = TorqueRecursion(links, gravity, (tangents[:, : TERMS + 2], bases), order).run()
+    beyond = missed(links, gravity, (tangents, bases, halves), hidden, order)
+    return Torques(found, beyond)

@@ -1,0 +1,1 @@
+"""Paths, curves and samples of motions."""

@@ -1,0 +1,119 @@
+"""Trajectories through samples: the polynomials that a list of instants stands for.
+
+Between two samples a polynomial meets what is given at both: of degree 5 if accelerations are, of
+degree 3 if velocities are. Of positions alone it is the cubic spline with continuous acceleration
+that rests at both ends (de Boor, "A Practical Guide to Splines", 2001, chapter IV), or, where
+that is asked for, the straight line.
+"""
+
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float64
+
+from planning.domain.curves.curve import TimedTrajectory
+from planning.domain.robot.joints import Joint, JointType
+from planning.domain.robot.manifold import Manifold
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
+
+
+def trajectory_through(
+    joints: tuple[Joint, ...],
+    times: Float64[np.ndarray, " n"],
+    positions: Float64[np.ndarray, "n nq"],
+    velocities: Float64[np.ndarray, "n nv"] | None = None,
+    accelerations: Float64[np.ndarray, "n nv"] | None = None,
+) -> TimedTrajectory:
+    """Return the motion that samples stand for: positions are numbers, not angles on a circle.
+
+    From 3 rad to -3 rad is a way of 6 rad back, of joints that turn without end too: else samples
+    more than half a turn apart would stand for the way around the other side. Who has angles that
+    jump by whole turns unwraps them first (`numpy.unwrap`).
+
+    Args:
+        joints: Whose samples these are; none may float.
+        times: From 0, increasing [s], n >= 2.
+        positions: [rad or m].
+        velocities: [rad/s or m/s].
+        accelerations: [rad/s^2 or m/s^2]; of no use without velocities.
+    """
+    widths = np.diff(times)
+    steps = positions[1:] - positions[:-1]
+    if velocities is None:
+        velocities = _spline_slopes(widths, steps)
+    h = widths[:, None]
+    v0, v1 = velocities[:-1], velocities[1:]
+    if accelerations is None:
+        a0 = (6 * steps / h - 4 * v0 - 2 * v1) / h
+        c3 = (v0 + v1 - 2 * steps / h) / h**2
+        columns = [np.zeros_like(steps), v0, a0 / 2, c3]
+    else:
+        a0, a1 = accelerations[:-1], accelerations[1:]
+        # What the start alone would give is missed at the end by so much.
+        p = steps - v0 * h - a0 * h**2 / 2
+        v = (v1 - v0 - a0 * h) * h
+        a = (a1 - a0) * h**2
+        columns = [
+            np.zeros_like(steps),
+            v0,
+            a0 / 2,
+            (10 * p - 4 * v + a / 2) / h**3,
+            (-15 * p + 7 * v - a) / h**4,
+            (6 * p - 3 * v + a / 2) / h**5,
+        ]
+    return TimedTrajectory(joints, times, positions[:-1], np.stack(columns, axis=1))
+
+
+def polyline_through(
+    joints: tuple[Joint, ...],
+    times: Float64[np.ndarray, " n"],
+    positions: Float64[np.ndarray, "n nq"],
+) -> TimedTrajectory:
+    """Return the motion that goes straight from sample to sample: positions are numbers here too.
+
+    Args:
+        joints: Whose samples these are; those that float turn about one axis at a time.
+        times: From 0, increasing [s], n >= 2.
+        positions: [rad or m].
+    """
+    steps = _displacements(joints, positions)
+    rates = steps / np.diff(times)[:, None]
+    coefficients = np.stack([np.zeros_like(rates), rates], axis=1)
+    return TimedTrajectory(joints, times, positions[:-1], coefficients)
+
+
+def _displacements(joints: tuple[Joint, ...], positions: Array) -> Array:
+    """Return what takes each sample to the next, whole turns included, shape (n - 1, nv)."""
+    steps = Manifold.of(joints).minus(positions[1:], positions[:-1])
+    plain = np.diff(positions, axis=0)
+    at_q = at_v = 0
+    for joint in joints:
+        if joint.type is not JointType.FLOATING:
+            steps[:, at_v : at_v + joint.num_velocities] = plain[
+                :, at_q : at_q + joint.num_positions
+            ]
+        at_q, at_v = at_q + joint.num_positions, at_v + joint.num_velocities
+    return steps
+
+
+def _spline_slopes(
+    widths: Float64[np.ndarray, " n_minus_1"], steps: Float64[np.ndarray, "n_minus_1 nv"]
+) -> Array:
+    """Return the velocities at which the acceleration is continuous, zero at both ends.
+
+    The equations are tridiagonal and diagonally dominant: Thomas's algorithm needs no pivots.
+    """
+    slopes = steps / widths[:, None]
+    found = np.zeros((len(widths) + 1, steps.shape[1]))
+    count = len(widths) - 1
+    upper = np.zeros(count)
+    for i in range(count):
+        before, after = widths[i], widths[i + 1]
+        right = 3 * (after * slopes[i] + before * slopes[i + 1])
+        pivot = 2 * (before + after) - (after * upper[i - 1] if i else 0.0)
+        upper[i] = before / pivot
+        found[i + 1] = (right - after * found[i]) / pivot
+    for i in range(count - 1, 0, -1):
+        found[i] -= upper[i - 1] * found[i + 1]
+    return found

@@ -1,0 +1,185 @@
+"""Knots: at which instants a motion is sampled, and where its acceleration goes over linearly.
+
+Between two pieces with different accelerations lies a ramp, from a little before the jump to a
+little after it. Pieces too short for samples of their own are gone over together, with a sample in
+the middle of them whose acceleration is chosen (`sampling`). If the ramp reaches beyond them by
+half of what they take or more, that is a mean of those before, within and after them, and hence
+within their limits; at an end of the motion that is so if it reaches as far as they do.
+"""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float64
+
+from planning.domain.curves.curve import TimedTrajectory, derivative
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
+type Indices = np.ndarray[Any, np.dtype[np.intp]]
+
+# Half of the time in which a jump of acceleration is gone over, at least [s].
+_RAMP = 5e-5
+# Jumps that count as such, and what rounding may change of an acceleration, over their limits.
+_JUMP, _ROUNDED = 1e-6, 2e-7
+# The largest second derivative of the polynomial of degree 5 on [0, 1] that goes from 0 to 1.
+_STEEPEST = 10 / np.sqrt(3)
+# What is shorter, at an end, is part of the piece beside it [s].
+_DUST = 3e-8
+# Pieces of fewer half ramps than this are gone over; from a longer one they take a share at most.
+_NARROW, _SHARE = 4.0, 0.25
+
+
+@dataclass(frozen=True)
+class Knots:
+    """The instants of samples.
+
+    Attributes:
+        times: When [s], shape (n,).
+        pieces: The piece of the motion that each belongs to, shape (n,).
+        ramps: Those from which to the next the acceleration goes over linearly.
+        bent: Those whose acceleration is not the motion's but chosen.
+    """
+
+    times: Array
+    pieces: Indices
+    ramps: Indices
+    bent: Indices
+
+    @classmethod
+    def of(cls, curve: TimedTrajectory, periods: Array, limits: Array) -> "Knots":
+        """Choose them.
+
+        Args:
+            curve: The motion.
+            periods: Longest time between samples on each piece [s], shape (n,).
+            limits: On the acceleration of every coordinate, infinite for none, shape (nv,).
+        """
+        ramp, none = _ramp(curve, limits), np.zeros(0, dtype=np.intp)
+        long = np.flatnonzero(curve.widths >= _NARROW * ramp)
+        if len(long) == 0:
+            ends = np.array([0, curve.num_pieces - 1])
+            return cls(curve.breaks[[0, -1]], ends, none, none)
+        spans = _Spans.of(curve, limits, long, ramp)
+        times, pieces, ramps = _even(spans, periods[long])
+        bent, gone_over = none, spans.skips[spans.jumps]
+        if gone_over.any():
+            times, pieces, ramps, bent = _with_middles(curve, spans, (times, pieces, ramps))
+        return cls(times, pieces, ramps, bent)
+
+
+@dataclass(frozen=True)
+class _Spans:
+    """Which part of each long piece is sampled, and what lies before, between and after them.
+
+    Attributes:
+        long: The pieces, shape (n,).
+        begins: Where sampling of each begins [s].
+        ends: Where it ends [s].
+        jumps: Whether there is a ramp: before the first, between all, after the last; (n + 1,).
+        skips: Whether pieces are gone over there.
+        duration: Of the motion [s].
+        num_pieces: Of the motion.
+    """
+
+    long: Indices
+    begins: Array
+    ends: Array
+    jumps: np.ndarray[Any, np.dtype[np.bool_]]
+    skips: np.ndarray[Any, np.dtype[np.bool_]]
+    duration: float
+    num_pieces: int
+
+    @classmethod
+    def of(cls, curve: TimedTrajectory, limits: Array, long: Indices, ramp: float) -> "_Spans":
+        breaks, widths = curve.breaks, curve.widths[long]
+        skips = np.diff(long, prepend=-1, append=curve.num_pieces) > 1
+        jumps = skips.copy()
+        jumps[1:-1] |= _jumps(curve, limits, long)
+        # How long it takes to go over pieces, and how far beyond them a ramp reaches.
+        begins, ends = breaks[long], breaks[long + 1]
+        over = np.concatenate([[begins[0]], begins[1:] - ends[:-1], [breaks[-1] - ends[-1]]])
+        wanted = np.maximum(over / 2, 2 * ramp - over / 2)
+        wanted[[0, -1]] = np.maximum(over[[0, -1]], ramp)
+        room = np.minimum(np.append(np.inf, widths), np.append(widths, np.inf)) * _SHARE
+        reach = np.where(skips, np.clip(wanted, ramp, np.maximum(room, ramp)), ramp) * jumps
+        begins, ends = begins + reach[:-1], ends - reach[1:]
+        if over[0] <= _DUST:
+            begins[0], jumps[0] = 0.0, False
+        if over[-1] <= _DUST:
+            ends[-1], jumps[-1] = breaks[-1], False
+        return cls(long, begins, ends, jumps, skips, float(breaks[-1]), curve.num_pieces)
+
+
+def _even(spans: _Spans, periods: Array) -> tuple[Array, Indices, Indices]:
+    """Return instants evenly on each span and at the very ends, pieces, and where ramps begin."""
+    begins, ends, jumps = spans.begins, spans.ends, spans.jumps
+    counts = np.maximum(1, np.ceil((ends - begins) / periods - 1e-9)).astype(np.intp)
+    has_end = np.append(jumps[1:-1], True)
+    number = counts + has_end
+    owner = np.repeat(np.arange(len(begins)), number)
+    step = np.arange(len(owner)) - (np.cumsum(number) - number)[owner]
+    times = begins[owner] + step * ((ends - begins) / counts)[owner]
+    lasts = np.cumsum(number) - 1
+    times[lasts[has_end]] = ends[has_end]
+    pieces, ramps = spans.long[owner], lasts[:-1][jumps[1:-1]]
+    if jumps[0]:
+        times, pieces = np.insert(times, 0, 0.0), np.insert(pieces, 0, 0)
+        ramps = np.insert(ramps + 1, 0, 0)
+    if jumps[-1]:
+        ramps = np.append(ramps, len(times) - 1)
+        times = np.append(times, spans.duration)
+        pieces = np.append(pieces, spans.num_pieces - 1)
+    return times, pieces, ramps
+
+
+def _with_middles(
+    curve: TimedTrajectory, spans: _Spans, knots: tuple[Array, Indices, Indices]
+) -> tuple[Array, Indices, Indices, Indices]:
+    """Return the same with a sample in the middle of what is gone over, and which are bent.
+
+    At the ends of the motion its first and its last sample are.
+    """
+    times, pieces, ramps = knots
+    gone_over = spans.skips[spans.jumps]
+    inner = gone_over.copy()
+    inner[: int(spans.jumps[0])] = False
+    inner[len(inner) - int(spans.jumps[-1]) :] = False
+    at = ramps[inner]
+    middles = (times[at] + times[at + 1]) / 2
+    owners = np.searchsorted(curve.breaks, middles, side="right") - 1
+    times, pieces = np.insert(times, at + 1, middles), np.insert(pieces, at + 1, owners)
+    ramps = ramps + np.cumsum(inner) - inner
+    bent = [*(ramps[inner] + 1)]
+    if spans.jumps[0]:
+        bent.insert(0, 0)
+    if spans.jumps[-1]:
+        bent.append(len(times) - 1)
+    ramps = np.sort(np.concatenate([ramps, ramps[inner] + 1]))
+    return times, pieces, ramps, np.array(bent, dtype=np.intp)
+
+
+def _ramp(curve: TimedTrajectory, limits: Array) -> float:
+    """Return half of how long a ramp takes: so long that rounded positions do not bend it [s]."""
+    if not curve.manifold.is_flat:
+        return 0.0
+    ulp = np.spacing(np.abs(curve.bases).max(axis=0))
+    least = np.sqrt(_STEEPEST * ulp / (_ROUNDED * limits))
+    return max(_RAMP, float(least.max()) / 2)
+
+
+def _jumps(curve: TimedTrajectory, limits: Array, long: Indices) -> Any:
+    """Return where accelerations jump between two long pieces in a row."""
+    if not curve.manifold.is_flat:
+        return np.zeros(len(long) - 1, dtype=bool)
+    bend = derivative(curve.coefficients, 2)
+    before = evaluated(bend[long[:-1]], curve.widths[long[:-1]])
+    return (np.abs(bend[long[1:], 0] - before) > _JUMP * limits).any(axis=1)
+
+
+def evaluated(coefficients: Float64[np.ndarray, "m k nv"], x: Float64[np.ndarray, " m"]) -> Array:
+    """Return the value of a polynomial each, lowest power first, shape (m, nv)."""
+    total = coefficients[:, -1].copy()
+    for k in range(coefficients.shape[1] - 2, -1, -1):
+        total = total * x[:, None] + coefficients[:, k]
+    return total

@@ -1,0 +1,56 @@
+"""JointPath: untimed waypoints joined by geodesics, which are arcs where a base is steered."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float64
+
+from planning.domain.curves.arcs import arcs_through
+from planning.domain.curves.curve import JointSpline
+from planning.domain.robot.joints import JointGroup
+from planning.domain.robot.steering import SteeredManifold, manifold_of
+from planning.domain.value import Value
+
+
+@dataclass(frozen=True, eq=False)
+class JointPath(Value):
+    """A path is not a trajectory: it has no time.
+
+    Attributes:
+        group: Whose configurations the waypoints are.
+        waypoints: Shape (n, nq), n >= 2, from start to goal.
+    """
+
+    group: JointGroup
+    waypoints: Float64[np.ndarray, "n nq"]
+
+    @property
+    def length(self) -> float:
+        """The sum of the geodesics' lengths (radians and metres weigh the same)."""
+        manifold = manifold_of(self.group)
+        return float(manifold.distance(self.waypoints[1:], self.waypoints[:-1]).sum())
+
+    @property
+    def continuous(self) -> "JointPath":
+        """The same path with numbers that do not jump: no whole turns, no signs of quaternions.
+
+        The first waypoint stays as it is.
+        """
+        manifold = manifold_of(self.group)
+        rows = [self.waypoints[0]]
+        for waypoint in self.waypoints[1:]:
+            rows.append(manifold.plus(rows[-1], manifold.minus(waypoint, rows[-1])))
+        return JointPath(self.group, manifold.normalized(np.stack(rows)))
+
+    @property
+    def straight(self) -> "JointPath":
+        """The geodesic between the ends."""
+        return JointPath(self.group, self.waypoints[[0, -1]])
+
+    @property
+    def spline(self) -> JointSpline:
+        """The path as a curve: of degree one, or of degree five where arcs are followed."""
+        manifold = manifold_of(self.group)
+        if isinstance(manifold, SteeredManifold):
+            return arcs_through(manifold, self.waypoints)
+        return JointSpline.through(self.group.joints, self.waypoints)

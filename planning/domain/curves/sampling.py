@@ -1,0 +1,186 @@
+"""Samples of a motion: at which instants it is told, and the numbers that are told there.
+
+A receiver knows nothing but samples, and takes the motion between two of them for a polynomial. If
+accelerations jump in between, no polynomial through positions, velocities and accelerations follows
+them: the one of degree 5 overshoots by 8 % of the jump, however near the samples are. So samples
+lie where the pieces of the motion meet, and evenly between; and where accelerations jump there are
+two, a tenth of a millisecond apart or so, between which the acceleration goes over linearly:
+
+    v1 = v0 + h (a0 + a1) / 2,    p1 = p0 + h v0 + h^2 (2 a0 + a1) / 6.
+
+Where pieces too short for samples of their own lie between, the acceleration goes linearly to a
+third sample and on from there, and what it is there is chosen so that v1 is the motion's.
+
+What the true motion has then differs by some 1e-9, or 1e-8 where short pieces are gone over. The
+samples keep that difference from there on, less a smooth polynomial that takes it away by the end:
+the first and the last place are the motion's own.
+"""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float64
+
+from planning.domain.curves.curve import TimedTrajectory, derivative
+from planning.domain.curves.knots import Knots, evaluated
+from planning.domain.robot.joints import Joint
+from planning.domain.value import Value
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
+
+# Samples are not put nearer than this but for the period [s].
+_SHORTEST = 1e-3
+
+
+@dataclass(frozen=True, eq=False)
+class Sampling(Value):
+    """Which instants of a motion are told.
+
+    Attributes:
+        period: Between samples at most [s].
+        num_points: So many instead, evenly in time; None for as many as the period makes.
+        is_even: Whether all are a period apart, but for the last, wherever the pieces meet.
+    """
+
+    period: float = 0.01
+    num_points: int | None = None
+    is_even: bool = False
+
+    @property
+    def follows_pieces(self) -> bool:
+        """Whether there are samples where the pieces of the motion meet."""
+        return self.num_points is None and not self.is_even
+
+
+@dataclass(frozen=True, eq=False)
+class SampledTrajectory(Value):
+    """A motion as it is told.
+
+    Attributes:
+        joints: Whose.
+        times: From 0, increasing [s], shape (n,).
+        positions: [rad or m], shape (n, nq).
+        velocities: [rad/s or m/s], shape (n, nv).
+        accelerations: [rad/s^2 or m/s^2], shape (n, nv).
+    """
+
+    joints: tuple[Joint, ...]
+    times: Float64[np.ndarray, " n"]
+    positions: Float64[np.ndarray, "n nq"]
+    velocities: Float64[np.ndarray, "n nv"]
+    accelerations: Float64[np.ndarray, "n nv"]
+
+    @property
+    def longest_gap(self) -> float:
+        """Between two samples [s]."""
+        return float(np.diff(self.times).max())
+
+
+def sampled(
+    trajectory: TimedTrajectory,
+    sampling: Sampling,
+    limits: Float64[np.ndarray, " nv"],
+    gaps: Float64[np.ndarray, " n"] | None = None,
+) -> SampledTrajectory:
+    """Return the samples of a motion, the first and the last instant included.
+
+    Args:
+        trajectory: The motion.
+        sampling: Which instants.
+        limits: On the acceleration of every coordinate, infinite for none: they say which jumps
+            count [rad/s^2 or m/s^2].
+        gaps: Longest time between samples on each piece [s], if it is less than the period, but
+            hardly less than a millisecond; not for samples that are evenly apart.
+    """
+    if not sampling.follows_pieces:
+        count = sampling.num_points
+        even = None if count is None else trajectory.even_times(count)
+        return _at(trajectory, trajectory.sample_times(sampling.period) if even is None else even)
+    periods = np.full(trajectory.num_pieces, sampling.period)
+    if gaps is not None:
+        periods = np.minimum(periods, np.maximum(gaps, _SHORTEST))
+    knots = Knots.of(trajectory, periods, limits)
+    curve, piece, x = trajectory, knots.pieces, knots.times - trajectory.breaks[knots.pieces]
+    delta, *rates = (evaluated(derivative(curve.coefficients, k)[piece], x) for k in range(3))
+    if not curve.manifold.is_flat:
+        q = curve.manifold.plus(curve.bases[piece], delta)
+        v = curve.manifold.generalized_velocity(q, delta, rates[0])
+        vdot = curve.manifold.generalized_acceleration(q, delta, *rates)
+        return SampledTrajectory(curve.joints, knots.times, q, v, vdot)
+    states = curve.bases[piece] + delta, rates[0], rates[1]
+    if len(knots.bent):
+        states = *states[:2], _bent(curve, knots, states)
+    moved = _ramped(curve, knots, states) if len(knots.ramps) else states
+    return SampledTrajectory(curve.joints, knots.times, *moved)
+
+
+def _at(trajectory: TimedTrajectory, times: Array) -> SampledTrajectory:
+    rates = trajectory.velocities(times), trajectory.accelerations(times)
+    return SampledTrajectory(trajectory.joints, times, trajectory.positions(times), *rates)
+
+
+def _bent(curve: TimedTrajectory, knots: Knots, states: tuple[Array, Array, Array]) -> Array:
+    """Return the accelerations with those chosen that are to be.
+
+    Linear between three samples, L and R apart, they add up to
+
+        v2 - v0 = (L (a0 + a1) + R (a1 + a2)) / 2,
+
+    which is solved for a1; at an end there is one such interval. They stay among those that the
+    motion has there.
+    """
+    (_, v, a), times = states, knots.times
+    chosen, last = a.copy(), len(times) - 1
+    bend = derivative(curve.coefficients, 2)
+    for m in knots.bent:
+        i, j = max(m - 1, 0), min(m + 1, last)
+        before, after = times[m] - times[i], times[j] - times[m]
+        wanted = 2 * (v[j] - v[i]) - before * a[i] - after * a[j]
+        rows = slice(0 if m == 0 else knots.pieces[i], knots.pieces[j] + 1)
+        begins, ends = bend[rows, 0], evaluated(bend[rows], curve.widths[rows])
+        # Of the pieces before and after what counts is where they end and where they begin.
+        there = [begins if m == 0 else begins[1:], ends if m == last else ends[:-1], a[[i, j]]]
+        every = np.concatenate(there)
+        chosen[m] = np.clip(wanted / (before + after), every.min(axis=0), every.max(axis=0))
+    return chosen
+
+
+def _ramped(
+    curve: TimedTrajectory, knots: Knots, states: tuple[Array, Array, Array]
+) -> tuple[Array, Array, Array]:
+    """Return the states with linear accelerations on ramps, and all else moved along."""
+    (q, v, a), times = states, knots.times
+    i, j = knots.ramps, knots.ramps + 1
+    h = (times[j] - times[i])[:, None]
+    dv = v[i] + h * (a[i] + a[j]) / 2 - v[j]
+    dq = curve.manifold.minus(q[i] + h * v[i] + h**2 * (2 * a[i] + a[j]) / 6, q[j])
+    began = np.searchsorted(j, np.arange(len(times)), side="right")
+    total_v, total_q, since = (
+        np.concatenate([np.zeros_like(part[:1]), np.cumsum(part, axis=0)])[began]
+        for part in (dv, dq, dv * times[j][:, None])
+    )
+    moved_q = total_q + total_v * times[:, None] - since
+    back = _smooth(times, moved_q[-1], total_v[-1])
+    return q + moved_q - back[0], v + total_v - back[1], a - back[2]
+
+
+def _smooth(times: Array, shift: Array, rate: Array) -> tuple[Array, Array, Array]:
+    """Return a polynomial that comes from rest at 0 to a shift and a rate, and its derivatives."""
+    span = times[-1]
+    s = (times / span)[:, None]
+    to_shift = (
+        s**3 * (10 - 15 * s + 6 * s**2),
+        s**2 * (30 - 60 * s + 30 * s**2),
+        s * (60 - 180 * s + 120 * s**2),
+    )
+    to_rate = (
+        s**3 * (-4 + 7 * s - 3 * s**2),
+        s**2 * (-12 + 28 * s - 15 * s**2),
+        s * (-24 + 84 * s - 60 * s**2),
+    )
+    value, slope, bend = (
+        (f * shift + g * rate * span) / span**k
+        for k, (f, g) in enumerate(zip(to_shift, to_rate, strict=True))
+    )
+    return value, slope, bend

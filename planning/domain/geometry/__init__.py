@@ -1,0 +1,1 @@
+"""Poses, rotations, shapes and pairs of bodies."""

@@ -1,0 +1,1 @@
+"""What a motion shall reach, and what was found of it."""

@@ -1,0 +1,185 @@
+"""Funnel: how many IK samples survived what, and what that says."""
+
+from dataclasses import dataclass
+from typing import Any
+
+from planning.domain.value import Value
+
+# So many pairs of bodies are named in a sentence.
+_TOLD = 3
+
+
+@dataclass(frozen=True, eq=False)
+class PairTally(Value):
+    """How often two bodies were the deepest collision of a rejected configuration.
+
+    Attributes:
+        bodies: Full names.
+        count: Rejected configurations.
+        min_depth: Smallest depth among them [m].
+        max_depth: Largest depth among them [m].
+    """
+
+    bodies: tuple[str, str]
+    count: int
+    min_depth: float
+    max_depth: float
+
+
+@dataclass(frozen=True, eq=False)
+class LinearMoveTally(Value):
+    """How often one thing stopped the approach or retreat of a configuration.
+
+    Attributes:
+        leg: "approach" or "retreat".
+        reason: As `LineStop` has it.
+        where: The pair of bodies or the joint, or "".
+        count: Configurations.
+        max_fraction: The most of the line that any of them got, seen from the goal.
+    """
+
+    leg: str
+    reason: str
+    where: str
+    count: int
+    max_fraction: float
+
+
+@dataclass(frozen=True, eq=False)
+class Funnel(Value):
+    """How many IK samples survived what; every number is at most the one before it.
+
+    Attributes:
+        tried: Seeds given to the solver.
+        converged: Reached the target within tolerance.
+        within_limits: Kept the joint limits.
+        collision_free: Touch nothing.
+        distinct: Differ from all others; whole turns of joints do not make them differ here.
+        rejected_by: Which pairs the colliding ones hit; only the first few are measured, more of
+            them if none is free.
+        violating: Goal configurations, whole turns included, that were dropped because they or
+            their lines violate a path constraint.
+        approach_ok: Of the collision-free ones, but for the breaking ones, those whose approach and
+            retreat are free and continuous; all of them if neither is asked for. The distinct ones
+            are among these.
+        breaking: Of the collision-free ones, those that violate a path constraint.
+        blocked_by: What stopped approaches and retreats, most frequent first.
+    """
+
+    tried: int = 0
+    converged: int = 0
+    within_limits: int = 0
+    collision_free: int = 0
+    distinct: int = 0
+    rejected_by: tuple[PairTally, ...] = ()
+    violating: int = 0
+    approach_ok: int = 0
+    blocked_by: tuple[LinearMoveTally, ...] = ()
+    breaking: int = 0
+
+
+@dataclass(frozen=True, eq=False)
+class Rejection(Value):
+    """Why some samples are no goal configurations.
+
+    Attributes:
+        reason: "not_converged", "outside_limits", "collision", "path_constraint", "approach" (or
+            retreat) or "duplicate".
+        count: How many.
+        pair: What they hit, if that is the reason and it was measured.
+    """
+
+    reason: str
+    count: int
+    pair: PairTally | None = None
+
+
+def rejections(funnel: Funnel) -> tuple[Rejection, ...]:
+    """Return why the others are not among the distinct ones.
+
+    The counts and the distinct ones add up to what was tried. What collides is told by pair as far
+    as it was measured; the rest of it has no pair.
+    """
+    colliding = funnel.within_limits - funnel.collision_free
+    measured = sum(tally.count for tally in funnel.rejected_by)
+    reasons = (
+        Rejection("not_converged", funnel.tried - funnel.converged),
+        Rejection("outside_limits", funnel.converged - funnel.within_limits),
+        *(Rejection("collision", tally.count, tally) for tally in funnel.rejected_by),
+        Rejection("collision", colliding - measured),
+        Rejection("path_constraint", funnel.breaking),
+        Rejection("approach", funnel.collision_free - funnel.breaking - funnel.approach_ok),
+        Rejection("duplicate", funnel.approach_ok - funnel.distinct),
+    )
+    return tuple(reason for reason in reasons if reason.count > 0)
+
+
+def funnel_evidence(funnel: Funnel) -> dict[str, Any]:
+    """Return all of it as JSON has it; shares are of what was tried."""
+    return {
+        "tried": funnel.tried,
+        "converged": funnel.converged,
+        "within_limits": funnel.within_limits,
+        "collision_free": funnel.collision_free,
+        "breaking": funnel.breaking,
+        "violating": funnel.violating,
+        "approach_ok": funnel.approach_ok,
+        "distinct": funnel.distinct,
+        "rejected_by": [
+            {
+                "bodies": list(tally.bodies),
+                "count": tally.count,
+                "min_depth": tally.min_depth,
+                "max_depth": tally.max_depth,
+            }
+            for tally in funnel.rejected_by
+        ],
+        "blocked_by": [
+            {
+                "leg": tally.leg,
+                "reason": tally.reason,
+                "where": tally.where,
+                "count": tally.count,
+                "max_fraction": tally.max_fraction,
+            }
+            for tally in funnel.blocked_by
+        ],
+        "rejected": [
+            {
+                "reason": one.reason,
+                "count": one.count,
+                "share": one.count / funnel.tried,
+                "bodies": one.pair and list(one.pair.bodies),
+                "min_depth": one.pair and one.pair.min_depth,
+                "max_depth": one.pair and one.pair.max_depth,
+            }
+            for one in rejections(funnel)
+        ],
+        "summary": funnel_summary(funnel),
+    }
+
+
+def funnel_summary(funnel: Funnel) -> str:
+    """Return the same as a sentence."""
+    words = [f"{funnel.tried} tried", f"{funnel.converged} converged"]
+    if funnel.converged > funnel.within_limits:
+        words.append(f"{funnel.converged - funnel.within_limits} of them are outside limits")
+    words += [
+        f"{tally.count} of them hit {'-'.join(tally.bodies)} by "
+        f"{1000 * tally.min_depth:.3g} to {1000 * tally.max_depth:.3g} mm"
+        for tally in funnel.rejected_by[:_TOLD]
+    ]
+    told = sum(tally.count for tally in funnel.rejected_by[:_TOLD])
+    others = funnel.within_limits - funnel.collision_free - told
+    if others:
+        words.append(f"{others} of them collide" + (" otherwise" if told else ""))
+    if funnel.collision_free:
+        words.append(f"{funnel.collision_free} are free")
+    if funnel.breaking:
+        words.append(f"{funnel.breaking} of these violate a path constraint")
+    blocked = funnel.collision_free - funnel.breaking - funnel.approach_ok
+    if blocked > 0:
+        words.append(f"{blocked} of these have no free approach or retreat")
+    if funnel.collision_free:
+        words.append(f"{funnel.distinct} are distinct")
+    return ", ".join(words)

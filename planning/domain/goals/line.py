@@ -1,0 +1,132 @@
+"""Straight lines of a tool, and motions along them."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from jaxtyping import Float64
+
+from planning.domain.geometry import rotation
+from planning.domain.geometry.pose import Pose
+from planning.domain.value import Value
+
+# How far a motion may be from its line between its waypoints, if nobody says otherwise.
+MAX_SHIFT, MAX_TURN = 1e-3, float(np.radians(0.5))
+
+
+@dataclass(frozen=True, eq=False)
+class Displacement(Value):
+    """A way without a turn.
+
+    Attributes:
+        vector: The way [m], shape (3,).
+        frame: In whose axes: "world" or any frame of the scene, as it stands at the start.
+    """
+
+    vector: Float64[np.ndarray, "3"]
+    frame: str = "world"
+
+
+@dataclass(frozen=True, eq=False)
+class ToolLine(Value):
+    """The straight motion of a tool frame T from one pose to another.
+
+    At fraction s in [0, 1] its origin is at p_0 + s (p_1 - p_0) and its rotation is
+    R_0 exp(s phi), with phi the shortest rotation vector from R_0 to R_1 (Shoemake's slerp).
+
+    Attributes:
+        frame: Full name of T.
+        begin: X_WT at s = 0.
+        end: X_WT at s = 1.
+    """
+
+    frame: str
+    begin: Pose
+    end: Pose
+
+    @property
+    def shift(self) -> Float64[np.ndarray, "3"]:
+        """p_1 - p_0 in world [m]."""
+        return self.end.position - self.begin.position
+
+    @cached_property
+    def turn(self) -> Float64[np.ndarray, "3"]:
+        """Phi, in the tool's axes [rad]."""
+        inverse = rotation.conjugate(self.begin.quaternion)
+        return rotation.log(rotation.multiply(inverse, self.end.quaternion))
+
+    @property
+    def length(self) -> float:
+        """Of the way of the tool's origin [m]."""
+        return float(np.linalg.norm(self.shift))
+
+    def pose(self, fraction: float) -> Pose:
+        """Return X_WT at a fraction."""
+        turned = rotation.multiply(self.begin.quaternion, rotation.exp(fraction * self.turn))
+        return Pose.from_parts(self.begin.position + fraction * self.shift, turned)
+
+    @property
+    def reverse(self) -> "ToolLine":
+        """The same line from its other end."""
+        return ToolLine(self.frame, self.end, self.begin)
+
+
+@dataclass(frozen=True, eq=False)
+class LinearMove(Value):
+    """A continuous motion of a group that takes a tool along all of a line.
+
+    Attributes:
+        line: The line.
+        fractions: From 0 to 1, of every waypoint, shape (n,), n >= 2.
+        positions: The group's q there, shape (n, nq).
+    """
+
+    line: ToolLine
+    fractions: Float64[np.ndarray, " n"]
+    positions: Float64[np.ndarray, "n nq"]
+
+    @property
+    def reverse(self) -> "LinearMove":
+        """The way back."""
+        return LinearMove(self.line.reverse, 1.0 - self.fractions[::-1], self.positions[::-1])
+
+    def shifted(self, shift: Float64[np.ndarray, " nq"]) -> "LinearMove":
+        """Return the same motion with something added to all positions, such as whole turns."""
+        return LinearMove(self.line, self.fractions, self.positions + shift)
+
+
+@dataclass(frozen=True, eq=False)
+class GoalMoves(Value):
+    """The lines that belong to a goal configuration.
+
+    Attributes:
+        approach: It ends at the goal configuration; None if none is asked for.
+        retreat: It begins there; None if none is asked for.
+    """
+
+    approach: LinearMove | None
+    retreat: LinearMove | None
+
+    @property
+    def all(self) -> tuple[LinearMove, ...]:
+        """Those that there are."""
+        return tuple(leg for leg in (self.approach, self.retreat) if leg is not None)
+
+
+@dataclass(frozen=True, eq=False)
+class LineSection(Value):
+    """The part of a motion that shall follow a line.
+
+    Attributes:
+        line: The line.
+        begin: First instant [s].
+        end: Last instant [s].
+        max_shift: How far the tool's origin may be from the line [m].
+        max_turn: How far its rotation may be off [rad].
+    """
+
+    line: ToolLine
+    begin: float
+    end: float
+    max_shift: float
+    max_turn: float

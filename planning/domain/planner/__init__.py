@@ -1,0 +1,1 @@
+"""Planners, their graphs, roadmaps and regions."""

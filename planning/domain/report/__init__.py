@@ -1,0 +1,1 @@
+"""What a plan gives: motion, certificate and the reports of its stages."""

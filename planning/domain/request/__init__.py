@@ -1,0 +1,1 @@
+"""What decides a plan besides its goal: options, constraints, limits, deadlines."""

@@ -1,0 +1,1 @@
+"""Joints, groups of joints and what they may do."""

@@ -1,0 +1,100 @@
+"""Followers: joints that follow one of a group, and the limits that this sets to the group.
+
+A follower is at q_f = multiplier q + offset of the joint that it follows, through any chain of
+followers. So its limits are limits of that joint: positions between those where q_f is at its
+bounds, and rates divided by |multiplier|.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from planning.domain.robot.joints import JointLimits
+from planning.domain.value import Value
+from planning.errors import ModelInvalid
+
+
+@dataclass(frozen=True, eq=False)
+class Follower(Value):
+    """A joint that follows one of a group, and what it may do itself.
+
+    Attributes:
+        name: Full name, `robot::joint`.
+        leader: Full name of the group's joint that moves it.
+        position: Index of that joint's coordinate in the group's q.
+        rate: And in its v.
+        block: And of its block.
+        multiplier: Its displacement over that of the leader, of either sign.
+        offset: Where it is if the leader is at 0 [rad or m].
+        lower: Smallest position [rad or m].
+        upper: Largest position [rad or m].
+        velocity: [rad/s or m/s], infinite where no limit is stated.
+        acceleration: [rad/s^2 or m/s^2], infinite where no limit is stated.
+        jerk: [rad/s^3 or m/s^3], infinite where no limit is stated.
+    """
+
+    name: str
+    leader: str
+    position: int
+    rate: int
+    block: int
+    multiplier: float
+    offset: float
+    lower: float = -np.inf
+    upper: float = np.inf
+    velocity: float = np.inf
+    acceleration: float = np.inf
+    jerk: float = np.inf
+
+    def scaled(self, velocity: float, acceleration: float) -> "Follower":
+        """Return it with velocity, and acceleration with jerk, scaled (factors in (0, 1])."""
+        return replace(
+            self,
+            velocity=self.velocity * velocity,
+            acceleration=self.acceleration * acceleration,
+            jerk=self.jerk * acceleration,
+        )
+
+    @property
+    def range(self) -> tuple[float, float]:
+        """Between which positions of its leader it keeps its own limits [rad or m]."""
+        if self.multiplier == 0:
+            return (-np.inf, np.inf)
+        ends = [(bound - self.offset) / self.multiplier for bound in (self.lower, self.upper)]
+        return min(ends), max(ends)
+
+
+def together(limits: JointLimits, followers: Sequence[Follower]) -> JointLimits:
+    """Return the limits of a group within which its followers keep theirs as well.
+
+    Raises:
+        ModelInvalid: A follower can be nowhere within its limits while its leader is within its.
+    """
+    if not followers:
+        return limits
+    lower, upper = np.array(limits.lower), np.array(limits.upper)
+    rates = {name: np.array(getattr(limits, name)) for name in ("velocity", "acceleration", "jerk")}
+    for follower in followers:
+        at = follower.position
+        low, high = follower.range
+        lower[at], upper[at] = max(lower[at], low), min(upper[at], high)
+        stands = follower.multiplier == 0
+        if lower[at] > upper[at] or (
+            stands and not follower.lower <= follower.offset <= follower.upper
+        ):
+            raise _nowhere(follower)
+        for name, bounds in rates.items():
+            if not stands:
+                allowed = getattr(follower, name) / abs(follower.multiplier)
+                bounds[follower.block] = min(bounds[follower.block], allowed)
+    return replace(limits, lower=lower, upper=upper, **rates)
+
+
+def _nowhere(follower: Follower) -> ModelInvalid:
+    message = (
+        f"joint {follower.name!r} follows {follower.leader!r} as {follower.multiplier:g} q + "
+        f"{follower.offset:g}, which is never within its limits [{follower.lower:g}, "
+        f"{follower.upper:g}] while that is within its own and those of all that follow it"
+    )
+    return ModelInvalid(message, {"joint": follower.name, "reason": message})

@@ -1,0 +1,132 @@
+"""Steering: a planar base that rolls like a car, never sideways and in no tighter turn than it can.
+
+Where a plain planar joint goes straight from pose to pose, a steered one follows the motion of
+constant velocity in its own frame: an arc, or a line. That is the geodesic of SE(2) as a group,
+X_1 = X_0 exp(v_x, v_y, omega), with v_y = 0 where a car can follow it (Sola et al. 2018,
+appendix A; Lynch and Park, "Modern Robotics", 2017, section 3.2.3). With one radian for one metre
+it has the constant speed sqrt(v_x^2 + omega^2).
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any, override
+
+import numpy as np
+from jaxtyping import Float64
+
+from planning.domain.robot.joints import JointGroup, offsets_of
+from planning.domain.robot.manifold import Manifold
+from planning.domain.value import Value
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
+
+# Turns smaller than this have the series of what divides by them [rad].
+_SMALL = 1e-4
+
+
+@dataclass(frozen=True, eq=False)
+class Steering(Value):
+    """What a car can drive.
+
+    Attributes:
+        turning_radius: Of its tightest turn, at the origin of the base [m], above 0.
+        reverse: Whether it drives backwards too: its shortest ways are Reeds and Shepp's, or else
+            Dubins'.
+    """
+
+    turning_radius: float
+    reverse: bool = True
+
+
+@dataclass(frozen=True, eq=False)
+class SteeredGroup(JointGroup):
+    """A group some of whose planar joints are steered.
+
+    Attributes:
+        steering: By full name of a planar joint.
+    """
+
+    steering: Mapping[str, Steering] = field(default_factory=dict)
+
+
+def steering_of(group: JointGroup) -> Mapping[str, Steering]:
+    """Return how planar joints of a group are steered, by name; nothing for most groups."""
+    return group.steering if isinstance(group, SteeredGroup) else {}
+
+
+def steered(group: JointGroup, steering: Mapping[str, Steering]) -> JointGroup:
+    """Return the group with some of its planar joints steered; without any it is a plain one."""
+    if not steering:
+        return JointGroup(group.name, group.joints, group.tool_frames, group.winding)
+    return SteeredGroup(group.name, group.joints, group.tool_frames, group.winding, steering)
+
+
+def manifold_of(group: JointGroup) -> Manifold:
+    """Return the manifold whose geodesics a group's motions follow between waypoints."""
+    names = tuple(joint.name for joint in group.joints if joint.name in steering_of(group))
+    return SteeredManifold(group.joints, names) if names else Manifold.of(group.joints)
+
+
+@dataclass(frozen=True, eq=False)
+class SteeredManifold(Manifold):
+    """The same set with arcs and lines as the geodesics of steered joints.
+
+    The tangent of a steered joint is (v_x, v_y, omega) in the base's own frame. `distance` counts
+    v_y like any other number, so of poses that no single arc joins it says how far apart they are,
+    and not how far a car must drive.
+
+    Attributes:
+        cars: Full names of the steered joints.
+    """
+
+    cars: tuple[str, ...] = ()
+
+    @cached_property
+    @override
+    def is_flat(self) -> bool:
+        """A tangent of a steered joint is not a difference of coordinates."""
+        return False
+
+    @cached_property
+    def offsets(self) -> tuple[tuple[int, int], ...]:
+        """Where the coordinates of each steered joint begin in q and in v."""
+        return offsets_of(self.joints, lambda joint: joint.name in self.cars)
+
+    @override
+    def plus(self, q: Float64[np.ndarray, "*#n nq"], delta: Float64[np.ndarray, "*#n nv"]) -> Array:
+        """Return where q gets to in a unit of time at the constant velocity delta."""
+        moved = super().plus(q, delta)
+        for iq, iv in self.offsets:
+            ahead, aside, turn = (delta[..., iv + i] for i in range(3))
+            straight, bend = _chord(turn)
+            x = straight * ahead - bend * aside
+            y = bend * ahead + straight * aside
+            c, s = np.cos(q[..., iq + 2]), np.sin(q[..., iq + 2])
+            moved[..., iq] = q[..., iq] + c * x - s * y
+            moved[..., iq + 1] = q[..., iq + 1] + s * x + c * y
+        return moved
+
+    @override
+    def minus(self, q1: Float64[np.ndarray, "*#n nq"], q0: Float64[np.ndarray, "*#n nq"]) -> Array:
+        """Return the constant velocity that leads from q0 to q1, by half a turn at most."""
+        delta = super().minus(q1, q0)
+        for iq, iv in self.offsets:
+            x, y = (q1[..., iq + i] - q0[..., iq + i] for i in range(2))
+            c, s = np.cos(q0[..., iq + 2]), np.sin(q0[..., iq + 2])
+            x, y = c * x + s * y, c * y - s * x
+            straight, bend = _chord(delta[..., iv + 2])
+            size = straight**2 + bend**2
+            delta[..., iv] = (straight * x + bend * y) / size
+            delta[..., iv + 1] = (straight * y - bend * x) / size
+        return delta
+
+
+def _chord(turn: Array) -> tuple[Array, Array]:
+    """Return sin(turn) / turn and (1 - cos(turn)) / turn."""
+    small = np.abs(turn) < _SMALL
+    safe = np.where(small, 1.0, turn)
+    # 1 - cos is 2 sin^2 of half the angle, which does not cancel.
+    straight = np.where(small, 1 - turn**2 / 6, np.sin(safe) / safe)
+    bend = np.where(small, turn / 2 - turn**3 / 24, 2 * np.sin(safe / 2) ** 2 / safe)
+    return straight, bend

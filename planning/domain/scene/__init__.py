@@ -1,0 +1,1 @@
+"""What there is: scenes, their operations and files."""

@@ -1,0 +1,154 @@
+"""Scene: what there is, as values; `World` is the same thing loaded into Drake."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+from jaxtyping import Float64
+
+from planning.domain.geometry.pose import Pose
+from planning.domain.geometry.shapes import Shape
+from planning.domain.scene.kept_files import KeptFiles
+from planning.domain.value import Value, digest
+
+
+@dataclass(frozen=True, eq=False)
+class SceneRobot(Value):
+    """A robot in a scene.
+
+    Attributes:
+        name: Prefix of everything that is its: `name::link`.
+        model: Name of a bundled robot, or the path of a URDF, SDF or MJCF file.
+        base: X_WB, where its base link is welded.
+        positions: Name of a configuration, or values by joint name, or a list of values for its
+            default group; None for the configuration `home`, or zeros within limits.
+        weld: Whether its base link is welded to the world; None where its description decides:
+            bases of URDF files are welded, those of SDF and MJCF files float unless they say
+            otherwise. A base that is not welded starts at `base`.
+    """
+
+    name: str
+    model: str
+    base: Pose
+    positions: str | dict[str, float | tuple[float, ...]] | tuple[float, ...] | None
+    weld: bool | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Attachment(Value):
+    """How a robot holds an object.
+
+    Attributes:
+        frame: The frame F that the object follows: a robot's, or one that hangs on a robot's.
+        touch: Bodies that it may touch; None for those that move rigidly with F and those that
+            they carry on joints outside the robot's default group, such as fingers.
+    """
+
+    frame: str
+    touch: tuple[str, ...] | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class SceneObject(Value):
+    """An obstacle or a thing to handle.
+
+    Attributes:
+        name: Of its body and of its frame.
+        shape: Its geometry.
+        pose: X_WO; of an attached object X_FO.
+        movable: Whether it may be attached.
+        color: RGBA in 0..1, or None for a default, shape (4,).
+        attached: The robot's hold on it, or None if it stands in the world.
+        mass: What it weighs when it is held [kg]; None for nothing.
+        center_of_mass: In its frame [m], None for that of the shape, shape (3,).
+    """
+
+    name: str
+    shape: Shape
+    pose: Pose
+    movable: bool = False
+    color: Float64[np.ndarray, "4"] | None = None
+    attached: Attachment | None = None
+    mass: float | None = None
+    center_of_mass: Float64[np.ndarray, "3"] | None = None
+
+    is_fed_once = True
+
+
+@dataclass(frozen=True, eq=False)
+class SceneFrame(Value):
+    """A named pose.
+
+    Attributes:
+        name: Its name.
+        parent: An object, a frame, `robot::link` or "world".
+        pose: X_PF.
+    """
+
+    name: str
+    parent: str
+    pose: Pose
+
+    is_fed_once = True
+
+
+@dataclass(frozen=True, eq=False)
+class NamedConfiguration(Value):
+    """A configuration of a group.
+
+    Attributes:
+        name: Its name.
+        group: The group's name.
+        positions: The group's q, shape (nq,).
+    """
+
+    name: str
+    group: str
+    positions: Float64[np.ndarray, " nq"]
+
+
+@dataclass(frozen=True, eq=False)
+class PairMargin(Value):
+    """A margin for two bodies that differs from the scene's.
+
+    Attributes:
+        bodies: Full names.
+        margin: Distance to keep [m].
+    """
+
+    bodies: tuple[str, str]
+    margin: float
+
+
+@dataclass(frozen=True, eq=False)
+class Scene(Value):
+    """A scene document, validated.
+
+    Attributes:
+        name: For people.
+        robots: In order; at least one.
+        objects: In order.
+        frames: In order; a frame's parent may be defined later.
+        allowed_collisions: Pairs of bodies that may touch.
+        configurations: Named configurations beside those of the robots.
+        margin: Distance that everything keeps from everything [m].
+        margins: Exceptions, by pair.
+        files: What robots and meshes are made of, by the name of the robot or object. Where they
+            are not said, `load_world` reads the files as they are then, and says them in the
+            `scene` of the world; where they are said, nothing else is read.
+    """
+
+    name: str
+    robots: tuple[SceneRobot, ...]
+    objects: tuple[SceneObject, ...] = ()
+    frames: tuple[SceneFrame, ...] = ()
+    allowed_collisions: tuple[tuple[str, str], ...] = ()
+    configurations: tuple[NamedConfiguration, ...] = ()
+    margin: float = 0.0
+    margins: tuple[PairMargin, ...] = ()
+    files: Mapping[str, KeptFiles] = field(default_factory=dict)
+
+    @property
+    def digest(self) -> str:
+        """sha256 of the content; of the bytes of files only where `files` says them."""
+        return digest(self)

@@ -1,0 +1,72 @@
+"""Summaries: what there is to plan for, without an engine at hand."""
+
+from dataclasses import dataclass, field
+
+from planning.domain.geometry.unchecked_pair import UncheckedPair
+from planning.domain.robot.joints import JointGroup, JointLimits
+from planning.domain.value import Value
+
+
+@dataclass(frozen=True, eq=False)
+class GroupSummary(Value):
+    """A group and everything that a request may name of it.
+
+    Attributes:
+        group: Its joints and tool frames.
+        limits: What it may do.
+        configurations: Named configurations, the group's q.
+        positions: Where the scene puts it, the group's q.
+    """
+
+    group: JointGroup
+    limits: JointLimits
+    configurations: dict[str, tuple[float, ...]]
+    positions: tuple[float, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class RobotSummary(Value):
+    """A robot that scenes may name.
+
+    Attributes:
+        name: Its name.
+        description: For people.
+        groups: By name within the robot; bodies and joints are named `robot::name`.
+        default_group: Name of the group that the bare robot name stands for.
+        bodies: Full names.
+        sources: Where its numbers are from, as (what, from).
+        assumed: Joints whose rate limits nobody states, so that ours are assumed.
+    """
+
+    name: str
+    description: str
+    groups: dict[str, GroupSummary]
+    default_group: str
+    bodies: tuple[str, ...]
+    sources: tuple[tuple[str, str], ...] = ()
+    assumed: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, eq=False)
+class SceneSummary(Value):
+    """A loaded scene.
+
+    Attributes:
+        groups: By full name, `robot` or `robot::group`.
+        frames: Full names of all frames, "world" included.
+        bodies: Full names of all bodies.
+        num_pairs: Pairs of geometries that are checked for collision.
+        digest: sha256 of the scene.
+        assumed: Joints whose rate limits nobody states, so that ours are assumed.
+        unchecked: Pairs of bodies that no collision check looks at, and why.
+        warnings: Things that are not what they seem, such as meshes taken as their convex hulls.
+    """
+
+    groups: dict[str, GroupSummary]
+    frames: tuple[str, ...]
+    bodies: tuple[str, ...]
+    num_pairs: int
+    digest: str
+    assumed: tuple[str, ...] = ()
+    unchecked: tuple[UncheckedPair, ...] = ()
+    warnings: tuple[str, ...] = field(default=())

@@ -1,0 +1,89 @@
+"""What keeps a feasible configuration from being nearer to one that was asked for."""
+
+from typing import Any
+
+import numpy as np
+
+from planning.domain.goals.goal_configurations import NearestConfiguration
+from planning.domain.robot.joints import JointLimits
+from planning.domain.robot.manifold import Manifold
+from planning.goals.diagnosis.nearest_joints import Found
+from planning.goals.goal_query import GoalQuery
+from planning.world.world import World
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
+
+# A pair or a joint within this of its bound is at it [m, rad].
+_AT_BOUND = 1e-4
+# Steps towards what was asked for, as shares of the way; the last one arrives.
+_SHARES = np.append(10 ** np.linspace(-5.0, -0.25, 20), 1.0)
+
+
+def described(
+    world: World, query: GoalQuery, tight: JointLimits, goal: Array, found: Found
+) -> NearestConfiguration:
+    """Return what was found with all that would be violated, were it any nearer.
+
+    Near a minimum of the distance the straight way to the goal is barred at once: by what its first
+    barred step violates, and by bodies at their margins that come nearer there. Joints bind that
+    are at a limit and not where the goal has them.
+
+    Args:
+        world: The scene.
+        query: What was asked.
+        tight: The limits of the group that the rules leave.
+        goal: The configuration that was asked for, shape (nq,).
+        found: The nearest feasible one.
+    """
+    group, q = query.group, found.q
+    manifold = Manifold(group.joints)
+    stopped = _at_bound(tight, q) & (np.abs(q - goal) > _AT_BOUND)
+    limited = stopped & _at_bound(world.limits(group), q)
+    pairs, constraints = _barred(world, query, q, np.clip(goal, tight.lower, tight.upper))
+    if query.rules is not None:
+        beyond = np.where(stopped, q + _SHARES[-2] * (goal - q), q)
+        constraints += tuple(entry["constraint"] for entry in query.rules.violations(beyond))
+    return NearestConfiguration(
+        positions=q,
+        distance=found.cost,
+        differences=manifold.minus(q, goal),
+        names=group.velocity_names,
+        goal_index=found.index,
+        pairs=pairs,
+        constraints=tuple(dict.fromkeys(constraints)),
+        joints=tuple(np.array(group.position_names)[limited].tolist()),
+    )
+
+
+def _at_bound(limits: JointLimits, q: Array) -> Any:
+    return np.minimum(q - limits.lower, limits.upper - q) < _AT_BOUND
+
+
+def _barred(
+    world: World, query: GoalQuery, q: Array, goal: Array
+) -> tuple[tuple[tuple[str, str], ...], tuple[str, ...]]:
+    """Return the pairs of bodies and the path constraints that bar the way."""
+    for step in Manifold(query.group.joints).interpolate(q, goal, _SHARES):
+        violated = world.violations(query.group, step, query.margins)
+        broken = [] if query.rules is None else query.rules.violations(step)
+        if violated or broken:
+            touching = _touching(world, query, q, step)
+            pairs = dict.fromkeys([*(pair.bodies for pair in violated), *touching])
+            return tuple(pairs), tuple(entry["constraint"] for entry in broken)
+    return (), ()
+
+
+def _touching(world: World, query: GoalQuery, q: Array, then: Array) -> list[tuple[str, str]]:
+    """Return the pairs of bodies that are at their margins at q and come nearer by a step."""
+    margins = query.margins
+    probe = world.distance_probe(margins)
+    reach = margins.largest + 2 * _AT_BOUND
+    here, there = (
+        {pair.bodies: pair.distance for pair in probe.pairs_within(full, reach)}
+        for full in world.embed(query.group, np.stack([q, then]))
+    )
+    return [
+        bodies
+        for bodies, distance in here.items()
+        if distance < margins.of(*bodies) + _AT_BOUND and there.get(bodies, np.inf) < distance
+    ]

@@ -1,0 +1,127 @@
+"""What keeps the nearest feasible pose from being nearer."""
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float64
+
+from planning.domain.goals.goal_configurations import Bounds
+from planning.domain.goals.line import ToolLine
+from planning.domain.request.deadline import Deadline
+from planning.domain.robot.manifold import Manifold
+from planning.goals.diagnosis.nearest_program import Target
+from planning.goals.diagnosis.pose_perturbations import step_to
+from planning.goals.feasibility import Feasibility
+from planning.goals.goal_query import GoalQuery
+from planning.goals.lines.approach_feasibility import ApproachFeasibility, approach_feasibility
+from planning.world.mechanics.tool_kinematics import ToolKinematics
+from planning.world.world import World
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
+
+# A pair or a joint within this of its bound is at it [m, rad].
+_AT_BOUND = 1e-4
+# Steps towards the goal, as shares of the way; the last one arrives.
+_SHARES = 10 ** np.linspace(-4.0, 0.0, 17)
+_NUM_NEWTON = 4
+
+
+def bounds_at(
+    world: World, query: GoalQuery, q: Float64[np.ndarray, " nq"], is_kept_off: Callable[[], bool]
+) -> Bounds:
+    """Return what q is at: bodies at their margins, joints at their limits.
+
+    Args:
+        world: The scene.
+        query: What was asked.
+        q: The configuration.
+        is_kept_off: Whether it would be nearer if bodies might touch. Bodies that only happen to be
+            at their margins are not blamed.
+    """
+    pairs = _touching(world, query, q)
+    joints = _names(query, _at_limits(world, query, q))
+    return Bounds(joints, pairs if pairs and is_kept_off() else ())
+
+
+def barrier(
+    world: World,
+    query: GoalQuery,
+    target: Target,
+    q: Float64[np.ndarray, " nq"],
+    deadline: Deadline,
+) -> Bounds:
+    """Return all that stands against the first step from q towards a target that anything bars.
+
+    Near a minimum of the distance the way to the goal is barred at once. The steps are straight,
+    by the least motion of the joints, beyond limits too.
+
+    Args:
+        world: The scene.
+        query: What was asked.
+        target: What q is near to.
+        q: The nearest feasible configuration.
+        deadline: When it is too late to look at lines.
+    """
+    reached = world.frame_pose(target.frame, world.embed(query.group, q))
+    rows = _steps(world, query, q, ToolLine(target.frame, reached, target.closest(reached)))
+    lines = approach_feasibility(world, query, [target], deadline)
+    is_open = Feasibility(world, query).are_met(rows)
+    if lines is not None:
+        is_open[is_open] = lines.are_free(
+            rows[is_open], np.zeros(int(is_open.sum()), dtype=np.int64)
+        )
+    barred = np.flatnonzero(~is_open)
+    if not len(barred) or deadline.is_over:
+        return bounds_at(world, query, q, lambda: True)
+    return _against(world, query, lines, rows[barred[0]])
+
+
+def _steps(world: World, query: GoalQuery, q: Array, line: ToolLine) -> Array:
+    """Return configurations that take the tool some of the way, by Newton's method."""
+    manifold = Manifold(query.group.joints)
+    kinematics = ToolKinematics(world, query.group, line.frame)
+    rows: list[Array] = []
+    for share in _SHARES:
+        row = q
+        for _ in range(_NUM_NEWTON):
+            row = manifold.plus(row, step_to(kinematics, row, line.pose(float(share))))
+        rows.append(manifold.normalized(row))
+    return np.stack(rows)
+
+
+def _against(world: World, query: GoalQuery, lines: ApproachFeasibility | None, q: Array) -> Bounds:
+    """Return all that stands against a configuration."""
+    broken = [] if query.rules is None else query.rules.violations(q)
+    pairs = tuple(pair.bodies for pair in world.violations(query.group, q, query.margins))
+    own = {entry.get("joint", "") for entry in broken}
+    limits = world.limits(query.group)
+    joints = _names(query, (q < limits.lower) | (q > limits.upper))
+    bounds = Bounds(
+        joints=tuple(name for name in joints if name not in own),
+        pairs=pairs,
+        constraints=tuple(entry["constraint"] for entry in broken),
+    )
+    if bounds != Bounds() or lines is None:
+        return bounds
+    return lines.bounds_of(q, 0)
+
+
+def _touching(world: World, query: GoalQuery, q: Array) -> tuple[tuple[str, str], ...]:
+    """Return the pairs of bodies that are at their margins."""
+    margins = query.margins
+    probe = world.distance_probe(margins)
+    full = world.embed(query.group, q)
+    near = probe.pairs_within(full, margins.largest + _AT_BOUND)
+    return tuple(
+        pair.bodies for pair in near if pair.distance < margins.of(*pair.bodies) + _AT_BOUND
+    )
+
+
+def _at_limits(world: World, query: GoalQuery, q: Array) -> Any:
+    limits = world.limits(query.group)
+    return np.minimum(q - limits.lower, limits.upper - q) < _AT_BOUND
+
+
+def _names(query: GoalQuery, flags: Any) -> tuple[str, ...]:
+    return tuple(np.array(query.group.position_names)[flags].tolist())

@@ -1,0 +1,153 @@
+"""Why a goal has no configuration: none reaches it, or all that do collide; and what would do."""
+
+from collections.abc import Mapping
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+
+from planning.domain.goals.funnel import PairTally, funnel_evidence
+from planning.domain.request.deadline import Deadline
+from planning.domain.robot.manifold import Manifold
+from planning.errors import ApproachBlocked, GoalInCollision, GoalTooNear, GoalUnreachable
+from planning.goals.diagnosis.collision_tally import count_collisions
+from planning.goals.diagnosis.relaxation import least_deep
+from planning.goals.diagnosis.relaxed_search import sufficient_removal
+from planning.goals.diagnosis.suggestions import suggest_nearest_pose
+from planning.goals.goal_query import GoalQuery
+from planning.goals.ik.pose_search import PoseSearch
+from planning.goals.lines.shorter_moves import shorter_moves
+from planning.goals.ranking import UniqueSolutions
+from planning.goals.start import describe_pairs, pair_evidence
+from planning.goals.targets.target_selection import TargetSelection
+from planning.world.world import World
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
+
+# So many of the configurations that collide are measured for the evidence.
+_LOOKED_AT = 256
+# And of so many distinct ones it is asked what would have to give way.
+_NUM_DISTINCT = 32
+# Of what remains of the time for goals, what searches without some body may take.
+_REMOVAL_SHARE = 0.3
+
+
+def goal_failure(
+    world: World,
+    query: GoalQuery,
+    aiming: TargetSelection,
+    search: PoseSearch,
+    rng: np.random.Generator,
+    deadline: Deadline,
+) -> ApproachBlocked | GoalInCollision | GoalTooNear | GoalUnreachable:
+    """Return what the funnel says: unreachable, reachable only in collision, or by no line.
+
+    The evidence has the nearest free pose, and the relaxations of which each would do.
+    """
+    funnel = search.funnel(())
+    if funnel.collision_free > 0 and search.judge is not None:
+        return _blocked(world, query, aiming, search, rng, deadline)
+    hints = _distinct(query, search.colliding)
+    evidence, words = suggest_nearest_pose(world, query, aiming, hints, rng, deadline)
+    if search.colliding:
+        return all_collide(world, query, search, deadline, evidence, words)
+    message = (
+        f"no configuration of {query.group.name} brings {aiming.accepted[0].frame} to the goal"
+        f"{words}"
+    )
+    return GoalUnreachable(message, {"funnel": funnel_evidence(funnel), **evidence})
+
+
+def all_collide(
+    world: World,
+    query: GoalQuery,
+    search: PoseSearch,
+    deadline: Deadline,
+    evidence: Mapping[str, Any] = MappingProxyType({}),
+    words: str = "",
+) -> GoalInCollision | GoalTooNear:
+    """Return the failure of a goal that is reached, but never free.
+
+    It is a collision only if bodies overlap in all configurations that were measured.
+
+    Args:
+        world: The scene, loaded.
+        query: The goal.
+        search: What was found.
+        deadline: When to stop measuring.
+        evidence: What else there is to say; its `relaxation` gets the obstacles.
+        words: The same as words.
+    """
+    rows = _distinct(query, search.colliding)
+    tally = count_collisions(
+        world, query, search.colliding[: max(_LOOKED_AT, query.num_measured)], deadline
+    )
+    funnel = search.funnel(tally.summary)
+    relaxation = dict(evidence.get("relaxation", {}))
+    is_near = tally.num_only_near > 0
+    what = "are too near to something" if is_near else "collide"
+    message = f"all {funnel.within_limits} configurations that reach the goal {what}"
+    verb = "break the margin of" if is_near else "hit"
+    message += _hits(funnel.rejected_by, verb, is_cut_short=deadline.is_over)
+    if query.rules is not None:
+        rows = rows[query.rules.are_kept(rows)]
+    if len(rows):
+        q, pairs = least_deep(world, query, rows)
+        relaxation["obstacles"] = pair_evidence(pairs, query.margins)
+        relaxation["positions"] = q.tolist()
+        message += f"; the least deep hits {describe_pairs(pairs, query.margins)}"
+    if is_near:
+        message += f"; nothing overlaps in {tally.num_only_near} of them, which break margins only"
+    evidence = {**evidence, "funnel": funnel_evidence(funnel), "relaxation": relaxation}
+    failure = GoalTooNear if is_near else GoalInCollision
+    return failure(message + words, evidence)
+
+
+def _hits(tallies: tuple[PairTally, ...], verb: str, *, is_cut_short: bool) -> str:
+    if not tallies:
+        return ""
+    words = ", ".join(
+        f"{tally.count} {verb} {'-'.join(tally.bodies)} by {1000 * tally.min_depth:.1f} to "
+        f"{1000 * tally.max_depth:.1f} mm"
+        for tally in tallies[:3]
+    )
+    measured = sum(tally.count for tally in tallies)
+    return f": of the {measured} measured in time {words}" if is_cut_short else f": {words}"
+
+
+def _blocked(
+    world: World,
+    query: GoalQuery,
+    aiming: TargetSelection,
+    search: PoseSearch,
+    rng: np.random.Generator,
+    deadline: Deadline,
+) -> ApproachBlocked:
+    funnel, judge = search.funnel(()), search.judge
+    assert judge is not None  # noqa: S101  (something was blocked)
+    words = ", ".join(
+        f"{tally.count} times {tally.reason}{' of ' if tally.where else ''}{tally.where} stops the "
+        f"{tally.leg} ({100 * tally.max_fraction:.0f} % of it is free at best)"
+        for tally in funnel.blocked_by[:3]
+    )
+    message = f"no goal configuration has a free approach and retreat: {words}"
+    shorter = shorter_moves(world, query, judge, deadline)
+    if shorter is not None:
+        lengths = " and ".join(f"{1000 * m:.1f} mm of {leg}" for leg, m in shorter.lengths.items())
+        message += f"; {lengths} would do"
+    removal = sufficient_removal(world, query, search, rng, deadline.share(_REMOVAL_SHARE))
+    if removal is not None:
+        message += f"; without {removal['body']} there would be one"
+    hints = _distinct(query, search.blocked.rows)
+    evidence, words = suggest_nearest_pose(world, query, aiming, hints, rng, deadline)
+    lengths = {"approach": None, "retreat": None, "pose_index": None}
+    relaxation = {**evidence["relaxation"], **lengths, **(shorter.evidence if shorter else {})}
+    evidence = {"nearest": evidence["nearest"], "relaxation": {**relaxation, "remove": removal}}
+    return ApproachBlocked(message + words, {"funnel": funnel_evidence(funnel), **evidence})
+
+
+def _distinct(query: GoalQuery, found: list[Array] | Array) -> Array:
+    """Return the first distinct ones of some configurations that will not do."""
+    rows = np.reshape(found[:_LOOKED_AT], (-1, query.group.num_positions))
+    known = UniqueSolutions(query.group, Manifold(query.group.joints))
+    return rows[known.are_new(rows, np.zeros(len(rows), dtype=np.int64))][:_NUM_DISTINCT]

@@ -1,0 +1,62 @@
+"""The pull of a configuration to another, as a cost of Drake's."""
+
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float64
+
+from planning.domain.robot.joints import JointGroup, JointType
+from planning.domain.robot.manifold import Manifold
+from planning.goals.diagnosis.nearest_program import Pull
+from planning.goals.ik.group_program import GroupProgram
+from planning.goals.joint_metric import JointMetric
+from planning.world.world import World
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
+
+
+def to_configuration(
+    world: World, group: JointGroup, metric: JointMetric, goal: Float64[np.ndarray, " nq"]
+) -> Pull:
+    """Return what draws a group to a configuration by the square of the weighted joint metric.
+
+    Whole turns of circles do not count. The angle of a small rotation is twice the distance of the
+    quaternions, so these weigh twice as much, by the mean of the weights of the turns; what they
+    lead to is measured in the metric itself.
+    """
+    manifold = Manifold(group.joints)
+    weights = np.ones(manifold.num_velocities) if metric.weights is None else metric.weights
+    by_position = _by_position(group, weights)
+
+    def pull(program: GroupProgram, q: Array) -> None:
+        is_flat = manifold.is_flat
+        desired = q + manifold.minus(goal, q) if is_flat else _same_sign(group, goal, q)
+        variables = program.ik.q()[world.drake.position_indices(group)]
+        program.ik.get_mutable_prog().AddQuadraticErrorCost(
+            np.diag(by_position**2), desired, variables
+        )
+
+    return pull
+
+
+def _by_position(group: JointGroup, weights: Array) -> Array:
+    found, offset = list[float](), 0
+    for joint in group.joints:
+        own = weights[offset : offset + joint.num_velocities]
+        if joint.type is JointType.FLOATING:
+            found += [2 * float(own[:3].mean())] * 4 + own[3:].tolist()
+        else:
+            found += own.tolist()
+        offset += joint.num_velocities
+    return np.array(found)
+
+
+def _same_sign(group: JointGroup, goal: Array, q: Array) -> Array:
+    """Return the goal with quaternions on the side of those of q; both mean one rotation."""
+    desired, offset = np.array(goal), 0
+    for joint in group.joints:
+        part = slice(offset, offset + 4)
+        if joint.type is JointType.FLOATING and goal[part] @ q[part] < 0:
+            desired[part] *= -1
+        offset += joint.num_positions
+    return desired

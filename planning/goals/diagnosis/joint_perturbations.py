@@ -1,0 +1,69 @@
+"""JointPerturbations: random displacements of a group in its weighted joint metric."""
+
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float64
+
+from planning.domain.robot.joints import JointGroup, JointType
+from planning.domain.robot.manifold import Manifold
+from planning.goals.joint_metric import JointMetric
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
+
+# How far coordinates go that weigh nothing [rad or m], and any that has no bounds.
+_TURN, _SHIFT = np.pi, 2.0
+# How many coordinates a move along few of them changes.
+_FEW = 3
+
+
+class JointPerturbations:
+    """Draws tangent vectors; their norm is that of the metric, |w * delta|."""
+
+    def __init__(self, group: JointGroup, metric: JointMetric, rng: np.random.Generator) -> None:
+        """Draw for a group."""
+        self._rng = rng
+        count = Manifold(group.joints).num_velocities
+        weights = np.ones(count) if metric.weights is None else metric.weights
+        self._is_idle = weights == 0
+        self._scale = 1 / np.where(self._is_idle, 1.0, weights)
+        kinds = [joint.type for joint in group.joints for _ in joint.velocity_names]
+        straight = [kind is JointType.PRISMATIC for kind in kinds]
+        self._reach = np.where(straight, _SHIFT, _TURN)
+
+    @property
+    def largest(self) -> float:
+        """A norm beyond which there is nothing to find."""
+        return float(np.linalg.norm(self._reach[~self._is_idle] / self._scale[~self._is_idle]))
+
+    def within(self, radius: float, count: int) -> Float64[np.ndarray, "count nv"]:
+        """Return moves of norm `radius` at most: half of them anywhere, half along few coordinates.
+
+        In many dimensions a ball's points hardly ever lie along the axes, where joints leave
+        obstacles that only they run into.
+        """
+        moves = self._normal(count)
+        few = count // 2
+        order = self._rng.random((few, moves.shape[1])).argsort(axis=1)
+        moves[:few][order >= self._rng.integers(1, _FEW + 1, (few, 1))] = 0.0
+        lengths = self._rng.random((count, 1))
+        lengths[few:] **= 1 / moves.shape[1]
+        norms = np.linalg.norm(moves, axis=1, keepdims=True)
+        return self._unweighted(radius * lengths * moves / np.maximum(norms, 1e-12))
+
+    def about(self, radius: float, count: int) -> Float64[np.ndarray, "count nv"]:
+        """Return moves of all sizes up to about `radius`, most of them much smaller."""
+        sizes = radius * 10 ** self._rng.uniform(-4.0, -0.5, (count, 1))
+        return self._unweighted(sizes * self._normal(count) / np.sqrt(len(self._scale)))
+
+    def _normal(self, count: int) -> Array:
+        moves = self._rng.normal(size=(count, len(self._scale)))
+        moves[:, self._is_idle] = 0.0
+        return moves
+
+    def _unweighted(self, moves: Array) -> Array:
+        """Return moves in rad and m; what weighs nothing goes anywhere, every other time."""
+        moves = moves * self._scale
+        anywhere = self._rng.uniform(-1.0, 1.0, moves[::2].shape) * self._reach
+        moves[::2] = np.where(self._is_idle, anywhere, moves[::2])
+        return moves

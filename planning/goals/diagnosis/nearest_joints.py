@@ -1,0 +1,164 @@
+"""The nearest feasible configuration to given ones of which none is."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float64
+
+from planning.domain.request.deadline import Deadline
+from planning.domain.robot.manifold import Manifold
+from planning.goals.diagnosis.joint_cost import to_configuration
+from planning.goals.diagnosis.joint_perturbations import JointPerturbations
+from planning.goals.diagnosis.nearest_program import pulled
+from planning.goals.feasibility import Feasibility
+from planning.goals.goal_query import GoalQuery
+from planning.goals.ik.seeds import Seeds
+from planning.goals.joint_metric import JointMetric
+from planning.world.world import World
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
+type Indices = np.ndarray[Any, np.dtype[np.intp]]
+
+# Configurations that are tried at once.
+_NUM_TRIES = 2048
+# Where looking around begins [rad or m], and how many times farther it goes each time in vain.
+_FIRST, _FARTHER = 1e-3, 1.6
+# Nearer ones than the best are tried so often, and in vain so often before it is the nearest.
+_MAX_ROUNDS, _PATIENCE = 24, 4
+# So often what was found is pulled at.
+_MAX_PULLS = 5
+# What is nearer by less than this share is no news.
+_NEWS = 0.999
+# The way to the best is looked at in so many steps, and then between two of them again.
+_NUM_STEPS, _NUM_LOOKS = 64, 3
+
+
+@dataclass(frozen=True)
+class Found:
+    """A feasible configuration.
+
+    Attributes:
+        cost: How far it is from what was asked for, in the joint metric [rad or m].
+        q: Shape (nq,).
+        index: Which of the configurations that were asked for is the nearest.
+    """
+
+    cost: float
+    q: Float64[np.ndarray, " nq"]
+    index: int
+
+
+class NearestJointSearch:
+    """Random configurations farther and farther away, gradients, then any that are nearer.
+
+    Every answer is feasible; that there is no nearer one is likely, not proven.
+    """
+
+    def __init__(
+        self,
+        world: World,
+        query: GoalQuery,
+        goals: Float64[np.ndarray, "n nq"],
+        rng: np.random.Generator,
+        deadline: Deadline,
+    ) -> None:
+        """Look around `goals` until the deadline at most, in a world with the rules' limits."""
+        self._world, self._query, self._deadline = world, query, deadline
+        self._goals = goals
+        self._limits = world.limits(query.group)
+        self._metric = JointMetric.from_names(query.group, query.options.joint_weights)
+        self._manifold = Manifold(query.group.joints)
+        self._moves = JointPerturbations(query.group, self._metric, rng)
+        self._seeds = Seeds(query.group, self._limits, query.start, rng)
+        self._feasibility = Feasibility(world, query)
+        self._inside = self._clipped(goals)
+        self._best: Found | None = None
+        self._num_pulls = 0
+
+    def run(self) -> Found | None:
+        """Return the nearest that was found, None if nothing feasible was."""
+        self._consider(self._inside)
+        self._look_around()
+        missed = 0
+        for _ in range(_MAX_ROUNDS):
+            best = self._best
+            if best is None or best.cost <= 0 or missed >= _PATIENCE or self._deadline.is_over:
+                break
+            missed = 0 if self._nearer(best) else missed + 1
+        return self._best
+
+    def _look_around(self) -> None:
+        """Find something feasible, as near as may be."""
+        radius, largest = _FIRST, self._moves.largest
+        while self._best is None and radius < largest and not self._deadline.is_over:
+            self._consider(self._around(radius))
+            radius *= _FARTHER
+        if self._best is None:
+            self._consider(self._seeds.take(_NUM_TRIES))
+        if self._best is not None:
+            self._straighten(self._best)
+            order = np.argsort(self._costs(self._inside)[0], kind="stable")
+            self._pull(self._inside[order[0]], int(order[0]))
+            self._pull(self._best.q, self._best.index)
+
+    def _nearer(self, best: Found) -> bool:
+        """Try configurations that are nearer than the best; return whether there is news."""
+        reach = np.sqrt(max(best.cost**2 - self._costs(self._inside)[0].min() ** 2, 0.0))
+        self._consider(self._around(float(reach)))
+        goal = self._goals[best.index]
+        towards = self._manifold.minus(goal[None], best.q[None])
+        share = 10 ** (-4 * np.linspace(0.0, 1.0, _NUM_TRIES))[:, None]
+        moves = self._moves.about(best.cost, _NUM_TRIES) + share * towards
+        self._consider(self._manifold.plus(best.q[None], moves))
+        if self._best is None or self._best.cost >= _NEWS * best.cost:
+            return False
+        self._straighten(self._best)
+        self._pull(self._best.q, self._best.index)
+        return True
+
+    def _around(self, radius: float) -> Array:
+        """Return configurations within limits around those that were asked for, in turn."""
+        moves = self._moves.within(radius, _NUM_TRIES)
+        centres = self._inside[np.arange(_NUM_TRIES) % len(self._inside)]
+        return self._manifold.plus(centres, moves)
+
+    def _straighten(self, found: Found) -> None:
+        """Go from what was asked for to what was found, and stop at the first that is feasible."""
+        begin, end = self._inside[found.index], found.q
+        for _ in range(_NUM_LOOKS):
+            shares = np.linspace(0.0, 1.0, _NUM_STEPS + 1)
+            along = self._manifold.interpolate(begin, end, shares)
+            found_at = self._feasibility.first(along[:-1])
+            first = len(along) - 1 if found_at is None else found_at
+            self._consider(along[first][None])
+            begin, end = along[max(first - 1, 0)], along[first]
+
+    def _pull(self, q: Array, index: int) -> None:
+        """Follow the gradient to one that was asked for."""
+        if self._num_pulls >= _MAX_PULLS or (self._deadline.is_over and self._best is not None):
+            return
+        self._num_pulls += 1
+        pull = to_configuration(self._world, self._query.group, self._metric, self._goals[index])
+        self._consider(pulled(self._world, self._query, pull, q)[None])
+
+    def _consider(self, rows: Array) -> None:
+        """Keep the nearest feasible one of some, if it is nearer than the best."""
+        rows = self._clipped(rows)
+        costs, index = self._costs(rows)
+        nearer = np.flatnonzero(costs < (np.inf if self._best is None else self._best.cost))
+        order = nearer[np.argsort(costs[nearer], kind="stable")]
+        first = self._feasibility.first(rows[order])
+        if first is not None:
+            k = order[first]
+            self._best = Found(float(costs[k]), np.array(rows[k]), int(index[k]))
+
+    def _costs(self, rows: Array) -> tuple[Array, Indices]:
+        """Return how far each row is from the nearest one asked for, and which that is."""
+        costs = np.stack([self._metric.distance(rows, goal) for goal in self._goals])
+        index = costs.argmin(axis=0)
+        return costs[index, np.arange(len(rows))], index
+
+    def _clipped(self, rows: Array) -> Array:
+        unit = self._manifold.normalized(rows)
+        return np.clip(unit, self._limits.lower, self._limits.upper)

@@ -1,0 +1,61 @@
+"""PosePerturbations: configurations around a good one, drawn towards a pose."""
+
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float64
+
+from planning.domain.geometry import rotation
+from planning.domain.geometry.pose import Pose
+from planning.domain.robot.joints import JointGroup
+from planning.domain.robot.manifold import Manifold
+from planning.goals.diagnosis.joint_perturbations import JointPerturbations
+from planning.goals.joint_metric import JointMetric
+from planning.world.mechanics.tool_kinematics import ToolKinematics
+from planning.world.world import World
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
+
+# How many are drawn at once.
+_NUM_DRAWN = 320
+# Singular values smaller than this share of the largest move nothing.
+_RCOND = 1e-3
+# How far joints go at most [rad or m].
+_FARTHEST = 1.0
+
+
+class PosePerturbations:
+    """Moves joints a little, and the tool some of the way, by all orders of size.
+
+    It takes no inverse kinematics, so it works for every group, and goes sideways along what binds.
+    """
+
+    def __init__(
+        self, world: World, group: JointGroup, frame: str, rng: np.random.Generator
+    ) -> None:
+        """Draw for a group and its tool frame."""
+        self._limits = world.limits(group)
+        self._manifold = Manifold(group.joints)
+        self._kinematics = ToolKinematics(world, group, frame)
+        self._moves = JointPerturbations(group, JointMetric(self._manifold, None), rng)
+
+    def drawn(self, q: Float64[np.ndarray, " nq"], wanted: Pose) -> Float64[np.ndarray, "n nq"]:
+        """Return configurations within limits: q moved aside, and towards a pose X_WT."""
+        whole = step_to(self._kinematics, q, wanted)
+        radius = min(float(np.linalg.norm(whole)), _FARTHEST)
+        shares = 10 ** (-4 * np.linspace(0.0, 1.0, _NUM_DRAWN))[:, None]
+        moves = self._moves.about(max(radius, 1e-6), _NUM_DRAWN) + shares * whole
+        rows = self._manifold.normalized(self._manifold.plus(q[None], moves))
+        return np.clip(rows, self._limits.lower, self._limits.upper)
+
+
+def step_to(
+    kinematics: ToolKinematics, q: Float64[np.ndarray, " nq"], wanted: Pose
+) -> Float64[np.ndarray, " nv"]:
+    """Return the least tangent at q that takes the tool to a pose X_WT, to first order."""
+    R_WT, p = (part[0] for part in kinematics.poses(q[None]))
+    back = rotation.conjugate(rotation.from_matrix(R_WT))
+    turn = rotation.log(rotation.multiply(wanted.quaternion, back))
+    twist = np.concatenate([turn, wanted.position - p])
+    jacobian = kinematics.jacobians(q[None])[0]
+    return np.asarray(np.linalg.lstsq(jacobian, twist, rcond=_RCOND)[0])

@@ -1,0 +1,151 @@
+"""Configurations that were asked for by their numbers or by a name."""
+
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float64
+
+from planning.domain.geometry.body_pair import BodyPair
+from planning.domain.goals.funnel import Funnel, funnel_evidence
+from planning.domain.goals.goal import ConfigurationGoal, JointGoal
+from planning.domain.goals.goal_configurations import GoalConfigurations, NearestConfiguration
+from planning.domain.request.deadline import Deadline
+from planning.domain.robot.manifold import Manifold
+from planning.errors import GoalInCollision, GoalOutOfLimits, GoalTooNear
+from planning.goals.diagnosis.active_constraints_joints import described
+from planning.goals.diagnosis.collision_tally import CollisionTally
+from planning.goals.diagnosis.joint_relaxation import relaxation_of
+from planning.goals.diagnosis.nearest_joints import NearestJointSearch
+from planning.goals.goal_query import GoalQuery
+from planning.goals.joint_metric import JointMetric
+from planning.goals.ranking import nearest_first
+from planning.goals.start import (
+    clip_rounding,
+    describe_pairs,
+    limit_violations,
+    overlap,
+    pair_evidence,
+    within_limits,
+)
+from planning.world.loading.positions import require_positions
+from planning.world.world import World
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
+type GivenGoal = JointGoal | ConfigurationGoal
+
+# Of so many of the given ones it is asked what is near, and what would do.
+_MOST = 64
+# Of what remains of the time for goals, what the search for the nearest may take.
+_SHARE = 0.5
+
+
+def given_configurations(
+    world: World,
+    query: GoalQuery,
+    goal: GivenGoal,
+    rng: np.random.Generator,
+    deadline: Deadline,
+) -> GoalConfigurations:
+    """Return those of the given configurations that are within limits and free, nearest first.
+
+    Raises:
+        GoalOutOfLimits: Every one violates position limits.
+        GoalInCollision: Bodies overlap in every one within limits.
+        GoalTooNear: In one they do not, but it breaks a margin, and none is better.
+        ProblemInvalid: One has the wrong count.
+        UnknownName: There is no configuration of that name.
+    """
+    group, limits = query.group, world.limits(query.group)
+    rows = clip_rounding(limits, Manifold.of(group.joints), given_rows(world, query, goal))
+    inside = np.flatnonzero(within_limits(limits, rows))
+    if not len(inside):
+        outside = limit_violations(limits, group, rows[0])
+        worst = max(outside, key=lambda entry: entry["violation"])
+        evidence, words = suggest_joints(world, query, goal, rng, deadline)
+        message = (
+            f"no goal configuration is within limits: {worst['joint']} = {worst['position']:.6g} "
+            f"is not in [{worst['lower']:.6g}, {worst['upper']:.6g}]{words}"
+        )
+        raise GoalOutOfLimits(message, {"joints": outside, **evidence})
+    is_free = world.collision_oracle(group, query.margins).are_free(rows[inside])
+    tally = CollisionTally()
+    pairs = tuple[BodyPair, ...]()
+    for k in np.flatnonzero(~is_free):
+        violations = world.violations(group, rows[inside[k]], query.margins)
+        is_free[k] = not violations
+        if not pairs or (overlap(pairs) and not overlap(violations)):
+            pairs = violations  # of one that only breaks margins, if there is one
+        tally.add(violations, query.margins)
+    free = inside[is_free]
+    counts = len(rows), len(rows), len(inside), len(free), len(free)
+    funnel = Funnel(*counts, tally.summary, approach_ok=len(free))
+    if not len(free):
+        evidence, words = suggest_joints(world, query, goal, rng, deadline)
+        evidence |= {
+            "funnel": funnel_evidence(funnel),
+            "pairs": pair_evidence(pairs, query.margins),
+        }
+        hits = describe_pairs(pairs, query.margins) + words
+        if tally.num_only_near:
+            message = f"no goal configuration keeps its margins, though not all collide: {hits}"
+            raise GoalTooNear(message, evidence)
+        raise GoalInCollision(f"every goal configuration collides: {hits}", evidence)
+    metric = JointMetric.from_names(group, query.options.joint_weights)
+    found, indices = nearest_first(metric, query.start, rows[free], free, len(free))
+    return GoalConfigurations(found, indices, funnel)
+
+
+def given_rows(world: World, query: GoalQuery, goal: GivenGoal) -> Float64[np.ndarray, "n nq"]:
+    """Return the configurations as they were given.
+
+    Raises:
+        ProblemInvalid: One has the wrong count.
+        UnknownName: There is no configuration of that name.
+    """
+    if isinstance(goal, ConfigurationGoal):
+        return world.configuration(query.group, goal.name)[None]
+    return np.stack([
+        require_positions(query.group, q, f"goal.positions.{i}")
+        for i, q in enumerate(goal.positions)
+    ])
+
+
+def suggest_joints(
+    world: World,
+    query: GoalQuery,
+    goal: GivenGoal,
+    rng: np.random.Generator,
+    deadline: Deadline,
+) -> tuple[dict[str, Any], str]:
+    """Return the nearest feasible configuration and the relaxations, of given ones that are not.
+
+    Returns:
+        `nearest` and `relaxation` as evidence, and the same as words for a message.
+    """
+    group = query.group
+    rows = clip_rounding(
+        world.limits(group), Manifold.of(group.joints), given_rows(world, query, goal)[:_MOST]
+    )
+    rules = query.rules
+    tight = world if rules is None else world.limited(group, rules.fixing(world.limits(group)))
+    hasty = deadline.share(_SHARE)
+    found = NearestJointSearch(tight, query, rows, rng, hasty).run()
+    is_cut_short = hasty.is_over
+    nearest = found and described(world, query, tight.limits(group), rows[found.index], found)
+    evidence = {
+        "nearest": nearest and {**nearest.evidence, "cut_short": is_cut_short},
+        "relaxation": relaxation_of(world, query, rows),
+    }
+    return evidence, "" if nearest is None else _words(nearest, is_cut_short=is_cut_short)
+
+
+def _words(nearest: NearestConfiguration, *, is_cut_short: bool) -> str:
+    binding = [*("-".join(pair) for pair in nearest.pairs), *nearest.constraints]
+    binding += [f"the limit of {name}" for name in nearest.joints]
+    most = int(np.argmax(np.abs(nearest.differences)))
+    which = "configuration that was found in time" if is_cut_short else "configuration"
+    return (
+        f"; the nearest feasible {which} is {nearest.distance:.4g} away "
+        f"({nearest.names[most]} by {nearest.differences[most]:.4g}), where "
+        f"{', '.join(binding)} {'bind' if len(binding) > 1 else 'binds'}"
+    )

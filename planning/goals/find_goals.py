@@ -1,0 +1,119 @@
+"""Goal configurations of a goal: the stage's one entry, shared by plans and by /ik."""
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from planning.domain.goals.goal import (
+    ConfigurationGoal,
+    GoalPredicate,
+    JointGoal,
+    LineGoal,
+    PoseGoal,
+    RegionGoal,
+    RelativeGoal,
+)
+from planning.domain.goals.goal_configurations import GoalConfigurations
+from planning.domain.request.deadline import Deadline
+from planning.errors import ProblemInvalid
+from planning.goals.diagnosis.collision_tally import count_collisions
+from planning.goals.diagnosis.goal_failure import goal_failure
+from planning.goals.explicit import given_configurations
+from planning.goals.goal_query import GoalQuery
+from planning.goals.ik.pose_search import PoseSearch
+from planning.goals.ik.solve import solve_tool_goal
+from planning.goals.joint_metric import JointMetric
+from planning.goals.lines.approach import with_moves
+from planning.goals.predicate import accepted_by
+from planning.goals.ranking import equivalents, nearest_first
+from planning.goals.timeout import check_time
+from planning.world.world import World
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
+
+# Of the time for goals under rules, what the search for those that keep them may take.
+_RULED_SHARE = 0.5
+# So many solutions are looked for though fewer may be wanted: those are to be the nearest.
+_LEAST = 100
+
+
+def find_goals(
+    world: World, query: GoalQuery, rng: np.random.Generator, deadline: Deadline
+) -> GoalConfigurations:
+    """Return every distinct, in-limit, free goal configuration, nearest to the start first.
+
+    Raises:
+        GoalOutOfLimits: Every given configuration violates position limits.
+        GoalInCollision: Configurations exist and all of them collide.
+        GoalTooNear: They break margins, and not all collide.
+        GoalUnreachable: No configuration reaches a target pose.
+        ProblemInvalid: A given configuration has the wrong count.
+        UnknownName: A frame or named configuration does not exist.
+        DeadlineExceeded: Time ran out before a configuration was found.
+        Canceled: The end was asked for.
+    """
+    deadline = _limited(deadline, query.options.time_limit)
+    match query.goal:
+        case LineGoal():
+            message = "lines are not searched for; `trace_path` follows them"
+            raise ProblemInvalid(message, {"field": "goal"})
+        case PoseGoal() | RegionGoal() | RelativeGoal():
+            return _reaching(world, query, rng, deadline)
+        case GoalPredicate() as goal:
+            return accepted_by(world, query, goal, rng, deadline)
+        case JointGoal() | ConfigurationGoal() as goal:
+            return given_configurations(world, query, goal, rng, deadline)
+
+
+def _limited(deadline: Deadline, seconds: float | None) -> Deadline:
+    """Return the earlier deadline; where a limit for goals alone is, the limit is what is told."""
+    within = deadline.within(seconds)
+    if seconds is None or within.at >= deadline.at:
+        return deadline
+    return replace(within, allowed=seconds)
+
+
+def _reaching(
+    world: World, query: GoalQuery, rng: np.random.Generator, deadline: Deadline
+) -> GoalConfigurations:
+    """Sample configurations that reach a pose.
+
+    Under rules those that keep them are looked for first, within the limits that the rules leave.
+    If there is none, the answer is that without rules, so that it can be said what they violate.
+    """
+    tight, plain = world, query
+    if query.rules is not None:
+        tight = world.limited(query.group, query.rules.fixing(world.limits(query.group)))
+        _, search = solve_tool_goal(tight, _widely(query), rng, deadline.share(_RULED_SHARE))
+        if len(search.found):
+            return _ranked(tight, query, search, deadline)
+        check_time(tight, query, search, deadline)
+        plain = replace(query, rules=None)
+    aiming, search = solve_tool_goal(world, _widely(plain), rng, deadline)
+    if not len(search.found):
+        check_time(world, plain, search, deadline)
+        raise goal_failure(tight, query, aiming, search, rng, deadline)
+    return _ranked(world, plain, search, deadline)
+
+
+def _widely(query: GoalQuery) -> GoalQuery:
+    wanted = max(query.options.max_configurations, _LEAST)
+    return replace(query, options=replace(query.options, max_configurations=wanted))
+
+
+def _ranked(
+    world: World, query: GoalQuery, search: PoseSearch, deadline: Deadline
+) -> GoalConfigurations:
+    """Return what was found, whole turns included, nearest first."""
+    group, options = query.group, query.options
+    metric = JointMetric.from_names(group, options.joint_weights)
+    tally = count_collisions(world, query, search.colliding[: query.num_measured], deadline)
+    rows, index = equivalents(group, world.limits(group), search.found.rows)
+    turned = search.found.targets[index]
+    funnel = search.funnel(tally.summary)
+    if search.judge is not None:
+        legs = search.judge.legs_of(search.found.rows[index], rows)
+        return with_moves(query, world.limits(group), (rows, turned, legs), funnel)
+    nearest = nearest_first(metric, query.start, rows, turned, options.max_configurations)
+    return GoalConfigurations(*nearest, funnel)

@@ -1,0 +1,1 @@
+"""Inverse kinematics: from poses of a tool frame to configurations."""

@@ -1,0 +1,116 @@
+"""IkProgram: one target pose as a Drake inverse-kinematics program, solved from many seeds."""
+
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float64
+from pydrake.math import RigidTransform, RotationMatrix
+from pydrake.multibody.tree import JacobianWrtVariable
+
+from planning.domain.geometry.pose import Pose
+from planning.domain.robot.joints import JointGroup
+from planning.domain.robot.manifold import Manifold
+from planning.goals.ik.group_program import GroupProgram
+from planning.goals.targets.tool_target import FreedomKind, ToolTarget
+from planning.world.world import World, pose_of
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
+
+_MAJOR_ITERATIONS = 100
+_POLISH_STEPS = 8
+_POLISHED = 1e-10
+_RCOND = 1e-7
+
+
+class IkProgram:
+    """Drake's InverseKinematics for one target; the joints outside the group stay as they are."""
+
+    def __init__(self, world: World, group: JointGroup, target: ToolTarget) -> None:
+        """Build the program; solving it again only changes the initial guess."""
+        self._world = world
+        self._target = target
+        self._manifold = Manifold(group.joints)
+        self._plant = world.drake.plant
+        self._frame = world.drake.frame(target.frame)
+        self._program = GroupProgram(world, group, _MAJOR_ITERATIONS)
+        self._v_indices = world.drake.velocity_indices(group)
+        self._constrain()
+
+    def solve(self, seed: Float64[np.ndarray, " nq"]) -> Array | None:
+        """Return a configuration of the group that meets the target, shape (nq,).
+
+        None if the solver ends elsewhere: one trial of many, not a failure of the stage.
+        """
+        q = self._polish(self._manifold.normalized(self._program.solve(seed)))
+        return q if self._target.is_met_by(self.reached(q)) else None
+
+    def reached(self, q: Float64[np.ndarray, " nq"]) -> Pose:
+        """Return X_WT of the tool frame with the group at q."""
+        context = self._program.context
+        self._plant.SetPositions(context, self._program.full(q))
+        return pose_of(self._frame.CalcPoseInWorld(context))
+
+    def _polish(self, q: Array) -> Array:
+        """Newton steps on the pose error: Drake's orientation constraint is only good to 1e-3 rad.
+
+        Its residual is cos(theta) - 1, whose slope vanishes at the solution.
+        """
+        for _ in range(_POLISH_STEPS):
+            reached = self.reached(q)
+            error = _twist_to(reached, self._target.closest(reached))
+            if np.abs(error).max() < _POLISHED:
+                break
+            jacobian = self._jacobian()
+            step = np.linalg.lstsq(jacobian, error, rcond=_RCOND)[0]
+            if np.linalg.norm(step) > 0.5:
+                break
+            q = self._step(q, step)
+        return q
+
+    def _jacobian(self) -> Array:
+        """Return the tool's spatial velocity per velocity of the group, followers included."""
+        full = self._plant.CalcJacobianSpatialVelocity(
+            self._program.context,
+            JacobianWrtVariable.kV,
+            self._frame,
+            np.zeros(3),
+            self._plant.world_frame(),
+            self._plant.world_frame(),
+        )
+        for follower, leader, multiplier in reversed(self._world.drake.mimics):
+            full[:, leader] += multiplier * full[:, follower]
+        return full[:, self._v_indices]
+
+    def _step(self, q: Array, v: Array) -> Array:
+        """Return q moved by Drake's v for one second (v and our tangent agree but for SO(3))."""
+        if self._manifold.is_flat:
+            return q + v
+        full_v = np.zeros(self._plant.num_velocities())
+        full_v[self._v_indices] = v
+        qdot = self._plant.MapVelocityToQDot(self._program.context, full_v)
+        return self._manifold.normalized(q + qdot[self._program.q_indices])
+
+    def _constrain(self) -> None:
+        target = self._target
+        world = self._plant.world_frame()
+        x_wg = RigidTransform(target.pose.matrix)
+        box = target.position_tolerance
+        self._program.ik.AddPositionConstraint(self._frame, np.zeros(3), world, x_wg, -box, box)
+        rest = target.rotation_freedom
+        if rest.kind is FreedomKind.CONE:
+            axis = np.eye(3)[rest.axis]
+            n_w = x_wg.rotation().multiply(axis)
+            bounds = 0.0, rest.bound
+            self._program.ik.AddAngleBetweenVectorsConstraint(
+                world, n_w, self._frame, axis, *bounds
+            )
+        elif rest.kind is FreedomKind.BALL:
+            self._program.ik.AddOrientationConstraint(
+                world, x_wg.rotation(), self._frame, RotationMatrix(), rest.bound
+            )
+
+
+def _twist_to(reached: Pose, wanted: Pose) -> Array:
+    """Return the spatial displacement [rotation; translation] from one pose to another, in W."""
+    turn = RotationMatrix(wanted.matrix[:3, :3] @ reached.matrix[:3, :3].T).ToAngleAxis()
+    return np.concatenate([turn.angle() * turn.axis(), wanted.position - reached.position])

@@ -1,0 +1,153 @@
+"""From seeds to configurations that reach a pose: by the kernel, many at once, or by Drake."""
+
+from typing import Any, Protocol, runtime_checkable
+
+import numpy as np
+from jaxtyping import Bool, Float64, Int64
+
+from planning.domain.geometry import rotation
+from planning.domain.request.deadline import Deadline
+from planning.domain.robot.joints import JointGroup
+from planning.goals.ik.ik_program import IkProgram
+from planning.goals.targets.tool_target import FreedomKind, ToolTarget
+from planning.kernel.native import native
+from planning.world.kernel.kernel_tree import kernel_chain
+from planning.world.world import World
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
+type Flags = np.ndarray[Any, np.dtype[np.bool_]]
+type Indices = np.ndarray[Any, np.dtype[np.int64]]
+
+_MAX_ITERATIONS = 30
+
+
+@runtime_checkable
+class PoseSolver(Protocol):
+    """Solves for some targets of one tool frame; targets are named by index.
+
+    Attributes:
+        num_at_once: How many seeds are worth handing over together.
+    """
+
+    num_at_once: int
+
+    def solve(
+        self,
+        seeds: Float64[np.ndarray, "n nq"],
+        targets: Int64[np.ndarray, " n"],
+        enough: int,
+    ) -> tuple[Bool[np.ndarray, " m"], Float64[np.ndarray, "m nq"]]:
+        """Solve from seed after seed until `enough` have converged; m <= n were tried.
+
+        Returns:
+            Whether each seed converged to its target within tolerance, and to what.
+        """
+        ...
+
+
+class DrakePoseSolver:
+    """Drake's InverseKinematics, seed by seed."""
+
+    num_at_once = 1
+
+    def __init__(
+        self, world: World, group: JointGroup, deadline: Deadline, targets: list[ToolTarget]
+    ) -> None:
+        """Solve no more once the deadline is over."""
+        self._arguments = world, group
+        self._targets = targets
+        self._deadline = deadline
+        self._programs: dict[int, IkProgram] = {}
+
+    def solve(
+        self,
+        seeds: Float64[np.ndarray, "n nq"],
+        targets: Int64[np.ndarray, " n"],
+        enough: int,
+    ) -> tuple[Flags, Array]:
+        """As PoseSolver says."""
+        found: list[Array | None] = []
+        for seed, target in zip(seeds, targets, strict=True):
+            if enough <= sum(q is not None for q in found) or self._deadline.is_over:
+                break
+            found.append(self._program(int(target)).solve(seed))
+        tried = len(found)
+        q = np.array([s if q is None else q for s, q in zip(seeds[:tried], found, strict=True)])
+        converged = np.array([q is not None for q in found], dtype=bool)
+        return converged, q.reshape(tried, seeds.shape[1])
+
+    def _program(self, index: int) -> IkProgram:
+        if index not in self._programs:
+            self._programs[index] = IkProgram(*self._arguments, self._targets[index])
+        return self._programs[index]
+
+
+class KernelPoseSolver:
+    """The native kernel's Levenberg-Marquardt, as many seeds at once as a register holds."""
+
+    num_at_once = 320
+
+    def __init__(
+        self,
+        world: World,
+        group: JointGroup,
+        chain: Any,
+        poses: tuple[Float64[np.ndarray, "n 3"], Float64[np.ndarray, "n 4"]],
+        tolerance: Any,
+    ) -> None:
+        """Prepare for poses X_WG, as p_WG [m] and quaternions, of the frame the chain leads to."""
+        self._chain, self._tolerance = chain, tolerance
+        limits = world.limits(group)
+        self._bounds = limits.lower, limits.upper
+        turns = rotation.matrix(poses[1]).reshape(-1, 9)
+        self._targets = np.concatenate([turns, poses[0]], axis=1)
+
+    def solve(
+        self,
+        seeds: Float64[np.ndarray, "n nq"],
+        targets: Int64[np.ndarray, " n"],
+        enough: int,
+    ) -> tuple[Flags, Array]:
+        """As PoseSolver says."""
+        if not len(seeds):
+            return np.zeros(0, dtype=bool), seeds
+        converged, q, _ = self._chain.solve(
+            np.ascontiguousarray(seeds),
+            targets,
+            self._targets,
+            *self._bounds,
+            self._tolerance,
+            enough,
+            _MAX_ITERATIONS,
+        )
+        return converged.astype(bool), q
+
+
+def kernel_pose_solver(
+    world: World, group: JointGroup, targets: list[ToolTarget]
+) -> KernelPoseSolver | None:
+    """Return the kernel's solver, or None if there is no kernel for this world."""
+    chain = kernel_chain(world.drake, group, world.state, targets[0].frame)
+    if chain is None:
+        return None
+    module: Any = native()
+    rest = targets[0].rotation_freedom
+    tolerance = module.IkTolerance(targets[0].position_tolerance, rest.kind, rest.axis, rest.bound)
+    positions = np.stack([target.pose.position for target in targets])
+    quaternions = np.stack([target.pose.quaternion for target in targets])
+    return KernelPoseSolver(world, group, chain, (positions, quaternions), tolerance)
+
+
+def exact_kernel_solver(
+    world: World,
+    group: JointGroup,
+    frame: str,
+    poses: tuple[Float64[np.ndarray, "n 3"], Float64[np.ndarray, "n 4"]],
+) -> KernelPoseSolver | None:
+    """Return the same for many poses X_WG of a frame, as p_WG [m] and quaternions, met exactly."""
+    chain = kernel_chain(world.drake, group, world.state, frame)
+    if chain is None:
+        return None
+    module: Any = native()
+    tolerance = module.IkTolerance(np.zeros(3), FreedomKind.BALL, 0, 0.0)
+    return KernelPoseSolver(world, group, chain, poses, tolerance)

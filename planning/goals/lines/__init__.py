@@ -1,0 +1,1 @@
+"""Straight moves of a tool: lines that are traced, approaches and retreats."""

@@ -1,0 +1,150 @@
+"""One step along lines: from configurations on them to others on them, many lines at once.
+
+The predictor follows the resolved rates q' = J^+ t of the line's twist t; the corrector is Newton's
+method on the pose error, with damped least squares J^T (J J^T + lambda^2 I)^-1 (Nakamura and
+Hanafusa 1986, Wampler 1986), so that it stays small where J has lost rank.
+"""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from jaxtyping import Bool, Float64, Int64
+
+from planning.domain.geometry import rotation
+from planning.domain.goals.line import ToolLine
+from planning.domain.robot.manifold import Manifold
+from planning.world.mechanics.tool_kinematics import ToolKinematics
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
+type Flags = np.ndarray[Any, np.dtype[np.bool_]]
+type Indices = np.ndarray[Any, np.dtype[np.int64]]
+
+_DAMPING = 1e-10
+_ITERATIONS = 10
+# Pose error that counts as none [m and rad].
+_EXACT = 1e-9
+# A correction is small against its step, or it may lead to another branch.
+_CORRECTION = 0.5
+# Farthest that a joint goes in one step [rad or m].
+_LARGEST = 0.2
+# And all of them together, before a bound on what they do means nothing.
+_FARTHEST = 50.0
+
+
+class LineSteps:
+    """Steps along some lines of one tool frame; rows name lines."""
+
+    def __init__(
+        self, kinematics: ToolKinematics, manifold: Manifold, lines: Sequence[ToolLine]
+    ) -> None:
+        """Take the lines apart."""
+        self._kinematics = kinematics
+        self._manifold = manifold
+        self._origins = np.array([line.begin.position for line in lines])
+        self._quaternions = np.array([line.begin.quaternion for line in lines])
+        self._shifts = np.array([line.shift for line in lines])
+        self._turns = np.array([line.turn for line in lines])
+        turned = rotation.rotate(self._quaternions, self._turns)
+        self._twists = np.concatenate([turned, self._shifts], axis=1)
+        self.turn_sizes = np.linalg.norm(self._turns, axis=1)
+
+    def step(
+        self,
+        rows: Int64[np.ndarray, " m"],
+        q: Float64[np.ndarray, "m nq"],
+        spans: tuple[Float64[np.ndarray, " m"], Float64[np.ndarray, " m"]],
+        locked: Bool[np.ndarray, "m nv"],
+    ) -> tuple[Float64[np.ndarray, "m nq"], Bool[np.ndarray, " m"]]:
+        """Return configurations at the far ends of spans of the lines, and whether they are right.
+
+        Args:
+            rows: Which lines.
+            q: Configurations at the spans' near ends.
+            spans: Fractions of both ends.
+            locked: Velocity coordinates that may not move.
+        """
+        near, far = spans
+        twist = self._twists[rows] * (far - near)[:, None]
+        predicted = self._manifold.plus(q, self._moved(q, twist, locked))
+        ahead = np.linalg.norm(self._manifold.minus(predicted, q), axis=1)
+        found = np.array(predicted)
+        error = self._errors(rows, found, far)
+        for _ in range(_ITERATIONS):
+            if np.abs(error).max(initial=0.0) <= _EXACT:
+                break
+            move = self._moved(found, error, locked)
+            size = np.abs(move).max(axis=1, keepdims=True)
+            found = self._manifold.plus(
+                found, move * np.minimum(1.0, _LARGEST / np.maximum(size, 1e-12))
+            )
+            error = self._errors(rows, found, far)
+        right = np.abs(error).max(axis=1, initial=0.0) <= _EXACT
+        aside = np.linalg.norm(self._manifold.minus(found, predicted), axis=1)
+        right &= aside <= _CORRECTION * ahead + _EXACT
+        right &= np.abs(self._manifold.minus(found, q)).max(axis=1, initial=0.0) <= _LARGEST
+        return found, right
+
+    def strays(
+        self,
+        rows: Int64[np.ndarray, " m"],
+        q: Float64[np.ndarray, "m nq"],
+        moves: Float64[np.ndarray, "m nv"],
+        width: Float64[np.ndarray, " m"],
+    ) -> tuple[Float64[np.ndarray, " m"], Float64[np.ndarray, " m"]]:
+        """Bound how far the tool leaves its line [m, rad] on geodesics between two of its points.
+
+        Both ends being right, |f| <= max |f''| / 8 on [0, 1] for what is off. With columns (a_i;
+        v_i) of the Jacobian and rates w_i, p'' = sum_ij (a_i x v_j) w_i w_j over i before j along
+        the chain, and in the same way |v_j| grows by at most exp(sum w); joints that follow others
+        count apart from these, since both turn while the tool may not. Of rotations the matrix
+        R - S is bounded, where |R''| <= sqrt(2) (|omega'| + |omega|^2) in Frobenius' norm.
+
+        Args:
+            rows: Which lines.
+            q: Where the geodesics begin.
+            moves: Their tangents.
+            width: Their share of the line.
+        """
+        columns = self._kinematics.columns(q)
+        leaders, multipliers = self._kinematics.followers
+        moves = np.concatenate([moves, moves[:, leaders] * multipliers], axis=1)
+        rates = np.abs(moves)
+        turning = np.linalg.norm(columns[:, :3], axis=1)
+        arms = np.linalg.norm(columns[:, 3:], axis=1)
+        arms += arms.max(axis=1, keepdims=True) * np.expm1(
+            np.minimum(rates.sum(axis=1, keepdims=True), _FARTHEST)
+        )
+        pairs = turning[:, :, None] * arms[:, None, :]
+        pairs = np.maximum(pairs, pairs.transpose(0, 2, 1))
+        shift = np.einsum("mi,mij,mj->m", rates, pairs, rates) / 8
+        bending = np.square((turning * rates).sum(axis=1)) / 2
+        speed = np.linalg.norm(np.einsum("mij,mj->mi", columns[:, :3], moves), axis=1) + bending
+        steady = (self.turn_sizes[rows] * width) ** 2
+        chord = (bending + speed**2 + steady) / 8
+        return shift, 2 * np.arcsin(np.minimum(chord / 2, 1.0))
+
+    def twist(self, row: int) -> Array:
+        """Return the twist of a line [rotation; translation], in W and for all of it."""
+        return self._twists[row]
+
+    def _moved(self, q: Array, twists: Array, locked: Flags) -> Array:
+        """Return the least tangents that make the tool move by twists."""
+        jacobian = np.where(locked[:, None, :], 0.0, self._kinematics.jacobians(q))
+        square = jacobian @ jacobian.transpose(0, 2, 1) + _DAMPING * np.eye(6)
+        return np.einsum("mij,mi->mj", jacobian, np.linalg.solve(square, twists[..., None])[..., 0])
+
+    def _errors(self, rows: Indices, q: Array, fractions: Array) -> Array:
+        """Return what is missing to the lines' poses, as twists in W."""
+        actual, at = self._kinematics.poses(q)
+        turned = rotation.exp(fractions[:, None] * self._turns[rows])
+        wanted = rotation.matrix(rotation.multiply(self._quaternions[rows], turned))
+        missing = wanted @ actual.transpose(0, 2, 1)
+        skew = missing - missing.transpose(0, 2, 1)
+        axis = np.stack([skew[:, 2, 1], skew[:, 0, 2], skew[:, 1, 0]], axis=1) / 2
+        sine = np.linalg.norm(axis, axis=1)
+        cosine = (np.trace(missing, axis1=1, axis2=2) - 1) / 2
+        angle = np.arctan2(sine, cosine)
+        turn = axis * (angle / np.maximum(sine, 1e-300))[:, None]
+        shift = self._origins[rows] + fractions[:, None] * self._shifts[rows] - at
+        return np.concatenate([turn, shift], axis=1)

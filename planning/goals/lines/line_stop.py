@@ -1,0 +1,134 @@
+"""What stopped a line, with the evidence: the joint, the two bodies, or the singular value."""
+
+from typing import Any
+
+import numpy as np
+
+from planning.domain.geometry.body_pair import BodyPair
+from planning.domain.goals.line_trace import LineStop, LineTrace
+from planning.domain.robot.joints import JointGroup
+from planning.domain.robot.manifold import Manifold
+from planning.goals.lines.trace_state import TraceState, TraceStop
+from planning.goals.start import pair_evidence
+from planning.world.collision.margins import PairMargins
+from planning.world.mechanics.tool_kinematics import ToolKinematics
+from planning.world.world import World
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
+
+# Singular values below this are none: the group cannot move the tool that way anywhere near.
+_NONE = 1e-6
+# What moves the tool less than this per joint is a singularity [1 or m per rad].
+_SINGULAR = 0.02
+_RIGID = 6
+# A spare joint this near to its limit is stopped there [rad or m].
+_AT_LIMIT = 1e-3
+# Pairs this near beyond their margin are looked at [m].
+_HAIR = 1e-3
+
+
+def traced(
+    world: World,
+    group: JointGroup,
+    margins: PairMargins,
+    kinematics: ToolKinematics,
+    course: TraceState,
+) -> LineTrace:
+    """Return a course as a value, with what stopped it."""
+    stop = None if not course.halt else _stop(world, group, margins, kinematics, course)
+    return LineTrace(
+        line=course.line,
+        fractions=np.array(course.fractions),
+        positions=np.stack(course.waypoints),
+        max_shift=course.max_shift,
+        max_turn=course.max_turn,
+        stop=stop,
+    )
+
+
+def _stop(
+    world: World,
+    group: JointGroup,
+    margins: PairMargins,
+    kinematics: ToolKinematics,
+    course: TraceState,
+) -> LineStop:
+    q = course.waypoints[-1]
+    value, rank = _singular_value(kinematics, Manifold(group.joints), q)
+    joint, pair = "", None
+    match course.halt:
+        case TraceStop.LIMIT:
+            reason, joint = "limit", _joint_outside(world, group, course.beyond)
+        case TraceStop.COLLISION:
+            reason, pair = "collision", _worst_pair(world, group, course.beyond, margins)
+        case _:
+            is_free = rank == _RIGID or 0 < value <= _SINGULAR
+            reason = "singularity" if is_free else "unreachable"
+            if is_free and value > _SINGULAR and _to_spare(world, group, q) < _AT_LIMIT:
+                reason, joint = "limit", _joint_outside(world, group, q)
+    return LineStop(reason, course.at, course.line.pose(course.at), q, joint, pair, value)
+
+
+def _singular_value(kinematics: ToolKinematics, manifold: Manifold, q: Array) -> tuple[float, int]:
+    """Return the least singular value that is not zero all around, and how many there are.
+
+    How many there are is seen beside q, where each joint stands a little differently.
+    """
+    aside = 0.1 * np.sin(1.0 + np.arange(manifold.num_velocities))
+    both = np.stack([q, manifold.plus(q, aside)])
+    here, beside = np.linalg.svd(kinematics.jacobians(both), compute_uv=False)
+    rank = int((beside > _NONE).sum())
+    return (float(here[rank - 1]) if rank else 0.0), rank
+
+
+def _to_spare(world: World, group: JointGroup, q: Array) -> float:
+    """Return how far the joint that is nearest to a limit is from it [rad or m]."""
+    limits = world.limits(group)
+    return float(np.minimum(q - limits.lower, limits.upper - q).min())
+
+
+def _joint_outside(world: World, group: JointGroup, q: Array) -> str:
+    """Return the coordinate that is farthest outside its limits, or nearest to that."""
+    limits = world.limits(group)
+    return group.position_names[int(np.argmax(np.maximum(limits.lower - q, q - limits.upper)))]
+
+
+def _worst_pair(world: World, group: JointGroup, q: Array, margins: PairMargins) -> BodyPair | None:
+    """Return the pair that lacks most of its margin, or is nearest to lacking some.
+
+    Distances are hints where boxes are nearly touching: the verdict may be a hair stricter.
+    """
+    horizon = margins.largest + _HAIR
+    pairs = world.distance_probe(margins).pairs_within(world.embed(group, q), horizon)
+    return max(pairs, key=lambda pair: margins.of(*pair.bodies) - pair.distance, default=None)
+
+
+def stop_evidence(stop: LineStop, margins: PairMargins) -> dict[str, Any]:
+    """Return a stop as evidence of a failure."""
+    return {
+        "reason": stop.reason,
+        "fraction": stop.fraction,
+        "where": {
+            "position": stop.where.position.tolist(),
+            "quaternion": stop.where.quaternion.tolist(),
+        },
+        "positions": stop.positions.tolist(),
+        "joint": stop.joint,
+        "pair": pair_evidence((stop.pair,), margins)[0] if stop.pair else None,
+        "singular_value": stop.singular_value,
+    }
+
+
+def describe_stop(stop: LineStop) -> str:
+    """Return a stop as words."""
+    match stop.reason:
+        case "limit":
+            why = f"{stop.joint} would leave its limits"
+        case "collision":
+            bodies = "two bodies" if stop.pair is None else " and ".join(stop.pair.bodies)
+            why = f"{bodies} would be too near"
+        case "singularity":
+            why = f"the arm is singular (smallest singular value {stop.singular_value:.2g})"
+        case "unreachable":
+            why = "its joints cannot move the tool that way"
+    return f"it ends after {100 * stop.fraction:.2f} %: {why}"

@@ -1,0 +1,95 @@
+"""Goal configurations that a function of the library's user accepts."""
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float64, Int64
+
+from planning.domain.goals.funnel import funnel_evidence
+from planning.domain.goals.goal import GoalPredicate
+from planning.domain.goals.goal_configurations import GoalConfigurations
+from planning.domain.request.deadline import Deadline
+from planning.errors import GoalUnreachable
+from planning.goals.diagnosis.collision_tally import count_collisions
+from planning.goals.diagnosis.goal_failure import all_collide
+from planning.goals.goal_query import GoalQuery
+from planning.goals.ik.pose_search import PoseSearch
+from planning.goals.joint_metric import JointMetric
+from planning.goals.ranking import nearest_first
+from planning.goals.targets.target_samples import TargetSamples
+from planning.goals.timeout import check_time
+from planning.world.loading.positions import require_positions
+from planning.world.world import World
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
+type Flags = np.ndarray[Any, np.dtype[np.bool_]]
+
+
+class PredicateSolver:
+    """Takes a seed, or what the goal draws instead, for a solution if the predicate accepts it."""
+
+    num_at_once = 1
+
+    def __init__(self, query: GoalQuery, goal: GoalPredicate, rng: np.random.Generator) -> None:
+        """Ask the goal."""
+        self._query = query
+        self._goal = goal
+        self._rng = rng
+
+    def solve(
+        self,
+        seeds: Float64[np.ndarray, "n nq"],
+        targets: Int64[np.ndarray, " n"],
+        enough: int,
+    ) -> tuple[Flags, Array]:
+        """As PoseSolver says."""
+        del targets, enough
+        draw = self._goal.draw
+        rows = seeds if draw is None else np.stack([self._checked(draw(self._rng)) for _ in seeds])
+        accepted = [bool(self._goal.accepts(np.array(q))) for q in rows]
+        return np.array(accepted, dtype=bool), rows
+
+    def _checked(self, drawn: Any) -> Array:
+        return np.array(require_positions(self._query.group, drawn, "goal.draw"))
+
+
+def accepted_by(
+    world: World,
+    query: GoalQuery,
+    goal: GoalPredicate,
+    rng: np.random.Generator,
+    deadline: Deadline,
+) -> GoalConfigurations:
+    """Return free configurations that the predicate accepts, nearest first.
+
+    What the predicate accepts is what the funnel calls converged. If none of what is free keeps the
+    query's rules, the answer is that without rules, so that it can be said what they violate.
+
+    Raises:
+        GoalUnreachable: It accepts none, or none within limits, of `max_trials`.
+        GoalInCollision: All that it accepts collide.
+        GoalTooNear: All that it accepts break margins, and not all collide.
+        ProblemInvalid: `draw` makes no configuration of the group.
+        DeadlineExceeded: Time ran out before a configuration was found.
+        Canceled: The end was asked for.
+    """
+    options = query.options
+    metric = JointMetric.from_names(query.group, options.joint_weights)
+    search = PoseSearch(world, query, rng, deadline)
+    aims = TargetSamples([], np.zeros(1, dtype=np.int64), 1)
+    search.run(aims, PredicateSolver(query, goal, rng), options.max_trials)
+    funnel = search.funnel(
+        count_collisions(world, query, search.colliding[: query.num_measured], deadline).summary
+    )
+    rows = search.found.rows
+    if len(rows):
+        found = nearest_first(metric, query.start, rows, search.found.targets, len(rows))
+        return GoalConfigurations(*found, funnel)
+    check_time(world, query, search, deadline)
+    if query.rules is not None and funnel.collision_free > 0:
+        return accepted_by(world, replace(query, rules=None), goal, rng, deadline)
+    if search.colliding:
+        raise all_collide(world, query, search, deadline)
+    message = f"the predicate accepts none of {funnel.tried} configurations of {query.group.name}"
+    raise GoalUnreachable(message, {"funnel": funnel_evidence(funnel)})

@@ -1,0 +1,234 @@
+"""ToolTarget: one pose of a tool frame in world, with what may be missed of it."""
+
+from dataclasses import dataclass
+from enum import IntEnum
+from typing import Any
+
+import numpy as np
+from jaxtyping import Bool, Float64
+
+from planning.domain.geometry import rotation
+from planning.domain.geometry.pose import Pose
+from planning.domain.goals.goal import PoseBall, PoseGoal, PoseTarget, RegionGoal, RelativeGoal
+from planning.domain.goals.line import Displacement
+from planning.domain.robot.joints import JointGroup
+from planning.domain.value import Value
+from planning.world.world import World
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
+
+# How far a solution may miss an exact target after polishing [m and rad].
+POSE_TOLERANCE = 1e-6
+
+
+class FreedomKind(IntEnum):
+    """What of a rotation is bounded; the numbers are the kernel's (ik.hpp)."""
+
+    BALL = 0
+    CONE = 1
+    FREE = 2
+
+
+@dataclass(frozen=True)
+class RotationFreedom:
+    """How far a rotation R_GT may be from none.
+
+    Attributes:
+        kind: BALL: its angle is bounded. CONE: the angle of one axis is, about which it may turn.
+            FREE: nothing is.
+        axis: Of the cone, in G and in T.
+        bound: Of the angle [rad].
+    """
+
+    kind: FreedomKind
+    axis: int
+    bound: float
+
+
+@dataclass(frozen=True, eq=False)
+class ToolTarget(Value):
+    """Where the tool frame T shall be.
+
+    Attributes:
+        frame: Full name of T.
+        pose: X_WG.
+        position_tolerance: Half-widths of the box about G, in G's axes [m], shape (3,).
+        rotation_tolerance: Bounds on the rotation vector of R_GT by G's axes [rad], shape (3,);
+            pi or more leaves an axis free.
+    """
+
+    frame: str
+    pose: Pose
+    position_tolerance: Float64[np.ndarray, "3"]
+    rotation_tolerance: Float64[np.ndarray, "3"]
+
+    def closest(self, reached: Pose) -> Pose:
+        """Return the pose within tolerance that is closest to X_WT, up to second order."""
+        error = self.pose.inverse @ reached
+        box = self.position_tolerance
+        return self.pose @ Pose(
+            np.clip(error.position, -box, box), self._closest_rotation(error.quaternion)
+        )
+
+    def _closest_rotation(self, error: Array) -> Array:
+        """Return the rotation R_GT within tolerance that is closest to the one given."""
+        rest = self.rotation_freedom
+        if rest.kind is FreedomKind.FREE:
+            return error
+        if rest.kind is FreedomKind.CONE:
+            axis = np.eye(3)[rest.axis]
+            leaning = rotation.rotate(error, axis)
+            swing_axis = np.cross(leaning, axis)
+            sine = float(np.linalg.norm(swing_axis))
+            angle = float(np.arctan2(sine, leaning @ axis))
+            if angle <= rest.bound or sine < 1e-12:
+                return error
+            return rotation.multiply(rotation.exp(swing_axis / sine * (angle - rest.bound)), error)
+        turn = rotation.log(error)
+        angle = float(np.linalg.norm(turn))
+        return error if angle <= rest.bound else rotation.exp(turn * (rest.bound / angle))
+
+    def misses(
+        self, reached: Float64[np.ndarray, "n 4 4"]
+    ) -> tuple[Float64[np.ndarray, " n"], Float64[np.ndarray, " n"]]:
+        """Return how far each X_WT is from its closest pose within tolerance [m and rad]."""
+        x_wg = self.pose.matrix
+        miss = np.abs((reached[:, :3, 3] - x_wg[:3, 3]) @ x_wg[:3, :3])
+        shift = np.linalg.norm(np.maximum(miss - self.position_tolerance, 0.0), axis=1)
+        return shift, np.maximum(self._turns(reached) - self.rotation_freedom.bound, 0.0)
+
+    def _turns(self, reached: Array) -> Array:
+        """Return the angle that is bounded of each X_WT; 0 if none is."""
+        rest = self.rotation_freedom
+        if rest.kind is FreedomKind.FREE:
+            return np.zeros(len(reached))
+        change = reached[:, :3, :3] - self.pose.matrix[:3, :3]
+        # |R_1 - R_2| = sqrt(8) sin(angle / 2); of one column it is the chord of its own angle.
+        chord = (
+            np.linalg.norm(change, axis=(1, 2)) / np.sqrt(2)
+            if rest.kind is FreedomKind.BALL
+            else np.linalg.norm(change[:, :, rest.axis], axis=1)
+        )
+        return 2 * np.arcsin(np.minimum(chord / 2, 1.0))
+
+    def is_met_by(self, reached: Pose) -> bool:
+        """Return whether X_WT is within tolerance of the target."""
+        return bool(self.are_met_by(reached.matrix[None])[0])
+
+    def are_met_by(self, reached: Float64[np.ndarray, "n 4 4"]) -> Bool[np.ndarray, " n"]:
+        """Return the same for homogeneous transforms X_WT."""
+        x_wg = self.pose.matrix
+        miss = (reached[:, :3, 3] - x_wg[:3, 3]) @ x_wg[:3, :3]
+        inside = (np.abs(miss) <= self.position_tolerance + POSE_TOLERANCE).all(axis=1)
+        return inside & (self._turns(reached) <= self.rotation_freedom.bound + POSE_TOLERANCE)
+
+    def widened(self, reached: Pose) -> tuple[Array, Array]:
+        """Return position and rotation tolerances of which X_WT is within."""
+        missed = np.abs((self.pose.inverse @ reached).position)
+        rest = self.rotation_freedom
+        turn = self.rotation_tolerance
+        if rest.kind is not FreedomKind.FREE:
+            excess = self.closest(reached).distance(reached)[1]
+            turn = np.where(turn >= np.pi, turn, rest.bound + excess)
+        return np.maximum(missed, self.position_tolerance), turn
+
+    @property
+    def rotation_freedom(self) -> RotationFreedom:
+        """What `rotation_tolerance` leaves to R_GT."""
+        free = self.rotation_tolerance >= np.pi
+        if free.all():
+            return RotationFreedom(FreedomKind.FREE, 0, 0.0)
+        bound = float(self.rotation_tolerance[~free].min())
+        if free.sum() == 1:
+            return RotationFreedom(FreedomKind.CONE, int(np.flatnonzero(free)[0]), bound)
+        return RotationFreedom(FreedomKind.BALL, 0, bound)
+
+
+def placed(world: World, full: Array, target: PoseTarget) -> Pose:
+    """Return a target's pose in world; a frame that moves counts where a configuration puts it.
+
+    Raises:
+        UnknownName: The frame does not exist.
+    """
+    if target.frame == "world":
+        return target.pose
+    return world.frame_pose(target.frame, full) @ target.pose
+
+
+def line_end(world: World, full: Array, begin: Pose, to: PoseTarget | Displacement) -> Pose:
+    """Return where a line of a tool ends, in world.
+
+    Args:
+        world: The scene, loaded.
+        full: The configuration by which frames that move count.
+        begin: X_WT where the line begins.
+        to: Its end, or the way to it.
+
+    Raises:
+        UnknownName: A frame does not exist.
+    """
+    match to:
+        case PoseTarget():
+            return placed(world, full, to)
+        case Displacement():
+            axes = placed(world, full, PoseTarget(Pose.identity(), to.frame))
+            way = rotation.rotate(axes.quaternion, np.asarray(to.vector))
+            return Pose(begin.position + way, begin.quaternion)
+
+
+def tool_targets(
+    world: World,
+    group: JointGroup,
+    goal: PoseGoal | RegionGoal,
+    start: Float64[np.ndarray, " nq"],
+) -> list[ToolTarget]:
+    """Return the goal's targets in world; a frame that moves counts where the start puts it.
+
+    Raises:
+        UnknownName: A frame does not exist.
+    """
+    tool = goal.frame or group.tool_frames[0]
+    world.require_frame(tool)
+    full = world.embed(group, start)
+    return [
+        ToolTarget(
+            tool,
+            placed(world, full, target),
+            goal.position_tolerance,
+            goal.rotation_tolerance,
+        )
+        for target in goal.targets
+    ]
+
+
+def axes_of(world: World, full: Array, ball: PoseBall, target: Pose) -> Array:
+    """Return R_WA, the axes by which a ball about a target X_WG is measured.
+
+    Raises:
+        UnknownName: The frame does not exist.
+    """
+    if not ball.frame:
+        return target.quaternion
+    return placed(world, full, PoseTarget(Pose.identity(), ball.frame)).quaternion
+
+
+def relative_target(
+    world: World, group: JointGroup, goal: RelativeGoal, start: Float64[np.ndarray, " nq"]
+) -> ToolTarget:
+    """Return the one pose in world that a displacement from the start leads to.
+
+    Raises:
+        UnknownName: A frame does not exist.
+    """
+    tool = goal.frame or group.tool_frames[0]
+    full = world.embed(group, start)
+    x_wt = world.frame_pose(tool, full)
+    moved = x_wt @ goal.displacement
+    if goal.reference:
+        a_wf = world.frame_pose(goal.reference, full).quaternion
+        turn = rotation.multiply(
+            rotation.multiply(a_wf, goal.displacement.quaternion), rotation.conjugate(a_wf)
+        )
+        shift = rotation.rotate(a_wf, goal.displacement.position)
+        moved = Pose.from_parts(x_wt.position + shift, rotation.multiply(turn, x_wt.quaternion))
+    return ToolTarget(tool, moved, np.zeros(3), np.zeros(3))

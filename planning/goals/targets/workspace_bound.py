@@ -1,0 +1,109 @@
+"""WorkspaceBound: a ball that the origin of a tool frame cannot leave."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float64
+
+from planning.domain.robot.joints import JointGroup
+from planning.domain.value import Value
+from planning.world.kernel.link_tree import WORLD, KernelLink, LinkKind, LinkTree, link_tree
+from planning.world.world import World
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
+
+# What has no bounds is looked for as far as this from where it is [m]; as `Seeds` does.
+_UNBOUNDED = 2.0
+
+
+@dataclass(frozen=True, eq=False)
+class WorkspaceBound(Value):
+    """Where a frame can be.
+
+    Attributes:
+        center: In world [m], shape (3,).
+        radius: [m].
+    """
+
+    center: Float64[np.ndarray, "3"]
+    radius: float
+
+
+def workspace_bound(world: World, group: JointGroup, frame: str) -> WorkspaceBound:
+    """Return a ball about the group's first joint that the frame's origin cannot leave.
+
+    Its radius is the sum of the distances from joint to joint, and of what slides between them. It
+    is no least ball. Where the scene has joints that we do not know the extent of, it is 2 m about
+    the present place.
+    """
+    drake = world.drake
+    tree = link_tree(drake)
+    here = world.frame_pose(frame, world.state).position
+    if tree is None:
+        return WorkspaceBound(here, _UNBOUNDED)
+    drake_frame = drake.frame(frame)
+    link, x_lb = tree.bodies[int(drake_frame.body().index())]
+    p_lt = x_lb.multiply(drake_frame.GetFixedPoseInBodyFrame()).translation()
+    moving = _moving(world, group)
+    path = _path(tree, link, moving)
+    if not path:
+        return WorkspaceBound(here, 0.0)
+    extents = _extents(world, group)
+    radius = float(np.linalg.norm(p_lt)) + sum(_travel(one, extents) for one in path)
+    radius += sum(float(np.linalg.norm(one.X_PF.translation())) for one in path[1:])
+    return WorkspaceBound(_origin(world, tree, path[0]), radius)
+
+
+def _moving(world: World, group: JointGroup) -> set[int]:
+    """Return the plant's coordinates that move with the group."""
+    moving = {int(i) for i in world.drake.position_indices(group)}
+    return moving | {c.follower_position for c in world.drake.following(group)}
+
+
+def _path(tree: LinkTree, link: int, moving: set[int]) -> list[KernelLink]:
+    """Return the links from the first that moves with the group to the frame's own."""
+    path: list[KernelLink] = []
+    while link != WORLD:
+        path.insert(0, tree.links[link])
+        link = tree.links[link].parent
+    while path and path[0].position not in moving:
+        path.pop(0)
+    return path
+
+
+def _extents(world: World, group: JointGroup) -> Array:
+    """Return how far from zero each coordinate of the plant can get."""
+    extents = np.abs(world.state)
+    limits = world.limits(group)
+    indices = world.drake.position_indices(group)
+    bounds = np.maximum(np.abs(limits.lower), np.abs(limits.upper))
+    extents[indices] = np.where(np.isfinite(bounds), bounds, extents[indices] + _UNBOUNDED)
+    for c in world.drake.couplings:
+        reach = abs(c.multiplier) * extents[c.leader_position] + abs(c.offset)
+        extents[c.follower_position] = max(extents[c.follower_position], reach)
+    return extents
+
+
+def _travel(link: KernelLink, extents: Array) -> float:
+    """Return how far a link's frame can get from where its joint begins."""
+    match link.kind:
+        case LinkKind.PRISMATIC:
+            return float(extents[link.position])
+        case LinkKind.PLANAR:
+            return float(np.linalg.norm(extents[link.position : link.position + 2]))
+        case LinkKind.FLOATING:
+            return float(np.linalg.norm(extents[link.position + 4 : link.position + 7]))
+        case _:
+            return 0.0
+
+
+def _origin(world: World, tree: LinkTree, first: KernelLink) -> Array:
+    """Return where the first joint begins, in world; what is before it does not move."""
+    if first.parent == WORLD:
+        return np.array(first.X_PF.translation())
+    bodies = world.drake.bodies
+    name = next(n for n, body in bodies.items() if tree.bodies[int(body)][0] == first.parent)
+    x_wb = world.frame_pose(name, world.state).matrix
+    p_bf = tree.bodies[int(bodies[name])][1].inverse().multiply(first.X_PF).translation()
+    return x_wb[:3, :3] @ p_bf + x_wb[:3, 3]

@@ -1,0 +1,1 @@
+"""Coverings: convex shapes between spheres around them and spheres inside them."""

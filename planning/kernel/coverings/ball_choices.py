@@ -1,0 +1,111 @@
+"""BallChoices: the balls that a covering is chosen from, and the points by which it is judged.
+
+About a point of depth d (its distance from the surface) the ball of radius d lies inside a convex
+shape, and one of radius d + t reaches t beyond it. So one table of the distances of points from
+inner balls, `gaps`, serves both: the balls of reach t hold the points whose gaps are at most t, and
+the gaps that a choice of inner balls leaves say how deep something may enter unnoticed.
+"""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float64
+
+from planning.kernel.coverings.outer_polytope import OuterPolytope
+from planning.kernel.coverings.solid import Solid
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
+
+# How many centres, rays to the surface and points on edges: for hulls of many corners, for others.
+_MANY = (600, 300, 150)
+_SOME = (200, 150, 60)
+_SIMPLE = 32  # corners
+_GOLDEN = np.pi * (1 + 5**0.5)
+
+
+@dataclass(frozen=True)
+class BallChoices:
+    """Many balls in a solid, and points of it.
+
+    Attributes:
+        centers: Of the balls: a grid, shape (n, 3).
+        depths: Their distances from the surface, or less [m], shape (n,).
+        points: Some on the surface, then others all over the solid, shape (m, 3).
+        num_surface: How many of them are spread over the surface.
+        gaps: From each inner ball to each point, negative inside [m], shape (n, m).
+        spacing: Of the grid [m].
+    """
+
+    centers: Float64[np.ndarray, "n 3"]
+    depths: Float64[np.ndarray, " n"]
+    points: Float64[np.ndarray, "m 3"]
+    num_surface: int
+    gaps: Float64[np.ndarray, "n m"]
+    spacing: float
+
+    @classmethod
+    def of(cls, solid: Solid, polytope: OuterPolytope) -> "BallChoices":
+        """Return the choices in a solid; its middle is one of them in any case."""
+        num_centers, num_rays, num_on_edges = (
+            _MANY if len(solid.shape.vertices) > _SIMPLE else _SOME
+        )
+        grid, spacing = _grid(solid.low, solid.high, num_centers)
+        depths = solid.depth(grid)
+        inside = depths >= 0
+        middle = polytope.piece.corners.mean(axis=0)[None]
+        centers = np.concatenate([grid[inside], middle[: int(not inside.any())]])
+        depths = solid.depth(centers)
+        surface = _surface(solid, polytope, num_rays)
+        corners, edges = polytope.piece.corners, _along_edges(polytope, num_on_edges)
+        points = np.concatenate([surface, corners, edges, centers[::3]])
+        square = (centers**2).sum(axis=1)[:, None] + (points**2).sum(axis=1)
+        square -= 2 * np.einsum("ci,pi->cp", centers, points)
+        gaps = np.sqrt(np.maximum(square, 0.0)) - depths[:, None]
+        return cls(centers, depths, points, len(surface), gaps, spacing)
+
+
+def directions(count: int) -> Float64[np.ndarray, "n 3"]:
+    """Return unit vectors spread evenly: Fibonacci's lattice on the sphere."""
+    steps = np.arange(count) + 0.5
+    z = 1 - 2 * steps / count
+    r = np.sqrt(1 - z * z)
+    return np.column_stack([r * np.cos(_GOLDEN * steps), r * np.sin(_GOLDEN * steps), z])
+
+
+def _grid(low: Array, high: Array, count: int) -> tuple[Array, float]:
+    """Return a grid of nearly cubic cells: at least three along every side, and a middle one."""
+    extent = np.maximum(high - low, 1e-6 * (high - low).max())
+    spacing = float(extent.prod() / count) ** (1 / 3)
+    counts = np.ones(3)
+    for _ in range(5):
+        counts = np.maximum(3, np.round(extent / spacing))
+        counts += 1 - counts % 2
+        spacing *= float(counts.prod() / count) ** (1 / 3)
+    steps = [
+        a + (np.arange(n) + 0.5) / n * (b - a) for a, b, n in zip(low, high, counts, strict=True)
+    ]
+    grid = np.stack(np.meshgrid(*steps, indexing="ij"), axis=-1).reshape(-1, 3)
+    return grid, float((extent / counts).max())
+
+
+def _surface(solid: Solid, polytope: OuterPolytope, count: int) -> Array:
+    """Return where rays from the middle leave the polytope, denser where it is long."""
+    middle, half = (solid.low + solid.high) / 2, (solid.high - solid.low) / 2
+    rays = directions(count) * half
+    slope = np.einsum("ri,fi->rf", rays, polytope.planes[:, :3])
+    room = polytope.planes[:, 3] - polytope.planes[:, :3] @ middle
+    leaves = slope > 1e-12 * half.max()
+    times = np.where(leaves, room / np.where(leaves, slope, 1.0), np.inf).min(axis=1)
+    return middle + np.maximum(times, 0.0)[:, None] * rays
+
+
+def _along_edges(polytope: OuterPolytope, count: int) -> Array:
+    """Return points on the polytope's edges, the ends left out."""
+    ends = polytope.piece.corners[polytope.piece.edges]
+    lengths = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
+    counts = np.maximum(np.ceil(lengths / (lengths.sum() / count)).astype(int) - 1, 0)
+    edge = np.repeat(np.arange(len(ends)), counts)
+    number = np.arange(len(edge)) - np.repeat(np.cumsum(counts) - counts, counts)
+    share = ((number + 1) / (counts[edge] + 1))[:, None]
+    return ends[edge, 0] + share * (ends[edge, 1] - ends[edge, 0])

@@ -1,0 +1,72 @@
+"""Convex pieces: polytopes known by their corners, cut by planes.
+
+Exactly three faces meet at every corner: where more do, as at the tip of a pyramid, the corner is
+there several times. So two corners that share two faces are the ends of an edge. A plane cuts the
+edges whose ends lie on both sides of it, and what is left has the corners on its side and the new
+ones. On which side a corner lies is decided once for all of its edges.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import product
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float64, Int64
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
+
+_MANY = 1 << 20
+
+
+@dataclass(frozen=True)
+class ConvexPolytope:
+    """A convex polytope, or nothing.
+
+    Attributes:
+        corners: A ball that contains them contains the piece [m], shape (n, 3).
+        faces: Numbers of the faces that meet at each, below 2^20, in ascending order, shape (n, 3).
+    """
+
+    corners: Float64[np.ndarray, "n 3"]
+    faces: Int64[np.ndarray, "n 3"]
+
+    @classmethod
+    def box(
+        cls, low: Float64[np.ndarray, " 3"], high: Float64[np.ndarray, " 3"]
+    ) -> "ConvexPolytope":
+        """Return the box between two corners; its faces are the numbers 0 to 5."""
+        sides = np.array(list(product((0, 1), repeat=3)), dtype=np.int64)
+        return cls(np.where(sides, high, low), 2 * np.arange(3) + sides)
+
+    @cached_property
+    def edges(self) -> Int64[np.ndarray, "e 2"]:
+        """The corners at the ends of every edge."""
+        a, b, c = self.faces.T
+        keys = np.concatenate([a * _MANY + b, a * _MANY + c, b * _MANY + c])
+        return (np.argsort(keys, kind="stable") % max(len(a), 1)).reshape(-1, 2)
+
+    def below(
+        self, normal: Float64[np.ndarray, " 3"], offset: float, face: int
+    ) -> "ConvexPolytope":
+        """Return the part where normal . x <= offset.
+
+        Args:
+            normal: Of the cut.
+            offset: Of the cut along it.
+            face: Number of the face that the cut adds, larger than all others.
+        """
+        heights = self.corners @ normal - offset
+        kept = heights <= 0
+        if kept.all():
+            return self
+        ends = self.edges[kept[self.edges[:, 0]] != kept[self.edges[:, 1]]]
+        begin, end = ends.T
+        share = heights[begin] / (heights[begin] - heights[end])
+        fresh = self.corners[begin] + share[:, None] * (self.corners[end] - self.corners[begin])
+        common = (self.faces[begin][:, :, None] == self.faces[end][:, None, :]).any(axis=2)
+        shared = self.faces[begin][common].reshape(-1, 2)
+        faces = np.column_stack([shared, np.full(len(ends), face)])
+        return ConvexPolytope(
+            np.concatenate([self.corners[kept], fresh]), np.concatenate([self.faces[kept], faces])
+        )

@@ -1,0 +1,144 @@
+"""Coverings: a convex shape between spheres around it and spheres inside it."""
+
+import json
+import os
+from collections.abc import Callable
+from contextlib import suppress
+from dataclasses import dataclass
+from functools import cache, lru_cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float64
+
+from planning.domain.value import Value, digest
+from planning.kernel.coverings.ball_choices import BallChoices
+from planning.kernel.coverings.enclosing_ball import enclosing_ball
+from planning.kernel.coverings.inner_spheres import inner_spheres
+from planning.kernel.coverings.outer_polytope import OuterPolytope
+from planning.kernel.coverings.outer_spheres import outer_spheres
+from planning.kernel.coverings.solid import Solid
+from planning.kernel.shape import ConvexShape, ShapeKind
+from planning.parallel.atomic_files import evict_oldest, write_atomically
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
+
+# Of what is computed here: a covering of another version is not read.
+VERSION = 2
+_MOST_BYTES = 2**28
+
+
+@dataclass(frozen=True, eq=False)
+class Covering(Value):
+    """Spheres as rows (x, y, z, r) in the shape's frame [m].
+
+    Attributes:
+        outer: Their union contains the shape, the largest first, shape (n, 4).
+        inner: Each lies inside the shape, the most telling first, shape (m, 4); none in a shape
+            without thickness.
+        bound: One that contains the shape, shape (4,).
+        protrusion: How far the outer ones reach beyond the shape at most [m].
+    """
+
+    outer: Float64[np.ndarray, "n 4"]
+    inner: Float64[np.ndarray, "m 4"]
+    bound: Float64[np.ndarray, "4"]
+    protrusion: float
+
+
+def cover(shape: ConvexShape) -> Covering:
+    """Return the covering of a shape; the same shape has the same one, bit for bit.
+
+    Raises:
+        ModelInvalid: A half space has none.
+    """
+    if shape.kind is ShapeKind.SPHERE:
+        ball = np.array([0.0, 0.0, 0.0, shape.size[0]])
+        return Covering(ball[None], ball[None], ball, 0.0)
+    solid = Solid.of(shape)
+    polytope = OuterPolytope.of(solid)
+    choices = BallChoices.of(solid, polytope)
+    outer, protrusion = outer_spheres(solid, polytope, choices)
+    bound = enclosing_ball(polytope.piece.corners)
+    return Covering(outer, inner_spheres(solid, choices), bound, protrusion)
+
+
+@lru_cache(maxsize=1024)
+def cached_covering(shape: ConvexShape, folder: Path | None) -> Covering:
+    """Return the covering of a shape from memory, or else from a folder; None for memory alone.
+
+    Raises:
+        ModelInvalid: A half space has none.
+    """
+    return cover(shape) if folder is None else stored_covering(shape, folder)
+
+
+def stored_covering(
+    shape: ConvexShape,
+    folder: Path,
+    make: Callable[[ConvexShape], Covering] = cover,
+    version: int = VERSION,
+) -> Covering:
+    """Return the covering of a shape from a folder, made and kept there when it is first asked for.
+
+    A file that is damaged or of another shape is made anew; a folder that cannot be written to is
+    no fault.
+
+    Args:
+        shape: What is covered.
+        folder: Of files, one for a shape; made if it does not exist.
+        make: What computes a covering.
+        version: Of `make`: files of another one are not read.
+
+    Raises:
+        ModelInvalid: A half space has none.
+    """
+    file = folder / f"{digest((shape, version))}.json"
+    known = _read(file)
+    with suppress(OSError):
+        os.utime(file)
+    if known is None:
+        known = make(shape)
+        _write(file, known)
+    return known
+
+
+def _seal(file: Path, covering: Covering) -> str:
+    """Return what tells that a file holds what was written there; its name is that of a shape."""
+    return digest((file.stem, covering))
+
+
+def _read(file: Path) -> Covering | None:
+    """Return what a file holds; None if there is none or it holds something else."""
+    try:
+        found = json.loads(file.read_text("utf-8"))
+        outer, inner, bound = (
+            np.array(found[name], dtype=np.float64).reshape(-1, 4)
+            for name in ("outer", "inner", "bound")
+        )
+        covering = Covering(outer, inner, bound.reshape(4), float(found["protrusion"]))
+        is_whole = found["seal"] == _seal(file, covering)
+    except (OSError, ValueError, KeyError, TypeError, OverflowError, RecursionError):
+        return None
+    return covering if is_whole else None
+
+
+def _write(file: Path, covering: Covering) -> None:
+    """Keep a covering, if the folder can be written to."""
+    document = {
+        "outer": covering.outer.tolist(),
+        "inner": covering.inner.tolist(),
+        "bound": covering.bound.tolist(),
+        "protrusion": covering.protrusion,
+        "seal": _seal(file, covering),
+    }
+    with suppress(OSError):
+        write_atomically(file, json.dumps(document))
+        _trim(file.parent)
+
+
+@cache
+def _trim(folder: Path) -> None:
+    """Remove what was not used for longest if there is too much: once for a process."""
+    evict_oldest(folder, _MOST_BYTES)

@@ -1,0 +1,14 @@
+// The Python module planning.kernel._native.
+#include <nanobind/nanobind.h>
+
+#include "bind/bind.hpp"
+
+NB_MODULE(_native, m) {
+  nanobind::set_leak_warnings(false);  // at the end of a process nobody wants to hear of its globals
+  m.doc() = "Native collision bounds and kinematics; see planning/kernel.";
+  wayproof::bind_scene(m);
+  wayproof::bind_checker(m);
+  wayproof::bind_ik(m);
+  wayproof::bind_prover(m);
+  wayproof::bind_refine(m);
+}

@@ -1,0 +1,102 @@
+// Prover, on numpy arrays; it gives up the interpreter's lock but to ask whether to go on.
+#include <nanobind/stl/shared_ptr.h>
+#include <nanobind/stl/tuple.h>
+#include <nanobind/stl/vector.h>
+
+#include <memory>
+#include <tuple>
+
+#include "math/bernstein.hpp"
+#include "bind/bind.hpp"
+#include "prover/prover.hpp"
+
+namespace wayproof {
+namespace {
+
+std::vector<int> integers(const Integers& from) { return {from.data(), from.data() + from.size()}; }
+
+std::vector<double> doubles(const Doubles& from) { return {from.data(), from.data() + from.size()}; }
+
+Group group(const Scene& scene, const Integers& positions, const Integers& velocities, const Doubles& state) {
+  require(state.size() == static_cast<std::size_t>(scene.tree.num_positions),
+          "the state has the wrong length");
+  for (std::size_t i = 0; i < positions.size(); ++i)
+    require(positions.data()[i] >= 0 && positions.data()[i] < scene.tree.num_positions, "no such position");
+  return Group(scene.tree, integers(positions), integers(velocities), doubles(state));
+}
+
+Motion motion(const Tree& tree, const Group& group, const Doubles& breaks, const Doubles& bases,
+              const Doubles& coefficients) {
+  require(coefficients.ndim() == 3 && coefficients.shape(0) >= 1 && coefficients.shape(1) >= 1,
+          "coefficients are [n][terms][nv]");
+  const std::size_t pieces = coefficients.shape(0), terms = coefficients.shape(1);
+  require(breaks.size() == pieces + 1, "there is one break more than there are pieces");
+  require(coefficients.shape(2) == group.velocities.size(), "coefficients are [n][terms][nv]");
+  require_shape(bases, pieces, group.positions.size(), "bases");
+  return Motion(tree, group, doubles(breaks), doubles(bases), doubles(coefficients), static_cast<int>(terms));
+}
+
+void make(Prover* self, std::shared_ptr<Scene> scene, const Integers& positions, const Integers& velocities,
+          const Doubles& state, const std::tuple<Doubles, Doubles, Doubles>& curve, const Doubles& margins,
+          double slack) {
+  require(margins.size() == scene->pairs.size(), "there is one margin per pair");
+  Group moving = group(*scene, positions, velocities, state);
+  const auto& [breaks, bases, coefficients] = curve;
+  Motion moves = motion(scene->tree, moving, breaks, bases, coefficients);
+  new (self) Prover(std::move(scene), std::move(moving), std::move(moves), doubles(margins), slack);
+}
+
+Proof prove(Prover& prover, const nb::callable& interrupt) {
+  nb::gil_scoped_release released;
+  return prover.prove([&interrupt] {
+    nb::gil_scoped_acquire held;
+    interrupt();
+  });
+}
+
+// The segment that halvings (0 first, 1 second half) of the whole motion lead to: begin, end, centre, and a
+// row (approach, lower bound, lower bound along one direction) per pair.
+auto bounds(Prover& prover, const std::vector<int>& halvings) {
+  Segment segment = prover.motion().whole();
+  for (int which : halvings) segment = prover.motion().half(segment, which);
+  std::vector<double> rows;
+  for (const PairBound& b : prover.bounds(segment)) rows.insert(rows.end(), {b.approach, b.lower, b.along});
+  return nb::make_tuple(segment.begin, segment.end, segment.time, array_of(rows, rows.size() / 3, 3));
+}
+
+std::tuple<double, std::size_t, double> peak_of(const Doubles& coefficients, double tolerance) {
+  require(coefficients.ndim() == 2 && coefficients.shape(0) >= 1 && coefficients.shape(1) >= 1,
+          "coefficients are [n][terms]");
+  const Peak found = peak(coefficients.data(), coefficients.shape(0), coefficients.shape(1), tolerance);
+  return {found.bound, found.row, found.fraction};
+}
+
+}  // namespace
+
+void bind_prover(nb::module_& m) {
+  nb::class_<Sighting>(m, "Sighting", "The pair (by number, or -1) that had the least of something.")
+      .def_ro("pair", &Sighting::pair)
+      .def_ro("distance", &Sighting::distance)
+      .def_ro("time", &Sighting::time);
+  nb::class_<Proof>(m, "Proof", "Outcome: 0 proven, 1 too near, 2 unproven, 3 too near though nothing moves.")
+      .def_prop_ro("outcome", [](const Proof& p) { return static_cast<int>(p.outcome); })
+      .def_ro("pair", &Proof::pair)
+      .def_ro("distance", &Proof::distance)
+      .def_ro("uncertainty", &Proof::uncertainty)
+      .def_ro("time", &Proof::time)
+      .def_ro("nearest", &Proof::nearest)
+      .def_ro("tightest", &Proof::tightest)
+      .def_ro("floor", &Proof::floor)
+      .def_ro("segments", &Proof::segments)
+      .def_ro("looks", &Proof::looks);
+  nb::class_<Prover>(m, "Prover", "Whether every pair keeps its distance throughout a motion.")
+      .def("__init__", &make, nb::arg("scene"), nb::arg("positions"), nb::arg("velocities"), nb::arg("state"),
+           nb::arg("curve"), nb::arg("margins"), nb::arg("slack"))
+      .def("prove", &prove, nb::arg("interrupt"))
+      .def("bounds", &bounds, nb::arg("halvings"));
+  m.def("peak", &peak_of, nb::arg("coefficients"), nb::arg("tolerance"),
+        "An upper bound on polynomials in Bernstein form, the row where it is, and the fraction of its "
+        "interval.");
+}
+
+}  // namespace wayproof

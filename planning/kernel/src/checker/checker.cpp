@@ -1,0 +1,248 @@
+#include "checker/checker.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <new>
+#include <stdexcept>
+#include <utility>
+
+#include "checker/sample_order.hpp"
+#include "model/gjk.hpp"
+
+namespace wayproof {
+namespace {
+
+constexpr double turn = 6.283185307179586;
+// Beyond so many radians or metres, and for what is no number, single precision says nothing.
+constexpr double far_off = 1e6;
+
+// The same number as planning/domain/curves/motion_samples.py has, operation by operation.
+std::int64_t num_samples(const double* displacement, int nq, double resolution) {
+  double square = 0;
+  for (int i = 0; i < nq; ++i) square += displacement[i] * displacement[i];
+  if (!(square < far_off * far_off)) throw std::invalid_argument("a motion is finite and not too long");
+  return static_cast<std::int64_t>(std::max(std::ceil(std::sqrt(square) / resolution - 1e-9), 1.0));
+}
+
+struct Aligned {
+  float* data;
+  explicit Aligned(std::size_t floats)
+      : data(static_cast<float*>(::operator new[](std::max<std::size_t>(floats, 1) * sizeof(float), std::align_val_t{64}))) {}
+  ~Aligned() { ::operator delete[](data, std::align_val_t{64}); }
+  Aligned(const Aligned&) = delete;
+  Aligned& operator=(const Aligned&) = delete;
+};
+
+}  // namespace
+
+// Everything that a thread writes while it judges.
+struct Checker::Workspace {
+  LaneModel model;
+  int width;
+  Aligned coordinates, scratch;
+  std::vector<int> pairs;
+  std::vector<unsigned> lanes;
+  std::vector<double> full;
+  std::vector<Transform> X_WL;
+  std::vector<Vec3> directions;  // that last parted each pair, in the frame of its first geometry
+  std::vector<double> samples;
+  std::vector<std::int64_t> numbers;
+  std::vector<Verdict> found;
+
+  explicit Workspace(const Checker& c)
+      : model(c.lanes_.view()),
+        width(c.kernel_.width),
+        coordinates(static_cast<std::size_t>(width) * model.num_coordinates),
+        scratch(scratch_floats(model, width)),
+        pairs(c.lanes_.pair_of.size() + 1),
+        lanes(c.lanes_.pair_of.size() + 1),
+        full(c.group_.state),
+        X_WL(c.X_WL_),
+        directions(c.scene_->pairs.size()),
+        samples(static_cast<std::size_t>(width) * c.num_positions()),
+        numbers(width),
+        found(width) {}
+
+  // Writes one configuration into a lane and returns how far its lengths reach [m]: infinitely if the
+  // lanes can say nothing of it.
+  double pack(const Checker& c, const double* q, int lane) {
+    c.group_.embed(c.scene_->tree, q, full.data());
+    double reach = 0;
+    bool is_near = true;
+    using Kind = LaneCoordinate::Kind;
+    for (std::size_t i = 0; i < c.lanes_.coordinates.size(); ++i) {
+      const auto [position, kind] = c.lanes_.coordinates[i];
+      double x = full[position];
+      is_near &= std::abs(x) < far_off;
+      if (kind == Kind::angle) x -= turn * std::nearbyint(x / turn);
+      if (kind == Kind::length) reach = std::max(reach, std::abs(x));
+      if (kind == Kind::quaternion_w) scale = quaternion_scale(&full[position]);
+      if (kind == Kind::quaternion_w || kind == Kind::quaternion_xyz) x *= scale;
+      coordinates.data[i * width + lane] = is_near ? static_cast<float>(x) : 0.0f;
+    }
+    return is_near ? reach : std::numeric_limits<double>::infinity();
+  }
+
+ private:
+  double scale = 1;
+
+  static double quaternion_scale(const double* q) {
+    return 1 / std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
+  }
+};
+
+// A workspace for one call: the idle one if nobody else has it.
+struct Checker::Lease {
+  const Checker& checker;
+  std::unique_ptr<Workspace> workspace;
+
+  explicit Lease(const Checker& c) : checker(c) {
+    {
+      const std::lock_guard lock(c.idle_mutex_);
+      workspace = std::move(c.idle_);
+    }
+    if (!workspace) workspace = std::make_unique<Workspace>(c);
+  }
+  ~Lease() {
+    const std::lock_guard lock(checker.idle_mutex_);
+    checker.idle_ = std::move(workspace);
+  }
+  Lease(const Lease&) = delete;
+  Lease& operator=(const Lease&) = delete;
+};
+
+Checker::~Checker() = default;
+
+Checker::Checker(std::shared_ptr<const Scene> scene, Group group, std::vector<Demand> demands, LaneKernel kernel)
+    : scene_(std::move(scene)), group_(std::move(group)), demands_(std::move(demands)), kernel_(kernel),
+      X_WL_(scene_->tree.links.size()) {
+  scene_->tree.place(group_.state.data(), X_WL_.data());
+  lanes_ = LaneModelStorage(*scene_, group_, demands_, X_WL_);
+  std::vector<char> judged(scene_->pairs.size(), 0);
+  for (int pair : lanes_.pair_of) judged[pair] = 1;
+  for (std::size_t i = 0; i < judged.size(); ++i) {
+    if (judged[i]) continue;
+    const int pair = static_cast<int>(i);
+    Vec3 direction;
+    if (scene_->moves_half_space(group_, scene_->pairs[i]))
+      exact_.push_back(pair);
+    else if (judge_pair(pair, X_WL_.data(), direction) != Verdict::free)
+      doubtful_.push_back(pair);
+  }
+}
+
+Verdict Checker::judge_pair(int index, const Transform* X_WL, Vec3& direction) const {
+  const Pair pair = scene_->pairs[index];
+  const Demand demand = demands_[index];
+  const Geometry &a = scene_->geometries[pair.a], &b = scene_->geometries[pair.b];
+  const Transform X_WA = scene_->pose(pair.a, X_WL), X_WB = scene_->pose(pair.b, X_WL);
+  // Neighbours are always near, and nearly always the same plane parts them.
+  if (dot(direction, direction) > 0 && slab(a.shape, X_WA, b.shape, X_WB, X_WA.R * direction) >= demand.margin + exact_slack)
+    return Verdict::free;
+  const Separation found = separation(a.shape, X_WA, b.shape, X_WB, demand.margin + exact_slack,
+                                      demand.touching - exact_slack, {});
+  if (found.lower > 0) direction = transposed_times(X_WA.R, found.direction);
+  if (found.lower >= demand.margin + exact_slack) return Verdict::free;
+  return found.upper <= demand.touching - exact_slack ? Verdict::colliding : Verdict::unsure;
+}
+
+// Settles one lane by exact distances of the pairs of which nothing was sure, and of those that are left to it.
+Verdict Checker::judge_exactly(const double* q, unsigned lane, const LaneVerdict& v, Workspace& w) const {
+  group_.embed(scene_->tree, q, w.full.data());
+  group_.place(scene_->tree, w.full.data(), w.X_WL.data());
+  Verdict all = Verdict::free;
+  const auto collides = [&](int pair) {
+    const Verdict one = judge_pair(pair, w.X_WL.data(), w.directions[pair]);
+    if (one != Verdict::free) all = one;
+    return one == Verdict::colliding;
+  };
+  for (int k = 0; k < v.num_unsure; ++k)
+    if ((v.lanes[k] & lane) && collides(lanes_.pair_of[v.pairs[k]])) return all;
+  for (int pair : exact_)
+    if (collides(pair)) return all;
+  return all;
+}
+
+bool Checker::judge_block(const double* qs, int count, Verdict* verdicts, Workspace& w, bool any_hit_decides) const {
+  const int nq = num_positions();
+  double reach = 0;
+  unsigned active = 0;
+  for (int lane = 0; lane < w.width; ++lane) {
+    const double far = w.pack(*this, qs + nq * std::min(lane, count - 1), lane);
+    if (!std::isfinite(far)) continue;
+    reach = std::max(reach, far);
+    if (lane < count) active |= 1u << lane;
+  }
+  LaneVerdict v{0, 0, w.pairs.data(), w.lanes.data()};
+  kernel_.judge(w.model, w.coordinates.data, active, static_cast<float>(lanes_.slack_per_metre * reach), w.scratch.data, v);
+  if (any_hit_decides && v.hit) return true;
+  unsigned unsure = 0;
+  for (int k = 0; k < v.num_unsure; ++k) unsure |= v.lanes[k];
+  for (int lane = 0; lane < count; ++lane) {
+    const unsigned bit = 1u << lane;
+    verdicts[lane] = !(active & bit)  ? Verdict::unsure
+                     : v.hit & bit    ? Verdict::colliding
+                     : (unsure & bit) || !exact_.empty() ? judge_exactly(qs + nq * lane, bit, v, w)
+                                      : Verdict::free;
+    if (any_hit_decides && verdicts[lane] == Verdict::colliding) return true;
+    if (verdicts[lane] == Verdict::free && !doubtful_.empty()) verdicts[lane] = Verdict::unsure;
+  }
+  return false;
+}
+
+void Checker::judge(const double* qs, std::int64_t count, Verdict* verdicts) const {
+  const Lease lease(*this);
+  Workspace& w = *lease.workspace;
+  for (std::int64_t i = 0; i < count; i += w.width)
+    judge_block(qs + num_positions() * i, static_cast<int>(std::min<std::int64_t>(w.width, count - i)), verdicts + i, w, false);
+}
+
+Verdict Checker::judge_motion(const Motion& motion, std::int64_t number, std::vector<Unsure>& unsure, Workspace& w) const {
+  const int nq = num_positions();
+  const std::size_t before = unsure.size();
+  SampleOrder order(motion.n);
+  bool origin_left = motion.from_origin;
+  for (;;) {
+    int size = 0;
+    while (size < w.width && order.next(w.numbers[size])) {
+      ++size;
+      if (origin_left && size < w.width) w.numbers[size++] = 0, origin_left = false;
+    }
+    if (!size) break;
+    for (int k = 0; k < size; ++k) {
+      const double fraction = static_cast<double>(w.numbers[k]) / static_cast<double>(motion.n);
+      for (int i = 0; i < nq; ++i) w.samples[k * nq + i] = motion.origin[i] + fraction * motion.displacement[i];
+    }
+    if (judge_block(w.samples.data(), size, w.found.data(), w, true)) {
+      unsure.resize(before);
+      return Verdict::colliding;
+    }
+    for (int k = 0; k < size; ++k)
+      if (w.found[k] == Verdict::unsure) unsure.push_back({number, w.numbers[k], motion.n});
+  }
+  return unsure.size() > before ? Verdict::unsure : Verdict::free;
+}
+
+void Checker::judge_motions(const double* origins, const double* displacements, double resolution, std::int64_t count,
+                            Verdict* verdicts, std::vector<Unsure>& unsure) const {
+  const Lease lease(*this);
+  const int nq = num_positions();
+  for (std::int64_t j = 0; j < count; ++j) {
+    const double* displacement = displacements + j * nq;
+    const Motion motion{origins + j * nq, displacement, num_samples(displacement, nq, resolution), false};
+    verdicts[j] = judge_motion(motion, j, unsure, *lease.workspace);
+  }
+}
+
+Verdict Checker::judge_edge(const double* from, const double* to, double resolution, std::int64_t& n) const {
+  const Lease lease(*this);
+  const int nq = num_positions();
+  std::vector<double> displacement(nq);
+  for (int i = 0; i < nq; ++i) displacement[i] = to[i] - from[i];
+  n = num_samples(displacement.data(), nq, resolution);
+  std::vector<Unsure> unsure;
+  return judge_motion({from, displacement.data(), n, true}, 0, unsure, *lease.workspace);
+}
+
+}  // namespace wayproof

@@ -1,0 +1,156 @@
+#include "checker/nearness.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "model/overlap.hpp"
+#include "model/gjk.hpp"
+
+namespace wayproof {
+namespace {
+
+// Shapes that overlap are moved this far apart to find where they meet [m].
+constexpr double apart = 1e-3;
+
+// What a coordinate of the full v is of the group's v.
+struct Source {
+  int column = -1;
+  double factor = 0;
+};
+
+std::vector<Source> sources(const Tree& tree, const Group& group) {
+  std::vector<Source> found(tree.num_velocities);
+  for (std::size_t i = 0; i < group.velocities.size(); ++i) found[group.velocities[i]] = {static_cast<int>(i), 1};
+  for (const Follower& f : tree.followers) {
+    const Source leader = found[f.leader_velocity];
+    found[f.follower_velocity] = {leader.column, f.multiplier * leader.factor};
+  }
+  return found;
+}
+
+Vec3 unit(int i) { return {i == 0 ? 1.0 : 0.0, i == 1 ? 1.0 : 0.0, i == 2 ? 1.0 : 0.0}; }
+
+}  // namespace
+
+// What is known of one configuration.
+struct Nearness::Workspace {
+  std::vector<double> full;
+  std::vector<Transform> X_WL, X_WG;
+  std::vector<Vec3> centers;
+  std::vector<Screw> screws;
+  std::vector<Vec3> directions;  // that last parted each moved pair
+};
+
+Nearness::Nearness(std::shared_ptr<const Scene> scene, Group group)
+    : scene_(std::move(scene)), group_(std::move(group)), X_WL_(scene_->tree.links.size()) {
+  const Tree& tree = scene_->tree;
+  tree.place(group_.state.data(), X_WL_.data());
+  const auto from = sources(tree, group_);
+  for (std::size_t i = 0; i < tree.links.size(); ++i) {
+    const Link& link = tree.links[i];
+    const auto add = [&](int k, bool turns, bool in_parent, Vec3 axis) {
+      const Source source = from[link.velocity + k];
+      if (source.column >= 0)
+        rates_.push_back({static_cast<int>(i), source.column, source.factor, turns, in_parent, axis});
+    };
+    switch (link.kind) {
+      case JointKind::revolute: add(0, true, false, link.axis); break;
+      case JointKind::prismatic: add(0, false, false, link.axis); break;
+      case JointKind::planar:
+        add(0, false, true, unit(0)), add(1, false, true, unit(1)), add(2, true, true, unit(2));
+        break;
+      case JointKind::floating:
+        for (int k = 0; k < 3; ++k) add(k, true, true, unit(k)), add(3 + k, false, true, unit(k));
+        break;
+      default: break;
+    }
+  }
+  for (std::size_t i = 0; i < scene_->pairs.size(); ++i) {
+    const Geometry &a = scene_->geometries[scene_->pairs[i].a], &b = scene_->geometries[scene_->pairs[i].b];
+    // Two half spaces overlap without end, whatever the group does.
+    if (a.shape.kind == ShapeKind::half_space && b.shape.kind == ShapeKind::half_space) continue;
+    const auto of_a = rates_of(a.link), of_b = rates_of(b.link);
+    MovedPair moved{static_cast<int>(i), {}, {}, a.shape.radius + b.shape.radius};
+    std::set_difference(of_a.begin(), of_a.end(), of_b.begin(), of_b.end(), std::back_inserter(moved.of_a));
+    std::set_difference(of_b.begin(), of_b.end(), of_a.begin(), of_a.end(), std::back_inserter(moved.of_b));
+    if (!moved.of_a.empty() || !moved.of_b.empty()) moved_.push_back(std::move(moved));
+  }
+}
+
+// Of every rate that moves a link, its number, in increasing order.
+std::vector<int> Nearness::rates_of(int link) const {
+  std::vector<int> found;
+  for (int i = link; i >= 0; i = scene_->tree.links[i].parent)
+    for (std::size_t k = 0; k < rates_.size(); ++k)
+      if (rates_[k].link == i) found.push_back(static_cast<int>(k));
+  std::sort(found.begin(), found.end());
+  return found;
+}
+
+void Nearness::slope(const MovedPair& moved, const Workspace& w, Vec3 n, Vec3 p_A, Vec3 p_B, double* gradient) const {
+  const auto add = [&](const std::vector<int>& rates, Vec3 p, double sign) {
+    for (int k : rates) {
+      const Screw& screw = w.screws[k];
+      const Vec3 rate = rates_[k].turns ? cross(screw.axis, p - screw.p) : screw.axis;
+      gradient[rates_[k].column] += sign * rates_[k].factor * dot(n, rate);
+    }
+  };
+  add(moved.of_a, p_A, 1);
+  add(moved.of_b, p_B, -1);
+}
+
+void Nearness::look(const MovedPair& moved, double reach, Workspace& w, std::int64_t configuration, Near& near) const {
+  const Pair pair = scene_->pairs[moved.pair];
+  const Vec3 between = w.centers[pair.a] - w.centers[pair.b];
+  const double far = reach + moved.bound;
+  if (dot(between, between) >= far * far && far >= 0) return;
+  const Shape &a = scene_->geometries[pair.a].shape, &b = scene_->geometries[pair.b].shape;
+  const Transform &X_WA = w.X_WG[pair.a], &X_WB = w.X_WG[pair.b];
+  Vec3& direction = w.directions[&moved - moved_.data()];
+  Meeting met = meeting(a, X_WA, b, X_WB, reach, direction);
+  direction = met.separation.direction;
+  double distance = met.separation.lower;
+  if (distance >= reach) return;
+  const bool has_half_space = a.kind == ShapeKind::half_space || b.kind == ShapeKind::half_space;
+  Vec3 n = direction, shift;
+  if (!has_half_space && distance <= 0) {
+    const Overlap over = overlap(a, X_WA, b, X_WB);
+    if (over.width >= reach) return;
+    distance = over.width, n = over.n, shift = (apart - distance) * n;
+    Transform X_WC = X_WA;
+    X_WC.p = X_WA.p + shift;
+    met = meeting(a, X_WC, b, X_WB, 1e9, n);
+  }
+  near.configuration.push_back(configuration);
+  near.pair.push_back(moved.pair);
+  near.distance.push_back(distance);
+  near.normal.insert(near.normal.end(), {n.x, n.y, n.z});
+  near.gradient.resize(near.gradient.size() + num_velocities(), 0.0);
+  slope(moved, w, n, met.p_W - shift, met.p_W, near.gradient.data() + near.gradient.size() - num_velocities());
+}
+
+Near Nearness::within(const double* qs, std::int64_t count, const double* reach) const {
+  const Tree& tree = scene_->tree;
+  Workspace w{group_.state, X_WL_, {}, {}, {}, std::vector<Vec3>(moved_.size())};
+  w.X_WG.resize(scene_->geometries.size()), w.centers.resize(scene_->geometries.size()), w.screws.resize(rates_.size());
+  Near near;
+  for (std::int64_t i = 0; i < count; ++i) {
+    group_.embed(tree, qs + i * num_positions(), w.full.data());
+    group_.place(tree, w.full.data(), w.X_WL.data());
+    for (std::size_t g = 0; g < scene_->geometries.size(); ++g) {
+      if (i && !scene_->is_moved(group_, static_cast<int>(g))) continue;
+      w.X_WG[g] = scene_->pose(static_cast<int>(g), w.X_WL.data());
+      w.centers[g] = w.X_WG[g] * scene_->geometries[g].shape.center;
+    }
+    for (std::size_t k = 0; k < rates_.size(); ++k) {
+      const Link& link = tree.links[rates_[k].link];
+      const Mat3 R_WP = link.parent < 0 ? Mat3{} : w.X_WL[link.parent].R;
+      const Mat3 R = rates_[k].in_parent ? R_WP * link.X_PF.R : w.X_WL[rates_[k].link].R;
+      w.screws[k] = {R * rates_[k].axis, w.X_WL[rates_[k].link].p};
+    }
+    for (const MovedPair& moved : moved_) look(moved, reach[moved.pair], w, i, near);
+  }
+  return near;
+}
+
+}  // namespace wayproof

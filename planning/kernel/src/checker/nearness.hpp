@@ -1,0 +1,63 @@
+// Nearness: how far apart the pairs are that a group moves, and how that changes with its v.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "model/scene.hpp"
+
+namespace wayproof {
+
+// Pairs that were found near, one after another.
+struct Near {
+  std::vector<std::int64_t> configuration, pair;
+  std::vector<double> distance;  // signed
+  std::vector<double> normal;    // [count][3], unit, in W, from the second shape to the first
+  std::vector<double> gradient;  // [count][nv], of the distance with respect to the group's v
+};
+
+class Nearness {
+ public:
+  // Pairs whose distance does not depend on the group are left out.
+  Nearness(std::shared_ptr<const Scene> scene, Group group);
+
+  int num_positions() const { return static_cast<int>(group_.positions.size()); }
+  int num_velocities() const { return static_cast<int>(group_.velocities.size()); }
+  std::size_t num_pairs() const { return scene_->pairs.size(); }
+
+  // Finds every pair that is nearer than its reach in one of [count][nq] configurations, in order of
+  // configurations, then of pairs.
+  Near within(const double* qs, std::int64_t count, const double* reach) const;
+
+ private:
+  // How a coordinate of the group's v moves a link: about or along an axis.
+  struct Rate {
+    int link, column;
+    double factor;
+    bool turns, in_parent;  // whether the axis is given in F, and not in M
+    Vec3 axis;
+  };
+  // A rate at one configuration, in W.
+  struct Screw {
+    Vec3 axis, p;
+  };
+  struct MovedPair {
+    int pair;
+    std::vector<int> of_a, of_b;  // rates that move only one of the two
+    double bound;                 // on the radii of both
+  };
+  struct Workspace;
+
+  std::vector<int> rates_of(int link) const;
+  void look(const MovedPair& moved, double reach, Workspace& w, std::int64_t configuration, Near& near) const;
+  void slope(const MovedPair& moved, const Workspace& w, Vec3 n, Vec3 p_A, Vec3 p_B, double* gradient) const;
+
+  std::shared_ptr<const Scene> scene_;
+  Group group_;
+  std::vector<Rate> rates_;
+  std::vector<MovedPair> moved_;
+  std::vector<Transform> X_WL_;  // at the group's state
+};
+
+}  // namespace wayproof

@@ -1,0 +1,111 @@
+// Collision verdicts of many configurations at once, one per SIMD lane, in single precision.
+//
+// `simd_checker.inc` is compiled once per instruction set, each in a namespace of its own and without
+// anything of the standard library that the linker could share between them.
+#pragma once
+
+namespace wayproof {
+
+struct LaneSphere {
+  float x, y, z, r;
+};
+
+// A link that moves; see Link. The parent is a lane link, or -1 if it stands still in the world.
+struct LaneLink {
+  int parent;
+  int kind;
+  int coordinate;
+  float R[9], p[3];
+  float axis[3];
+};
+
+// A collision geometry that moves; all its spheres are in its link's frame.
+struct LaneBody {
+  int link;
+  int outer_begin, outer_end, inner_begin, inner_end;
+  LaneSphere bound;
+};
+
+// A collision geometry that stands still: R_OW, p_WO and its size, or planes in W.
+struct LaneObstacle {
+  int kind;
+  float R[9], p[3], size[3];
+  LaneSphere bound;
+  int planes_begin, planes_end;
+  bool planes_are_all;  // else they only contain the obstacle
+};
+
+struct LanePlane {
+  float x, y, z, d;
+};
+
+// A body against an obstacle or another body: beyond `free_above` it is surely free, nearer than
+// `hit_below` it surely collides. Both allow for rounding.
+struct LanePair {
+  int body, other;
+  float free_above, hit_below;
+};
+
+// Pairs of one link with one obstacle or another link: where those two are farther apart than `far`
+// nothing more is asked.
+struct LaneGroup {
+  int link, other;
+  int begin, end;
+  float far;
+};
+
+struct LaneModel {
+  const LaneLink* links;
+  int num_links;
+  const LaneBody* bodies;
+  int num_bodies;
+  const LaneSphere* outer;
+  int num_outer;
+  const LaneSphere* inner;
+  int num_inner;
+  const LaneObstacle* obstacles;
+  const LanePlane* planes;
+  const LanePair* obstacle_pairs;
+  int num_obstacle_pairs;
+  const LanePair* body_pairs;
+  int num_body_pairs;
+  const LaneSphere* link_bounds;  // around all bodies of each link
+  const LaneGroup* obstacle_groups;
+  int num_obstacle_groups;
+  const LaneGroup* link_groups;
+  int num_link_groups;
+  int num_coordinates;
+};
+
+// Pairs of which nothing is sure, with the lanes concerned. Pairs are numbered obstacle pairs
+// first.
+struct LaneVerdict {
+  unsigned hit;
+  int num_unsure;
+  int* pairs;
+  unsigned* lanes;
+};
+
+// Judges `active` lanes. Coordinates: [num_coordinates][lanes]; angles within [-pi, pi],
+// quaternions of unit length. `slack` is added to every threshold [m]. `scratch` is 64-aligned.
+using LaneJudge = void (*)(const LaneModel&, const float* coordinates, unsigned active, float slack,
+                           float* scratch, LaneVerdict&);
+
+struct LaneKernel {
+  const char* name;
+  int width;
+  LaneJudge judge;
+};
+
+// What this machine runs fastest.
+LaneKernel best_lane_kernel();
+
+// Every kernel that this machine can run, for tests; the best one first.
+int lane_kernels(LaneKernel* found, int most);
+
+// Floats that `scratch` must hold.
+inline long scratch_floats(const LaneModel& m, int width) {
+  return static_cast<long>(width) * (15L * m.num_links + 3L * (m.num_bodies + m.num_outer + m.num_inner) + 8);
+}
+
+}  // namespace wayproof

@@ -1,0 +1,3 @@
+#define WIDTH 4
+#define NAMESPACE lanes_base
+#include "checker/simd_checker.inc"

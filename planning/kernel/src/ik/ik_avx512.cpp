@@ -1,0 +1,3 @@
+#define WIDTH 8
+#define NAMESPACE ik_avx512
+#include "ik/ik_simd.inc"

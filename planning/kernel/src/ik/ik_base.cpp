@@ -1,0 +1,3 @@
+#define WIDTH 2
+#define NAMESPACE ik_base
+#include "ik/ik_simd.inc"

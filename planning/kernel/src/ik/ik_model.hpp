@@ -1,0 +1,29 @@
+// From a chain and limits to the solver's tables.
+#pragma once
+
+#include <vector>
+
+#include "ik/ik.hpp"
+#include "model/kinematics.hpp"
+
+namespace wayproof {
+
+struct IkStorage {
+  std::vector<IkJoint> joints;
+  std::vector<IkFlat> flat;
+  std::vector<IkQuaternion> quaternions;
+  IkModel model;
+
+  // Limits per position, infinite where there are none.
+  IkStorage(const Chain& chain, const double* lower, const double* upper);
+
+  IkModel view() const {
+    IkModel m = model;
+    m.joints = joints.data();
+    m.flat = flat.data();
+    m.quaternions = quaternions.data();
+    return m;
+  }
+};
+
+}  // namespace wayproof

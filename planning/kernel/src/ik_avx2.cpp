@@ -1,3 +1,0 @@
-#define WIDTH 4
-#define NAMESPACE ik_avx2
-#include "ik_lanes.inc"

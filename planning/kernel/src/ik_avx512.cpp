@@ -1,3 +1,0 @@
-#define WIDTH 8
-#define NAMESPACE ik_avx512
-#include "ik_lanes.inc"

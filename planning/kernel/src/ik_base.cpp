@@ -1,3 +1,0 @@
-#define WIDTH 2
-#define NAMESPACE ik_base
-#include "ik_lanes.inc"

@@ -1,3 +1,0 @@
-#define WIDTH 8
-#define NAMESPACE lanes_avx2
-#include "lanes.inc"

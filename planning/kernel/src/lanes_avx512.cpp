@@ -1,3 +1,0 @@
-#define WIDTH 16
-#define NAMESPACE lanes_avx512
-#include "lanes.inc"

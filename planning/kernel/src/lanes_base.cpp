@@ -1,3 +1,0 @@
-#define WIDTH 4
-#define NAMESPACE lanes_base
-#include "lanes.inc"

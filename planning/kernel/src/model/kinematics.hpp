@@ -1,0 +1,56 @@
+// Chain: how a frame T on a link depends on a group's q; its pose and its Jacobian.
+#pragma once
+
+#include <vector>
+
+#include "model/tree.hpp"
+
+namespace wayproof {
+
+// A coordinate of a joint: multiplier * q[source] + offset with the group's q. Source -1: it stays.
+struct ChainCoordinate {
+  int source = -1;
+  double multiplier = 0, offset = 0;
+};
+
+// Its rate: factor * v[column] with the group's v. Column -1: none.
+struct ChainRate {
+  int column = -1;
+  double factor = 0;
+};
+
+// A joint that the group moves, written so that z is the axis of revolute and prismatic ones.
+struct ChainJoint {
+  JointKind kind;
+  Transform X_BF;  // B: the moving frame of the joint before it, or the world
+  ChainCoordinate coordinates[7];
+  ChainRate rates[6];
+};
+
+// An element of the group's q that simply adds its element of v.
+struct FlatCoordinate {
+  int position, velocity;
+  bool turns;  // whole turns of it change no pose, but for limits
+};
+
+// Where a quaternion of the group's q begins, and its w_FM in v.
+struct QuaternionCoordinate {
+  int position, velocity;
+};
+
+struct Chain {
+  std::vector<ChainJoint> joints;
+  Transform X_MT;  // from the last joint's moving frame
+  std::vector<FlatCoordinate> flat;
+  std::vector<QuaternionCoordinate> quaternions;
+  int num_positions = 0, num_velocities = 0;
+
+  Chain(const Tree& tree, const Group& group, int link, const Transform& X_LT);
+
+  Transform pose(const double* q) const;
+
+  // Geometric Jacobian J, [6][num_velocities]: [w_WT; v_WT] = J v, all in W.
+  void jacobian(const double* q, double* J) const;
+};
+
+}  // namespace wayproof

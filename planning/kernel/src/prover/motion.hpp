@@ -1,0 +1,89 @@
+// Motion: q(t) = base_i [+] delta_i(t), and segments of it with how far the joints stray within each.
+//
+// A polynomial stays in the convex hull of its Bernstein coefficients, all coordinates at once (Farouki,
+// "The Bernstein polynomial basis: a centennial retrospective", 2012, section 3). Points near a line need no
+// more than its ends: the coefficients of a piece become a chord and a residual per coordinate, and the
+// chords of a segment a polyline of few rows. So on a segment the displacement of the group's coordinates
+// from its centre is always a convex combination of the rows, and some residual. Where a piece ends elsewhere
+// than the next one begins, the residual of all its segments includes the way from the one to the other.
+#pragma once
+
+#include <utility>
+#include <vector>
+
+#include "model/tree.hpp"
+
+namespace wayproof {
+
+// Velocity coordinates of one joint that turn or shift it together. A ball turns about any axis: its three
+// are a rotation vector, and displacements of it are bounded in size only, by the block's stray.
+struct Block {
+  int column, size;
+  bool ball;
+};
+
+// A part of a motion: whole pieces, or a part of one piece.
+struct Segment {
+  double begin = 0, end = 0, time = 0;  // the centre is taken at `time`
+  int first = 0, last = 0;              // pieces; `last` is the one after the last
+  std::vector<double> control;          // Bernstein coefficients of the tangent if there is one piece
+
+  bool is_part() const { return last - first == 1; }
+};
+
+// A segment's centre, and how the coordinates move away from it.
+struct Strays {
+  std::vector<double> q;         // the group's q at the centre
+  std::vector<double> rows;      // [num_rows][nv] displacements; zero in a ball's columns
+  std::vector<double> residual;  // of each coordinate
+  std::vector<double> block;     // largest norm of each block's displacement, balls included
+  int num_rows = 0;
+};
+
+class Motion {
+ public:
+  // breaks [n + 1], bases [n][nq], coefficients [n][terms][nv]: power basis, lowest first.
+  Motion(const Tree& tree, const Group& group, std::vector<double> breaks, std::vector<double> bases,
+         std::vector<double> coefficients, int terms);
+
+  int num_pieces() const { return static_cast<int>(breaks_.size()) - 1; }
+  int num_velocities() const { return nv_; }
+  double duration() const { return breaks_.back(); }
+  const std::vector<Block>& blocks() const { return blocks_; }
+  int block_of(int column) const { return block_of_[column]; }
+  // (index in the group's q, in its v) of the coordinates that simply add: all but quaternions.
+  const std::vector<std::pair<int, int>>& plain() const { return plain_; }
+
+  Segment whole() const { return range(0, num_pieces()); }
+  Segment half(const Segment& segment, int which) const;
+  void enter(const Segment& segment, Strays& strays) const;
+  void positions(double time, double* q) const;
+
+ private:
+  struct Ball {
+    int position, column;
+  };
+
+  void bound_loose();
+  void bound_chords();
+  Segment range(int first, int last) const;
+  void plus(const double* base, const double* delta, double* q) const;
+  void enter_part(const Segment& segment, Strays& strays) const;
+  void enter_range(const Segment& segment, Strays& strays) const;
+  void bound_blocks(const double* point, const double* residual, Strays& strays) const;
+  double angle(const Ball& ball, const double* q1, const double* q0) const;
+
+  int nq_, nv_, terms_;
+  std::vector<double> breaks_, bases_, coefficients_, bernstein_;
+  std::vector<double> middles_, centers_;  // of each piece: delta and q at its middle
+  std::vector<double> points_;       // where each piece begins, in v's coordinates; and where the last ends
+  std::vector<double> residuals_;    // of each piece's chord, from its first point to the next piece's
+  std::vector<double> loose_;        // how far each piece is off: by rounding, and to where the next begins
+  std::vector<double> ball_strays_;  // of each piece and ball
+  std::vector<std::pair<int, int>> plain_;
+  std::vector<Ball> balls_;
+  std::vector<Block> blocks_;
+  std::vector<int> block_of_;
+};
+
+}  // namespace wayproof

@@ -1,0 +1,169 @@
+#include "qp/penalty_qp.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+
+#include "qp/row_blocks.hpp"
+#include "qp/skyline.hpp"
+
+namespace wayproof {
+namespace {
+
+constexpr double to_the_wall = 0.99;
+
+// Slacks s > 0 with their multipliers z > 0, and a step of both.
+struct Cone {
+  std::vector<double> s, z, ds, dz;
+
+  Cone(std::size_t count, double slack, double multiplier)
+      : s(count, slack), z(count, multiplier), ds(count), dz(count) {}
+
+  double product() const {
+    double sum = 0;
+    for (std::size_t i = 0; i < s.size(); ++i) sum += s[i] * z[i];
+    return sum;
+  }
+  double product_after(double primal, double dual) const {
+    double sum = 0;
+    for (std::size_t i = 0; i < s.size(); ++i) sum += (s[i] + primal * ds[i]) * (z[i] + dual * dz[i]);
+    return sum;
+  }
+  static double longest(const std::vector<double>& x, const std::vector<double>& dx) {
+    double step = 1e300;
+    for (std::size_t i = 0; i < x.size(); ++i)
+      if (dx[i] < 0) step = std::min(step, -x[i] / dx[i]);
+    return step;
+  }
+  void move(double primal, double dual) {
+    for (std::size_t i = 0; i < s.size(); ++i) s[i] += primal * ds[i], z[i] += dual * dz[i];
+  }
+};
+
+// Rows a . x + e - w = least; w has the multiplier y, e = what the row lacks has price - y.
+class Search {
+ public:
+  explicit Search(const SoftRows& program)
+      : p(program), n(p.num_variables), m(p.least.size()), blocks(p), matrix(blocks.normal_matrix()), x(n), rx(n), ry(m), dx(n),
+        low(n, 0, 1), high(n, 0, 1), over(m, 0, 0), under(m, 0, 0) {
+    for (int i = 0; i < n; ++i) {
+      x[i] = std::clamp(0.0, p.lower[i] + 0.05 * (p.upper[i] - p.lower[i]), p.upper[i] - 0.05 * (p.upper[i] - p.lower[i]));
+      low.s[i] = x[i] - p.lower[i], high.s[i] = p.upper[i] - x[i];
+      low.z[i] = start / low.s[i], high.z[i] = start / high.s[i];
+    }
+    blocks.times(x, along);
+    for (std::size_t k = 0; k < m; ++k) {
+      const double spare = along[k] - p.least[k], floor = 0.1;
+      over.s[k] = std::max(spare, 0.0) + floor, under.s[k] = std::max(-spare, 0.0) + floor;
+      over.z[k] = std::min(start / over.s[k], 0.5 * p.price[k]);
+      under.z[k] = p.price[k] - over.z[k];
+    }
+  }
+
+  SoftSolution run(double tolerance, int max_steps) {
+    const double count = 2.0 * (n + m);
+    int step = 0;
+    double gap = 0;
+    for (;; ++step) {
+      gap = (low.product() + high.product() + over.product() + under.product()) / count;
+      const double wrong = residuals();
+      if ((gap < tolerance && wrong < 10 * tolerance) || step == max_steps) break;
+      factor();
+      aim(0, false);
+      const double primal = std::min(1.0, reach(true)), dual = std::min(1.0, reach(false));
+      const double after = (low.product_after(primal, dual) + high.product_after(primal, dual) +
+                            over.product_after(primal, dual) + under.product_after(primal, dual)) / count;
+      const double ratio = after / gap;
+      aim(gap * std::max(ratio * ratio * ratio, 1e-6), true);
+      const double p_step = std::min(1.0, to_the_wall * reach(true)), d_step = std::min(1.0, to_the_wall * reach(false));
+      for (int i = 0; i < n; ++i) x[i] += p_step * dx[i];
+      for (Cone* cone : {&low, &high, &over, &under}) cone->move(p_step, d_step);
+    }
+    return {x, step, gap};
+  }
+
+ private:
+  static constexpr double start = 0.05;
+
+  // rx: of the stationarity in x; ry: of the rows. The slacks of the box and the multipliers of what rows
+  // lack are kept exact.
+  double residuals() {
+    double worst = 0;
+    for (int i = 0; i < n; ++i) rx[i] = p.c[i] + p.q[i] * x[i] - low.z[i] + high.z[i];
+    blocks.add_transposed(over.z, -1, rx);
+    blocks.times(x, along);
+    for (std::size_t k = 0; k < m; ++k) {
+      ry[k] = along[k] + under.s[k] - over.s[k] - p.least[k];
+      worst = std::max(worst, std::abs(ry[k]));
+    }
+    for (double r : rx) worst = std::max(worst, std::abs(r));
+    return worst;
+  }
+
+  void factor() {
+    matrix.clear();
+    for (int i = 0; i < n; ++i) matrix.at(i, i) = p.q[i] + low.z[i] / low.s[i] + high.z[i] / high.s[i] + 1e-12;
+    weight.resize(m);
+    for (std::size_t k = 0; k < m; ++k) weight[k] = 1 / (over.s[k] / over.z[k] + under.s[k] / under.z[k]);
+    blocks.add_squares(weight, matrix);
+    matrix.factor();
+  }
+
+  // What s dz + z ds is to be.
+  static double wanted(const Cone& cone, std::size_t i, double mu, bool corrects) {
+    return mu - cone.s[i] * cone.z[i] - (corrects ? cone.ds[i] * cone.dz[i] : 0);
+  }
+
+  // The step towards complementarity products of mu.
+  void aim(double mu, bool corrects) {
+    std::vector<double>& right = dx;
+    need.resize(m), pull.resize(m), t_low.resize(n), t_high.resize(n), t_over.resize(m), t_under.resize(m);
+    for (int i = 0; i < n; ++i) {
+      t_low[i] = wanted(low, i, mu, corrects), t_high[i] = wanted(high, i, mu, corrects);
+      right[i] = -rx[i] + t_low[i] / low.s[i] - t_high[i] / high.s[i];
+    }
+    for (std::size_t k = 0; k < m; ++k) {
+      t_over[k] = wanted(over, k, mu, corrects), t_under[k] = wanted(under, k, mu, corrects);
+      // a dx + de - dw = -ry, dw = (t_over - w dy) / y, de = (t_under + e dy) / (price - y).
+      need[k] = -ry[k] + t_over[k] / over.z[k] - t_under[k] / under.z[k];
+      pull[k] = weight[k] * need[k];
+    }
+    blocks.add_transposed(pull, 1, right);
+    matrix.solve(dx);
+    blocks.times(dx, along);
+    for (int i = 0; i < n; ++i) {
+      low.ds[i] = dx[i], high.ds[i] = -dx[i];
+      low.dz[i] = (t_low[i] - low.z[i] * dx[i]) / low.s[i];
+      high.dz[i] = (t_high[i] + high.z[i] * dx[i]) / high.s[i];
+    }
+    for (std::size_t k = 0; k < m; ++k) {
+      const double dy = weight[k] * (need[k] - along[k]);
+      over.dz[k] = dy, under.dz[k] = -dy;
+      over.ds[k] = (t_over[k] - over.s[k] * dy) / over.z[k];
+      under.ds[k] = (t_under[k] + under.s[k] * dy) / under.z[k];
+    }
+  }
+
+  double reach(bool primal) const {
+    double step = 1e300;
+    for (const Cone* cone : {&low, &high, &over, &under})
+      step = std::min(step, primal ? Cone::longest(cone->s, cone->ds) : Cone::longest(cone->z, cone->dz));
+    return step;
+  }
+
+  const SoftRows& p;
+  int n;
+  std::size_t m;
+  RowBlocks blocks;
+  Skyline matrix;
+  std::vector<double> x, rx, ry, dx, along, weight, need, pull, t_low, t_high, t_over, t_under;
+  Cone low, high, over, under;
+};
+
+}  // namespace
+
+SoftSolution solve(const SoftRows& program, double tolerance, int max_steps) {
+  return Search(program).run(tolerance, max_steps);
+}
+
+}  // namespace wayproof

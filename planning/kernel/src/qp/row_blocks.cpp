@@ -1,0 +1,99 @@
+#include "qp/row_blocks.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "math/dot.hpp"
+#include "math/multiversion.hpp"
+
+namespace wayproof {
+namespace {
+
+// Rows [rows][width] times x.
+WAYPROOF_MULTIVERSION
+void rows_times(const double* values, int rows, int width, const double* x, double* y) {
+  for (int r = 0; r < rows; ++r) y[r] = dot(values + static_cast<std::ptrdiff_t>(r) * width, x, width);
+}
+
+// Adds sum_r weight_r v_r v_r' to a square; what is above its diagonal may be left out.
+WAYPROOF_MULTIVERSION
+void add_row_squares(const double* values, int rows, int width, const double* weight, double* square) {
+  for (int r = 0; r < rows; ++r) {
+    const double* v = values + static_cast<std::ptrdiff_t>(r) * width;
+    for (int i = 0; i < width; ++i) {
+      const double left = weight[r] * v[i];
+      double* out = square + static_cast<std::ptrdiff_t>(i) * width;
+      const int end = std::min(width, (i / pad + 1) * pad);
+      for (int j = 0; j < end; ++j) out[j] += left * v[j];
+    }
+  }
+}
+
+// Adds sum_r weight_r v_r to a row.
+WAYPROOF_MULTIVERSION
+void add_rows(const double* values, int rows, int width, const double* weight, double* sum) {
+  for (int r = 0; r < rows; ++r)
+    for (int i = 0; i < width; ++i) sum[i] += weight[r] * values[static_cast<std::ptrdiff_t>(r) * width + i];
+}
+
+}  // namespace
+
+RowBlocks::RowBlocks(const SoftRows& program) : p_(program) {
+  for (std::size_t k = 0; k < p_.least.size(); ++k) {
+    if (blocks_.empty() || !same(blocks_.back().begin, k))
+      blocks_.push_back({k, 0, static_cast<int>(p_.starts[k + 1] - p_.starts[k])});
+    ++blocks_.back().rows;
+    widest_ = std::max(widest_, blocks_.back().width);
+  }
+  local_.resize(widest_), square_.resize(static_cast<std::size_t>(widest_) * widest_);
+}
+
+Skyline RowBlocks::normal_matrix() const {
+  std::vector<int> first(p_.num_variables);
+  for (int i = 0; i < p_.num_variables; ++i) first[i] = i;
+  for (const Block& b : blocks_) {
+    if (b.width == 0) continue;
+    const std::int64_t* columns = columns_of(b);
+    const int low = static_cast<int>(*std::min_element(columns, columns + b.width));
+    for (int i = 0; i < b.width; ++i) first[columns[i]] = std::min(first[columns[i]], low);
+  }
+  return Skyline(std::move(first));
+}
+
+void RowBlocks::times(const std::vector<double>& x, std::vector<double>& y) {
+  y.resize(p_.least.size());
+  for (const Block& b : blocks_) {
+    const std::int64_t* columns = columns_of(b);
+    for (int i = 0; i < b.width; ++i) local_[i] = x[columns[i]];
+    rows_times(values_of(b), b.rows, b.width, local_.data(), &y[b.begin]);
+  }
+}
+
+void RowBlocks::add_transposed(const std::vector<double>& y, double scale, std::vector<double>& x) {
+  for (const Block& b : blocks_) {
+    std::fill_n(local_.begin(), b.width, 0.0);
+    add_rows(values_of(b), b.rows, b.width, &y[b.begin], local_.data());
+    const std::int64_t* columns = columns_of(b);
+    for (int i = 0; i < b.width; ++i) x[columns[i]] += scale * local_[i];
+  }
+}
+
+void RowBlocks::add_squares(const std::vector<double>& weight, Skyline& matrix) {
+  for (const Block& b : blocks_) {
+    std::fill_n(square_.begin(), static_cast<std::size_t>(b.width) * b.width, 0.0);
+    add_row_squares(values_of(b), b.rows, b.width, &weight[b.begin], square_.data());
+    const std::int64_t* columns = columns_of(b);
+    for (int i = 0; i < b.width; ++i)
+      for (int j = 0; j <= i; ++j) {
+        const auto high = std::max(columns[i], columns[j]), low = std::min(columns[i], columns[j]);
+        matrix.at(static_cast<int>(high), static_cast<int>(low)) += square_[static_cast<std::size_t>(i) * b.width + j];
+      }
+  }
+}
+
+bool RowBlocks::same(std::size_t a, std::size_t b) const {
+  return std::equal(p_.columns.begin() + p_.starts[a], p_.columns.begin() + p_.starts[a + 1],
+                    p_.columns.begin() + p_.starts[b], p_.columns.begin() + p_.starts[b + 1]);
+}
+
+}  // namespace wayproof

@@ -1,0 +1,44 @@
+// RowBlocks: sparse rows, in blocks of those that follow one another and have the same columns.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "qp/skyline.hpp"
+#include "qp/penalty_qp.hpp"
+
+namespace wayproof {
+
+class RowBlocks {
+ public:
+  // Of the program's rows A; it must outlive this.
+  explicit RowBlocks(const SoftRows& program);
+
+  // A matrix that has room for A' A.
+  Skyline normal_matrix() const;
+
+  // y = A x.
+  void times(const std::vector<double>& x, std::vector<double>& y);
+  // x += scale A' y.
+  void add_transposed(const std::vector<double>& y, double scale, std::vector<double>& x);
+  // matrix += A' diag(weight) A.
+  void add_squares(const std::vector<double>& weight, Skyline& matrix);
+
+ private:
+  struct Block {
+    std::size_t begin;
+    int rows, width;
+  };
+
+  const std::int64_t* columns_of(const Block& b) const { return p_.columns.data() + p_.starts[b.begin]; }
+  const double* values_of(const Block& b) const { return p_.values.data() + p_.starts[b.begin]; }
+  bool same(std::size_t a, std::size_t b) const;
+
+  const SoftRows& p_;
+  std::vector<Block> blocks_;
+  int widest_ = 0;
+  std::vector<double> local_, square_;
+};
+
+}  // namespace wayproof

@@ -1,0 +1,56 @@
+#include "qp/skyline.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "math/dot.hpp"
+#include "math/multiversion.hpp"
+
+namespace wayproof {
+namespace {
+
+WAYPROOF_MULTIVERSION
+void factor_skyline(const int* first, const std::size_t* start, double* entries, int n) {
+  for (int i = 0; i < n; ++i) {
+    double* row = entries + start[i];
+    for (int j = first[i]; j <= i; ++j) {
+      const double* other = entries + start[j];
+      const int from = std::max(first[i], first[j]);
+      const double rest = row[j - first[i]] - dot(row + (from - first[i]), other + (from - first[j]), j - from);
+      row[j - first[i]] = j < i ? rest / other[j - first[j]] : std::sqrt(std::max(rest, 1e-14));
+    }
+  }
+}
+
+}  // namespace
+
+Skyline::Skyline(std::vector<int> first) : first_(std::move(first)), start_(first_.size() + 1) {
+  for (std::size_t i = 0; i < first_.size(); ++i) start_[i + 1] = start_[i] + i - first_[i] + 1;
+  entries_.resize(start_.back());
+}
+
+void Skyline::clear() { std::fill(entries_.begin(), entries_.end(), 0.0); }
+
+void Skyline::factor() {
+  factor_skyline(first_.data(), start_.data(), entries_.data(), static_cast<int>(first_.size()));
+}
+
+void Skyline::solve(std::vector<double>& x) const {
+  const int n = static_cast<int>(first_.size());
+  for (int i = 0; i < n; ++i) {
+    const double* row = &entries_[start_[i]];
+    const int count = i - first_[i];
+    double sum = x[i];
+    for (int k = 0; k < count; ++k) sum -= row[k] * x[first_[i] + k];
+    x[i] = sum / row[count];
+  }
+  for (int i = n - 1; i >= 0; --i) {
+    const double* row = &entries_[start_[i]];
+    const int count = i - first_[i];
+    x[i] /= row[count];
+    for (int k = 0; k < count; ++k) x[first_[i] + k] -= row[k] * x[i];
+  }
+}
+
+}  // namespace wayproof

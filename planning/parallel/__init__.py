@@ -1,0 +1,1 @@
+"""Processes side by side: forked attempts, shared cores, files that are written whole."""

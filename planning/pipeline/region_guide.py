@@ -1,0 +1,172 @@
+"""A search that is led through regions: the planner "GCS", and what stands in for it elsewhere."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float64
+
+from planning.domain.planner.planner_card import PlannerCard, PlannerParameter
+from planning.domain.planner.regions import Regions
+from planning.domain.report.search_report import RegionsReport, SearchReport
+from planning.domain.request.options import SearchOptions
+from planning.domain.request.problem import PlanningProblem
+from planning.domain.request.region_request import require_convex
+from planning.domain.robot.joints import JointGroup
+from planning.domain.robot.manifold import Manifold
+from planning.domain.robot.steering import steering_of
+from planning.errors import ProblemInvalid
+from planning.pipeline.context import PlanContext
+from planning.regions.gcs_path import shortest_inside
+from planning.world.world import World
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
+type Scalar = str | float | int | bool
+
+GCS = "GCS"
+GCS_CARD = PlannerCard(
+    GCS,
+    (
+        PlannerParameter("max_regions", "5", "integer, at least 1, at most 200", "integer", 1, 200),
+        PlannerParameter(
+            "max_rounded_paths", "5", "integer, at least 1, at most 100", "integer", 1, 100
+        ),
+    ),
+    needs_regions=True,
+)
+# Who searches outside of the regions where nobody else is named.
+_STAND_IN = "RRTConnect"
+# Joints on circles go the shorter way between waypoints, so these are no farther apart [rad].
+_STRIDE = 1.0
+
+
+def validate_regions(problem: PlanningProblem, world: World, group: JointGroup) -> None:
+    """Go on only if the planner "GCS", where it is asked for, has regions that fit.
+
+    Raises:
+        ProblemInvalid: There are none, or they belong to another scene or group, or keep less
+            distance than is demanded; or the group can have none, or a parameter makes no sense.
+    """
+    if GCS not in problem.search.planners:
+        return
+    kinds = {joint.name: joint.type for joint in group.joints}
+    require_convex(kinds, steering_of(group), "search.planner")
+    regions, margin = problem.regions, world.margins(problem.margin).default
+    if regions is None:
+        message = (
+            f"search.planner {GCS!r} needs regions: grow them first and give them as `regions`"
+        )
+        raise ProblemInvalid(message, {"field": "regions"})
+    faults = {
+        "scene": regions.scene != world.digest,
+        "group": regions.group != group.name,
+        "margin": regions.margin < margin,
+    }
+    if any(faults.values()):
+        wrong = ", ".join(name for name, is_fault in faults.items() if is_fault)
+        message = (
+            f"the regions were grown for group {regions.group!r} and margin {regions.margin:g} m "
+            f"in scene {regions.scene[:12]}; this problem differs in: {wrong}"
+        )
+        raise ProblemInvalid(message, {"field": "regions", "differs": wrong})
+    split_parameters(problem.search.parameters)
+
+
+def split_parameters(
+    parameters: Mapping[str, Scalar],
+) -> tuple[dict[str, int], dict[str, Scalar]]:
+    """Return the parameters of GCS, defaults filled in, and those of others.
+
+    Raises:
+        ProblemInvalid: A value has the wrong type or lies outside its range.
+    """
+    own = {known.name: int(known.default) for known in GCS_CARD.parameters}
+    for known in GCS_CARD.parameters:
+        given = parameters.get(known.name, own[known.name])
+        number = _whole(given)
+        if number is None or not (known.minimum or 0) <= number <= (known.maximum or np.inf):
+            message = f"parameter {known.name!r} of {GCS} is {given!r}; it must be: {known.range}"
+            field = f"search.parameters.{known.name}"
+            raise ProblemInvalid(message, {"field": field, "value": str(given)})
+        own[known.name] = number
+    return own, {name: value for name, value in parameters.items() if name not in own}
+
+
+def _whole(given: Scalar) -> int | None:
+    try:
+        number = float(given)
+    except ValueError:
+        return None
+    return int(number) if number.is_integer() and not isinstance(given, bool) else None
+
+
+def make_guide(task: PlanContext, round_: int) -> "RegionGuide | None":
+    """Return who leads the search, None if the planner "GCS" is not asked for."""
+    regions = task.problem.regions
+    if regions is None or GCS not in task.problem.search.planners:
+        return None
+    if task.rules is not None:
+        return RegionGuide(task, regions, "regions know no path constraints")
+    return RegionGuide(task, regions, "its motions could not be proven" if round_ else "")
+
+
+class RegionGuide:
+    """Leads a search through regions.
+
+    Attributes:
+        name: "GCS".
+        options: Of those who search where it knows no way.
+    """
+
+    def __init__(self, task: PlanContext, regions: Regions, refusal: str) -> None:
+        """Lead from the task's start, unless there is a reason not to."""
+        self.name = GCS
+        self._start, self._regions = task.start, regions
+        self._own, others = split_parameters(task.problem.search.parameters)
+        self.options = _without(task.problem.search, others)
+        self._reason = refusal
+        self._considered: tuple[int, ...] = ()
+        manifold = Manifold(task.group.joints)
+        self._wraps = any(manifold.wraps)
+
+    def lead(self, goals: Float64[np.ndarray, "n nq"]) -> tuple[Array, int] | None:
+        """Return the shortest path inside the regions, and the row of its goal."""
+        if self._reason:
+            return None
+        found = shortest_inside(self._regions, self._start, goals, **self._own)
+        self._considered, self._reason = found.rows, found.reason
+        if found.reason:
+            return None
+        return (_strided(found.waypoints) if self._wraps else found.waypoints), found.goal_row
+
+    def told(self, report: SearchReport) -> SearchReport:
+        """Return the report of the search with what the regions were good for."""
+        is_inside = report.planner == GCS and not report.direct
+        reason = self._reason
+        if not is_inside and not reason:
+            reason = "the straight line is free"
+            if not report.direct:
+                reason = "the path inside is blocked on a closer look"
+        regions = self._regions
+        told = RegionsReport(
+            regions.digest, len(regions.regions), self._considered, is_inside, reason
+        )
+        return replace(report, planner=GCS if report.direct else report.planner, regions=told)
+
+
+def _without(options: SearchOptions, parameters: Mapping[str, Any]) -> SearchOptions:
+    others = tuple(name for name in options.planners if name != GCS)
+    planner = others if len(others) > 1 else (*others, _STAND_IN)[0]
+    return replace(options, planner=planner, parameters=parameters)
+
+
+def _strided(waypoints: Array) -> Array:
+    """Return the path with more waypoints, so that whole turns are never the shorter way."""
+    rows = [waypoints[:1]]
+    for before, after in pairwise(waypoints):
+        count = int(np.ceil(np.abs(after - before).max() / _STRIDE))
+        fractions = np.arange(1, max(count, 1) + 1)[:, None] / max(count, 1)
+        rows.append(before + fractions * (after - before))
+    return np.concatenate(rows)

@@ -1,0 +1,44 @@
+"""The straight lines that parts of a motion follow, from the motion itself."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from planning.domain.curves.curve import TimedTrajectory
+from planning.domain.goals.goal import LineGoal
+from planning.domain.goals.line import MAX_SHIFT, MAX_TURN, LineSection, ToolLine
+from planning.domain.report.motion_plan import PlanPart
+from planning.domain.request.problem import PlanningProblem
+from planning.domain.robot.joints import JointGroup
+from planning.pipeline.segments import tool_of
+from planning.world.world import World
+
+
+def part_lines(
+    world: World,
+    group: JointGroup,
+    problem: PlanningProblem,
+    motion: TimedTrajectory,
+    parts: Sequence[PlanPart],
+) -> tuple[LineSection, ...]:
+    """Return the lines that straight parts follow: from where the tool is to where it will be.
+
+    Args:
+        world: The scene, loaded.
+        group: What moves.
+        problem: Says which frame follows lines, and how far it may stray.
+        motion: The parts, one after another.
+        parts: What it is made of.
+    """
+    goal, frame = problem.goal, tool_of(group, problem.goal)
+    allowed = (goal.max_shift, goal.max_turn) if isinstance(goal, LineGoal) else ()
+    sections: list[LineSection] = []
+    for part in parts:
+        if part.kind != "free":
+            ends = world.embed(group, motion.positions(np.array([part.begin, part.end])))
+            begin, end = (world.frame_pose(frame, q) for q in ends)
+            line = ToolLine(frame, begin, end)
+            sections.append(
+                LineSection(line, part.begin, part.end, *(allowed or (MAX_SHIFT, MAX_TURN)))
+            )
+    return tuple(sections)

@@ -1,0 +1,40 @@
+"""refine_drive(): arcs and lines that a car drives in less time, or none and the reason why."""
+
+from dataclasses import replace
+
+from planning.domain.curves.curve import JointSpline
+from planning.domain.report.stage_reports import RefineReport
+from planning.domain.request.deadline import Deadline
+from planning.refine.cars.drive_solver import DriveSolver
+from planning.refine.model.penalty_qp import solver_name
+from planning.refine.refine_problem import least_of
+from planning.refine.request import RefineRequest
+from planning.world.world import World
+
+
+def refine_drive(
+    world: World, request: RefineRequest, share: Deadline, report: RefineReport
+) -> tuple[JointSpline | None, RefineReport]:
+    """Return arcs and lines from the path's start to its goal that should take less time.
+
+    What limits frames and torques is not looked at: whoever times the drive sees what it is worth.
+
+    Args:
+        world: The scene, loaded.
+        request: The path, of a group with one car, and what to keep.
+        share: When to stop.
+        report: What is known so far.
+    """
+    found = DriveSolver.of(world, request, share).run()
+    report = replace(
+        report,
+        solver=solver_name(),
+        rounds=found.steps,
+        lower_bound=least_of(request),
+        duration_before=found.before,
+    )
+    if found.path is None:
+        return None, replace(report, reason=found.reason)
+    return found.path.spline, replace(
+        report, improved=True, length_after=found.path.length, duration_after=found.after
+    )

@@ -1,0 +1,69 @@
+"""Where drives end: letters nearby that end at the goal, by Newton's method."""
+
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float64
+
+from planning.refine.cars.arc_segments import ArcSegments, end_of
+from planning.refine.cars.drive_problem import DriveProblem
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
+
+# What an end may miss the goal by [m and rad].
+_MISS = 1e-11
+# Every correction must leave at most this share of the miss, for so many.
+_LEFT, _MOST = 0.7, 10
+_AT_BOUND = 1e-12
+
+
+def variable_bounds(course: DriveProblem, letters: ArcSegments) -> tuple[Array, Array]:
+    """Return the lowest and highest ways and bends, shape (2 n,): no letter changes direction."""
+    bend = np.full(len(letters), 1 / course.steering.turning_radius)
+    lower = np.where(letters.ways < 0, -np.inf, 0.0)
+    upper = np.where(letters.ways > 0, np.inf, 0.0)
+    return np.concatenate([lower, -bend]), np.concatenate([upper, bend])
+
+
+def sides_of(course: DriveProblem, letters: ArcSegments, size: float) -> Float64[np.ndarray, " v"]:
+    """Return changes of ways and bends that all change the drive about as much, by `size` [m]."""
+    radius = course.steering.turning_radius
+    bends = size / (radius * np.maximum(np.abs(letters.ways), size))
+    return np.concatenate([np.full(len(letters), size), bends])
+
+
+def ended(course: DriveProblem, letters: ArcSegments, size: float) -> ArcSegments | None:
+    """Return letters nearby that end at the goal; None if there are none to be found.
+
+    The least change in units of `sides_of` that the tangent demands, again and again; what is at a
+    bound that it would leave, stays there.
+    """
+    lower, upper = variable_bounds(course, letters)
+    before = np.inf
+    for _ in range(_MOST):
+        end = end_of(course.start, letters)
+        miss = course.goal - end.poses[0]
+        size_of_miss = float(np.abs(miss).max())
+        if size_of_miss < _MISS:
+            return letters
+        if size_of_miss > _LEFT * before:
+            return None
+        before = size_of_miss
+        values = np.concatenate([letters.ways, letters.bends])
+        sides = sides_of(course, letters, size)
+        step = _least_step(end.slopes[0] * sides, miss, (values - lower, upper - values), sides)
+        letters = letters.with_variables(np.clip(values + step, lower, upper))
+    return None
+
+
+def _least_step(slopes: Array, miss: Array, room: tuple[Array, Array], sides: Array) -> Array:
+    """Return the least step that makes up for a miss, with what cannot follow it left out."""
+    down, up = room
+    free = np.ones(len(sides))
+    while True:
+        some = slopes * free
+        step = some.T @ np.linalg.lstsq(some @ some.T, miss, rcond=1e-12)[0] * sides
+        stuck = ((step < 0) & (down <= _AT_BOUND)) | ((step > 0) & (up <= _AT_BOUND))
+        if not (stuck & (free > 0)).any():
+            return step
+        free[stuck] = 0.0

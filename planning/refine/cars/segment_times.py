@@ -1,0 +1,110 @@
+"""How long letters take, each from rest to rest, as the retimer would find.
+
+All along a letter the same is limited, so its pace x = (ds/dt)^2, s in [0, 1], has a constant top,
+and its push dx/ds / 2 is at most min(A, sqrt(B^2 - (turn x)^2)): A is that of the slowest joint, B
+that of the car, whose acceleration on an arc points inwards too. From rest that is
+
+    x(s) = 2 A s                             while the circle leaves as much,
+    x(s) = B / turn sin(2 turn (s - s_0))    after that, until the sine is 1,
+
+and the same before the end. The duration is the integral of x^(-1/2); toppra's are 0 to 1 % longer.
+Where jerk is bounded too, it is that of a straight line at least (Biagiotti and Melchiorri,
+"Trajectory Planning for Automatic Machines and Robots", 2008, section 3.4), on an arc of less top
+speed: 4 % from what ruckig takes, on average.
+"""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float64
+
+from planning.domain.robot.joints import JointLimits
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
+
+# Gauss' rule on u, u^2 = s, where the integrand is smooth but where one bound follows another.
+_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(24)
+# Of what a circle allows, what is used where jerk is bounded. Found by measurement.
+_CIRCLE_SHARE = 0.5
+_DUST, _UNBOUNDED = 1e-12, 1e6
+
+
+@dataclass(frozen=True)
+class SegmentTimes:
+    """Durations of letters.
+
+    Attributes:
+        car: Bounds of the car on speed, acceleration and jerk, in metres, shape (3,).
+        rates: The same of everything else that has a bound, shape (3, b).
+        blocks: Which of the yaw and the other joints each of these bounds.
+        jerk: Whether jerk is bounded.
+    """
+
+    car: Array
+    rates: Array
+    blocks: tuple[list[int], ...]
+    jerk: bool
+
+    @classmethod
+    def of(cls, limits: JointLimits, car: int, *, jerk: bool) -> "SegmentTimes":
+        """Prepare for a group whose car's coordinates begin at `car`."""
+        rates = np.minimum([limits.velocity, limits.acceleration, limits.jerk], _UNBOUNDED)
+        rates = np.maximum(rates, 1 / _UNBOUNDED)
+        count = sum(len(block) for block in limits.blocks)
+        columns = [car + 2, *(v for v in range(count) if not car <= v < car + 3)]
+        place = limits.blocks.index((car, car + 1))
+        rest = limits.blocks[:place] + limits.blocks[place + 1 :]
+        blocks = tuple([columns.index(v) for v in block] for block in rest)
+        return cls(rates[:, place], np.delete(rates, place, axis=1), blocks, jerk)
+
+    def durations(
+        self,
+        ways: Float64[np.ndarray, " n"],
+        turns: Float64[np.ndarray, " n"],
+        moves: Float64[np.ndarray, "n k"],
+    ) -> Float64[np.ndarray, " n"]:
+        """Return the time that every letter takes [s].
+
+        Args:
+            ways: [m].
+            turns: [rad].
+            moves: Of the other joints.
+        """
+        columns = np.column_stack([turns, moves])
+        sizes = [np.linalg.norm(columns[:, block], axis=1) for block in self.blocks]
+        turns = np.abs(turns) + _DUST
+        car = self.car[:, None] / (np.abs(ways) + _DUST)
+        rest = (self.rates[:, None] / (np.stack(sizes, axis=1) + _DUST)).min(axis=2)
+        top = np.minimum(np.minimum(car[0], rest[0]) ** 2, car[1] / turns)
+        times = _of_circles(top, rest[1], car[1], turns)
+        if not self.jerk:
+            return times
+        around = np.minimum(car[1] / turns, (car[2] / turns**2 / _CIRCLE_SHARE**0.5) ** (2 / 3))
+        speed = np.sqrt(np.minimum(top, _CIRCLE_SHARE * around))
+        push, swing = np.minimum(car[1:], rest[1:])
+        return np.maximum(times, _of_lines(speed, push, swing))
+
+
+def _of_circles(top: Array, push: Array, circle: Array, turns: Array) -> Array:
+    """Return the integral over both halves, which are the same."""
+    u = (_NODES[:, None] + 1) * np.sqrt(0.125)
+    s = u * u
+    push = np.minimum(push, circle / _DUST**0.5)
+    left = np.sqrt(np.maximum(circle**2 - push**2, 0.0))
+    s_0 = left / (2 * push * turns)
+    phase = 2 * turns * (s - s_0) + np.arcsin(np.minimum(left / circle, 1.0))
+    round_ = circle / turns * np.sin(np.minimum(phase, np.pi / 2))
+    pace = np.minimum(np.where(s < s_0, 2 * push * s, round_), top)
+    return (_WEIGHTS[:, None] * np.sqrt(0.5) * 2 * u / np.sqrt(pace)).sum(axis=0)
+
+
+def _of_lines(speed: Array, push: Array, swing: Array) -> Array:
+    """Return the times from 0 to 1 at rest at both ends, of limited speed, push and jerk."""
+    push = np.minimum(push, np.sqrt(speed * swing))
+    ramp = push / swing
+    cruising = 1 / speed + speed / push + ramp
+    pushing = np.sqrt(ramp**2 + 4 / push) + ramp
+    swinging = (32 / swing) ** (1 / 3)
+    is_short = np.where(2 * push * ramp**2 <= 1, pushing, swinging)
+    return np.where(speed * (speed / push + ramp) <= 1, cruising, is_short)

@@ -1,0 +1,1 @@
+"""What bounds a curve: distances, rates, loads, path constraints."""

@@ -1,0 +1,78 @@
+"""Path constraints as distances: how much room each leaves along a curve, and how it changes."""
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float64
+
+from planning.refine.constraints.band_distances import BandNearness
+from planning.refine.constraints.distance_query import DistanceQuery, DistanceRows
+from planning.refine.curves.chart import Chart
+from planning.world.constraints.band_constraint import BandConstraint
+from planning.world.constraints.box_constraint import BoxConstraint
+from planning.world.constraints.cone_constraint import ConeConstraint
+from planning.world.constraints.path_constraints import PathConstraints
+from planning.world.constraints.predicate_constraint import PredicateConstraint
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
+
+# Of the difference quotients [rad or m].
+_STEP = 1e-6
+# Of a band's room, what an audited curve must really have kept.
+_AUDITED = 1 / 2
+
+
+class RuledNearness:
+    """The inner measure, and boxes, cones and bands as if they were pairs of bodies.
+
+    The room of a rule counts in its own unit, a radian like a metre. Predicates have no gradient.
+    """
+
+    def __init__(self, inner: DistanceQuery, rules: PathConstraints, chart: Chart) -> None:
+        """Add to `inner` what has a gradient, in coordinates of a chart."""
+        self._inner, self._positions = inner, chart.positions
+        self._rules = [
+            rule for rule in rules.rules if isinstance(rule, BoxConstraint | ConeConstraint)
+        ]
+        self._bands = [
+            BandNearness(rule, chart) for rule in rules.rules if isinstance(rule, BandConstraint)
+        ]
+
+    def within(self, qs: Float64[np.ndarray, "m nq"], reach: float) -> DistanceRows:
+        """Return the pairs and rules with less than `reach` [m or rad] beyond what is demanded."""
+        near = [measure.within(qs, reach) for measure in [self._inner, *self._bands]]
+        near += [self._near(rule, qs, reach) for rule in self._rules]
+        return DistanceRows(
+            np.concatenate([part.at for part in near]),
+            np.concatenate([part.spare for part in near]),
+            np.concatenate([part.gradient for part in near]),
+        )
+
+    def _near(self, rule: BoxConstraint | ConeConstraint, qs: Array, reach: float) -> DistanceRows:
+        spare = rule.spares(self._positions(qs)) - rule.room
+        at = np.flatnonzero(spare < reach)
+        moved = qs[at, None] + _STEP * np.eye(qs.shape[1])
+        beyond = rule.spares(self._positions(moved.reshape(-1, qs.shape[1]))) - rule.room
+        gradient = (beyond.reshape(moved.shape[:2]) - spare[at, None]) / _STEP
+        return DistanceRows(at, spare[at], gradient)
+
+
+def audited(rules: PathConstraints) -> PathConstraints:
+    """Return the rules that every sample of a curve must keep, predicates left out.
+
+    A curve that was drawn to a bound of a band is at it but for what the solver leaves.
+    """
+    kept = [rule for rule in rules.rules if not isinstance(rule, PredicateConstraint)]
+    return replace(
+        rules,
+        rules=tuple(
+            rule.leaving(_AUDITED * rule.room) if isinstance(rule, BandConstraint) else rule
+            for rule in kept
+        ),
+    )
+
+
+def predicates(rules: PathConstraints) -> tuple[PredicateConstraint, ...]:
+    """Return the rules that have no gradient."""
+    return tuple(rule for rule in rules.rules if isinstance(rule, PredicateConstraint))

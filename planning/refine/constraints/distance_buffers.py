@@ -1,0 +1,98 @@
+"""DistanceBuffers: how much more than its margin every pair of bodies keeps while we optimise."""
+
+from collections.abc import Collection
+from dataclasses import dataclass, field
+from typing import Protocol, runtime_checkable
+
+import numpy as np
+from jaxtyping import Float64
+
+from planning.domain.value import Value
+from planning.world.collision.margins import PairMargins
+from planning.world.world import World
+
+# A curve that keeps this much between its samples is easily proven [m].
+_WISH = 0.003
+# Bodies of one robot are near one another by design [m].
+_WISH_WITHIN_ROBOT = 0.0005
+# Of the buffer, what the optimised curve must really have kept.
+_AUDITED = 1 / 3
+
+
+@runtime_checkable
+class PairThresholds(Protocol):
+    """How far apart the optimiser keeps bodies."""
+
+    def demanded(self, body_a: str, body_b: str) -> float:
+        """Return the distance that it keeps between two bodies [m]."""
+        ...
+
+    @property
+    def exceptions(self) -> Collection[tuple[str, str]]:
+        """Pairs, by full names in sorted order, that may be kept at a distance of their own.
+
+        All others of one robot are kept at the same distance, and so are all others.
+        """
+        ...
+
+
+@dataclass(frozen=True, eq=False)
+class DistanceBuffers(Value):
+    """Distances beyond the margins, by pair of bodies.
+
+    The optimiser can meet a bound only where the start and the goal, which it cannot move, meet it
+    too. So no pair is asked for more than half of what it has at either end.
+
+    Attributes:
+        margins: What is demanded.
+        spare: What the nearest pairs have beyond it at the start or the goal, whichever is less
+            [m]; the key is the two full names in sorted order.
+    """
+
+    margins: PairMargins
+    spare: dict[tuple[str, str], float] = field(default_factory=dict)
+
+    @classmethod
+    def between(
+        cls, world: World, margins: PairMargins, ends: Float64[np.ndarray, "m num_positions"]
+    ) -> "DistanceBuffers":
+        """Measure at full configurations, those of the start and the goal."""
+        probe = world.distance_probe(margins)
+        spare: dict[tuple[str, str], float] = {}
+        for full in ends:
+            for pair in probe.pairs_within(full, margins.largest + 2 * _WISH):
+                beyond = pair.distance - margins.of(*pair.bodies)
+                spare[pair.bodies] = min(beyond, spare.get(pair.bodies, np.inf))
+        return cls(margins, spare)
+
+    @property
+    def exceptions(self) -> Collection[tuple[str, str]]:
+        """Pairs with margins of their own, and those that are near at an end."""
+        return self.spare.keys() | self.margins.by_pair.keys()
+
+    def demanded(self, body_a: str, body_b: str) -> float:
+        """Return the distance that the optimiser keeps between two bodies [m]."""
+        low, high = sorted((body_a, body_b))
+        margin = self.margins.of(low, high)
+        spare = self.spare.get((low, high), np.inf)
+        if self.margins.are_of_one_robot(low, high):
+            # Links that all but touch may do so wherever the robot is. The optimiser would give
+            # up over them; the audit looks at them all the same.
+            wish = _WISH_WITHIN_ROBOT
+            return margin + (wish if spare > 2 * wish else spare - 2 * wish)
+        return margin + min(_WISH, spare / 2)
+
+    @property
+    def audited(self) -> PairMargins:
+        """What every pair must keep at every sample of a delivered curve."""
+        near = {
+            pair: self.margins.of(*pair) + _AUDITED * min(_WISH, spare / 2)
+            for pair, spare in self.spare.items()
+            if not self.margins.are_of_one_robot(*pair)
+        }
+        stated = {
+            pair: margin + (0.0 if self.margins.are_of_one_robot(*pair) else _AUDITED * _WISH)
+            for pair, margin in self.margins.by_pair.items()
+        }
+        default = self.margins.default + _AUDITED * _WISH
+        return PairMargins(default, {**stated, **near}, self.margins.owners)

@@ -1,0 +1,78 @@
+"""RateBounds: what limits the pace along a curve."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float64
+
+from planning.domain.robot.joints import JointLimits
+from planning.refine.constraints.load import Load
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
+
+# An infinite bound would make numbers that are none.
+_UNBOUNDED_RATE, _UNBOUNDED_JERK = 1e3, 1e6
+# Of the jerk, what the curve itself may have: changes of pace need the rest. Found by measurement.
+_JERK_SHARE = 0.1
+
+
+@dataclass(frozen=True)
+class RateBounds:
+    """Bounds on the rates of every coordinate, positive and finite, shape (nq,), and on loads.
+
+    Attributes:
+        velocity: [rad/s or m/s].
+        acceleration: The larger of the bounds of either sign [rad/s^2 or m/s^2].
+        jerk: [rad/s^3 or m/s^3]; None if it is not bounded.
+        signed: Lowest and highest acceleration over `acceleration`, shape (2, nq): -1 and 1 where
+            it has no sign.
+        loads: What else bounds the pace.
+    """
+
+    velocity: Array
+    acceleration: Array
+    jerk: Array | None
+    signed: Array
+    loads: tuple[Load, ...] = ()
+
+    @classmethod
+    def of(
+        cls,
+        limits: JointLimits,
+        *,
+        jerk: bool,
+        signed: Float64[np.ndarray, "2 nv"] | None = None,
+        loads: tuple[Load, ...] = (),
+    ) -> "RateBounds":
+        """Return the bounds that imply a group's limits.
+
+        Args:
+            limits: Of the group.
+            jerk: Whether jerk is limited.
+            signed: Lowest and highest accelerations besides these [rad/s^2 or m/s^2], infinite
+                where there are none.
+            loads: What else bounds the pace.
+        """
+        velocity, acceleration, jerks = (
+            np.minimum(limits.per_coordinate(rates), most)
+            for rates, most in (
+                (limits.velocity, _UNBOUNDED_RATE),
+                (limits.acceleration, _UNBOUNDED_RATE),
+                (limits.jerk, _UNBOUNDED_JERK),
+            )
+        )
+        either = np.stack([acceleration, acceleration])
+        if signed is not None:
+            either = np.minimum(either, np.abs(signed))
+        if jerk:
+            # With jerk bounds a coordinate comes to speed in v / a + a / j, or 2 sqrt(v / j).
+            ramp = np.where(
+                either**2 < velocity * jerks,
+                velocity / either + either / jerks,
+                2 * np.sqrt(velocity / jerks),
+            )
+            either = velocity / ramp
+        larger = either.max(axis=0)
+        shares = np.array([[-1.0], [1.0]]) * (either / larger)
+        return cls(velocity, larger, _JERK_SHARE * jerks if jerk else None, shares, loads)

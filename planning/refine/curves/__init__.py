@@ -1,0 +1,1 @@
+"""Curves and their derivatives: splines, charts, path velocity."""

@@ -1,0 +1,151 @@
+"""CurveSamples: a motion along a curve at some places on every interval of the pace's grid.
+
+Intervals are cut into parts that are alike, the ends of which are these places. There
+v = r' sqrt(b) and vdot = r'' b + r' u, where r and its derivatives are weighted sums of control
+points and u of an interval is (b_high - b_low) / (2 h): by the chain rule, slopes with respect to
+q, v and vdot are slopes with respect to control points and pace.
+"""
+
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float64
+
+from planning.refine.curves.bspline_basis import weights_at
+from planning.refine.curves.path_velocity import grid_of
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
+type Indices = np.ndarray[Any, np.dtype[np.intp]]
+
+
+@dataclass(frozen=True)
+class GridWeights:
+    """How r, r' and r'' at the ends of parts of the grid's intervals depend on control points.
+
+    Attributes:
+        owners: The control points that matter, shape (n parts + 1, 4).
+        local: Their weights, shape (3, n parts + 1, 4).
+    """
+
+    owners: Indices
+    local: Array
+
+
+@lru_cache(maxsize=16)
+def grid_weights(count: int, parts: int = 1) -> GridWeights:
+    """Return the weights of a number of control points."""
+    n = len(grid_of(count).owners) * parts
+    found = [weights_at(count, np.arange(n + 1) / n, order) for order in range(3)]
+    return GridWeights(found[0].owners, np.stack([weights.local for weights in found]))
+
+
+@dataclass(frozen=True)
+class CurveSamples:
+    """Some places on some intervals.
+
+    Attributes:
+        step: Width of an interval.
+        weights: Of control points.
+        places: Rows of these weights, shape (m,).
+        intervals: Of which u is, shape (m,).
+        shares: Of the interval, what is before the place, shape (m,).
+        states: r, r' and r'' there, shape (3, m, nq).
+        b: There, shape (m,).
+        around: b at both ends of the interval, shape (m, 2).
+    """
+
+    step: float
+    weights: GridWeights
+    places: Indices
+    intervals: Indices
+    shares: Array
+    states: Array
+    b: Array
+    around: Array
+
+    @classmethod
+    def of(
+        cls,
+        count: int,
+        states: Float64[np.ndarray, "3 m nq"],
+        b: Float64[np.ndarray, " n_plus_1"],
+        parts: int = 1,
+    ) -> "CurveSamples":
+        """Return both ends of every part of every interval.
+
+        Args:
+            count: How many control points there are.
+            states: r, r' and r'' at the ends of parts, m = n parts + 1.
+            b: The pace at the grid.
+            parts: Of an interval.
+        """
+        n = len(b) - 1
+        intervals = np.repeat(np.arange(n), parts + 1)
+        within = np.tile(np.arange(parts + 1), n)
+        places, shares = intervals * parts + within, within / parts
+        around = np.stack([b[intervals], b[intervals + 1]], axis=1)
+        return cls(
+            grid_of(count).step,
+            grid_weights(count, parts),
+            places,
+            intervals,
+            shares,
+            states[:, places],
+            (1 - shares) * around[:, 0] + shares * around[:, 1],
+            around,
+        )
+
+    def taken(self, which: Indices) -> "CurveSamples":
+        """Return those only."""
+        return CurveSamples(
+            self.step,
+            self.weights,
+            self.places[which],
+            self.intervals[which],
+            self.shares[which],
+            self.states[:, which],
+            self.b[which],
+            self.around[which],
+        )
+
+    @property
+    def motion(self) -> tuple[Array, Array, Array]:
+        """q, v and vdot, each of shape (m, nq)."""
+        q, rate, curvature = self.states
+        b, u = self.b[:, None], self._u[:, None]
+        return q, rate * np.sqrt(b), curvature * b + rate * u
+
+    def by_point(self, by_q: Array, by_v: Array, by_vdot: Array) -> Array:
+        """Return slopes by coordinates of 4 control points, shape (m, rows, 4, nq).
+
+        Args:
+            by_q: Slopes by q, shape (m, rows, nq).
+            by_v: By v, likewise.
+            by_vdot: By vdot, likewise.
+        """
+        b, u = self.b[:, None, None], self._u[:, None, None]
+        by_state = np.stack([by_q, np.sqrt(b) * by_v + u * by_vdot, b * by_vdot])
+        local = self.weights.local[:, self.places, None, :, None]
+        return (local * by_state[:, :, :, None]).sum(axis=0)
+
+    def by_pace(self, by_v: Array, by_vdot: Array) -> Array:
+        """Return slopes by b at both ends of the interval, relative to it, shape (m, rows, 2)."""
+        _, rate, curvature = self.states
+        own = np.einsum("mrj,mj->mr", by_v, rate * np.sqrt(self.b)[:, None] / 2)
+        own += np.einsum("mrj,mj->mr", by_vdot, curvature * self.b[:, None])
+        ahead = np.einsum("mrj,mj->mr", by_vdot, rate)
+        changes = self.around * [-1.0, 1.0] / (2 * self.step)
+        parts = self.around * np.stack([1 - self.shares, self.shares], axis=1)
+        parts /= np.where(self.b > 0, self.b, 1.0)[:, None]
+        return ahead[:, :, None] * changes[:, None] + own[:, :, None] * parts[:, None]
+
+    @property
+    def owners(self) -> Indices:
+        """The control points that matter at each, shape (m, 4)."""
+        return self.weights.owners[self.places]
+
+    @property
+    def _u(self) -> Array:
+        return (self.around[:, 1] - self.around[:, 0]) / (2 * self.step)

@@ -1,0 +1,64 @@
+"""A bound on durations that no motion beats, whatever its way."""
+
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float64
+
+from planning.domain.robot.joints import JointLimits
+from planning.refine.constraints.rate_bounds import RateBounds
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
+
+
+def least_duration(
+    limits: JointLimits,
+    moved: Float64[np.ndarray, " nv"],
+    *,
+    jerk: bool,
+    signed: Float64[np.ndarray, "2 nv"] | None = None,
+) -> float:
+    """Return the time that no motion from rest to rest beats [s].
+
+    Every block of coordinates by itself: full acceleration, full speed, full deceleration, straight
+    ahead. That the norm of a block's displacement is at most what it covers holds for rotations,
+    too.
+
+    Args:
+        limits: Of the group.
+        moved: From start to goal [rad or m].
+        jerk: Whether jerk is limited.
+        signed: Lowest and highest accelerations besides [rad/s^2 or m/s^2], infinite where there
+            are none: of blocks of one coordinate.
+    """
+    ways = np.array([np.linalg.norm(moved[list(block)]) for block in limits.blocks])
+    alone = JointLimits(
+        limits.lower,
+        limits.upper,
+        limits.velocity,
+        limits.acceleration,
+        limits.jerk,
+        limits.effort,
+        tuple((k,) for k in range(len(ways))),
+    )
+    firsts = [block[0] for block in limits.blocks]
+    bounds = RateBounds.of(alone, jerk=jerk, signed=None if signed is None else signed[:, firsts])
+    v, a = bounds.velocity, bounds.acceleration
+    # Speeding up and slowing down take v / up + v / down; only the sum matters, not the way.
+    down, up = np.abs(bounds.signed)
+    a = np.where(down == up, a, a * 2 * up * down / (up + down))
+    return float(rest_to_rest(ways, v, a).max())
+
+
+def rest_to_rest(ways: Array, speed: Any, acceleration: Any) -> Array:
+    """Return the least times for ways straight ahead from rest to rest [s].
+
+    Args:
+        ways: [rad or m], not negative.
+        speed: At most; infinite for any.
+        acceleration: Likewise, one of both finite.
+    """
+    with np.errstate(invalid="ignore"):
+        is_short = ways * acceleration < speed * speed
+    ramps = 2 * np.sqrt(ways / acceleration)
+    return np.where(is_short, ramps, ways / speed + speed / acceleration)

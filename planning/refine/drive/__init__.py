@@ -1,1 +1,0 @@
-"""Drives: quicker arcs and lines for a car, each of which it can drive as it is."""

@@ -1,0 +1,84 @@
+"""PathVelocityConstraints: bounds on path velocity besides joint rates, as inequalities in b."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float64
+
+from planning.refine.model.penalty_qp import PenaltyRows
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
+type Indices = np.ndarray[Any, np.dtype[np.intp]]
+
+# What exceeding a limit by its own size costs, in durations.
+RATE_PENALTY = 10.0
+# Where nothing moves the pace is bounded by nothing but this, in units of 1 / s^2.
+STANDSTILL = 1e-12
+
+
+@dataclass(frozen=True)
+class PathVelocityConstraints:
+    """Rows low b_i + high b_{i+1} <= 1 on every interval i of the grid.
+
+    Attributes:
+        low: Shape (n, rows).
+        high: Likewise.
+    """
+
+    low: Array
+    high: Array
+
+    @classmethod
+    def of(
+        cls,
+        step: float,
+        ahead: Float64[np.ndarray, "m k"],
+        bend: Float64[np.ndarray, "m k"],
+        parts: int,
+    ) -> "PathVelocityConstraints":
+        """Return ahead u + bend b <= 1 at both ends of every part of every interval.
+
+        Within an interval u is the same everywhere and b between those at its ends.
+
+        Args:
+            step: Width of an interval.
+            ahead: At the ends of all parts, m = n parts + 1.
+            bend: Likewise.
+            parts: Of an interval.
+        """
+        places = np.arange((len(ahead) - 1) // parts)[:, None] * parts + np.arange(parts + 1)
+        share = (np.arange(parts + 1) / parts)[:, None]
+        by_u, by_b = ahead[places] / (2 * step), bend[places]
+        low, high = (1 - share) * by_b - by_u, share * by_b + by_u
+        return cls(low.reshape(len(low), -1), high.reshape(len(high), -1))
+
+    @classmethod
+    def joined(cls, parts: "list[PathVelocityConstraints]") -> "PathVelocityConstraints":
+        """Return the rows of all."""
+        lows, highs = [part.low for part in parts], [part.high for part in parts]
+        return cls(np.concatenate(lows, axis=1), np.concatenate(highs, axis=1))
+
+    def caps(self) -> Array:
+        """Return bounds on b at every grid point but the ends, by rows that know no other."""
+        low = np.where(self.high == 0, self.low, 0.0).max(axis=1, initial=0.0)
+        high = np.where(self.low == 0, self.high, 0.0).max(axis=1, initial=0.0)
+        return 1 / np.maximum(np.maximum(low[1:], high[:-1]), STANDSTILL)
+
+    def worst(self, b: Float64[np.ndarray, " n_plus_1"]) -> float:
+        """Return the largest value of a row."""
+        values = self.low * b[:-1, None] + self.high * b[1:, None]
+        return float(values.max(initial=0.0))
+
+    def rows(self, caps: Float64[np.ndarray, " n_plus_1"], columns: Indices) -> PenaltyRows:
+        """Return those that can bind, in units of caps at the grid.
+
+        Args:
+            caps: Of b.
+            columns: Of b at both ends of every interval, shape (n, 2).
+        """
+        values = -np.stack([self.low * caps[:-1, None], self.high * caps[1:, None]], axis=-1)
+        matched = np.broadcast_to(columns[:, None], values.shape).reshape(-1, 2)
+        values = values.reshape(-1, 2)
+        rows = PenaltyRows(matched, values, np.full(len(values), -1.0), RATE_PENALTY)
+        return rows.taken(np.minimum(values, 0).sum(axis=1) < -1)

@@ -1,0 +1,143 @@
+"""Convex programs in a box whose rows may be broken for a price.
+
+minimise  c . x + 1/2 sum_i q_i x_i^2 + sum_k price_k max(0, least_k - a_k . x),  |x_i| <= box_i
+
+The native kernel has a solver for them; without it, Clarabel answers the same question.
+"""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float64, Int
+from pydrake.solvers import ClarabelSolver, MathematicalProgram
+
+from planning.kernel.native import native
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
+
+_TOLERANCE = 1e-7
+_MAX_STEPS = 40
+# Drake takes dense blocks of rows: few together, or most of a block is zeros.
+_AT_ONCE = 64
+
+
+@dataclass(frozen=True)
+class PenaltyRows:
+    """Some rows a_k . x >= least_k, all with as many entries.
+
+    Attributes:
+        columns: Of the entries; -1 for none, shape (m, entries).
+        values: Shape (m, entries).
+        least: Shape (m,).
+        price: Of lacking one, each.
+    """
+
+    columns: Int[np.ndarray, "m entries"]
+    values: Float64[np.ndarray, "m entries"]
+    least: Float64[np.ndarray, " m"]
+    price: float
+
+    @classmethod
+    def between(
+        cls,
+        columns: Int[np.ndarray, "*m entries"],
+        values: Float64[np.ndarray, "*m entries"],
+        now: Float64[np.ndarray, " *m"],
+        bounds: Float64[np.ndarray, "2 ..."],
+        price: float,
+    ) -> "PenaltyRows":
+        """Return rows that keep now + values . x between two bounds, a pair for each.
+
+        In units of the bounds, the first of which is negative and the second positive; their other
+        axes are those of `now`, or wide 1.
+        """
+        low, high = bounds
+        entries = columns.shape[-1]
+        pairs = np.stack([-values / high[..., None], -values / low[..., None]], axis=-2)
+        twice = np.repeat(columns.reshape(-1, entries), 2, axis=0)
+        least = np.stack([now / high - 1, now / low - 1], axis=-1)
+        return cls(twice, pairs.reshape(-1, entries), least.ravel(), price)
+
+    @classmethod
+    def stacked(cls, parts: "list[PenaltyRows]") -> "PenaltyRows":
+        """Return all rows of some, of one price."""
+        columns, values, least = (
+            np.concatenate(arrays)
+            for arrays in zip(*((p.columns, p.values, p.least) for p in parts), strict=True)
+        )
+        return cls(columns, values, least, parts[0].price)
+
+    def taken(self, which: Any) -> "PenaltyRows":
+        """Return those rows only."""
+        return PenaltyRows(self.columns[which], self.values[which], self.least[which], self.price)
+
+    def cost(self, x: Float64[np.ndarray, " n"]) -> float:
+        """Return what the rows cost at x."""
+        return self.price * float(np.maximum(self.lacks(x), 0.0).sum())
+
+    def lacks(self, x: Float64[np.ndarray, " n"]) -> Float64[np.ndarray, " m"]:
+        """Return what each row lacks at x, negative where it has more than it must."""
+        return self.least - (self.values * np.append(x, 0.0)[self.columns]).sum(axis=1)
+
+
+@dataclass(frozen=True)
+class PenaltyQp:
+    """See above; c, q and box have shape (n,)."""
+
+    c: Float64[np.ndarray, " n"]
+    q: Float64[np.ndarray, " n"]
+    lower: Float64[np.ndarray, " n"]
+    upper: Float64[np.ndarray, " n"]
+    rows: tuple[PenaltyRows, ...]
+
+    def cost(self, x: Float64[np.ndarray, " n"]) -> float:
+        """Return the objective at x."""
+        own = float(self.c @ x + self.q @ (x * x) / 2)
+        return own + sum(rows.cost(x) for rows in self.rows)
+
+    def solve(self, *, natively: bool = True) -> Array:
+        """Return the minimiser, shape (n,)."""
+        columns = [rows.columns >= 0 for rows in self.rows]
+        counts = np.concatenate([held.sum(axis=1) for held in columns])
+        starts = np.concatenate([[0], np.cumsum(counts)]).astype(np.int64)
+        entries = np.concatenate([r.columns[h] for r, h in zip(self.rows, columns, strict=True)])
+        values = np.concatenate([r.values[h] for r, h in zip(self.rows, columns, strict=True)])
+        least = np.concatenate([rows.least for rows in self.rows])
+        price = np.concatenate([np.full(len(rows.least), rows.price) for rows in self.rows])
+        module: Any = native() if natively else None
+        if module is None:
+            return self._by_clarabel(starts, entries, values, least, price)
+        x, _, _ = module.solve_soft_rows(
+            (self.c, self.q, self.lower, self.upper),
+            (starts, entries.astype(np.int64), values),
+            least,
+            price,
+            _TOLERANCE,
+            _MAX_STEPS,
+        )
+        return x
+
+    def _by_clarabel(
+        self, starts: Any, entries: Any, values: Array, least: Array, price: Array
+    ) -> Array:
+        matrix = np.zeros((len(least), len(self.c)))
+        matrix[np.repeat(np.arange(len(least)), np.diff(starts)), entries] = values
+        program = MathematicalProgram()
+        x: Any = program.NewContinuousVariables(len(self.c))
+        lack: Any = program.NewContinuousVariables(len(least))
+        program.AddQuadraticCost(np.diag(self.q), self.c, x, is_convex=True)
+        program.AddLinearCost(price, 0.0, lack)
+        program.AddBoundingBoxConstraint(self.lower, self.upper, x)
+        program.AddBoundingBoxConstraint(0.0, np.inf, lack)
+        for begin in range(0, len(least), _AT_ONCE):
+            some = slice(begin, begin + _AT_ONCE)
+            both = np.hstack([matrix[some], np.eye(len(least[some]))])
+            most = np.full(len(least[some]), np.inf)
+            program.AddLinearConstraint(both, least[some], most, np.concatenate([x, lack[some]]))
+        return np.array(ClarabelSolver().Solve(program).GetSolution(x))
+
+
+def solver_name() -> str:
+    """Return who solves the programs."""
+    return "Clarabel" if native() is None else "interior point"

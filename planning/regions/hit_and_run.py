@@ -1,0 +1,38 @@
+"""Random walks in a polytope whose steady state is uniform: hit and run (Smith 1984)."""
+
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float64
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
+
+
+def hit_and_run(
+    qs: Float64[np.ndarray, "k n"],
+    faces: tuple[Float64[np.ndarray, "m n"], Float64[np.ndarray, " m"]],
+    shape: Float64[np.ndarray, "n n"],
+    num_steps: int,
+    generator: np.random.Generator,
+) -> Array:
+    """Return where walkers are after some steps, shape (k, n).
+
+    Args:
+        qs: Where they start, inside.
+        faces: Normals and offsets of a bounded polytope.
+        shape: Directions are drawn from its image of the unit ball.
+        num_steps: Each goes to a random place on a random line through the walker.
+        generator: Of all randomness.
+    """
+    normals, offsets = faces
+    qs = np.array(qs)
+    for _ in range(num_steps):
+        way = generator.standard_normal(qs.shape) @ shape.T
+        speed = way @ normals.T
+        slack = np.maximum(offsets - qs @ normals.T, 0.0)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            time = slack / speed
+        last = np.where(speed > 0, time, np.inf).min(axis=1)
+        first = np.where(speed < 0, time, -np.inf).max(axis=1)
+        qs += (first + generator.random(len(qs)) * (last - first))[:, None] * way
+    return qs

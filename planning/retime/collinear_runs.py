@@ -1,0 +1,54 @@
+"""Waypoints in the middle of a straight line say nothing: runs of them become one line.
+
+However finely a path was cut, it is then the same path to whatever times it.
+"""
+
+from typing import Any
+
+import numpy as np
+
+from planning.domain.robot.manifold import Manifold
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
+
+# What rounding may move a waypoint from the line that it was cut out of (joint-space length).
+STRAIGHT = 1e-9
+
+
+def without_straight_runs(waypoints: Array, manifold: Manifold, apart: float) -> Array:
+    """Return the corners of a path, and both its ends.
+
+    Args:
+        waypoints: Joined by geodesics, shape (n, nq).
+        manifold: On which they are.
+        apart: How far a waypoint that goes may be from the line that stays (joint-space length).
+    """
+    if len(waypoints) < 3:
+        return waypoints
+    before, here, after = waypoints[:-2], waypoints[1:-1], waypoints[2:]
+    # In the middle of a line within `apart`, all three are; also where it turns back, none is.
+    near = _from_chord(manifold.minus(here, before), manifold.minus(after, before))
+    corners = np.flatnonzero(near > 2 * apart) + 1
+    if len(corners) == len(here):
+        return waypoints
+    kept = {0, len(waypoints) - 1, *corners.tolist()}
+    runs = [*zip(sorted(kept)[:-1], sorted(kept)[1:], strict=True)]
+    while runs:
+        begin, end = runs.pop()
+        if end - begin < 2:
+            continue
+        inside = manifold.minus(waypoints[begin + 1 : end], waypoints[begin])
+        away = _from_chord(inside, manifold.minus(waypoints[end], waypoints[begin]))
+        if away.max() > apart:
+            # Ramer, Douglas and Peucker: the farthest is a corner, what is on its two sides a run.
+            farthest = begin + 1 + int(np.argmax(away))
+            kept.add(farthest)
+            runs += [(begin, farthest), (farthest, end)]
+    return waypoints[sorted(kept)]
+
+
+def _from_chord(points: Array, chords: Array) -> Array:
+    """Return distances of points from the line between 0 and the end of a chord."""
+    squares = np.maximum((chords**2).sum(axis=-1), 1e-300)
+    along = ((points * chords).sum(axis=-1) / squares).clip(0.0, 1.0)
+    return np.asarray(np.sqrt(((points - along[..., None] * chords) ** 2).sum(axis=-1)))

@@ -1,0 +1,1 @@
+"""Profiles and transitions under jerk limits, by ruckig and our own optimiser."""

@@ -1,0 +1,208 @@
+"""Where along a path the acceleration is zero, and how fast to be there, under jerk limits.
+
+The path is cut into cells. With M_n >= |r^(n)| on the cells in between, bounds V, A, J on sdot,
+sddot and sdddot keep every limit if
+
+    M_1 V <= v,   M_1 A + M_2 V^2 <= a,   M_1 J + 3 M_2 V A + M_3 V^3 <= j
+
+(the chain rule). A hop from one cell boundary to another goes from one speed to another, both with
+zero acceleration, as fast as such bounds allow, and cruises at the greater speed for what length is
+left; its time has a closed form. The quickest chain of hops over a few speeds at every boundary is
+found by dynamic programming.
+"""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from planning.domain.request.deadline import UNHURRIED, Deadline
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
+
+# Speeds that are tried at every cell boundary, relative to the greatest possible there, and then
+# relative to the ones that were chosen.
+_COARSE = 0.8 ** np.arange(11.0)
+# On a stretch that is too short to reach any of these, slower ones are.
+_SLOWER = 0.1 ** np.arange(4.0)
+_FINE = np.geomspace(0.84, 1.19, 9)
+# How much of the jerk that is left at a speed may go to 3 M_2 V A; the rest is J's.
+_SHARES = (0.5, 0.15)
+# Hops over more cells are not tried.
+_LONGEST_HOP = 24
+# On paths of more cells hops begin and end at some of their boundaries only.
+_MOST_NODES = 320
+# So many hops are timed at once, which fits a cache.
+_AT_ONCE = 1024
+_ROOM = 1 - 1e-9
+# Speeds are whole powers of one plus this, so that two of them are the same or clearly not: hops
+# between almost the same speeds would have phases too short for polynomials in double precision.
+_NOTCH = 1e-3
+
+
+@dataclass(frozen=True)
+class Cells:
+    """A path in cells.
+
+    Attributes:
+        edges: Path parameter at the boundaries, shape (n + 1,).
+        m1: M_1 over the limits of velocity, acceleration and jerk, shape (3, n, blocks).
+        m2: M_2 over the limits of acceleration and jerk, shape (2, n, blocks).
+        m3: M_3 over the limit of jerk, shape (1, n, blocks).
+    """
+
+    edges: Array
+    m1: Array
+    m2: Array
+    m3: Array
+
+    def top_speeds(self) -> Array:
+        """Return the greatest constant speed on each cell, shape (n,)."""
+        with np.errstate(divide="ignore"):
+            fastest = np.minimum(1 / self.m1[0], 1 / np.sqrt(self.m2[0]))
+            fastest = np.minimum(fastest, 1 / np.cbrt(self.m3[0]))
+        return fastest.min(axis=1)
+
+
+@dataclass(frozen=True)
+class SpeedSegment:
+    """From one boundary to another, at rest in acceleration at both.
+
+    Attributes:
+        begin: Index of the boundary.
+        end: Index of the boundary, greater.
+        speeds: At both.
+        bounds: V, A and J in between.
+    """
+
+    begin: int
+    end: int
+    speeds: tuple[float, float]
+    bounds: tuple[float, float, float]
+
+
+def solve_speed_dp(cells: Cells, deadline: Deadline = UNHURRIED) -> list[SpeedSegment]:
+    """Return the quickest chain of hops from rest to rest; empty if there is none.
+
+    Raises:
+        DeadlineExceeded: Time ran out.
+        Canceled: The end was asked for.
+    """
+    tops = cells.top_speeds()
+    caps = np.minimum(np.append(tops, np.inf), np.insert(tops, 0, np.inf))
+    nodes = np.arange(0, len(tops), -(-len(tops) // _MOST_NODES))
+    nodes = np.append(nodes, len(tops))
+    hops: list[SpeedSegment] = []
+    for slower in _SLOWER:
+        if not hops:
+            speeds = np.asarray(slower * caps[nodes, None] * _COARSE, dtype=np.float64)
+            hops = _quickest(cells, nodes, speeds, deadline)
+    for _ in range(2):
+        if not hops:
+            return hops
+        nodes = np.array([hop.begin for hop in hops] + [hops[-1].end])
+        chosen = np.array([hop.speeds[0] for hop in hops] + [0.0])
+        speeds = np.minimum(chosen[:, None] * _FINE, caps[nodes, None])
+        hops = _quickest(cells, nodes, speeds, deadline)
+    return hops
+
+
+def _quickest(cells: Cells, nodes: Any, speeds: Array, deadline: Deadline) -> list[SpeedSegment]:
+    """Return the quickest chain over the given nodes with the given speeds, shape (nodes, k)."""
+    speeds = (1 + _NOTCH) ** np.floor(np.log(np.maximum(speeds, 1e-300)) / np.log1p(_NOTCH))
+    speeds[[0, -1]] = 0.0
+    begins, ends = _pairs(len(nodes))
+    peaks = _peaks_between(cells, nodes, begins, ends)
+    lengths = cells.edges[nodes[ends]] - cells.edges[nodes[begins]]
+    chunks = [slice(i, i + _AT_ONCE) for i in range(0, len(begins), _AT_ONCE)]
+    timed: list[tuple[Array, Any]] = []
+    for rows in chunks:
+        deadline.check("retime")
+        ways = speeds[begins[rows]], speeds[ends[rows]]
+        timed.append(_hop_times(peaks[:, :, rows], lengths[rows], *ways))
+    times, shares = (np.concatenate([part[i] for part in timed]) for i in range(2))
+    count = speeds.shape[1]
+    best = np.full((len(nodes), count), np.inf)
+    best[0, 0] = 0.0
+    came: dict[int, Any] = {}
+    rows_of = np.split(np.arange(len(ends)), np.flatnonzero(np.diff(ends)) + 1)
+    for rows in rows_of:
+        end = int(ends[rows[0]])
+        totals = (best[begins[rows]][:, :, None] + times[rows]).reshape(-1, count)
+        came[end] = (rows, np.argmin(totals, axis=0))
+        best[end] = totals.min(axis=0)
+    if not np.isfinite(best[-1, 0]):
+        return []
+    hops: list[SpeedSegment] = []
+    end, level = len(nodes) - 1, 0
+    while end > 0:
+        rows, choice = came[end]
+        row, before = rows[choice[level] // count], int(choice[level] % count)
+        begin = int(begins[row])
+        pair = float(speeds[begin, before]), float(speeds[end, level])
+        share = _SHARES[int(shares[row, before, level])]
+        a, j = _bounds(peaks[:, :, row : row + 1], np.array([[max(pair)]]), share)
+        bounds = max(pair), float(a[0, 0]), float(j[0, 0])
+        hops.append(SpeedSegment(int(nodes[begin]), int(nodes[end]), pair, bounds))
+        end, level = begin, before
+    return hops[::-1]
+
+
+def _pairs(num_nodes: int) -> tuple[Any, Any]:
+    """Return both indices of every hop that is tried, by end."""
+    begins, ends = np.meshgrid(np.arange(num_nodes), np.arange(num_nodes))
+    tried = (ends > begins) & (ends - begins <= _LONGEST_HOP)
+    return begins[tried], ends[tried]
+
+
+def _peaks_between(cells: Cells, nodes: Any, begins: Any, ends: Any) -> Array:
+    """Return the largest of each m between two nodes, shape (6, blocks, pairs)."""
+    stacked = np.concatenate([cells.m1, cells.m2, cells.m3]).transpose(1, 0, 2)
+    between = np.maximum.reduceat(stacked, nodes[:-1], axis=0)
+    table = np.zeros((min(_LONGEST_HOP, len(between)), len(between), *stacked.shape[1:]))
+    table[0] = between
+    for more in range(1, len(table)):
+        table[more, :-more] = np.maximum(table[more - 1, :-more], between[more:])
+    return np.ascontiguousarray(table[ends - begins - 1, begins].transpose(1, 2, 0))
+
+
+def _bounds(peaks: Array, speeds: Array, share: float) -> tuple[Array, Array]:
+    """Return A and J at top speeds, shapes (pairs, k); not positive where there are none."""
+    m1v, m1a, m1j, m2a, m2j, m3j = peaks[:, :, :, None]
+    least = 1e-300
+    v, v2, v3 = speeds, speeds**2, speeds**3
+    left = 1 - m3j * v3
+    acceleration = np.minimum(
+        ((1 - m2a * v2) / np.maximum(m1a, least)).min(axis=0),
+        share * (left / np.maximum(3 * m2j * v, least)).min(axis=0),
+    )
+    jerk = ((left - 3 * m2j * (v * acceleration)) / np.maximum(m1j, least)).min(axis=0)
+    is_slow = m1v.max(axis=0) * v <= 1 + 1e-12
+    return np.where(is_slow, acceleration, -1.0), np.where(is_slow, jerk, -1.0)
+
+
+def _hop_times(peaks: Array, lengths: Array, before: Array, after: Array) -> tuple[Array, Any]:
+    """Return the time of every hop, infinite where there is none, and the share that gives it."""
+    v0, v1 = before[:, :, None], after[:, None, :]
+    is_braking = v0 >= v1
+    top, gain = np.where(is_braking, v0, v1), np.abs(v1 - v0)
+    spare = lengths[:, None, None] * _ROOM
+    best = np.full(top.shape, np.inf)
+    chosen = np.zeros(top.shape, dtype=np.int8)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        inverse, mean = 1 / top, (v0 + v1) / 2
+        for i, share in enumerate(_SHARES):
+            at_before, at_after = (_bounds(peaks, speeds, share) for speeds in (before, after))
+            a, j = (
+                np.where(is_braking, at_before[n][:, :, None], at_after[n][:, None, :])
+                for n in range(2)
+            )
+            # A triangle of acceleration, or a trapezium.
+            ramp = np.where(gain * j < a * a, 2 * np.sqrt(gain / j), gain / a + a / j)
+            rest = spare - mean * ramp
+            possible = (a > 0) & (j > 0) & (rest >= 0)
+            time = np.where(possible, ramp + rest * inverse, np.inf)
+            time[np.isnan(time)] = np.inf
+            chosen[time < best] = i
+            np.minimum(best, time, out=best)
+    return best, chosen

@@ -1,0 +1,92 @@
+"""The profile whose phases take given times between given places of a path.
+
+It is the cubic spline s(t) through the places at those times that rests, without acceleration, at
+both ends. Speeds, accelerations and jerks follow from a linear system (de Boor, "A practical guide
+to splines", chapter IV), and what they change with the times from the same system.
+"""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from planning.retime.profile import SpeedProfile
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
+
+
+@dataclass(frozen=True)
+class TimingSpline:
+    """How places are passed by n phases.
+
+    Attributes:
+        h: Durations [s], shape (n,).
+        s: Places; the second and the last but one give way to the rests, shape (n + 1,).
+        v: ds/dt there [1/s], shape (n + 1,).
+        a: Its derivative there [1/s^2], shape (n + 1,).
+        j: And the next, between them [1/s^3], shape (n,).
+        matrix: Of the system, for a at inner places and s at the two that give way.
+    """
+
+    h: Array
+    s: Array
+    v: Array
+    a: Array
+    j: Array
+    matrix: Array
+
+    @classmethod
+    def through(cls, h: Array, places: Array) -> "TimingSpline":
+        """Build from durations [s] of at least four phases, and places."""
+        n = len(h)
+        matrix, right = np.zeros((n + 1, n + 1)), np.zeros(n + 1)
+        i = np.arange(n - 1)
+        matrix[i, i] = (h[:-1] + h[1:]) / 3
+        matrix[i[1:], i[:-1]] = matrix[i[:-1], i[1:]] = h[1:-1] / 6
+        known = np.array(places)
+        known[[1, -2]] = 0.0
+        right[:-2] = np.diff(np.diff(known) / h)
+        for column, node in ((n - 1, 1), (n, n - 1)):
+            unit = np.zeros(n + 1)
+            unit[node] = 1.0
+            matrix[:-2, column] = -np.diff(np.diff(unit) / h)
+        # At rest at both ends.
+        matrix[-2, [0, -2]], right[-2] = (-h[0] / 6, 1 / h[0]), places[0] / h[0]
+        matrix[-1, [-3, -1]], right[-1] = (h[-1] / 6, -1 / h[-1]), -places[-1] / h[-1]
+        found = np.linalg.solve(matrix, right)
+        s, a = np.array(places), np.concatenate([[0.0], found[:-2], [0.0]])
+        s[[1, -2]] = found[-2:]
+        v = np.append(np.diff(s) / h - h * (2 * a[:-1] + a[1:]) / 6, 0.0)
+        v[0] = 0.0
+        return cls(h, s, v, a, np.diff(a) / h, matrix)
+
+    @property
+    def goes_on(self) -> bool:
+        """Whether no place is passed backwards, or stood at."""
+        return bool((self.v[1:-1] > 0).all() and (np.diff(self.s) > 0).all())
+
+    @property
+    def profile(self) -> SpeedProfile:
+        """The same as a profile."""
+        return SpeedProfile(self.s, self.v[:-1], self.a[:-1], self.j, self.h)
+
+    def derivatives(self) -> Array:
+        """Return those of v, a and j at both ends of all phases by log h, shape (2, n, 3, n)."""
+        h, a, steps, n = self.h, self.a, np.diff(self.s), len(self.h)
+        i, k = np.arange(n - 1), np.arange(n)
+        by = np.zeros((n + 1, n))
+        by[i, i + 1] = a[1:-1] / 3 + a[2:] / 6 + steps[1:] / h[1:] ** 2
+        by[i, i] = a[:-2] / 6 + a[1:-1] / 3 - steps[:-1] / h[:-1] ** 2
+        by[-2, 0] = -steps[0] / h[0] ** 2 - a[1] / 6
+        by[-1, -1] = -steps[-1] / h[-1] ** 2 + a[-2] / 6
+        found = -np.linalg.solve(self.matrix, by)
+        da, ds, dv = (np.zeros((n + 1, n)) for _ in range(3))
+        da[1:-1], ds[[1, -2]] = found[:-2], found[-2:]
+        wide = h[:, None]
+        dv[:-1] = np.diff(ds, axis=0) / wide - wide * (2 * da[:-1] + da[1:]) / 6
+        dv[k, k] -= steps / h**2 + (2 * a[:-1] + a[1:]) / 6
+        dv[0] = 0.0
+        dj = np.diff(da, axis=0) / wide
+        dj[k, k] -= self.j / h
+        ends = [np.stack([dv[e : n + e], da[e : n + e], dj], axis=1) for e in range(2)]
+        return np.stack(ends) * h

@@ -1,0 +1,1 @@
+"""What limits a motion along a path besides the limits of its joints."""

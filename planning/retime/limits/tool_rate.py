@@ -1,0 +1,102 @@
+"""ToolRate: a limit on the speed or the acceleration of a frame's origin.
+
+To the retimer the origin's way is one more curve whose three coordinates are limited together, as
+those of a floating body are: the same rows, caps and audit as for joints.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from planning.domain.curves.curve import Curve, JointSpline, TimedTrajectory
+from planning.domain.robot.joints import JointLimits
+from planning.retime.bounds import block_peaks, block_sizes
+from planning.retime.jerk.velocity_bounds import speed_caps
+from planning.retime.limit_utilization import largest_use
+from planning.retime.limits.path_limit import HEADROOM, PathUtilization
+from planning.retime.limits.tool_path import ToolPath
+from planning.retime.polynomials import norms
+from planning.retime.toppra.path_rows import acceleration_rows
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
+
+
+@dataclass(frozen=True)
+class ToolRate:
+    """At most so much speed (order 1) or acceleration (order 2).
+
+    Attributes:
+        frame: Full name.
+        path: Of the frame.
+        order: Of the derivative.
+        limit: [m/s or m/s^2].
+    """
+
+    frame: str
+    path: ToolPath
+    order: int
+    limit: float
+
+    @property
+    def name(self) -> str:
+        """As certificates have it."""
+        return "tool_speed" if self.order == 1 else "tool_acceleration"
+
+    @property
+    def is_uniform(self) -> bool:
+        """No: while joints move evenly a tool does not."""
+        return False
+
+    def cuts(self, stretch: JointSpline) -> Array:  # noqa: ARG002
+        """Return none."""
+        return np.zeros(0)
+
+    def rows(self, cells: JointSpline) -> tuple[Array, Array]:
+        """Return the rows of an acceleration limit."""
+        if self.order == 1:
+            nothing = np.zeros((cells.num_pieces, 0))
+            return nothing, nothing
+        return acceleration_rows(self.path.along(cells), self._limits)
+
+    def caps(self, cells: JointSpline) -> Array:
+        """Return the caps of a speed limit."""
+        if self.order == 2:
+            return np.full((cells.num_pieces, 2), np.inf)
+        limits = self._limits
+        return speed_caps(block_sizes(self.path.along(cells), limits, 1), limits.velocity)
+
+    def peaks(self, cells: JointSpline) -> Array:
+        """Return the largest first derivative over the limit, and second if that is limited."""
+        limits = self._limits
+        found = np.zeros((6, cells.num_pieces, 1))
+        along = self.path.along(cells)
+        found[self.order - 1] = block_peaks(along, limits, 1) / limits.velocity
+        if self.order == 2:
+            found[3] = block_peaks(along, limits, 2) / limits.acceleration
+        return found
+
+    def uses(self, trajectory: TimedTrajectory) -> tuple[PathUtilization, ...]:
+        """Return the largest rate over the limit, by branch and bound."""
+        limits = together(self.limit)
+        use = largest_use(self.path.along(trajectory), limits, self.order)
+        return (PathUtilization.of_rate(self.frame, use.fraction, self.order),)
+
+    def shares(self, curve: Curve, times: Array) -> Mapping[str, Array]:
+        """Return the rate over the limit."""
+        return {self.frame: norms(self.path.along(curve).tangents(times, self.order)) / self.limit}
+
+    def relaxed(self, where: str, factor: float) -> "ToolRate":
+        """Return the limit times a factor, if it is this frame's."""
+        return replace(self, limit=self.limit * factor) if where == self.frame else self
+
+    @property
+    def _limits(self) -> JointLimits:
+        return together(self.limit / (1 + HEADROOM))
+
+
+def together(rate: float) -> JointLimits:
+    """Return limits of all three coordinates of a point in space together."""
+    free, one = np.full(3, np.inf), np.array([rate])
+    return JointLimits(-free, free, one, one, one, one, ((0, 1, 2),))

@@ -1,0 +1,84 @@
+"""Cut a spline where it cannot be followed without resting."""
+
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float64
+
+from planning.domain.curves.curve import Curve, JointSpline, derivative
+from planning.retime.polynomials import norms
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
+
+# Relative jump of a derivative that counts as a jump.
+_JUMP = 1e-8
+
+
+def smooth_pieces(spline: JointSpline, smoothness: int) -> list[JointSpline]:
+    """Return the parts of a spline with `smoothness` continuous derivatives, in order.
+
+    Each keeps the spline's parameter, so its first break is where the one before it ends.
+    """
+    jumps = np.flatnonzero(_jumps(spline, smoothness))
+    if not len(jumps):
+        return [spline]
+    edges = [0, *(1 + jumps).tolist(), spline.num_pieces]
+    return [
+        JointSpline(
+            spline.joints,
+            spline.breaks[a : b + 1],
+            spline.bases[a:b],
+            spline.coefficients[a:b],
+        )
+        for a, b in pairwise(edges)
+    ]
+
+
+def path_derivatives(
+    curve: Curve, pieces: Any, local: Float64[np.ndarray, " n"]
+) -> tuple[Float64[np.ndarray, "n nv"], Float64[np.ndarray, "n nv"]]:
+    """Return dq/ds and d2q/ds2, as Drake's v and vdot, from given pieces.
+
+    Args:
+        curve: The path.
+        pieces: Which piece each row is on, also where two of them meet, shape (n,).
+        local: Parameter relative to the piece's break.
+    """
+    coefficients = curve.coefficients[pieces]
+    slopes = derivative(coefficients, 1)
+    rate, curvature = evaluated(slopes, local), evaluated(derivative(slopes, 1), local)
+    if curve.manifold.is_flat:
+        return rate, curvature
+    delta = evaluated(coefficients, local)
+    q = curve.manifold.plus(curve.bases[pieces], delta)
+    return (
+        curve.manifold.generalized_velocity(q, delta, rate),
+        curve.manifold.generalized_acceleration(q, delta, rate, curvature),
+    )
+
+
+def _jumps(spline: JointSpline, smoothness: int) -> Any:
+    """Return for each inner break whether a derivative up to `smoothness` jumps there."""
+    count = spline.num_pieces - 1
+    # Every break from the piece before it, then every break from the piece after it.
+    pieces = np.concatenate([np.arange(count), np.arange(1, count + 1)])
+    local = np.concatenate([np.diff(spline.breaks)[:-1], np.zeros(count)])
+    jumps = np.zeros(count, dtype=bool)
+    # The whole path has a parameter of length 1, so r' is a fair reference for r'' as well.
+    scale = np.full(count, 1e-300)
+    for both in path_derivatives(spline, pieces, local)[:smoothness]:
+        before, after = both[:count], both[count:]
+        scale = np.maximum(scale, np.maximum(norms(before), norms(after)))
+        jumps |= norms(after - before) > _JUMP * scale
+    return jumps
+
+
+def evaluated(
+    coefficients: Float64[np.ndarray, "n k nv"], local: Float64[np.ndarray, " n"]
+) -> Float64[np.ndarray, "n nv"]:
+    """Return each row's polynomial at its own argument, by Horner's rule."""
+    total = np.array(coefficients[:, -1])
+    for k in range(coefficients.shape[1] - 2, -1, -1):
+        total = total * local[:, None] + coefficients[:, k]
+    return total

@@ -1,0 +1,1 @@
+"""Time-optimal profiles under velocity and acceleration limits, by TOPP-RA."""

@@ -1,0 +1,108 @@
+"""The two passes of TOPP-RA over given cells of a path, with toppra's linear programs.
+
+Pham and Pham, "A new approach to time-optimal path parameterization based on reachability
+analysis", T-RO 2018. Backwards, the set of squared speeds from which the end can be reached; then
+forwards, the greatest of them. Rest is always among them, because the limits are symmetric: the
+sets begin at zero, and half of toppra's own programs need not be solved. Its class does more than
+that around every program; only its solver is used here.
+"""
+
+from math import isfinite, isnan
+from typing import Any, override
+
+import numpy as np
+from jaxtyping import Float64
+
+from planning.errors import RetimingFailed
+from planning.retime.toppra.toppra_solver import (
+    ConstraintType,
+    DiscretizationType,
+    LinearConstraint,
+    seidelWrapper,
+)
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
+
+# As in toppra: a speed that was reached, less this, can be gone on from in spite of rounding; if
+# it still cannot, some more is taken away, so often.
+_ROUNDING = 1e-8
+_TRIES = 10
+_FREE = float("nan")
+
+
+def squared_speeds(
+    edges: Float64[np.ndarray, " n_plus_1"],
+    rows: tuple[Float64[np.ndarray, "n m"], Float64[np.ndarray, "n m"]],
+    caps: Float64[np.ndarray, " n_plus_1"],
+) -> Float64[np.ndarray, " n_plus_1"]:
+    """Return the greatest x = (ds/dt)^2 at the edges of the cells, from rest to rest.
+
+    Args:
+        edges: Path parameter, increasing.
+        rows: a and b of the limits a u + b x <= 1 on every cell, u = d2s/dt2, x at its beginning.
+            They must allow u = 0 at x = 0. Numbers should be of order one.
+        caps: Upper bounds on x.
+
+    Raises:
+        RetimingFailed: toppra finds none.
+    """
+    solver = seidelWrapper([_Bounds(rows, caps)], None, edges, solve_lp1d=True)
+    steps = (2 * np.diff(edges)).tolist()
+    reach = _controllable(solver, len(steps))
+    # A sum is a number only if all of them are: toppra's solver says "none" by not a number.
+    x = np.array(_greedy(solver, steps, reach)) if isfinite(sum(reach)) else np.array(_FREE)
+    if not np.isfinite(x).all():
+        message = "toppra finds no speed profile along the path"
+        raise RetimingFailed(message, {"method": "toppra", "num_grid_points": len(edges)})
+    return x
+
+
+def _controllable(solver: Any, count: int) -> list[float]:
+    """Return the greatest x at every edge from which the path's end can be reached."""
+    solve = solver.solve_stagewise_optim
+    # Greatest x; among equals, the smallest u.
+    objective = np.array([1e-9, -1.0])
+    reach = [0.0] * (count + 1)
+    for i in reversed(range(count)):
+        reach[i] = solve(i, None, objective, _FREE, _FREE, 0.0, reach[i + 1])[1]
+    return reach
+
+
+def _greedy(solver: Any, steps: list[float], reach: list[float]) -> list[float]:
+    """Return the greatest x at every edge, from rest on."""
+    solve = solver.solve_stagewise_optim
+    objective = np.array([0.0, -1.0])
+    x = [0.0] * len(reach)
+    for i, step in enumerate(steps):
+        objective[0] = -step
+        here, most, u, tries = x[i], reach[i + 1], _FREE, _TRIES
+        while isnan(u) and tries:
+            u = solve(i, None, objective, here, here, 0.0, most)[0]
+            if isnan(u):
+                here, tries = max(here - _ROUNDING, 0.999 * here), tries - 1
+        x[i] = here
+        there = here + step * u
+        x[i + 1] = min(max(there - _ROUNDING, 0.9999 * there, 0.0), most)
+    return x
+
+
+class _Bounds(LinearConstraint):
+    """The rows, as toppra wants them."""
+
+    def __init__(self, rows: tuple[Array, Array], caps: Array) -> None:
+        super().__init__()
+        self.constraint_type = ConstraintType.CanonicalLinear
+        self.discretization_type = DiscretizationType.Collocation
+        self.identical = True
+        self._rows = rows
+        self._caps = caps
+
+    @override
+    def compute_constraint_params(
+        self, path: Any, gridpoints: Array, *args: Any, **kwargs: Any
+    ) -> tuple[Any, ...]:
+        # Nothing follows the last grid point; toppra wants rows for it all the same.
+        a, b = (np.concatenate([part, part[-1:]]) for part in self._rows)
+        count = a.shape[1]
+        bounds = np.stack([np.zeros_like(self._caps), self._caps], axis=1)
+        return a, b, np.zeros_like(a), np.eye(count), np.ones(count), None, bounds

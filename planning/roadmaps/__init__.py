@@ -1,0 +1,1 @@
+"""Roadmaps of worlds: what identifies one, and where it is kept between plans."""

@@ -1,0 +1,1 @@
+"""Steering: Dubins and Reeds-Shepp curves as edges of a search."""

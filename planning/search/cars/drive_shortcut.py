@@ -1,0 +1,120 @@
+"""Shortcuts of a drive: parts of it replaced by the car's shortest curves, where these are free.
+
+A straight line between two of its configurations is none that a car could follow. So the path is
+cut into points, and of all ways along them in order, each step a drive from one point to a later
+one, the shortest whose steps are all free is looked for. It is guessed as if all that seem free at
+a glance were, and guessed again without those that turn out blocked (Dellin and Srinivasa, "A
+unifying formalism for shortest path problems with expensive edge evaluations via lazy best-first
+search", ICAPS 2016). Nothing is random, and of what is delivered every step was checked.
+"""
+
+from collections.abc import Callable
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float64
+
+from planning.errors import DeadlineExceeded
+from planning.search.cars.steering_edges import SteeringEdgeChecker
+from planning.search.shortcut.polyline import path_measure, points_on
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
+
+# Points of a path, about, and pieces that an edge is cut into at most.
+_POINTS, _PIECES = 48, 8
+_MOST_POINTS = 64
+_MOST_ROUNDS = 4
+# Rounds go on while they gain this share of the length.
+_LEAST_GAIN = 1e-3
+# What a step costs beyond its length, so that of equal ways the one of fewest steps is taken.
+_PER_STEP = 1e-6
+
+
+def shortened_drive(
+    waypoints: Float64[np.ndarray, "n nq"], edges: SteeringEdgeChecker, is_over: Callable[[], bool]
+) -> Array | None:
+    """Return a drive that is no longer, with the same ends, shape (m, nq), every step free.
+
+    None if the given one is blocked and its waypoints lead to no other.
+
+    Args:
+        waypoints: Of the drive, from start to goal, shape (n, nq).
+        edges: Checks drives, as closely as what is delivered.
+        is_over: Asked now and then; an early end leaves a drive that is as good as the others.
+
+    Raises:
+        Canceled: The end was asked for.
+        DeadlineExceeded: The time has run out before anything was found free.
+    """
+    path = _best_chain(waypoints, edges, is_over)
+    try:
+        for _ in range(_MOST_ROUNDS):
+            if path is None or is_over():
+                break
+            pieces = max(1, min(_PIECES, _POINTS // len(path)))
+            shorter = _best_chain(points_on(path, edges, pieces).qs, edges, is_over)
+            if shorter is None:
+                break
+            gain = 1 - path_measure(shorter, edges) / max(path_measure(path, edges), 1e-12)
+            path = shorter if gain >= 0 else path
+            if gain < _LEAST_GAIN:
+                break
+    except DeadlineExceeded:
+        return path
+    return path
+
+
+def _best_chain(
+    points: Array, edges: SteeringEdgeChecker, is_over: Callable[[], bool]
+) -> Array | None:
+    """Return the waypoints of the shortest free way along some of the points, in their order."""
+    begins, ends = np.triu_indices(len(points), 1)
+    # Of very many points every one is tried from the one before, but not from all before.
+    stride = -(-len(points) // _MOST_POINTS)
+    is_next = ends == begins + 1
+    tried = is_next | ((begins % stride == 0) & (ends % stride == 0))
+    begins, ends, is_next = begins[tried], ends[tried], is_next[tried]
+    tangents, seem_free = edges.at_a_glance(points[begins], points[ends])
+    lengths = edges.norm(tangents).sum(axis=1) + _PER_STEP
+    costs = np.full((len(points), len(points)), np.inf)
+    costs[begins, ends] = np.where(seem_free, lengths, np.inf)
+    row_of = {
+        pair: row for row, pair in enumerate(zip(begins.tolist(), ends.tolist(), strict=True))
+    }
+    ways: dict[tuple[int, int], Array] = {}
+    while True:
+        if is_over():
+            late = np.isfinite(costs)
+            late[begins[is_next], ends[is_next]] = False
+            late[tuple(np.array(list(ways), dtype=int).reshape(-1, 2).T)] = False
+            costs[late] = np.inf
+        chain = _cheapest(costs)
+        if chain is None:
+            return None
+        for i, j in pairwise(chain):
+            if (i, j) not in ways:
+                way = edges.free_way(points[i], points[j], tangents[row_of[i, j]])
+                if way is None:
+                    costs[i, j] = np.inf
+                    break
+                ways[i, j] = way
+        else:
+            return np.concatenate([points[:1], *(ways[pair][1:] for pair in pairwise(chain))])
+
+
+def _cheapest(costs: Array) -> list[int] | None:
+    """Return the cheapest way from the first to the last row of an upper triangle of costs."""
+    count = len(costs)
+    best, came = np.full(count, np.inf), np.zeros(count, dtype=int)
+    best[0] = 0.0
+    for j in range(1, count):
+        totals = best[:j] + costs[:j, j]
+        came[j] = int(np.argmin(totals))
+        best[j] = totals[came[j]]
+    if not np.isfinite(best[-1]):
+        return None
+    chain = [count - 1]
+    while chain[-1]:
+        chain.append(int(came[chain[-1]]))
+    return chain[::-1]

@@ -1,0 +1,145 @@
+"""SteeringPaths: the ways of a group with a car in it, from any configuration to any other.
+
+The car follows its shortest curve, the other joints go straight, each as far along as the car is.
+A drive is waypoints joined by arcs and lines of constant velocity (`SteeredManifold`).
+"""
+
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+from jaxtyping import Bool, Float64
+
+from planning.domain.robot.joints import JointGroup
+from planning.domain.robot.steering import SteeredManifold, steering_of
+from planning.errors import ProblemInvalid
+from planning.search.cars.dubins import dubins_words
+from planning.search.cars.path_words import PathWords
+from planning.search.cars.reeds_shepp import reeds_shepp_words
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
+
+# How far one arc turns at most, well below half a turn, at which it could be one to either side.
+_MOST_TURN = 2.0
+# What an arc may slip, and be tighter, as a share of its length: rounding.
+_ROUNDING = 1e-7
+# Letters that are no longer do not count [radii].
+_NOTHING = 1e-10
+
+
+@dataclass(frozen=True)
+class SteeringPath:
+    """How to get from one configuration to another.
+
+    Attributes:
+        waypoints: Both included, shape (k + 1, nq), k >= 1.
+        deltas: The arcs and lines between them, as tangents, shape (k, nv).
+    """
+
+    waypoints: Float64[np.ndarray, "m nq"]
+    deltas: Float64[np.ndarray, "k nv"]
+
+
+class SteeringPaths:
+    """How one group drives.
+
+    Attributes:
+        manifold: Its geodesics are arcs.
+        steering: Of the car.
+        iq: Where the car's coordinates begin in q.
+        iv: And in v.
+    """
+
+    def __init__(self, group: JointGroup) -> None:
+        """Drive a group with one car.
+
+        Raises:
+            ProblemInvalid: It has several.
+        """
+        cars = steering_of(group)
+        if len(cars) > 1:
+            message = f"one car is planned for at a time, not {sorted(cars)} together"
+            raise ProblemInvalid(message, {"field": "group", "cars": sorted(cars)})
+        self.manifold = SteeredManifold(group.joints, tuple(cars))
+        self.steering = next(iter(cars.values()))
+        self.iq, self.iv = self.manifold.offsets[0]
+
+    def way(self, q0: Float64[np.ndarray, " nq"], q1: Float64[np.ndarray, " nq"]) -> SteeringPath:
+        """Return the way from q0 to q1.
+
+        That is the arc through both if the car can drive it, or else its shortest curve. Where it
+        may drive backwards, the way back is the same.
+        """
+        if self.steering.reverse and q1.tolist() < q0.tolist():
+            back = self._way(q1, q0)
+            return SteeringPath(back.waypoints[::-1], -back.deltas[::-1])
+        return self._way(q0, q1)
+
+    def threaded(self, waypoints: Float64[np.ndarray, "n nq"]) -> Array:
+        """Return the waypoints of all ways between given ones, the given ones among them."""
+        ways = [self.way(q0, q1).waypoints[1:] for q0, q1 in pairwise(waypoints)]
+        return np.concatenate([waypoints[:1], *ways])
+
+    def tangents(
+        self, q0s: Float64[np.ndarray, "m nq"], q1s: Float64[np.ndarray, "m nq"]
+    ) -> Float64[np.ndarray, "m k nv"]:
+        """Return the tangents of the arcs and lines, one after another, of ways between rows."""
+        deltas = self.manifold.minus(q1s, q0s)
+        is_arc = self._are_arcs(deltas)
+        found = self._letters(q0s, q1s, deltas)
+        found[is_arc] = 0.0
+        found[is_arc, 0] = deltas[is_arc]
+        return found
+
+    def along(
+        self,
+        q0: Float64[np.ndarray, " nq"],
+        q1: Float64[np.ndarray, " nq"],
+        letters: Float64[np.ndarray, "k nv"],
+    ) -> SteeringPath:
+        """Return the way from q0 to q1 whose arcs and lines have given tangents."""
+        letters = letters[np.abs(letters).max(axis=1) > _NOTHING]
+        counts = np.ceil(np.abs(letters[:, self.iv + 2]) / _MOST_TURN).astype(int)
+        counts = np.maximum(counts, 1)
+        deltas = np.repeat(letters / counts[:, None], counts, axis=0)
+        rows = [q0]
+        for piece in deltas[:-1]:
+            rows.append(self.manifold.plus(rows[-1], piece))
+        return SteeringPath(np.stack([*rows, q1]), deltas)
+
+    def _way(self, q0: Array, q1: Array) -> SteeringPath:
+        delta = self.manifold.minus(q1, q0)[None]
+        if self._are_arcs(delta)[0]:
+            return SteeringPath(np.stack([q0, q1]), delta)
+        return self.along(q0, q1, self._letters(q0[None], q1[None], delta)[0])
+
+    def _are_arcs(self, deltas: Float64[np.ndarray, "m nv"]) -> Bool[np.ndarray, " m"]:
+        """Return which tangents are arcs that the car can drive."""
+        ahead, aside, turn = (deltas[:, self.iv + i] for i in range(3))
+        size = np.abs(ahead) + _NOTHING
+        return (
+            (np.abs(aside) <= _ROUNDING * size)
+            & (np.abs(turn) * self.steering.turning_radius <= np.abs(ahead) + _ROUNDING * size)
+            & (np.abs(turn) <= _MOST_TURN)
+            & (self.steering.reverse | (ahead >= -_NOTHING))
+        )
+
+    def _letters(self, q0s: Array, q1s: Array, deltas: Array) -> Array:
+        """Return the tangents of all letters of the shortest curves, shape (m, k, nv)."""
+        words = self._words(q0s, q1s)
+        sizes = np.abs(words.lengths)
+        shares = sizes / np.maximum(sizes.sum(axis=1, keepdims=True), _NOTHING)
+        letters = shares[:, :, None] * deltas[:, None]
+        letters[:, :, self.iv] = words.lengths * self.steering.turning_radius
+        letters[:, :, self.iv + 1] = 0.0
+        letters[:, :, self.iv + 2] = words.lengths * words.turns
+        return letters
+
+    def _words(self, q0s: Array, q1s: Array) -> PathWords:
+        poses = [q[:, self.iq : self.iq + 3] for q in (q0s, q1s)]
+        x, y, yaw = (poses[1] - poses[0]).T
+        c, s = np.cos(poses[0][:, 2]), np.sin(poses[0][:, 2])
+        radius = self.steering.turning_radius
+        goals = np.stack([(c * x + s * y) / radius, (c * y - s * x) / radius, yaw], axis=1)
+        return (reeds_shepp_words if self.steering.reverse else dubins_words)(goals)

@@ -1,0 +1,239 @@
+"""CollisionOracle: what the search asks of a world, and what it adds to the answer."""
+
+from collections.abc import Generator
+from contextlib import contextmanager
+from typing import Any, Protocol, runtime_checkable
+
+import numpy as np
+from jaxtyping import Bool, Float64
+
+from planning.domain.curves.motion_samples import Counts, num_steps, sample_batches, steps_of
+from planning.domain.request.deadline import Deadline
+from planning.domain.robot.joints import JointGroup, JointLimits
+from planning.domain.robot.manifold import Manifold
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
+type Flags = np.ndarray[Any, np.dtype[np.bool_]]
+
+# Between two looks at the clock an oracle is asked for at most so many states, or for one motion.
+_MOST_AT_ONCE = 4096
+
+
+@runtime_checkable
+class CollisionOracle(Protocol):
+    """Says whether configurations of a group are admissible."""
+
+    def is_free(self, q: Float64[np.ndarray, " nq"]) -> bool:
+        """Return whether the group at q, shape (nq,), keeps its distances."""
+        ...
+
+    def are_free(self, qs: Float64[np.ndarray, "m nq"]) -> Bool[np.ndarray, " m"]:
+        """Return the same for each row of qs, shape (m, nq)."""
+        ...
+
+    def is_motion_free(
+        self,
+        origin: Float64[np.ndarray, " nq"],
+        displacement: Float64[np.ndarray, " nv"],
+        resolution: float,
+    ) -> bool:
+        """Return whether every sample of a motion is free, as `motion_samples` defines them."""
+        ...
+
+    def are_motions_free(
+        self,
+        origins: Float64[np.ndarray, "m nq"],
+        displacements: Float64[np.ndarray, "m nv"],
+        resolution: float,
+    ) -> Bool[np.ndarray, " m"]:
+        """Return the same for each pair of rows, shapes (m, nq) and (m, nv)."""
+        ...
+
+
+@runtime_checkable
+class EdgeOracle(Protocol):
+    """An oracle that judges edges without any array being made."""
+
+    def is_edge_free(self, q0: list[float], q1: list[float], resolution: float) -> tuple[bool, int]:
+        """Return whether the straight way is free, both ends included, and how many steps it is."""
+        ...
+
+
+class WatchedOracle:
+    """An oracle that counts, keeps limits on circles, and ends the search when time is up.
+
+    The bounds of OMPL's spaces hold every other coordinate; on a circle OMPL knows none.
+
+    Attributes:
+        num_states: Configurations asked for so far; of a motion every sample counts, looked at or
+            not, so that the number does not depend on how an oracle goes about its work.
+    """
+
+    def __init__(
+        self, inner: CollisionOracle, group: JointGroup, limits: JointLimits, deadline: Deadline
+    ) -> None:
+        """Watch `inner`, for the joints and limits of a group."""
+        self._inner = inner
+        self._deadline = deadline
+        self._edge = inner.is_edge_free if isinstance(inner, EdgeOracle) else self._judge_edge
+        self._manifold = Manifold.of(group.joints)
+        self._circle, self._lower, self._width = _bounded_circles(group, limits)
+        self.num_states = 0
+
+    @contextmanager
+    def until(self, deadline: Deadline) -> Generator[None]:
+        """Keep another deadline inside."""
+        kept, self._deadline = self._deadline, deadline
+        try:
+            yield
+        finally:
+            self._deadline = kept
+
+    def heed(self, deadline: Deadline) -> None:
+        """Keep another deadline from now on, inside `until` to its end."""
+        self._deadline = deadline
+
+    def is_free(self, q: Float64[np.ndarray, " nq"]) -> bool:
+        """Return whether q, shape (nq,), is admissible.
+
+        Raises:
+            Canceled: The end was asked for.
+            DeadlineExceeded: The time has run out.
+        """
+        self._deadline.check("search")
+        self.num_states += 1
+        if self._circle and not self._keeps_circles(q[None])[0]:
+            return False
+        return self._inner.is_free(q)
+
+    def are_free(self, qs: Float64[np.ndarray, "m nq"]) -> Bool[np.ndarray, " m"]:
+        """Return the same for each row of qs, shape (m, nq).
+
+        Raises:
+            Canceled: The end was asked for.
+            DeadlineExceeded: The time has run out.
+        """
+        self._deadline.check("search")
+        self.num_states += len(qs)
+        verdicts = self._inner.are_free(qs)
+        return verdicts & self._keeps_circles(qs) if self._circle else verdicts
+
+    def is_motion_free(
+        self,
+        origin: Float64[np.ndarray, " nq"],
+        displacement: Float64[np.ndarray, " nv"],
+        resolution: float,
+    ) -> bool:
+        """Return whether every sample of a motion is admissible; the origin is not one of them.
+
+        Raises:
+            Canceled: The end was asked for.
+            DeadlineExceeded: The time has run out.
+        """
+        steps = num_steps(displacement, resolution)
+        if self._circle or steps > _MOST_AT_ONCE:
+            return bool(self.are_motions_free(origin[None], displacement[None], resolution)[0])
+        self._deadline.check("search")
+        self.num_states += steps
+        return self._inner.is_motion_free(origin, displacement, resolution)
+
+    def is_edge_free(self, q0: list[float], q1: list[float], resolution: float) -> bool:
+        """Return whether the straight way from q0 to q1 is admissible, both ends included.
+
+        For joints that neither wrap nor float.
+
+        Raises:
+            Canceled: The end was asked for.
+            DeadlineExceeded: The time has run out.
+        """
+        self._deadline.check("search")
+        free, steps = self._edge(q0, q1, resolution)
+        self.num_states += steps + 1
+        return free
+
+    def _judge_edge(self, q0: list[float], q1: list[float], resolution: float) -> tuple[bool, int]:
+        begin, end = np.array(q0), np.array(q1)
+        steps = num_steps(end - begin, resolution)
+        free = self._inner.is_free(begin) and self._inner.is_motion_free(
+            begin, end - begin, resolution
+        )
+        return free, steps
+
+    def are_motions_free(
+        self,
+        origins: Float64[np.ndarray, "m nq"],
+        displacements: Float64[np.ndarray, "m nv"],
+        resolution: float,
+    ) -> Bool[np.ndarray, " m"]:
+        """Return the same for each pair of rows, shapes (m, nq) and (m, nv).
+
+        Raises:
+            Canceled: The end was asked for.
+            DeadlineExceeded: The time has run out.
+        """
+        counts = steps_of(displacements, resolution)
+        total = int(counts.sum())
+        if not self._circle and total <= _MOST_AT_ONCE:
+            self._deadline.check("search")
+            self.num_states += total
+            return self._inner.are_motions_free(origins, displacements, resolution)
+        self.num_states += total
+        free = self._stay_on_circles(origins, displacements, resolution)
+        is_long = counts > _MOST_AT_ONCE
+        for row in np.flatnonzero(free & is_long):
+            free[row] = self._is_long_motion_free((origins[row], displacements[row]), resolution)
+        for rows in _portions(np.flatnonzero(free & ~is_long), counts):
+            self._deadline.check("search")
+            free[rows] = self._inner.are_motions_free(
+                origins[rows], displacements[rows], resolution
+            )
+        return free
+
+    def _is_long_motion_free(self, motion: tuple[Array, Array], resolution: float) -> bool:
+        for qs in sample_batches(self._manifold, motion, resolution):
+            self._deadline.check("search")
+            if not self._inner.are_free(qs).all():
+                return False
+        return True
+
+    def _stay_on_circles(self, origins: Array, displacements: Array, resolution: float) -> Flags:
+        """Return for every motion whether its samples avoid all forbidden arcs."""
+        if not self._circle:
+            return np.ones(len(origins), dtype=bool)
+        verdicts = [
+            all(
+                self._keeps_circles(qs).all()
+                for qs in sample_batches(self._manifold, motion, resolution)
+            )
+            for motion in zip(origins, displacements, strict=True)
+        ]
+        return np.array(verdicts, dtype=bool)
+
+    def _keeps_circles(self, qs: Array) -> Flags:
+        beyond = np.remainder(qs[:, self._circle] - self._lower, 2 * np.pi)
+        dust = 1e-9
+        return ((beyond <= self._width + dust) | (beyond >= 2 * np.pi - dust)).all(axis=1)
+
+
+def _portions(
+    rows: np.ndarray[Any, np.dtype[np.intp]], counts: Counts
+) -> list[np.ndarray[Any, np.dtype[np.intp]]]:
+    """Return the rows in pieces of not too many states."""
+    if not len(rows):
+        return []
+    place = np.cumsum(counts[rows]) // _MOST_AT_ONCE
+    return np.split(rows, np.flatnonzero(np.diff(place)) + 1)
+
+
+def _bounded_circles(group: JointGroup, limits: JointLimits) -> tuple[list[int], Array, Array]:
+    """Return the coordinates of q that are angles on a circle with an arc forbidden."""
+    width = limits.upper - limits.lower
+    found: list[int] = []
+    iq = 0
+    for joint in group.joints:
+        wraps = joint.wraps
+        count = joint.num_positions
+        if any(wraps):
+            found += [iq + k for k in range(count) if wraps[k] and width[iq + k] < 2 * np.pi]
+        iq += count
+    return found, limits.lower[found], width[found]

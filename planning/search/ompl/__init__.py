@@ -1,0 +1,1 @@
+"""OMPL: spaces, planners and callbacks. Nothing else imports it."""

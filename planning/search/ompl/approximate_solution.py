@@ -1,0 +1,69 @@
+"""The nearest that a planner came to a goal: never a solution, but told to whoever asks."""
+
+from typing import Any
+
+import numpy as np
+
+from planning.domain.request.deadline import Deadline
+from planning.errors import DeadlineExceeded
+from planning.search.collision_oracle import WatchedOracle
+from planning.search.edges import EdgeChecker
+from planning.search.ompl.graph import Graph, cheapest_ways, measured, traced
+from planning.search.ompl.spaces import SearchSpace
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
+
+# What looking for it may take, after the time of the search is up [s].
+_GRACE = 0.15
+
+
+def approximate_solution(
+    graph: Graph,
+    space: SearchSpace,
+    goals: Array,
+    checker: EdgeChecker,
+    oracle: WatchedOracle,
+    deadline: Deadline,
+) -> dict[str, Any] | None:
+    """Return where a planner came nearest to a goal from the start, None if nowhere.
+
+    Every edge is checked again, since some planners check late; what lies beyond a blocked one is
+    left out.
+
+    Args:
+        graph: What the planner explored.
+        space: Where.
+        goals: Shape (n, nq).
+        checker: Checks edges finely, by the oracle.
+        oracle: Its oracle.
+        deadline: Of the plan; it may be over.
+
+    Returns:
+        `positions` there, the `path` to them, and the `goal` that is `goal_distance` away
+        (joint-space length).
+    """
+    grace = Deadline.after(_GRACE, deadline.clock, deadline.is_canceled)
+    came_from: dict[int, int] = {}
+    reached: list[int] = []
+    for row, table in cheapest_ways(graph, measured(graph, space.manifold.distance)):
+        reached.append(row)
+        came_from = table
+    if not reached:
+        return None
+    distances = space.manifold.distance(graph.qs[reached][:, None], goals[None])
+    nearest = reached[int(np.argmin(distances.min(axis=1)))]
+    path = graph.qs[traced(came_from, nearest)]
+    try:
+        with oracle.until(grace):
+            free = checker.are_free(path[:-1], path[1:]) if len(path) > 1 else np.ones(0, bool)
+    except DeadlineExceeded:
+        return None
+    path = path[: 1 + int(np.argmin(np.append(free, [False])))]
+    ends = space.manifold.distance(path[:, None], goals[None])
+    last, goal = np.unravel_index(int(np.argmin(ends)), ends.shape)
+    return {
+        "positions": path[last].tolist(),
+        "path": path[: last + 1].tolist(),
+        "goal_distance": float(ends[last, goal]),
+        "goal": goals[goal].tolist(),
+    }

@@ -1,0 +1,49 @@
+"""CarSpace: the search space of a group with a car in it."""
+
+from collections.abc import Callable
+from typing import Any, override
+
+import numpy as np
+from jaxtyping import Float64
+
+from planning.domain.robot.joints import JointGroup, JointLimits
+from planning.search.cars.steering_edges import SteeringEdgeChecker
+from planning.search.cars.steering_paths import SteeringPaths
+from planning.search.collision_oracle import WatchedOracle
+from planning.search.ompl.spaces import SearchSpace
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
+
+
+class CarSpace(SearchSpace):
+    """A space whose states are joined by drives.
+
+    OMPL grows its trees along Reeds and Shepp's curves, for a car that drives forwards only as
+    well: its wheel binds no space of Dubins' curves. That decides only where states are tried; the
+    motions between them are ours, and every one is a drive in the direction of the motion.
+
+    Attributes:
+        drives: The ways between states.
+    """
+
+    def __init__(
+        self,
+        group: JointGroup,
+        limits: JointLimits,
+        anchors: Float64[np.ndarray, "m nq"],
+        weights: Float64[np.ndarray, " num_blocks"],
+    ) -> None:
+        """Build the space; the arguments are those of a plain one.
+
+        Raises:
+            ProblemInvalid: The group has several cars.
+        """
+        self.drives = SteeringPaths(group)
+        super().__init__(group, limits, anchors, weights)
+
+    @override
+    def checker(
+        self, oracle: WatchedOracle, resolution: float, norm: Callable[[Array], Array]
+    ) -> SteeringEdgeChecker:
+        """Return what checks drives at a resolution."""
+        return SteeringEdgeChecker(self.drives, oracle, resolution, norm, (self.lower, self.upper))

@@ -1,0 +1,166 @@
+"""What a planner has explored, as numbers."""
+
+import heapq
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float64
+from ompl import base as ob
+from ompl import geometric as og
+
+from planning.domain.planner.planner_graph import PlannerGraph
+from planning.search.ompl.spaces import SearchSpace
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
+type Costs = Callable[[Array, Array], Array]
+# What the ways from a row to its neighbours cost, in their order.
+type Steps = Callable[[int, list[int]], Array | list[float]]
+
+# What is kept of a graph for people: more is neither drawn nor sent.
+_MOST_VERTICES = 2_000
+_MOST_EDGES = 10_000
+_SAME = 1e-9
+
+
+@dataclass(frozen=True)
+class Graph:
+    """A planner's own graph; an edge leads from where a tree began to where it grew.
+
+    Attributes:
+        qs: Vertices, shape (n, nq).
+        starts: Rows of starts.
+        goals: Rows of goals.
+        neighbours: Returns the rows that edges lead to from a row.
+    """
+
+    qs: Float64[np.ndarray, "n nq"]
+    starts: list[int]
+    goals: list[int]
+    neighbours: Callable[[int], list[int]]
+
+
+def has_graph(planner: Any) -> bool:
+    """Return whether a planner may be asked for its graph.
+
+    BITstar then keeps the whole space information in memory for ever, AORRTC tells nothing (2.0.1).
+    """
+    return not isinstance(planner, og.BITstar | og.AORRTC)
+
+
+def read_graph(planner: Any, information: Any, space: SearchSpace) -> Graph:
+    """Return the graph of a planner that has one."""
+    graph = ob.PlannerData(information)
+    planner.getPlannerData(graph)
+    rows = range(graph.numVertices())
+    qs = np.array([space.read(graph.getVertex(i).getState()) for i in rows])
+    return Graph(
+        qs.reshape(len(rows), space.manifold.num_positions),
+        [graph.getStartIndex(i) for i in range(graph.numStartVertices())],
+        [graph.getGoalIndex(i) for i in range(graph.numGoalVertices())],
+        graph.getEdges,
+    )
+
+
+def between(graph: Graph, start: Array, goals: Array, space: SearchSpace) -> Graph:
+    """Return the same graph from a start to goals, with edges that lead both ways.
+
+    FMT calls every vertex without a parent a start, BFMT tells none (2.0.1), and trees differ in
+    which way their edges lead.
+    """
+    if not len(graph.qs):
+        return graph
+    neighbours: list[list[int]] = [[] for _ in graph.qs]
+    for i in range(len(graph.qs)):
+        for j in graph.neighbours(i):
+            neighbours[i].append(j)
+            neighbours[j].append(i)
+    starts, ends = (
+        [row for q in qs if (row := _row_of(q, graph, space)) is not None]
+        for qs in (start[None], goals)
+    )
+    return Graph(graph.qs, starts, ends, neighbours.__getitem__)
+
+
+def measured(graph: Graph, costs: Costs) -> Callable[[int, list[int]], Array]:
+    """Return the costs of a graph's edges, each computed when it is asked for."""
+    return lambda here, there: costs(graph.qs[there], graph.qs[here])
+
+
+def cheapest_ways(graph: Graph, steps: Steps) -> Iterator[tuple[int, dict[int, int]]]:
+    """Yield what can be reached from the first start, cheapest first (Dijkstra).
+
+    With each row comes the table of rows from which others are reached; a start is its own.
+    """
+    if not graph.starts:
+        return
+    start = graph.starts[0]
+    best = [math.inf] * len(graph.qs)
+    best[start] = 0.0
+    came_from = {start: start}
+    queue = [(0.0, start)]
+    while queue:
+        cost, here = heapq.heappop(queue)
+        if cost > best[here]:
+            continue
+        yield here, came_from
+        neighbours = graph.neighbours(here)
+        costs = steps(here, neighbours) if neighbours else ()
+        for there, step in zip(neighbours, costs, strict=True):
+            if cost + step < best[there]:
+                best[there] = cost + step
+                came_from[there] = here
+                heapq.heappush(queue, (best[there], there))
+
+
+def traced(came_from: dict[int, int], end: int) -> list[int]:
+    """Return the rows from the start to `end`."""
+    chain = [end]
+    while came_from[chain[-1]] != chain[-1]:
+        chain.append(came_from[chain[-1]])
+    return chain[::-1]
+
+
+def exported(
+    name: str, graph: Graph, space: SearchSpace, solution: Float64[np.ndarray, "m nq"]
+) -> PlannerGraph:
+    """Return a graph for people, the solution, the starts and the goals in it whatever is left out.
+
+    Args:
+        name: Of the planner.
+        graph: What it explored.
+        space: Where.
+        solution: What it found, shape (m, nq); m = 0 for nothing.
+    """
+    rows = [_row_of(q, graph, space) for q in solution] if len(graph.qs) else []
+    path = [row for row in rows if row is not None]
+    wanted = dict.fromkeys([*graph.starts, *graph.goals, *path, *range(len(graph.qs))])
+    kept = sorted(list(wanted)[:_MOST_VERTICES])
+    place = {row: i for i, row in enumerate(kept)}
+    pairs = {
+        (min(i, j), max(i, j)) for i in range(len(graph.qs)) for j in graph.neighbours(i) if i != j
+    }
+    edges = sorted((place[i], place[j]) for i, j in pairs if i in place and j in place)
+    return PlannerGraph(
+        planner=name,
+        vertices=graph.qs[kept],
+        edges=tuple(edges[:_MOST_EDGES]),
+        starts=tuple(place[row] for row in graph.starts if row in place),
+        goals=tuple(place[row] for row in graph.goals if row in place),
+        path=tuple(place[row] for row in path if row in place),
+        num_vertices=len(graph.qs),
+        num_edges=len(pairs),
+    )
+
+
+def line_graph(waypoints: Float64[np.ndarray, "2 nq"]) -> PlannerGraph:
+    """Return the graph of a straight line that was free: no planner was asked."""
+    return PlannerGraph("", waypoints, ((0, 1),), (0,), (1,), (0, 1), 2, 1)
+
+
+def _row_of(q: Array, graph: Graph, space: SearchSpace) -> int | None:
+    distances = space.manifold.distance(graph.qs, q)
+    row = int(np.argmin(distances))
+    return row if distances[row] < _SAME else None

@@ -1,0 +1,192 @@
+"""Objective: by what paths are compared, and improved by planners that improve them.
+
+    length           sum of |delta|, radians and metres weighing the same
+    weighted_length  sum of |W delta|, W the request's weights
+    duration         sum of max_b |delta_b| / v_b over the blocks b of joints: the least time that
+                     the velocity limits v allow [s]; acceleration is left out
+    clearance        sum of |delta| / (d + 0.01 m), d the mean of both ends' distances to what is
+                     not the robot: a path near obstacles costs up to 100 times its length
+
+The first three are norms of tangents, so a geodesic is never dearer than a way around in it, and
+shortcuts are measured by them too.
+"""
+
+import math
+import operator
+from collections.abc import Callable
+from itertools import pairwise
+from typing import Any, Literal, override
+
+import numpy as np
+from jaxtyping import Float64
+from ompl import base as ob
+
+from planning.domain.robot.joints import JointGroup, JointLimits
+from planning.domain.robot.steering import manifold_of
+from planning.search.ompl.spaces import SearchSpace
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
+type Name = Literal["length", "weighted_length", "clearance", "duration"]
+type Clearances = Callable[[Array], Array]
+
+# What is added to a distance before it divides: how near is as bad as contact [m].
+_NEAR = 0.01
+# Along an edge distances are measured this far apart (joint-space length).
+_STEP = 0.1
+_MOST_REMEMBERED = 50_000
+_WANT_A_METRIC = ("FMT", "BFMT")
+
+
+class Objective:
+    """Measures tangents, edges and paths.
+
+    Attributes:
+        name: As in the search options.
+        is_length: Whether costs are plain lengths.
+    """
+
+    def __init__(
+        self,
+        name: Name,
+        group: JointGroup,
+        limits: JointLimits,
+        weights: Float64[np.ndarray, " num_blocks"],
+        clearances: Clearances | None = None,
+    ) -> None:
+        """Measure the motions of a group.
+
+        Args:
+            name: As in the search options.
+            group: The joints.
+            limits: Their velocity limits count for "duration".
+            weights: Of the group's blocks, for "weighted_length".
+            clearances: Returns distances [m] of configurations, for "clearance".
+        """
+        self.name = name
+        self.is_length = name == "length"
+        self._manifold = manifold_of(group)
+        self._blocks = [list(block) for block in limits.blocks]
+        self._velocity = limits.velocity
+        # Of a vector every block is one coordinate.
+        self._slowness = (1 / limits.velocity).tolist()
+        self._weights = np.empty(group.num_velocities)
+        for block, weight in zip(self._blocks, weights, strict=True):
+            self._weights[block] = weight
+        self._factors = self._weights.tolist()
+        self._clearances = clearances or _nothing_is_near
+        self._remembered: dict[bytes, float] = {}
+        # OMPL measures in its weighted space, so there plain lengths are not its own.
+        self._is_of_ompl = name == "weighted_length" or (self.is_length and (weights == 1).all())
+
+    def norm(self, delta: Float64[np.ndarray, "*n nv"]) -> Array:
+        """Return the measure of tangents, shape (...); of "clearance" it is the length."""
+        match self.name:
+            case "weighted_length":
+                return np.asarray(np.linalg.norm(delta * self._weights, axis=-1))
+            case "duration":
+                shares = [
+                    np.linalg.norm(delta[..., block], axis=-1) / rate
+                    for block, rate in zip(self._blocks, self._velocity, strict=True)
+                ]
+                return np.asarray(np.max(np.array(shares), axis=0), dtype=np.float64)
+            case _:
+                return np.asarray(np.sqrt(np.einsum("...v,...v->...", delta, delta)))
+
+    def edge_costs(
+        self, q0s: Float64[np.ndarray, "*#m nq"], q1s: Float64[np.ndarray, "*#m nq"]
+    ) -> Array:
+        """Return the costs of geodesics as planners see them, by their ends alone, shape (m,)."""
+        if self.is_length:
+            return self._manifold.distance(q1s, q0s)
+        norms = self.norm(self._manifold.minus(q1s, q0s))
+        if self.name != "clearance":
+            return norms
+        q0s, q1s = np.broadcast_arrays(q0s, q1s)
+        near = [self._distance(q0) + self._distance(q1) for q0, q1 in zip(q0s, q1s, strict=True)]
+        return norms / (np.array(near) / 2 + _NEAR)
+
+    def between(self, q0: list[float], q1: list[float]) -> float:
+        """Return the same for one edge; planners ask this a hundred thousand times."""
+        if not self._manifold.is_vector:
+            return float(self.edge_costs(np.array(q0)[None], np.array(q1)[None])[0])
+        match self.name:
+            case "duration":
+                return max(map(operator.mul, map(abs, map(operator.sub, q1, q0)), self._slowness))
+            case "clearance":
+                near = self._distance(np.array(q0)) + self._distance(np.array(q1))
+                return math.dist(q0, q1) / (near / 2 + _NEAR)
+            case "weighted_length":
+                return math.dist(
+                    list(map(operator.mul, q0, self._factors)),
+                    list(map(operator.mul, q1, self._factors)),
+                )
+            case _:
+                return math.dist(q0, q1)
+
+    def cost(self, waypoints: Float64[np.ndarray, "n nq"]) -> float:
+        """Return the cost of a path of geodesics."""
+        norms = self.norm(self._manifold.minus(waypoints[1:], waypoints[:-1]))
+        if self.name != "clearance":
+            return float(norms.sum())
+        return sum(self._cost_of_edge(q0, q1) for q0, q1 in pairwise(waypoints))
+
+    def of_ompl(self, information: Any, space: SearchSpace, planner: str) -> Any | None:
+        """Return the objective for OMPL, or None for OMPL's own, which is length in its space.
+
+        FMT and BFMT look for neighbours by cost, which must be a metric: for clearance, which is
+        none, they get the length.
+        """
+        is_metric_wanted = planner in _WANT_A_METRIC and self.name == "clearance"
+        if not (self._is_of_ompl or is_metric_wanted):
+            return _MotionCost(information, space, self)
+        return _length(information) if space.is_mixed else None
+
+    def _cost_of_edge(self, q0: Array, q1: Array) -> float:
+        delta = self._manifold.minus(q1, q0)
+        count = max(1, int(np.ceil(float(self.norm(delta)) / _STEP)))
+        qs = self._manifold.interpolate(q0, q1, np.arange(count + 1) / count)
+        return float(self.edge_costs(qs[:-1], qs[1:]).sum())
+
+    def _distance(self, q: Array) -> float:
+        key = q.tobytes()
+        if key not in self._remembered:
+            if len(self._remembered) >= _MOST_REMEMBERED:
+                self._remembered.clear()
+            self._remembered[key] = max(0.0, float(self._clearances(q[None])[0]))
+        return self._remembered[key]
+
+
+class _MotionCost(ob.OptimizationObjective):
+    """Tells OMPL what a motion costs."""
+
+    def __init__(self, information: Any, space: SearchSpace, objective: Objective) -> None:
+        """Measure the motions of an OMPL space information."""
+        super().__init__(information)
+        self._numbers = space.numbers
+        self._measure = objective.between
+
+    @override
+    def stateCost(self, state: Any) -> Any:
+        """Return nothing: only motions cost."""
+        return ob.Cost(0.0)
+
+    @override
+    def motionCost(self, s1: Any, s2: Any) -> Any:
+        """Return the cost of the geodesic."""
+        return ob.Cost(self._measure(self._numbers(s1), self._numbers(s2)))
+
+
+def _length(information: Any) -> Any:
+    """Return the length of a path as an objective that planners can use in a compound space.
+
+    For OMPL's own they sample where a path could still get shorter, and that sampler refuses
+    compounds; wrapped, it lets them sample everywhere and reject.
+    """
+    length = ob.MultiOptimizationObjective(information)
+    length.addObjective(ob.PathLengthOptimizationObjective(information), 1.0)
+    length.lock()
+    return length
+
+
+def _nothing_is_near(qs: Array) -> Array:
+    return np.ones(len(qs))

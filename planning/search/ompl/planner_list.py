@@ -1,0 +1,157 @@
+"""The planners that OMPL's wheel binds, found in the module, so that new ones appear by themselves.
+
+Which of them end how is told in `stopping` and `roadmap`.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+from functools import lru_cache
+from typing import Any
+
+from ompl import base as ob
+from ompl import geometric as og
+from ompl import util as ou
+
+from planning.domain.planner.foreign_planners import unknown_planner
+from planning.domain.planner.planner_card import PlannerCard, PlannerParameter
+from planning.errors import UnknownName
+from planning.search.ompl.parameters import (
+    Scalar,
+    declared,
+    describe_range,
+    kind_of,
+    range_of,
+    set_parameters,
+    value_of,
+)
+
+# The longest step of RRTConnect where none is asked for, unless OMPL chooses a shorter one. OMPL's
+# choice, a fifth of the space's diagonal, is about 2.6 rad for an arm of seven joints: most motions
+# of that length are blocked, in narrow places nearly all. On MotionBenchMaker's Panda problems 0.5
+# took a sixth of the checks, 0.3 and 0.8 a few more than 0.5.
+_RANGE = 0.5
+
+# OMPL logs to the terminal by default; what it has to say is in our reports and errors.
+ou.setLogLevel(ou.LogLevel.LOG_NONE)
+
+
+def planner_names() -> list[str]:
+    """Return the names of all geometric planners, sorted."""
+    return list(_planner_names())
+
+
+@lru_cache(maxsize=1)
+def _planner_names() -> tuple[str, ...]:
+    return tuple(sorted(name for name, item in vars(og).items() if _is_planner(item)))
+
+
+def check_planners(names: Sequence[str], parameters: Mapping[str, Scalar]) -> None:
+    """Return if there are such planners, and each parameter is one of at least one of them.
+
+    Raises:
+        UnknownName: No such planner, or a parameter that none of these has.
+        ProblemInvalid: A parameter's value has the wrong type or lies outside its range.
+    """
+    if len(names) == 1:
+        check_planner(names[0], parameters)
+        return
+    known: set[str] = set()
+    for name in names:
+        check_planner(name, {})
+        known |= _own(name)
+    for parameter in parameters:
+        if parameter not in known:
+            raise UnknownName.among("parameter", parameter, known)
+    for name in names:
+        check_planner(name, own_parameters(name, parameters))
+
+
+def own_parameters(name: str, parameters: Mapping[str, Scalar]) -> dict[str, Scalar]:
+    """Return those parameters that a planner has."""
+    own = _own(name)
+    return {parameter: value for parameter, value in parameters.items() if parameter in own}
+
+
+@lru_cache(maxsize=32)
+def _own(name: str) -> frozenset[str]:
+    return frozenset(parameter.name for parameter in _card(_nowhere(), name).parameters)
+
+
+def check_planner(name: str, parameters: Mapping[str, Scalar]) -> None:
+    """Return if there is such a planner and it takes such parameters.
+
+    Raises:
+        UnknownName: No planner, or no parameter of this one, has such a name.
+        ProblemInvalid: A parameter's value has the wrong type or lies outside its range.
+    """
+    # True is 1 is 1.0 to a cache, but not to a planner.
+    _check(name, tuple((key, type(given), given) for key, given in sorted(parameters.items())))
+
+
+@lru_cache(maxsize=256)
+def _check(name: str, parameters: tuple[tuple[str, type, Scalar], ...]) -> None:
+    """Make such a planner; what it raises is not remembered, only that it raised nothing."""
+    make_planner(_nowhere(), name, {key: given for key, _, given in parameters})
+
+
+def ompl_cards() -> tuple[PlannerCard, ...]:
+    """Return OMPL's planners with their parameters, sorted by name."""
+    information = _nowhere()
+    return tuple(_card(information, name) for name in planner_names())
+
+
+def make_planner(information: Any, name: str, parameters: Mapping[str, Scalar]) -> Any:
+    """Return an OMPL planner with its parameters set.
+
+    Raises:
+        UnknownName: No planner, or no parameter of this one, has such a name.
+        ProblemInvalid: A parameter's value has the wrong type or lies outside its range.
+    """
+    if name not in _planner_names():
+        raise unknown_planner(name, planner_names())
+    planner = getattr(og, name)(information)
+    if name == "BFMT":
+        # See `parameters`: it would crash the process.
+        planner.setExtendedFMT(False)
+    try:
+        set_parameters(planner, parameters)
+    finally:
+        # An AORRTC that was never set up crashes the process when it is thrown away (2.0.1).
+        planner.setup()
+    if name == "RRTConnect" and not float(parameters.get("range", 0)):
+        planner.setRange(min(_RANGE, planner.getRange()))
+    return planner
+
+
+def _is_planner(item: Any) -> bool:
+    return isinstance(item, type) and issubclass(item, ob.Planner) and item is not ob.Planner
+
+
+def _nowhere() -> Any:
+    """Return the least that a planner can be made for."""
+    space = ob.RealVectorStateSpace(2)
+    space.setBounds(0.0, 1.0)
+    information = ob.SpaceInformation(space)
+    information.setStateValidityChecker(_accept)
+    information.setup()
+    return information
+
+
+def _accept(_: Any) -> bool:
+    return True
+
+
+def _card(information: Any, name: str) -> PlannerCard:
+    planner = getattr(og, name)(information)
+    try:
+        return PlannerCard(name, tuple(_parameters(planner)))
+    finally:
+        planner.setup()
+
+
+def _parameters(planner: Any) -> Iterator[PlannerParameter]:
+    for name, setter in declared(planner).items():
+        value = value_of(planner, setter)
+        text = str(value).lower() if isinstance(value, bool) else f"{value:g}"
+        low, high = range_of(name, value)
+        told = describe_range(name, value)
+        yield PlannerParameter(name, text, told, kind_of(value), low, high)

@@ -1,0 +1,86 @@
+"""The parts of a group's search space: one vector, and a part per circle and body."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float64
+
+from planning.domain.robot.joints import Joint, JointGroup, JointType
+from planning.domain.robot.steering import steering_of
+
+_SE3_FROM_Q = (4, 5, 6, 1, 2, 3, 0)
+
+
+@dataclass(frozen=True)
+class SpacePart:
+    """A part of the space.
+
+    Attributes:
+        kind: Revolute for a vector of whatever is measured by numbers.
+        indices: Into q, of its values, in OMPL's order.
+        weights: Of each value of a vector, of a circle, of the shift and the turn of a body.
+        turning_radius: Of a car [m]; 0 of anything else.
+    """
+
+    kind: JointType
+    indices: list[int]
+    weights: list[float]
+    turning_radius: float = 0.0
+
+    @property
+    def weight(self) -> float:
+        """What its distances are weighted by from outside; most weigh their own values."""
+        is_whole = self.turning_radius > 0 or self.kind is JointType.CONTINUOUS
+        return self.weights[0] if is_whole else 1.0
+
+
+def space_parts(
+    group: JointGroup, weights: Float64[np.ndarray, " num_blocks"], held: Sequence[int]
+) -> list[SpacePart]:
+    """Return each part; a body whose rotation is held is three, or two, numbers of the vector."""
+    vector, others = SpacePart(JointType.REVOLUTE, [], []), list[SpacePart]()
+    iq = 0
+    remaining = iter(weights.tolist())
+    for joint in group.joints:
+        own = {name: next(remaining) for name, _ in joint.blocks}
+        indices = _value_order(joint, iq)
+        shift = own.get(f"{joint.name}.linear", 1.0)
+        if joint.type in {JointType.REVOLUTE, JointType.PRISMATIC}:
+            vector.indices.append(iq)
+            vector.weights.append(own[joint.name])
+        elif not set(indices).isdisjoint(held):
+            moving = [i for i in indices if i not in held]
+            vector.indices.extend(moving)
+            vector.weights.extend([shift] * len(moving))
+        else:
+            turn = own.get(f"{joint.name}.angular", 1.0)
+            is_circle = joint.type is JointType.CONTINUOUS
+            scales = [own[joint.name]] if is_circle else [shift, turn]
+            car = steering_of(group).get(joint.name)
+            others.append(
+                SpacePart(joint.type, indices, scales, 0.0 if car is None else car.turning_radius)
+            )
+        iq += joint.num_positions
+    return ([vector] if vector.indices else []) + others
+
+
+def _value_order(joint: Joint, iq: int) -> list[int]:
+    if joint.type is JointType.FLOATING:
+        return [iq + k for k in _SE3_FROM_Q]
+    return list(range(iq, iq + joint.num_positions))
+
+
+def scales_of(part: SpacePart) -> list[float]:
+    """Return what each of a part's values is q times."""
+    is_vector = part.kind is JointType.REVOLUTE
+    return part.weights if is_vector else [1.0] * len(part.indices)
+
+
+def circles(parts: list[SpacePart]) -> list[bool]:
+    """Return whether each value of the space goes around in a circle."""
+    flags: list[bool] = []
+    for part in parts:
+        wraps = {JointType.CONTINUOUS: [True], JointType.PLANAR: [False, False, True]}
+        flags += wraps.get(part.kind, [False] * len(part.indices))
+    return flags

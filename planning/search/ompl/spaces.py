@@ -1,0 +1,215 @@
+"""SearchSpace: the OMPL state space of a group, and the way between its states and q.
+
+Joints of one coordinate and limits are a vector; continuous joints are SO(2), planar joints SE(2),
+or the space of Reeds and Shepp's curves if they are steered, floating joints SE(3); a group that
+mixes them is a compound. OMPL measures a compound by the sum of its parts' distances,
+`Manifold.distance` by the root of their squares: the two agree within the square root of the number
+of parts, and exactly for a group of bounded joints. Where a request weighs joints, OMPL's distances
+are weighted and ours are not: a vector's state is q times the weights, other parts are weighted by
+their compound. A rotation that is held is no part of a state.
+"""
+
+from collections.abc import Callable, Sequence
+from operator import itemgetter
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float64
+from ompl import base as ob
+
+from planning.domain.robot.joints import JointGroup, JointLimits, JointType
+from planning.domain.robot.steering import manifold_of
+from planning.search.collision_oracle import WatchedOracle
+from planning.search.edges import EdgeChecker
+from planning.search.ompl.space_parts import SpacePart, circles, scales_of, space_parts
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
+
+# Where a translation has no limits, this is how far from the world's origin is searched [m] ...
+_REACH = 10.0
+# ... or so far beyond the start and the goals, if they lie outside [m].
+_SURROUNDINGS = 1.0
+# OMPL wants each range to have a width.
+_LEAST_WIDTH = 1e-9
+
+_SAME = 1e-6
+
+
+class SearchSpace:
+    """A state space with a fixed order of its values.
+
+    Attributes:
+        manifold: The same set with our metric.
+        ompl: OMPL's state space; it never leaves `planning.search`.
+        lower: Search bounds, finite but for circles and quaternions, shape (nq,).
+        upper: And above, shape (nq,).
+        is_mixed: Whether it is a compound that OMPL has no name for.
+        numbers: Returns the q of an OMPL state as a list, which is what OMPL gives.
+    """
+
+    def __init__(
+        self,
+        group: JointGroup,
+        limits: JointLimits,
+        anchors: Float64[np.ndarray, "m nq"],
+        weights: Float64[np.ndarray, " num_blocks"] | None = None,
+        held: Sequence[int] = (),
+    ) -> None:
+        """Build the space.
+
+        Args:
+            group: The joints.
+            limits: Their position limits.
+            anchors: Configurations that must lie inside, the start first, shape (m, nq).
+            weights: Of the group's blocks in OMPL's distances; None for 1.
+            held: Coordinates of q that stay as they are at the start: whole rotations.
+        """
+        self.manifold = manifold_of(group)
+        self.lower, self.upper = _search_bounds(group, limits, anchors)
+        self._held = list(held)
+        self._rest = anchors[0]
+        given = np.ones(len(group.blocks)) if weights is None else weights
+        parts = space_parts(group, given, self._held)
+        # A circle alone becomes a compound as well: `setup` of SO2StateSpace is not bound.
+        is_lone_circle = parts[0].kind is JointType.CONTINUOUS
+        self.is_mixed = len(parts) > 1 or is_lone_circle or parts[0].weight != 1
+        self._from_q = [i for part in parts for i in part.indices]
+        self._scale = np.array([scale for part in parts for scale in scales_of(part)])
+        self.ompl = self._assemble(parts)
+        self.ompl.setup()
+        self._to_q = [int(i) for i in np.argsort(self._from_q)]
+        self._angles = [i for i, wraps in zip(self._from_q, circles(parts), strict=True) if wraps]
+        self.numbers = self._reader()
+
+    def read(self, state: Any) -> Array:
+        """Return the q of an OMPL state, shape (nq,)."""
+        return np.array(self.numbers(state))
+
+    def _reader(self) -> Callable[[Any], list[float]]:
+        is_vector = isinstance(self.ompl, ob.RealVectorStateSpace)
+        if self._held or (self._scale != 1).any():
+            return self._rescaled(is_vector=is_vector)
+        return itemgetter(slice(0, len(self._from_q))) if is_vector else self._values
+
+    def _values(self, state: Any) -> list[float]:
+        value = self.ompl.getValueAddressAtIndex
+        return [value(state, i) for i in self._to_q]
+
+    def _rescaled(self, *, is_vector: bool) -> Callable[[Any], list[float]]:
+        """Return a reader of states whose values are scaled, or are not all of q."""
+        count = len(self._from_q)
+        rest = self._rest.tolist()
+        lower, upper = self.lower[self._from_q].tolist(), self.upper[self._from_q].tolist()
+        places = list(zip(self._from_q, self._scale.tolist(), lower, upper, strict=True))
+        value = self.ompl.getValueAddressAtIndex
+        whole = slice(0, count)
+
+        def read(state: Any) -> list[float]:
+            values = state[whole] if is_vector else [value(state, i) for i in range(count)]
+            q = rest.copy()
+            for x, (i, scale, low, high) in zip(values, places, strict=True):
+                # Scaled and back, a limit may be off by a rounding error.
+                q[i] = min(max(x / scale, low), high)
+            return q
+
+        return read
+
+    def write(self, q: Float64[np.ndarray, " nq"]) -> Any:
+        """Return a new OMPL state at q, shape (nq,); quaternions are normalised."""
+        q = np.clip(self.manifold.normalized(q), self.lower, self.upper)
+        q[self._angles] = np.remainder(q[self._angles] + np.pi, 2 * np.pi) - np.pi
+        state = self.ompl.allocState()
+        self.ompl.copyFromReals(state, (q[self._from_q] * self._scale).tolist())
+        return state
+
+    def at_rest(self, qs: Float64[np.ndarray, "m nq"]) -> Array:
+        """Return configurations with the held coordinates as they are at the start."""
+        resting = qs.copy()
+        resting[:, self._held] = self._rest[self._held]
+        return resting
+
+    def checker(
+        self, oracle: WatchedOracle, resolution: float, norm: Callable[[Array], Array]
+    ) -> EdgeChecker:
+        """Return what checks the edges between configurations at a resolution."""
+        return EdgeChecker(self.manifold, oracle, resolution, norm)
+
+    def contains(self, q: Float64[np.ndarray, " nq"]) -> bool:
+        """Return whether q, shape (nq,), lies in the searched box, with every held rotation."""
+        if self._held:
+            turned = np.array(q)
+            turned[self._held] = self._rest[self._held]
+            if float(self.manifold.distance(turned, q)) > _SAME:
+                return False
+        return bool(((q >= self.lower - 1e-9) & (q <= self.upper + 1e-9)).all())
+
+    def _assemble(self, parts: list[SpacePart]) -> Any:
+        spaces = [self._sub_space(part) for part in parts]
+        if not self.is_mixed:
+            return spaces[0]
+        compound = ob.CompoundStateSpace(spaces, [part.weight for part in parts])
+        compound.lock()
+        # What KPIECE and its kin spread over: the first part, which has the most to say.
+        compound.registerDefaultProjection(ob.SubspaceProjectionEvaluator(compound, 0))
+        return compound
+
+    def _sub_space(self, part: SpacePart) -> Any:
+        indices = part.indices
+        match part.kind:
+            case JointType.CONTINUOUS:
+                return ob.SO2StateSpace()
+            case JointType.PLANAR if part.turning_radius > 0:
+                space = ob.ReedsSheppStateSpace(part.turning_radius)
+                space.setBounds(self._bounds(indices[:2]))
+            case JointType.PLANAR:
+                space = ob.SE2StateSpace()
+                space.setBounds(self._bounds(indices[:2]))
+                space.setSubspaceWeight(0, part.weights[0])
+                space.setSubspaceWeight(1, part.weights[1])
+            case JointType.FLOATING:
+                space = ob.SE3StateSpace()
+                space.setBounds(self._bounds(indices[:3]))
+                # OMPL's distance on SO(3) is half the angle of the rotation.
+                space.setSubspaceWeight(0, part.weights[0])
+                space.setSubspaceWeight(1, 2.0 * part.weights[1])
+            case _:
+                space = ob.RealVectorStateSpace(len(indices))
+                space.setBounds(self._bounds(indices))
+        return space
+
+    def _bounds(self, indices: list[int]) -> Any:
+        bounds = ob.RealVectorBounds(len(indices))
+        for i, k in enumerate(indices):
+            scale = float(self._scale[self._from_q.index(k)])
+            bounds.setLow(i, float(self.lower[k]) * scale)
+            bounds.setHigh(i, float(self.upper[k]) * scale)
+        return bounds
+
+
+def _search_bounds(group: JointGroup, limits: JointLimits, anchors: Array) -> tuple[Array, Array]:
+    """Return finite bounds wherever OMPL needs them."""
+    nearest = np.minimum(-_REACH, anchors.min(axis=0) - _SURROUNDINGS)
+    furthest = np.maximum(_REACH, anchors.max(axis=0) + _SURROUNDINGS)
+    lower = np.where(np.isfinite(limits.lower), limits.lower, nearest)
+    upper = np.where(np.isfinite(limits.upper), limits.upper, furthest)
+    free = _unbounded(group)
+    lower[free], upper[free] = -np.inf, np.inf
+    return lower, np.maximum(upper, lower + _LEAST_WIDTH)
+
+
+def _unbounded(group: JointGroup) -> list[int]:
+    """Return the coordinates of q that have no bounds in OMPL: circles and quaternions."""
+    found: list[int] = []
+    iq = 0
+    for joint in group.joints:
+        match joint.type:
+            case JointType.CONTINUOUS:
+                found.append(iq)
+            case JointType.PLANAR:
+                found.append(iq + 2)
+            case JointType.FLOATING:
+                found += range(iq, iq + 4)
+            case _:
+                pass
+        iq += joint.num_positions
+    return found

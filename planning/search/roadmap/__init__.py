@@ -1,0 +1,1 @@
+"""Roadmaps for many queries: built once, then asked."""

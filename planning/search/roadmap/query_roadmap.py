@@ -1,0 +1,56 @@
+"""A path by a roadmap, before any planner is asked."""
+
+from planning.domain.planner.roadmap import Roadmap
+from planning.domain.report.search_report import RoadmapReport
+from planning.search.ompl.attempt import Attempt
+from planning.search.ompl.graph import exported
+from planning.search.query import Query
+from planning.search.roadmap.shortest_roadmap_path import RoadmapPath, shortest_roadmap_path
+from planning.search.statistics import SearchStatistics
+from planning.search.verified_path import CheckResolution, VerifiedPath, coarse_checker, shortened
+
+NAME = "roadmap"
+
+
+def query_roadmap(
+    roadmap: Roadmap, query: Query, closeness: CheckResolution, tally: SearchStatistics
+) -> None:
+    """Put the roadmap's path into the tally, if it has a better one than there is, and what it did.
+
+    Raises:
+        Canceled: The end was asked for.
+        DeadlineExceeded: The time has run out.
+    """
+    tally.roadmap = report_of(roadmap, "interrupted")
+    way = shortest_roadmap_path(roadmap, query, closeness.fine)
+    path = None if way.reason else _sound(way, query, closeness, tally)
+    reason = way.reason or ("blocked" if path is None else "")
+    if path is not None and tally.best is not None and tally.best.cost <= path.cost:
+        reason = "straight_line"
+    tally.roadmap = report_of(roadmap, reason)
+    if path is not None and not reason:
+        tally.best, tally.winner = path, NAME
+        if query.options.keep_graph:
+            tally.graph = exported(NAME, way.graph, query.space, way.waypoints)
+
+
+def report_of(roadmap: Roadmap, reason: str) -> RoadmapReport:
+    """Return what a roadmap is, and why it was of no use; "" if it was."""
+    return RoadmapReport(
+        digest=roadmap.digest,
+        num_states=len(roadmap.states),
+        num_edges=len(roadmap.edges),
+        num_states_checked=roadmap.num_states_checked,
+        used=not reason,
+        reason=reason,
+    )
+
+
+def _sound(
+    way: RoadmapPath, query: Query, closeness: CheckResolution, tally: SearchStatistics
+) -> VerifiedPath | None:
+    coarse = coarse_checker(query, closeness.resolution)
+    found = Attempt("", way.waypoints, way.goal_row, {}, None, is_spent=False)
+    path = shortened(query, found, coarse, closeness)
+    tally.num_motions += coarse.num_motions
+    return path

@@ -1,0 +1,30 @@
+"""Uniform samples of a search space, without OMPL and its global random numbers."""
+
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float64
+
+from planning.domain.robot.joints import JointGroup, JointType
+from planning.search.ompl.spaces import SearchSpace
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
+
+
+def uniform_samples(
+    group: JointGroup, space: SearchSpace, count: int, rng: np.random.Generator
+) -> Float64[np.ndarray, "count nq"]:
+    """Return configurations within the space's bounds: whole circles, rotations by Haar measure.
+
+    Coordinates that the space holds are at rest, as it has them.
+    """
+    lower = np.where(np.isfinite(space.lower), space.lower, -np.pi)
+    upper = np.where(np.isfinite(space.upper), space.upper, np.pi)
+    qs = rng.uniform(lower, upper, (count, group.num_positions))
+    iq = 0
+    for joint in group.joints:
+        if joint.type is JointType.FLOATING:
+            # The direction of a normal vector is uniform on the sphere.
+            qs[:, iq : iq + 4] = rng.normal(size=(count, 4))
+        iq += joint.num_positions
+    return space.at_rest(space.manifold.normalized(qs))

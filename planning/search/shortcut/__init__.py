@@ -1,0 +1,1 @@
+"""Paths made shorter and safer once there is one."""

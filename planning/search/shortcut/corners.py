@@ -1,0 +1,58 @@
+"""Corners that are cut: one waypoint becomes two where that makes a path much shorter."""
+
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float64
+
+from planning.domain.curves.motion_samples import steps_of
+from planning.search.edges import EdgeChecker
+from planning.search.shortcut.polyline import distinct, path_measure
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
+
+# How much of the edges at a corner is cut off; half of an edge is for its other corner.
+_SHARES = np.array([0.5, 0.25, 0.125])
+# What a waypoint more must gain, as a share of the length.
+_LEAST_GAIN = 5e-3
+
+
+def cut_corners(waypoints: Float64[np.ndarray, "n nq"], edges: EdgeChecker) -> Array | None:
+    """Return a shorter path of free edges, from one of free edges, or None if nothing is gained.
+
+    Args:
+        waypoints: From start to goal, shape (n, nq).
+        edges: Checks what is new; an edge is cut only where it was checked, so that what is left of
+            it need not be (see `polyline.points_on`).
+    """
+    if len(waypoints) < 3:
+        return None
+    manifold = edges.manifold
+    delta = manifold.minus(waypoints[1:], waypoints[:-1])
+    steps = steps_of(delta, edges.resolution)
+    off = np.floor(_SHARES * steps[:, None]).astype(np.int64)
+    before = (steps[:-1, None] - off[:-1]) / steps[:-1, None]
+    after = off[1:] / steps[1:, None]
+    p = manifold.plus(waypoints[:-2, None], before[..., None] * delta[:-1, None])
+    q = manifold.plus(waypoints[1:-1, None], after[..., None] * delta[1:, None])
+    lengths = edges.lengths(waypoints[:-1], waypoints[1:])
+    around = (1 - before) * lengths[:-1, None] + after * lengths[1:, None]
+    flat = p.reshape(-1, p.shape[2]), q.reshape(-1, p.shape[2])
+    gains = around - edges.lengths(*flat).reshape(around.shape)
+    worth = (gains > _LEAST_GAIN * path_measure(waypoints, edges)) & (off[:-1] > 0) & (off[1:] > 0)
+    rows, columns = np.nonzero(worth)
+    if not len(rows):
+        return None
+    free = edges.are_free(p[rows, columns], q[rows, columns])
+    kept = np.zeros(gains.shape)
+    kept[rows[free], columns[free]] = gains[rows[free], columns[free]]
+    return _cut(waypoints, p, q, kept) if free.any() else None
+
+
+def _cut(waypoints: Array, p: Array, q: Array, gains: Array) -> Array:
+    """Return the path with the most gainful cut of each corner."""
+    pieces = [waypoints[:1]]
+    for k, best in enumerate(gains.argmax(axis=1)):
+        is_cut = gains[k, best] > 0
+        pieces.append(np.stack([p[k, best], q[k, best]]) if is_cut else waypoints[k + 1 : k + 2])
+    return distinct(np.concatenate([*pieces, waypoints[-1:]]))

@@ -1,0 +1,88 @@
+"""Polyline: waypoints joined by geodesics."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float64, Int64
+
+from planning.domain.curves.motion_samples import steps_of
+from planning.domain.robot.manifold import Manifold
+from planning.search.edges import EdgeChecker
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
+
+
+def path_measure(waypoints: Float64[np.ndarray, "n nq"], edges: EdgeChecker) -> float:
+    """Return the sum of the edges' measures."""
+    return float(edges.lengths(waypoints[:-1], waypoints[1:]).sum())
+
+
+def path_length(waypoints: Float64[np.ndarray, "n nq"], manifold: Manifold) -> float:
+    """Return the sum of the edges' lengths (radians and metres weigh the same)."""
+    delta = manifold.minus(waypoints[1:], waypoints[:-1])
+    return float(np.sqrt(np.einsum("...v,...v->...", delta, delta)).sum())
+
+
+def distinct(waypoints: Float64[np.ndarray, "n nq"]) -> Array:
+    """Return the path without waypoints that repeat the one before."""
+    return waypoints[np.append(True, (waypoints[1:] != waypoints[:-1]).any(axis=1))]
+
+
+def unrolled(waypoints: Float64[np.ndarray, "n nq"], manifold: Manifold) -> Array:
+    """Return the path without jumps of whole turns, and without changes of a quaternion's sign.
+
+    The ends stay as they are: the last may lie whole turns from the waypoint before it.
+    """
+    path = waypoints.copy()
+    if not manifold.is_vector:
+        for i in range(1, len(path) - 1):
+            path[i] = manifold.plus(path[i - 1], manifold.minus(path[i], path[i - 1]))
+    return path
+
+
+@dataclass(frozen=True)
+class Points:
+    """Points on a path, in order, its waypoints among them.
+
+    Attributes:
+        qs: Shape (m, nq).
+        first: The first edge that each lies on, shape (m,).
+        last: The last one: the next edge for a waypoint, the same for a point between two.
+    """
+
+    qs: Float64[np.ndarray, "m nq"]
+    first: Int64[np.ndarray, " m"]
+    last: Int64[np.ndarray, " m"]
+
+    @property
+    def backwards(self) -> "Points":
+        """The same points of the path that leads the other way."""
+        return Points(self.qs[::-1], -self.last[::-1], -self.first[::-1])
+
+    def share_edge(self, i: int, j: int) -> bool:
+        """Return whether the path is straight from point i to a later point j."""
+        return bool(self.first[j] <= self.last[i])
+
+
+def points_on(waypoints: Float64[np.ndarray, "n nq"], edges: EdgeChecker, pieces: int) -> Points:
+    """Return the waypoints and the points that cut every edge into about equal pieces.
+
+    Where an edge is cut is where it was checked: what is left of a free edge is made of the same
+    samples, so it is free as well (n steps of an edge are the least number that is short enough;
+    then so are k steps for every k of them, but for rounding).
+    """
+    delta = edges.manifold.minus(waypoints[1:], waypoints[:-1])
+    steps = steps_of(delta, edges.resolution)
+    parts = np.minimum(pieces, steps)
+    edge = np.repeat(np.arange(len(delta)), parts)
+    part = np.arange(len(edge)) - np.repeat(np.cumsum(parts) - parts, parts)
+    sample = part * steps[edge] // parts[edge]
+    qs = edges.manifold.plus(waypoints[edge], (sample / steps[edge])[:, None] * delta[edge])
+    is_corner = sample == 0
+    qs[is_corner] = waypoints[:-1]
+    return Points(
+        np.concatenate([qs, waypoints[-1:]]),
+        np.append(edge - is_corner, len(delta) - 1),
+        np.append(edge, len(delta)),
+    )

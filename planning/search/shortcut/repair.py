@@ -1,0 +1,80 @@
+"""Mending: a way around what a closer look finds on a path that is worth keeping.
+
+Usually a planner whose path collides on a closer look starts anew and looks as closely itself. Once
+a cancel has ended the search there is no time for that; and improved paths run so close to
+obstacles that looking closely hardly helps. But most of the path is free: its edges that are not
+are replaced, each by what RRTConnect finds between their ends.
+"""
+
+from dataclasses import replace
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float64
+
+from planning.search.edges import EdgeChecker
+from planning.search.ompl.attempt import attempt
+from planning.search.ompl.car_space import CarSpace
+from planning.search.query import Query
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
+
+# How long it may take after a cancel, all edges together [s].
+_BRIEF = 0.3
+# What may be checked for each edge: counts and not seconds decide, as long as nobody is in a hurry.
+_MOST_STATES = 4_000
+
+
+def repair_path(
+    query: Query, waypoints: Float64[np.ndarray, "n nq"], edges: EdgeChecker, seed: int
+) -> Array | None:
+    """Return a path of free edges with the same ends, shape (m, nq), if one is found soon.
+
+    Not of cars, whose waypoints are too close to one another to be driven around.
+
+    Args:
+        query: What was searched.
+        waypoints: From start to goal.
+        edges: Say what is free, as closely as what is delivered.
+        seed: Of OMPL's random numbers.
+
+    Raises:
+        DeadlineExceeded: The time of the whole search has run out.
+    """
+    if isinstance(query.space, CarSpace):
+        return None
+    brief = query.patience.within(_BRIEF) if query.is_hurried else query.deadline
+    found = [waypoints[:1]]
+    with query.oracle.until(query.patience):
+        free = edges.are_free(waypoints[:-1], waypoints[1:])
+        for ends, is_free in zip(pairwise(waypoints), free, strict=True):
+            way = np.stack(ends)
+            if not is_free:
+                around = _between(query, way, brief.remaining)
+                way = attempt(around, edges, edges, seed).waypoints
+            if not len(way):
+                return None
+            found.append(way[1:])
+    return np.concatenate(found)
+
+
+def _between(query: Query, ends: Array, seconds: float) -> Query:
+    """Return the query for a way between two waypoints."""
+    return replace(
+        query,
+        start=ends[0],
+        goals=ends[1:],
+        planner="RRTConnect",
+        parameters={},
+        deadline=query.patience,
+        options=replace(
+            query.options,
+            setup_time=None,
+            solve_time=seconds,
+            keep_graph=False,
+            approximate=False,
+        ),
+        most_states=_MOST_STATES,
+        on_better=None,
+    )

@@ -1,0 +1,86 @@
+"""More waypoints on the same path."""
+
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float64
+
+from planning.errors import DeadlineExceeded
+from planning.search.edges import EdgeChecker
+from planning.search.query import Query
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
+
+# Between two looks at a budget so many edges are checked.
+_AT_ONCE = 256
+
+
+def interpolated(
+    query: Query, edges: EdgeChecker, waypoints: Float64[np.ndarray, "n nq"], num_states: int
+) -> tuple[Array, bool] | None:
+    """Return at least `num_states` waypoints, and True, or the given ones, and False if it is late.
+
+    None if what is between the given ones proves to be blocked: cut elsewhere than it was checked,
+    an edge has other samples.
+
+    Args:
+        query: Says how long it may take.
+        edges: Know how waypoints are joined, and what is free.
+        waypoints: Of a path whose edges are free, shape (n, nq).
+        num_states: How many are wanted.
+
+    Raises:
+        Canceled: The end was asked for.
+        DeadlineExceeded: The time has run out, and there was no other budget.
+    """
+    budget = query.options.interpolate_time
+    with query.watch.stage("interpolate"):
+        if budget is None:
+            dense = resample(edges, waypoints, num_states)
+            return (dense, True) if edges.are_free(dense[:-1], dense[1:]).all() else None
+        brief = query.patience.within(budget)
+        try:
+            with query.oracle.until(brief):
+                brief.check("search")
+                dense = resample(edges, waypoints, num_states)
+                is_free = _are_free(edges, dense)
+        except DeadlineExceeded:
+            return waypoints, False
+    return (dense, True) if is_free else None
+
+
+def resample(edges: EdgeChecker, waypoints: Float64[np.ndarray, "n nq"], num_states: int) -> Array:
+    """Return at least `num_states` waypoints, the given ones among them, evenly spread.
+
+    Args:
+        edges: Knows how waypoints are joined.
+        waypoints: Shape (n, nq).
+        num_states: How many are wanted.
+    """
+    lengths = edges.manifold.distance(waypoints[1:], waypoints[:-1])
+    if len(waypoints) >= num_states or not lengths.any():
+        return waypoints
+    counts = np.ceil(lengths * (num_states - 1) / lengths.sum()).astype(int)
+    pieces = [
+        edges.geodesic(q0, q1, np.arange(count) / count)
+        for q0, q1, count in zip(waypoints[:-1], waypoints[1:], counts, strict=True)
+        if count
+    ]
+    dense = np.concatenate([*pieces, waypoints[-1:]])
+    # Interpolation may move the corners by a rounding error.
+    dense[np.concatenate([[0], np.cumsum(counts)])] = waypoints
+    return dense
+
+
+def _are_free(edges: EdgeChecker, path: Array) -> bool:
+    """Return whether all edges are free; all are checked, and count, as they are without a budget.
+
+    Raises:
+        DeadlineExceeded: It is late.
+    """
+    begins = range(0, len(path) - 1, _AT_ONCE)
+    verdicts = [
+        edges.are_free(path[i : min(i + _AT_ONCE, len(path) - 1)], path[i + 1 : i + 1 + _AT_ONCE])
+        for i in begins
+    ]
+    return bool(np.concatenate(verdicts).all())

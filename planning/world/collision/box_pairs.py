@@ -1,0 +1,125 @@
+"""Distances of pairs of boxes, which Drake 1.58 overstates now and then (docs/decisions/0006)."""
+
+from dataclasses import dataclass
+from typing import Any
+from weakref import WeakKeyDictionary
+
+import numpy as np
+from jaxtyping import Float64, Int
+from pydrake.geometry import Box, GeometryId, Role
+from pydrake.planning import RobotDiagram
+
+from planning.kernel.box_distance import box_distances, box_gaps
+from planning.world.collision.shape_pairs import candidates_of
+from planning.world.drake_model import DrakeModel
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
+
+
+@dataclass(frozen=True)
+class BoxPairs:
+    """All pairs of boxes of a model that may collide; holds no reference to the model.
+
+    Attributes:
+        ids: Drake's names of both.
+        bodies: Full names of their bodies.
+        boxes: Every box that is in a pair.
+        rows: Both boxes' places in `boxes`, shape (n, 2).
+        halves: Half sizes of `boxes` [m].
+        index: Row by Drake's names, in either order.
+    """
+
+    ids: tuple[tuple[GeometryId, GeometryId], ...]
+    bodies: tuple[tuple[str, str], ...]
+    boxes: tuple[GeometryId, ...]
+    rows: Int[np.ndarray, "n 2"]
+    halves: Float64[np.ndarray, "k 3"]
+    index: dict[tuple[GeometryId, GeometryId], int]
+
+    def within(
+        self, query: Any, reach: float | Float64[np.ndarray, " n"]
+    ) -> dict[int, tuple[float, Array]]:
+        """Return distance and nearest points of the pairs that are at most `reach` apart [m].
+
+        Distances of boxes that overlap are negative, or zero if they touch; their points mean
+        nothing.
+
+        Args:
+            query: Drake's query object, with the model where it shall be.
+            reach: One distance, or one a pair.
+        """
+        if not self.ids:
+            return {}
+        poses = np.array([query.GetPoseInWorld(i).GetAsMatrix4() for i in self.boxes])
+        a, b = self.rows.T
+        near = np.flatnonzero(np.maximum(self._gaps(poses, a, b), self._gaps(poses, b, a)) <= reach)
+        if len(near) == 0:
+            return {}
+        a, b = self.rows[near].T
+        placed = self.halves[a], poses[a], self.halves[b], poses[b]
+        distances, points = signed_box_distances(*placed)
+        kept = np.flatnonzero(distances <= np.broadcast_to(reach, len(self.ids))[near])
+        return {int(near[i]): (float(distances[i]), points[i]) for i in kept}
+
+    def _gaps(self, poses: Array, a: Any, b: Any) -> Array:
+        """Return how far boxes b are from the balls around boxes a at least [m]."""
+        away = poses[a, :3, 3] - poses[b, :3, 3]
+        local = np.einsum("nji,nj->ni", poses[b, :3, :3], away)
+        beyond = np.maximum(np.abs(local) - self.halves[b], 0.0)
+        return np.linalg.norm(beyond, axis=1) - np.linalg.norm(self.halves[a], axis=1)
+
+
+def signed_box_distances(
+    halves_a: Float64[np.ndarray, "n 3"],
+    poses_a: Float64[np.ndarray, "n 4 4"],
+    halves_b: Float64[np.ndarray, "n 3"],
+    poses_b: Float64[np.ndarray, "n 4 4"],
+) -> tuple[Float64[np.ndarray, " n"], Float64[np.ndarray, "n 2 3"]]:
+    """Return distances of boxes and their nearest points; of boxes that overlap as `within` says.
+
+    Args:
+        halves_a: Half sizes [m].
+        poses_a: X_WA.
+        halves_b: Half sizes [m].
+        poses_b: X_WB.
+    """
+    distances, points = box_distances(halves_a, poses_a, halves_b, poses_b)
+    gaps = box_gaps(halves_a, poses_a, halves_b, poses_b)
+    return np.where(gaps <= 0, gaps, distances), points
+
+
+_read: WeakKeyDictionary[RobotDiagram, BoxPairs] = WeakKeyDictionary()
+
+
+def box_pairs_of(model: DrakeModel) -> BoxPairs:
+    """Return the model's pairs of boxes, reading them the first time only."""
+    found = _read.get(model.diagram)
+    if found is None:
+        found = _read[model.diagram] = _pairs(model)
+    return found
+
+
+def _pairs(model: DrakeModel) -> BoxPairs:
+    inspector: Any = model.scene_graph.model_inspector()
+    every = inspector.GetAllGeometryIds(Role.kProximity)
+    known = {i for i in every if isinstance(inspector.GetShape(i), Box)}
+    pairs: list[tuple[GeometryId, GeometryId]] = [
+        (a, b) for a, b in candidates_of(model).pairs_of_drake if a in known and b in known
+    ]
+    boxes = sorted({i for pair in pairs for i in pair})
+    place = {i: k for k, i in enumerate(boxes)}
+    halves = [inspector.GetShape(i).size() / 2 for i in boxes]
+    return BoxPairs(
+        ids=tuple(pairs),
+        bodies=tuple((_body(model, a), _body(model, b)) for a, b in pairs),
+        boxes=tuple(boxes),
+        rows=np.array([[place[a], place[b]] for a, b in pairs], dtype=np.intp).reshape(-1, 2),
+        halves=np.array(halves, dtype=np.float64).reshape(-1, 3),
+        index={both: i for i, (a, b) in enumerate(pairs) for both in ((a, b), (b, a))},
+    )
+
+
+def _body(model: DrakeModel, geometry: GeometryId) -> str:
+    inspector = model.scene_graph.model_inspector()
+    body = model.plant.GetBodyFromFrameId(inspector.GetFrameId(geometry))
+    return model.body_names.get(body.index(), body.name())

@@ -1,0 +1,67 @@
+"""Distances of shapes as Drake tells them, and as our own search does where Drake fails.
+
+FCL, on which Drake stands, ends some questions about curved shapes with an exception: of an
+ellipsoid and a capsule that touch, a hundred metres large, it finds that a distance that is zero
+but for rounding should have been seen before (`validateNearestFeatureOfPolytopeBeingEdge`). One
+such pair ends the question about all pairs. So then each is asked for by itself, and those that
+fail are searched for here.
+"""
+
+from typing import Any
+
+import numpy as np
+from pydrake.geometry import GeometryId, SignedDistancePair
+
+from planning.kernel.gjk import nearest_point
+from planning.kernel.shape import ConvexShape
+from planning.kernel.shape_distance import distance_bounds
+from planning.kernel.support import farthest_point
+from planning.world.kernel.convex_shapes import convex_shape
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
+
+
+def distance_of(query: Any, a: GeometryId, b: GeometryId) -> SignedDistancePair:
+    """Return the signed distance of two shapes, neither a half space, with nearest points.
+
+    Args:
+        query: Drake's, with the model where it shall be.
+        a: Shape A.
+        b: Shape B.
+    """
+    try:
+        return query.ComputeSignedDistancePairClosestPoints(a, b)
+    except RuntimeError:
+        return _searched(query, a, b)
+
+
+def distances_within(query: Any, reach: float) -> list[SignedDistancePair]:
+    """Return the same of all pairs that no filter leaves out, at most `reach` apart [m]."""
+    try:
+        return list(query.ComputeSignedDistancePairwiseClosestPoints(reach))
+    except RuntimeError:
+        pairs = sorted(query.inspector().GetCollisionCandidates())
+        found = [distance_of(query, a, b) for a, b in pairs]
+        return [pair for pair in found if pair.distance <= reach]
+
+
+def _searched(query: Any, a: GeometryId, b: GeometryId) -> SignedDistancePair:
+    inspector = query.inspector()
+    first, second = (convex_shape(inspector.GetShape(i)) for i in (a, b))
+    assert first is not None and second is not None  # noqa: S101, PT018  (half spaces are ours)
+    x_a, x_b = (np.array(query.GetPoseInWorld(i).GetAsMatrix4()) for i in (a, b))
+    found = distance_bounds((first, second), (x_a, x_b), np.zeros(3))
+    ends = nearest_point(
+        lambda n: _ahead(first, x_a, n), lambda n: _ahead(second, x_b, n), x_a[:3, 3] - x_b[:3, 3]
+    )
+    p_a, p_b = (x[:3, :3].T @ (end - x[:3, 3]) for x, end in zip((x_a, x_b), ends, strict=True))
+    # Of shapes that overlap the lower bound is how far they must go along its direction to part.
+    distance = found.upper if found.upper > 0 else min(found.lower, 0.0)
+    return SignedDistancePair(
+        id_A=a, id_B=b, distance=distance, p_ACa=p_a, p_BCb=p_b, nhat_BA_W=found.direction
+    )
+
+
+def _ahead(shape: ConvexShape, x_wg: Array, n: Array) -> Array:
+    """Return the point of a shape that lies farthest along n, in world."""
+    return x_wg[:3, 3] + x_wg[:3, :3] @ farthest_point(shape, n @ x_wg[:3, :3])

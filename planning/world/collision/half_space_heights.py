@@ -1,0 +1,71 @@
+"""How heights over half spaces change with the plant's positions.
+
+The height of a shape's lowest point x over a half space with normal n is n . (x - p), and so is its
+rate with n fixed in the half space: n . (v - v'), v being the velocity of the shape's point at x
+and v' that of the half space's at the same place. That the lowest point is another one a little
+later adds nothing to first order.
+"""
+
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float64, Int
+from pydrake.geometry import GeometryId, HalfSpace
+from pydrake.multibody.tree import JacobianWrtVariable
+
+from planning.world.collision.half_spaces import half_space_pairs_of
+from planning.world.drake_model import DrakeModel
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
+
+
+class HalfSpaceHeights:
+    """Heights and their gradients, in a context of its own."""
+
+    def __init__(self, model: DrakeModel) -> None:
+        """Prepare for all pairs with a half space that may collide."""
+        self._model, self._pairs = model, half_space_pairs_of(model)
+        self._inspector: Any = model.scene_graph.model_inspector()
+        self._context: Any = model.diagram.CreateDefaultContext()
+        self._plant_context = model.plant.GetMyMutableContextFromRoot(self._context)
+        self._query_context = model.scene_graph.GetMyContextFromRoot(self._context)
+
+    def at(
+        self, full: Float64[np.ndarray, " num_positions"], reach: float | Array
+    ) -> tuple[
+        Int[np.ndarray, " m"], Float64[np.ndarray, " m"], Float64[np.ndarray, "m num_positions"]
+    ]:
+        """Return rows of pairs at most `reach` high [m], their heights, and the gradients by q.
+
+        Two half spaces have no gradient, and are left out.
+        """
+        model = self._model
+        model.plant.SetPositions(self._plant_context, full)
+        query: Any = model.scene_graph.get_query_output_port().Eval(self._query_context)
+        rows: list[int] = []
+        heights: list[float] = []
+        gradients = [np.zeros((0, model.plant.num_positions()))]
+        for row, height, points in self._pairs.within(query, reach):
+            if np.isfinite(height):
+                rows.append(row)
+                heights.append(height)
+                gradients.append(self._gradient(query, self._pairs.ids[row], points)[None])
+        return np.array(rows, dtype=np.intp), np.array(heights), np.concatenate(gradients)
+
+    def _gradient(self, query: Any, ids: tuple[GeometryId, GeometryId], points: Array) -> Array:
+        a, b = ids
+        is_a_flat = isinstance(self._inspector.GetShape(a), HalfSpace)
+        ground, other = (a, b) if is_a_flat else (b, a)
+        lowest = points[1 if is_a_flat else 0]
+        up = query.GetPoseInWorld(ground).rotation().matrix()[:, 2]
+        return up @ (self._rate(other, lowest) - self._rate(ground, lowest))
+
+    def _rate(self, geometry: GeometryId, point: Array) -> Array:
+        """Return how a body's point that is at p_WP now moves with q, shape (3, num_positions)."""
+        plant: Any = self._model.plant
+        frame = plant.GetBodyFromFrameId(self._inspector.GetFrameId(geometry)).body_frame()
+        at = frame.CalcPoseInWorld(self._plant_context).inverse().multiply(point)
+        world = plant.world_frame()
+        return plant.CalcJacobianTranslationalVelocity(
+            self._plant_context, JacobianWrtVariable.kQDot, frame, at, world, world
+        )

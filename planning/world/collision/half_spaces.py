@@ -1,0 +1,165 @@
+"""Heights over half spaces: Drake measures no signed distance between them and most shapes.
+
+The distance of a convex shape from a half space is the height of its lowest point, negative below
+the plane; that is exact, whatever the shape. Two half spaces overlap without end.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+from weakref import WeakKeyDictionary
+
+import numpy as np
+from jaxtyping import Float64
+from pydrake.geometry import (
+    CollisionFilterDeclaration,
+    GeometryId,
+    GeometrySet,
+    HalfSpace,
+    Role,
+    SceneGraph,
+)
+from pydrake.planning import RobotDiagram
+
+from planning.errors import ModelInvalid
+from planning.kernel.shape import ConvexShape, ShapeKind
+from planning.kernel.support import farthest_point
+from planning.world.collision.shape_pairs import candidates_of
+from planning.world.drake_model import DrakeModel
+from planning.world.kernel.convex_shapes import convex_shape
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
+type Ids = tuple[GeometryId, GeometryId]
+
+
+@dataclass(frozen=True)
+class HalfSpacePairs:
+    """All pairs of a model that have a half space and may collide; no reference to the model.
+
+    Attributes:
+        ids: Drake's names of both.
+        bodies: Full names of their bodies.
+        shapes: Both shapes of every pair.
+        index: Row by Drake's names, in either order.
+    """
+
+    ids: tuple[Ids, ...]
+    bodies: tuple[tuple[str, str], ...]
+    shapes: tuple[tuple[ConvexShape, ConvexShape], ...]
+    index: dict[Ids, int]
+
+    def within(
+        self, query: Any, reach: float | Float64[np.ndarray, " n"]
+    ) -> Iterator[tuple[int, float, Array]]:
+        """Yield row, signed distance and nearest points of pairs at most `reach` apart [m].
+
+        Args:
+            query: Drake's query object, with the model where it shall be.
+            reach: One distance, or one a pair.
+        """
+        reaches = np.broadcast_to(reach, len(self.ids))
+        for row, (ids, shapes) in enumerate(zip(self.ids, self.shapes, strict=True)):
+            poses = [query.GetPoseInWorld(i).GetAsMatrix4() for i in ids]
+            distance, points = height(shapes, (poses[0], poses[1]))
+            if distance <= reaches[row]:
+                yield row, distance, points
+
+
+def height(
+    shapes: tuple[ConvexShape, ConvexShape], poses: tuple[Array, Array]
+) -> tuple[float, Array]:
+    """Return the signed distance [m] of two shapes of which one is a half space, and p_WA, p_WB.
+
+    Two half spaces are minus infinity apart; their points are their origins.
+
+    Args:
+        shapes: A and B.
+        poses: X_WA and X_WB, shape (4, 4).
+    """
+    a, b = (shape.kind is ShapeKind.HALF_SPACE for shape in shapes)
+    if a and b:
+        return -np.inf, np.array([pose[:3, 3] for pose in poses])
+    ground, other = (poses[0], poses[1]) if a else (poses[1], poses[0])
+    up = ground[:3, 2]
+    point = farthest_point(shapes[1] if a else shapes[0], -up @ other[:3, :3])
+    lowest = other[:3, :3] @ point + other[:3, 3]
+    above = float(up @ (lowest - ground[:3, 3]))
+    foot = lowest - above * up
+    return above, np.array([foot, lowest] if a else [lowest, foot])
+
+
+_read: WeakKeyDictionary[RobotDiagram, HalfSpacePairs] = WeakKeyDictionary()
+
+
+def half_space_pairs_of(model: DrakeModel) -> HalfSpacePairs:
+    """Return the model's pairs that have a half space, reading them the first time only.
+
+    Raises:
+        ModelInvalid: A shape in such a pair is of a kind that cannot be measured.
+    """
+    found = _read.get(model.diagram)
+    if found is None:
+        found = _read[model.diagram] = _pairs(model)
+    return found
+
+
+def has_half_space(inspector: Any, pair: Ids) -> bool:
+    """Return whether one of two geometries is a half space."""
+    return any(isinstance(inspector.GetShape(i), HalfSpace) for i in pair)
+
+
+def has_half_space_that_moves(model: DrakeModel) -> bool:
+    """Return whether a body of the model that moves has a half space."""
+    plant, inspector = model.plant, model.scene_graph.model_inspector()
+    fixed = {int(body.index()) for body in plant.GetBodiesWeldedTo(plant.world_body())}
+    return any(
+        isinstance(inspector.GetShape(geometry), HalfSpace)
+        for index in model.body_names
+        if int(index) not in fixed
+        for geometry in plant.GetCollisionGeometriesForBody(plant.get_body(index))
+    )
+
+
+def measurable(inspector: Any, geometry: GeometryId) -> ConvexShape:
+    """Return a geometry's shape as one that can be held over a half space.
+
+    Raises:
+        ModelInvalid: It is of a kind that cannot be.
+    """
+    shape = inspector.GetShape(geometry)
+    known = convex_shape(shape)
+    if known is None:
+        message = f"a shape of kind {type(shape).__name__!r} cannot be held over a half space"
+        raise ModelInvalid(message, {"reason": message})
+    return known
+
+
+def leave_out_half_spaces(scene_graph: SceneGraph, context: Any) -> None:
+    """Keep Drake from measuring what it cannot, in one scene graph context and nowhere else."""
+    inspector: Any = scene_graph.model_inspector()
+    every = list(inspector.GetAllGeometryIds(Role.kProximity))
+    flat = [i for i in every if isinstance(inspector.GetShape(i), HalfSpace)]
+    if flat:
+        declaration = CollisionFilterDeclaration()
+        declaration.ExcludeBetween(GeometrySet(flat), GeometrySet(every))
+        scene_graph.collision_filter_manager(context).Apply(declaration)
+
+
+def _pairs(model: DrakeModel) -> HalfSpacePairs:
+    inspector: Any = model.scene_graph.model_inspector()
+    every = inspector.GetAllGeometryIds(Role.kProximity)
+    flat = {i for i in every if isinstance(inspector.GetShape(i), HalfSpace)}
+    pairs = candidates_of(model).pairs_of_drake if flat else []
+    ids: list[Ids] = [pair for pair in pairs if not flat.isdisjoint(pair)]
+    return HalfSpacePairs(
+        ids=tuple(ids),
+        bodies=tuple((_body(model, a), _body(model, b)) for a, b in ids),
+        shapes=tuple((measurable(inspector, a), measurable(inspector, b)) for a, b in ids),
+        index={both: i for i, (a, b) in enumerate(ids) for both in ((a, b), (b, a))},
+    )
+
+
+def _body(model: DrakeModel, geometry: GeometryId) -> str:
+    inspector = model.scene_graph.model_inspector()
+    body = model.plant.GetBodyFromFrameId(inspector.GetFrameId(geometry))
+    return model.body_names.get(body.index(), body.name())

@@ -1,0 +1,112 @@
+"""Pairs whose distances are ours and not Drake's: of boxes, and with half spaces.
+
+Of separate boxes Drake 1.58 overstates distances now and then (docs/decisions/0006), and it
+measures none of half spaces (docs/decisions/0032).
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float64
+from pydrake.geometry import GeometryId
+
+from planning.world.collision.box_pairs import BoxPairs, box_pairs_of
+from planning.world.collision.half_spaces import HalfSpacePairs, half_space_pairs_of
+from planning.world.collision.margins import PairMargins
+from planning.world.drake_model import DrakeModel
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
+
+
+@dataclass(frozen=True)
+class Distance:
+    """What was measured of one pair.
+
+    Attributes:
+        ids: Drake's names of both geometries.
+        bodies: Full names of their bodies.
+        length: The signed distance [m].
+        points: p_WA and p_WB of the nearest points [m], shape (2, 3).
+    """
+
+    ids: tuple[GeometryId, GeometryId]
+    bodies: tuple[str, str]
+    length: float
+    points: Float64[np.ndarray, "2 3"]
+
+
+@dataclass(frozen=True)
+class MeasuredPairs:
+    """All pairs of a model that are measured here; holds no reference to the model."""
+
+    boxes: BoxPairs
+    half_spaces: HalfSpacePairs
+
+    def is_for_drake(self, ids: tuple[GeometryId, GeometryId], distance: float) -> bool:
+        """Return whether a distance that Drake found [m] counts: how deep boxes overlap."""
+        return distance <= 0 or ids not in self.boxes.index
+
+    def within(self, query: Any, distance: float) -> Iterator[Distance]:
+        """Yield the pairs at most so far apart [m], with the model where `query` has it."""
+        boxes, flats = self.boxes, self.half_spaces
+        for row, (length, points) in boxes.within(query, distance).items():
+            yield Distance(boxes.ids[row], boxes.bodies[row], length, points)
+        for row, length, points in flats.within(query, distance):
+            yield Distance(flats.ids[row], flats.bodies[row], length, points)
+
+
+def measured_pairs_of(model: DrakeModel) -> MeasuredPairs:
+    """Return the model's pairs that are measured here.
+
+    Raises:
+        ModelInvalid: A shape near a half space is of a kind that cannot be measured.
+    """
+    return MeasuredPairs(box_pairs_of(model), half_space_pairs_of(model))
+
+
+class MeasuredMargins:
+    """Says whether these pairs keep their margins; one context, made when it is first needed.
+
+    Where no margin is demanded of boxes there is nothing to say of them: whether two of them
+    overlap Drake knows. Of half spaces it knows nothing.
+    """
+
+    def __init__(self, model: DrakeModel, margins: PairMargins) -> None:
+        """Read what is demanded of every pair."""
+        self._model, self._pairs = model, measured_pairs_of(model)
+        self._of_boxes, self._of_half_spaces = (
+            np.array([margins.of(*pair) for pair in pairs.bodies], dtype=np.float64)
+            for pairs in (self._pairs.boxes, self._pairs.half_spaces)
+        )
+        self._has_box_margins = bool((self._of_boxes > 0).any())
+        self.is_needed = self._has_box_margins or len(self._of_half_spaces) > 0
+
+    def are_kept(self, full: Float64[np.ndarray, " num_positions"]) -> bool:
+        """Return whether the pairs are as far apart as demanded; to touch is not to be apart."""
+        if not self.is_needed:
+            return True
+        self._model.plant.SetPositions(self._plant_context, full)
+        query = self._model.scene_graph.get_query_output_port().Eval(self._query_context)
+        demanded = self._of_half_spaces
+        for row, length, _ in self._pairs.half_spaces.within(query, demanded):
+            if length < demanded[row] or length <= 0:
+                return False
+        if not self._has_box_margins:
+            return True
+        found = self._pairs.boxes.within(query, self._of_boxes)
+        return all(length >= self._of_boxes[row] for row, (length, _) in found.items())
+
+    @cached_property
+    def _context(self) -> Any:
+        return self._model.diagram.CreateDefaultContext()
+
+    @cached_property
+    def _plant_context(self) -> Any:
+        return self._model.plant.GetMyMutableContextFromRoot(self._context)
+
+    @cached_property
+    def _query_context(self) -> Any:
+        return self._model.scene_graph.GetMyContextFromRoot(self._context)

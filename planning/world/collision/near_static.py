@@ -1,0 +1,232 @@
+"""NearStatic: a context of Drake's that is shown what stands near the robot, and no more.
+
+Every object that Drake is shown costs it a millisecond and a row of its table of pairs, so it is
+shown those whose balls are as near to a shape that moves as the question reaches. What it answers
+of a pair does not depend on what else it was shown.
+"""
+
+from collections.abc import Collection, Iterator, Sequence
+from functools import cached_property
+from itertools import batched
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float64
+from pydrake.geometry import Box, GeometryId
+from pydrake.systems.framework import Context
+
+from planning.world.collision.box_pairs import signed_box_distances
+from planning.world.collision.measured_pairs import Distance
+from planning.world.collision.shape_pairs import candidates_of
+from planning.world.contexts import measuring_context
+from planning.world.drake_model import DrakeModel
+from planning.world.kernel.convex_shapes import convex_shape
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
+type Indices = np.ndarray[Any, np.dtype[np.intp]]
+type Ids = tuple[GeometryId, GeometryId]
+
+# What one context is shown before a new one is made.
+MOST_SHOWN = 96
+
+
+class NearStatic:
+    """A model's `measuring_context` and what it was shown; one thread.
+
+    Attributes:
+        plant_context: The plant's part of the present one.
+    """
+
+    def __init__(self, model: DrakeModel, context: Context | None = None) -> None:
+        """Make the context, which has all that Drake's model has, or use a given one of it."""
+        self._model = model
+        self._shown: set[int] = set()
+        self._last_gaps: tuple[bytes, tuple[Array, Array]] | None = None
+        self._enter(context or measuring_context(model))
+
+    @property
+    def query(self) -> Any:
+        """Drake's query object, with the model where `go_to` has put it."""
+        return self._model.scene_graph.get_query_output_port().Eval(self._query_context)
+
+    def go_to(self, full: Float64[np.ndarray, " num_positions"]) -> None:
+        """Put the model somewhere."""
+        self._model.plant.SetPositions(self.plant_context, full)
+
+    def shown_within(self, reach: float) -> Iterator[tuple[list[int], bool]]:
+        """Show what may be nearer than `reach` [m] to a shape that moves, some after others.
+
+        Yields:
+            Rows of `StandingObjects` that are shown now and were not in this call before, and
+            whether these are the first; at least once, and most often once.
+        """
+        rows = self._rows_within(reach)
+        if len(rows) <= MOST_SHOWN:
+            self.show(rows.tolist())
+            yield rows.tolist(), True
+            return
+        for i, some in enumerate(batched(rows.tolist(), MOST_SHOWN)):
+            self.show(some)
+            yield list(some), i == 0
+
+    def show(self, rows: Sequence[int]) -> None:
+        """Show Drake some objects, at most 96; those it knows already may stay."""
+        new = [row for row in rows if row not in self._shown]
+        if len(self._shown) + len(new) > MOST_SHOWN:
+            full = self._model.plant.GetPositions(self.plant_context)
+            self._enter(measuring_context(self._model))
+            self.go_to(full)
+            new = list(rows)
+        graph: Any = self._model.scene_graph
+        source = self._model.plant.get_source_id()
+        context: Any = self._query_context
+        for row in new:
+            instance = self._model.standing.instance(row)
+            graph.RegisterGeometry(context, source, graph.world_frame_id(), instance)
+        self._shown.update(new)
+
+    def show_ids(self, pairs: Sequence[Ids]) -> bool:
+        """Show the objects of some pairs, by our ids; return whether that were not too many."""
+        row_of = self._model.standing.row_of
+        rows = sorted({row_of[i] for pair in pairs for i in pair if i in row_of})
+        self.show(rows[:MOST_SHOWN])
+        return len(rows) <= MOST_SHOWN
+
+    def drake_ids(self, ids: Ids) -> Ids:
+        """Return Drake's ids of a pair by ours."""
+        standing = self._model.standing
+        a, b = (
+            standing.instance(standing.row_of[i]).id() if i in standing.row_of else i for i in ids
+        )
+        return a, b
+
+    def own_ids(self, ids: Ids) -> Ids:
+        """Return our ids of a pair by Drake's."""
+        standing = self._model.standing
+        rows = standing.drake_rows
+        a, b = (standing.ids[rows[i]] if i in rows else i for i in ids)
+        return a, b
+
+    def row(self, geometry: GeometryId) -> int | None:
+        """Return the row of an object by Drake's id, or None if it is a shape of the model."""
+        return self._model.standing.drake_rows.get(geometry)
+
+    def bodies(self, ids: Ids) -> tuple[str, str] | None:
+        """Return full names of the bodies of a pair; None if it is not to be looked at.
+
+        Either is a shape of the model or an object that was shown.
+        """
+        rows = [self.row(i) for i in ids]
+        if rows == [None, None]:
+            return self._names[ids[0]], self._names[ids[1]]
+        known = [i for i, row in zip(ids, rows, strict=True) if row is None]
+        if not known or known[0] not in self._moving:
+            return None
+        things = self._model.standing.things
+        a, b = (
+            self._names[i] if row is None else things[row].name
+            for i, row in zip(ids, rows, strict=True)
+        )
+        return None if frozenset((a, b)) in self._model.standing.allowed else (a, b)
+
+    def are_boxes(self, ids: Ids) -> bool:
+        """Return whether one is an object that was shown, and both are boxes."""
+        rows = [self.row(i) for i in ids]
+        return rows != [None, None] and all(
+            i in self._boxes
+            if row is None
+            else isinstance(self._model.standing.drake_shapes[row], Box)
+            for i, row in zip(ids, rows, strict=True)
+        )
+
+    def boxes_within(self, rows: Sequence[int], reach: float) -> Iterator[Distance]:
+        """Yield pairs of boxes at most so far apart [m], one of them an object of these rows."""
+        standing = self._model.standing
+        boxes = [row for row in rows if isinstance(standing.drake_shapes[row], Box)]
+        own = list(self._boxes)
+        if not boxes or not own:
+            return
+        query = self.query
+        poses = np.array([query.GetPoseInWorld(i).GetAsMatrix4() for i in own])
+        halves = np.array([self._boxes[i] for i in own])
+        for row in boxes:
+            x = np.broadcast_to(standing.poses[row].GetAsMatrix4(), poses.shape)
+            half = np.broadcast_to(standing.shapes[row].size, halves.shape)
+            lengths, points = signed_box_distances(halves, poses, half, x)
+            for k in np.flatnonzero(lengths <= reach).tolist():
+                ids = own[k], standing.instance(row).id()
+                names = self.bodies(ids)
+                if names is not None:
+                    yield Distance(ids, names, float(lengths[k]), points[k])
+
+    def surely_within(self) -> float:
+        """Return a distance in which there is one of the objects at least [m]; infinite if none."""
+        if not len(self._model.standing) or not self._moving:
+            return float("inf")
+        gaps, sizes = self._gaps()
+        return float((gaps + sizes).min())
+
+    def are_beyond(self, rows: Collection[int], reach: float) -> bool:
+        """Return whether objects surely are farther than `reach` [m] from all shapes that move."""
+        if not rows or not self._moving:
+            return True
+        return bool((self._gaps()[0][:, list(rows)] > reach).all())
+
+    def _rows_within(self, reach: float) -> Indices:
+        if not len(self._model.standing) or not self._moving:
+            return np.zeros(0, dtype=np.intp)
+        return np.flatnonzero(self._gaps()[0].min(axis=0) <= reach)
+
+    def _gaps(self) -> tuple[Array, Array]:
+        """Return gaps of balls, shapes that move by objects, and twice the sums of radii [m]."""
+        here = self._model.plant.GetPositions(self.plant_context).tobytes()
+        if self._last_gaps is None or self._last_gaps[0] != here:
+            self._last_gaps = here, self._gaps_here()
+        return self._last_gaps[1]
+
+    def _gaps_here(self) -> tuple[Array, Array]:
+        query = self.query
+        own_centers, own_radii = self._balls
+        poses = np.array([query.GetPoseInWorld(i).GetAsMatrix4() for i in self._moving])
+        here = np.einsum("nij,nj->ni", poses[:, :3, :3], own_centers) + poses[:, :3, 3]
+        there, radii = self._model.standing.balls
+        squares = np.zeros((len(here), len(there)))
+        for axis in range(3):  # one after the other: a table of all three is slow to go through
+            squares += (here[:, None, axis] - there[None, :, axis]) ** 2
+        sizes = own_radii[:, None] + radii[None]
+        return np.sqrt(squares) - sizes, 2 * sizes
+
+    def _enter(self, context: Context) -> None:
+        model = self._model
+        self._shown.clear()
+        self._context = context
+        self.plant_context = model.plant.GetMyMutableContextFromRoot(context)
+        self._query_context = model.scene_graph.GetMyMutableContextFromRoot(context)
+
+    @cached_property
+    def _names(self) -> dict[GeometryId, str]:
+        return candidates_of(self._model).name_of
+
+    @cached_property
+    def _moving(self) -> dict[GeometryId, None]:
+        """Shapes of the model that can meet what stands, in order."""
+        return dict.fromkeys(candidates_of(self._model).moving)
+
+    @cached_property
+    def _boxes(self) -> dict[GeometryId, Array]:
+        """Half sizes of those of them that are boxes."""
+        inspector = self._model.scene_graph.model_inspector()
+        shapes = {i: inspector.GetShape(i) for i in self._moving}
+        return {i: s.size() / 2 for i, s in shapes.items() if isinstance(s, Box)}
+
+    @cached_property
+    def _balls(self) -> tuple[Array, Array]:
+        inspector = self._model.scene_graph.model_inspector()
+        centers, radii = [], []
+        for geometry in self._moving:
+            shape = convex_shape(inspector.GetShape(geometry))
+            assert shape is not None  # noqa: S101  (else nothing stands outside of the model)
+            center, radius = shape.ball
+            centers.append(center)
+            radii.append(radius)
+        return np.array(centers).reshape(-1, 3), np.array(radii)

@@ -1,0 +1,43 @@
+"""How far a robot is from what it is not."""
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from planning.domain.robot.joints import JointGroup
+from planning.world.world import World
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
+
+# What is farther away than this is as good as any distance [m].
+_FAR = 0.3
+
+
+def obstacle_distances(world: World, group: JointGroup) -> Callable[[Array], Array]:
+    """Return a function from rows of the group's q to distances [m], at most 0.3 m.
+
+    Distances are those between bodies of the group's robot and all others; of the robot's bodies
+    among themselves none count, and nothing is computed before the function is first called.
+    """
+    prefix = group.name.split("::")[0] + "::"
+    margins = world.margins()
+    probe = None
+
+    def measure(qs: Array) -> Array:
+        nonlocal probe
+        probe = probe or world.distance_probe(margins)
+        full = world.embed(group, qs)
+        return np.array([
+            min(
+                (
+                    pair.distance
+                    for pair in probe.pairs_within(q, _FAR)
+                    if sum(name.startswith(prefix) for name in pair.bodies) == 1
+                ),
+                default=_FAR,
+            )
+            for q in full
+        ])
+
+    return measure

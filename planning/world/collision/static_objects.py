@@ -1,0 +1,133 @@
+"""StaticObjects: what stands in the world and is in tables of ours instead of Drake's model.
+
+A model of Drake's grows with the square of its bodies and of its collision shapes: SceneGraph keeps
+a table of all pairs of shapes, of those that can never move too, in the model and in every context.
+What stands in the world needs none of that. From a few dozen objects on it is kept here: the kernel
+has it whole, Drake is shown what is near when it is asked (`NearStanding`), and an object that is
+moved is a row that changes (docs/decisions/0034).
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float64
+from pydrake.geometry import (
+    Convex,
+    GeometryId,
+    GeometryInstance,
+    Mesh,
+    ProximityProperties,
+)
+from pydrake.math import RigidTransform
+
+from planning.domain.scene.scene import SceneObject
+from planning.kernel.shape import ConvexShape
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
+
+
+@dataclass(frozen=True, eq=False)
+class StaticObjects:
+    """Objects that Drake's model does not have; of most scenes none.
+
+    Attributes:
+        things: What the scene says of them, meshes as the copies of their files.
+        ids: A name each for pairs of shapes, as Drake's shapes have; larger than those.
+        drake_shapes: Their geometry, as Drake has it.
+        shapes: The same, as the kernel has it.
+        poses: X_WO.
+        frames: X_WF of their frames, and of the scene's frames that hang on them.
+        allowed: Pairs of bodies, one of them here, that may touch.
+    """
+
+    things: tuple[SceneObject, ...] = ()
+    ids: tuple[GeometryId, ...] = ()
+    drake_shapes: tuple[Any, ...] = ()
+    shapes: tuple[ConvexShape, ...] = ()
+    poses: tuple[RigidTransform, ...] = ()
+    frames: Mapping[str, RigidTransform] = field(default_factory=dict)
+    allowed: frozenset[frozenset[str]] = frozenset()
+
+    def __len__(self) -> int:
+        """Return how many there are."""
+        return len(self.things)
+
+    @cached_property
+    def rows(self) -> dict[str, int]:
+        """Row of each, by its name."""
+        return {thing.name: row for row, thing in enumerate(self.things)}
+
+    @cached_property
+    def row_of(self) -> dict[GeometryId, int]:
+        """Row of each, by its id."""
+        return {identifier: row for row, identifier in enumerate(self.ids)}
+
+    @cached_property
+    def meshes(self) -> tuple[int, ...]:
+        """Rows of those whose shape may be a file."""
+        return tuple(
+            i for i, shape in enumerate(self.drake_shapes) if isinstance(shape, Mesh | Convex)
+        )
+
+    @cached_property
+    def balls(self) -> tuple[Float64[np.ndarray, "n 3"], Float64[np.ndarray, " n"]]:
+        """Balls around them: centres in world, and radii [m]."""
+        local = [shape.ball for shape in self.shapes]
+        centers = [_at(x, p) for x, (p, _) in zip(self.poses, local, strict=True)]
+        return np.array(centers).reshape(-1, 3), np.array([radius for _, radius in local])
+
+    def make_ready(self) -> None:
+        """Work out now what the first edit or the first question would wait for."""
+        _ = self.balls, self.rows, self.row_of, self.meshes
+
+    def moved(
+        self,
+        things: Sequence[SceneObject],
+        poses: Mapping[int, RigidTransform],
+        frames: Mapping[str, RigidTransform],
+    ) -> "StaticObjects":
+        """Return the same objects with some of them elsewhere.
+
+        Args:
+            things: All of them, in the same order, as the scene says them now.
+            poses: X_WO of those that are elsewhere, by row.
+            frames: As `frames` has them.
+        """
+        placed = tuple(poses.get(row, x) for row, x in enumerate(self.poses))
+        after = replace(self, things=tuple(things), poses=placed, frames=frames)
+        # What has not changed need not be worked out again.
+        after.__dict__.update(row_of=self.row_of, rows=self.rows, meshes=self.meshes)
+        centers, radii = self.balls
+        centers = centers.copy()
+        for row, x in poses.items():
+            centers[row] = _at(x, self.shapes[row].ball[0])
+        after.__dict__["balls"] = centers, radii
+        return after
+
+    def instance(self, row: int) -> GeometryInstance:
+        """Return an object as Drake takes it: with the same id of Drake's each time."""
+        found = self._instances.get(row)
+        if found is None:
+            found = GeometryInstance(self.poses[row], self.drake_shapes[row], f"standing_{row}")
+            found.set_proximity_properties(ProximityProperties())
+            self._instances[row] = found
+            self.drake_rows[found.id()] = row
+        return found
+
+    @cached_property
+    def drake_rows(self) -> dict[GeometryId, int]:
+        """Row by Drake's own id, of those that Drake was shown."""
+        return {}
+
+    @cached_property
+    def _instances(self) -> dict[int, GeometryInstance]:
+        return {}
+
+
+def _at(x: RigidTransform, p: Array) -> Array:
+    """Return a point in world; most are their frame's origin, which is known without a product."""
+    moved: Array = x.multiply(p) if p.any() else x.translation()
+    return moved

@@ -1,0 +1,102 @@
+"""BandConstraint: the smallest distance between two sets of bodies within two bounds.
+
+All pairs are farther apart than `min` if none is near at that distance; one is no farther apart
+than `max` if any is near at that. Of what collides nothing is said: a collision judge says it.
+"""
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from jaxtyping import Bool, Float64
+
+from planning.domain.curves.motion_samples import is_motion_free
+from planning.domain.robot.joints import JointGroup
+from planning.domain.robot.manifold import Manifold
+from planning.world.constraints.compiled_constraint import FINEST, ConstraintValue, suggested_step
+from planning.world.constraints.pair_nearness import PairNearness
+from planning.world.world import World
+
+# The room to leave: this share of the band, and no more than this [m].
+_SHARE, _MOST = 0.1, 2e-3
+# How far away bodies are measured, beyond `max` [m].
+_HORIZON = 1.0
+_HALVINGS = 18
+
+
+@dataclass(frozen=True)
+class BandConstraint:
+    """Pairs of bodies and the bounds of the smallest of their distances.
+
+    Attributes:
+        label: For messages.
+        world: Where they are.
+        group: Whose configurations are judged.
+        pairs: Full names, sorted within each pair.
+        min: [m].
+        max: [m], maybe infinite.
+        room: Demanded beyond both [m].
+    """
+
+    label: str
+    world: World
+    group: JointGroup
+    pairs: frozenset[tuple[str, str]]
+    min: float
+    max: float
+    room: float = 0.0
+
+    @property
+    def wish(self) -> float:
+        """How much room a search should leave [m]."""
+        return min(_SHARE * (self.max - self.min), _MOST)
+
+    @property
+    def step(self) -> float:
+        """Edges are looked at in samples no farther apart [rad or m]."""
+        return suggested_step(self.room) if np.isfinite(self.max) else 4 * FINEST
+
+    def leaving(self, room: float) -> "BandConstraint":
+        """Return the rule that demands so much more [m]."""
+        return replace(self, room=room)
+
+    def reading(self, q: Float64[np.ndarray, " nq"]) -> ConstraintValue:
+        """Return the smallest distance [m] within a metre beyond the band, by halving an interval.
+
+        Drake's own distances will not do (docs/decisions/0006): they may be too large.
+        """
+        low, high = 0.0, (self.max if np.isfinite(self.max) else self.min) + _HORIZON
+        for _ in range(_HALVINGS):
+            middle = (low + high) / 2
+            nearness = PairNearness(self.world, self.group, self.pairs, middle)
+            low, high = (low, middle) if nearness.are_near(q[None])[0] else (middle, high)
+        return ConstraintValue(high, self.min if high < self.max else self.max, "m")
+
+    def are_kept(self, qs: Float64[np.ndarray, "m nq"]) -> Bool[np.ndarray, " m"]:
+        """Return whether each row that does not collide is within the band and leaves room."""
+        kept = ~self._too_near.are_near(qs)
+        if np.isfinite(self.max) and kept.any():
+            kept[kept] = self._near.are_near(qs[kept])
+        return kept
+
+    def is_motion_kept(
+        self,
+        origin: Float64[np.ndarray, " nq"],
+        displacement: Float64[np.ndarray, " nv"],
+        resolution: float,
+    ) -> bool:
+        """Return whether every sample of a motion is; as its samples, but in fewer calls."""
+        if not self._too_near.is_none_near_along(origin, displacement, resolution):
+            return False
+        if not np.isfinite(self.max):
+            return True
+        motion = origin, displacement
+        return is_motion_free(Manifold(self.group.joints), self._near.are_near, motion, resolution)
+
+    @cached_property
+    def _too_near(self) -> PairNearness:
+        return PairNearness(self.world, self.group, self.pairs, self.min + self.room)
+
+    @cached_property
+    def _near(self) -> PairNearness:
+        return PairNearness(self.world, self.group, self.pairs, self.max - self.room)

@@ -1,0 +1,88 @@
+"""ConstrainedOracle: what is free of collision and keeps every rule."""
+
+from typing import Any
+
+import numpy as np
+from jaxtyping import Bool, Float64
+
+from planning.domain.curves import motion_samples
+from planning.domain.robot.manifold import Manifold
+from planning.world.constraints.band_constraint import BandConstraint
+from planning.world.constraints.compiled_constraint import CompiledConstraint
+from planning.world.world import CollisionJudge
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
+
+_MOST_REMEMBERED = 100_000
+
+
+class ConstrainedOracle:
+    """A collision judge and rules; the judge, which is quick, is asked first.
+
+    Edges are looked at as finely as each rule wants it, if that is finer than what is asked for.
+    """
+
+    def __init__(
+        self, inner: CollisionJudge, manifold: Manifold, rules: tuple[CompiledConstraint, ...]
+    ) -> None:
+        """Compose them."""
+        self._inner, self._manifold, self._rules = inner, manifold, rules
+        # A planner asks again about every state of its tree that it sets out from.
+        self._free: set[bytes] = set()
+
+    def is_free(self, q: Float64[np.ndarray, " nq"]) -> bool:
+        """Return whether the group at q, shape (nq,), is free and keeps the rules."""
+        key = q.tobytes()
+        if key in self._free:
+            return True
+        is_free = self._inner.is_free(q) and all(
+            bool(rule.are_kept(q[None])[0]) for rule in self._rules
+        )
+        if is_free and len(self._free) < _MOST_REMEMBERED:
+            self._free.add(key)
+        return is_free
+
+    def are_free(self, qs: Float64[np.ndarray, "m nq"]) -> Bool[np.ndarray, " m"]:
+        """Return the same for each row."""
+        free = self._inner.are_free(qs)
+        for rule in self._rules:
+            rows = np.flatnonzero(free)
+            if not len(rows):
+                break
+            free[rows] = rule.are_kept(qs[rows])
+        return free
+
+    def is_motion_free(
+        self,
+        origin: Float64[np.ndarray, " nq"],
+        displacement: Float64[np.ndarray, " nv"],
+        resolution: float,
+    ) -> bool:
+        """Return whether every sample of a motion is free and keeps the rules."""
+        return self._inner.is_motion_free(origin, displacement, resolution) and self._is_ruled(
+            origin, displacement, resolution
+        )
+
+    def are_motions_free(
+        self,
+        origins: Float64[np.ndarray, "m nq"],
+        displacements: Float64[np.ndarray, "m nv"],
+        resolution: float,
+    ) -> Bool[np.ndarray, " m"]:
+        """Return the same for each pair of rows."""
+        free = self._inner.are_motions_free(origins, displacements, resolution)
+        for row in np.flatnonzero(free):
+            free[row] = self._is_ruled(origins[row], displacements[row], resolution)
+        return free
+
+    def _is_ruled(self, origin: Array, displacement: Array, resolution: float) -> bool:
+        return all(self._is_kept(rule, origin, displacement, resolution) for rule in self._rules)
+
+    def _is_kept(
+        self, rule: CompiledConstraint, origin: Array, displacement: Array, resolution: float
+    ) -> bool:
+        finer = min(resolution, rule.step)
+        if isinstance(rule, BandConstraint):
+            return rule.is_motion_kept(origin, displacement, finer)
+        motion = origin, displacement
+        return motion_samples.is_motion_free(self._manifold, rule.are_kept, motion, finer)

@@ -1,0 +1,81 @@
+"""Fingerprint: what rules demand of a group, as one short text.
+
+Where rules with the same fingerprint hold in worlds with the same one (`world.fingerprint`), the
+same configurations keep them. What rules take from the start (a frame that moves with the group,
+joints that are locked) has its part in it, the rest of the start has none.
+"""
+
+from typing import Any
+
+import numpy as np
+
+from planning.domain.request.constraint import PathPredicate
+from planning.domain.robot.joints import JointGroup
+from planning.domain.value import digest
+from planning.errors import ProblemInvalid
+from planning.world.constraints.band_constraint import BandConstraint
+from planning.world.constraints.box_constraint import BoxConstraint
+from planning.world.constraints.compiled_constraint import CompiledConstraint
+from planning.world.constraints.cone_constraint import ConeConstraint
+from planning.world.constraints.joint_constraints import LimitConstraint, LockConstraint
+from planning.world.constraints.path_constraints import PathConstraints
+from planning.world.constraints.predicate_constraint import PredicateConstraint
+from planning.world.fingerprint import probes
+from planning.world.mechanics.tool_kinematics import ToolKinematics
+
+
+def constraints_fingerprint(rules: PathConstraints) -> str:
+    """Return the sha256 of all that rules demand, the room that they leave included.
+
+    Raises:
+        ProblemInvalid: One is a predicate, of which nothing can be told.
+    """
+    return digest([_told(rule, rules.group) for rule in rules.rules])
+
+
+def _told(rule: CompiledConstraint, group: JointGroup) -> list[Any]:
+    match rule:
+        case BandConstraint():
+            pairs = [list(pair) for pair in sorted(rule.pairs)]
+            return ["band", pairs, rule.min, rule.max, rule.room]
+        case BoxConstraint():
+            box = [rule.pose, rule.half, rule.is_inside, rule.room]
+            return ["box", *_motion(rule.motion, group), *box]
+        case ConeConstraint():
+            cone = [rule.axis, rule.direction, rule.tolerance, rule.room]
+            return ["cone", *_motion(rule.motion, group), *cone]
+        case LockConstraint():
+            return ["lock", *_locked(rule, group)]
+        case LimitConstraint():
+            return ["limits", rule.lower, rule.upper]
+        case PredicateConstraint():
+            raise predicates_refused(rule.label)
+        case _:
+            raise TypeError(rule.label)
+
+
+def predicates_refused(label: str) -> ProblemInvalid:
+    """Return the error of a predicate for which something is to be kept."""
+    field = "search.roadmap"
+    message = (
+        f"{field}: {label}: roadmaps are known by what they keep to, and of a "
+        f"{PathPredicate.__name__} nobody can tell what that is; plan without the one or the other"
+    )
+    return ProblemInvalid(message, {"field": field, "constraint": label})
+
+
+def _motion(motion: ToolKinematics, group: JointGroup) -> list[Any]:
+    """Return where a frame is: its name says nothing of where on its body it sits."""
+    return list(motion.poses(probes(group)))
+
+
+def _locked(rule: LockConstraint, group: JointGroup) -> list[Any]:
+    """Return which coordinates are locked, and where."""
+    found: list[Any] = []
+    iq = iv = 0
+    for joint in group.joints:
+        if rule.locked[iv : iv + joint.num_velocities].any():
+            found.append([joint.name, np.array(rule.start[iq : iq + joint.num_positions])])
+        iq += joint.num_positions
+        iv += joint.num_velocities
+    return found

@@ -1,0 +1,77 @@
+"""PairNearness: whether any of some pairs of bodies is near, by the kernel or by Drake."""
+
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from jaxtyping import Bool, Float64
+
+from planning.domain.curves.motion_samples import sample_batches
+from planning.domain.robot.joints import JointGroup
+from planning.domain.robot.manifold import Manifold
+from planning.kernel.native import native
+from planning.world.collision.margins import PairMargins
+from planning.world.kernel.kernel_scene import kernel_scene_of
+from planning.world.world import CollisionJudge, World
+
+_FREE, _COLLIDING, _UNSURE = 0, 1, 2
+
+
+class PairNearness:
+    """Says of configurations without collision whether a pair is nearer than a distance.
+
+    To be near is to collide where the distance is the pairs' margin, and the margin of all others
+    is 0. A collision judge gives Drake's answers, so it asks Drake about every two separate boxes
+    (docs/decisions/0006); that they are near the kernel knows by itself.
+    """
+
+    def __init__(
+        self, world: World, group: JointGroup, pairs: frozenset[tuple[str, str]], distance: float
+    ) -> None:
+        """Ask about pairs, by full names in sorted order, and a distance [m]."""
+        self._world, self._group = world, group
+        self._manifold = Manifold(group.joints)
+        self._is_straight = group.num_positions == group.num_velocities
+        self._margins = PairMargins(0.0, dict.fromkeys(sorted(pairs), distance))
+        scene, module = kernel_scene_of(world.drake), native()
+        self._checker: Any = None
+        if scene is not None and module is not None:
+            demands = scene.demands(self._margins)
+            self._checker = module.Checker(
+                scene.native,
+                world.drake.position_indices(group).astype(np.int64),
+                world.drake.velocity_indices(group).astype(np.int64),
+                world.drake.follow(np.array(world.state)),
+                np.column_stack([demands, demands]),
+            )
+
+    def are_near(self, qs: Float64[np.ndarray, "m nq"]) -> Bool[np.ndarray, " m"]:
+        """Return whether a pair is near at each row; of a row that collides nothing is said."""
+        if self._checker is None:
+            return ~self._judge.are_free(qs)
+        verdicts = self._checker.judge(np.ascontiguousarray(qs))
+        near = verdicts == _COLLIDING
+        unsure = verdicts == _UNSURE
+        if unsure.any():
+            near[unsure] = ~self._judge.are_free(qs[unsure])
+        return near
+
+    def is_none_near_along(
+        self,
+        origin: Float64[np.ndarray, " nq"],
+        displacement: Float64[np.ndarray, " nv"],
+        resolution: float,
+    ) -> bool:
+        """Return whether no pair is near at any sample of a motion."""
+        if self._checker is None:
+            return self._judge.is_motion_free(origin, displacement, resolution)
+        if self._is_straight:
+            verdict = self._checker.judge_motion(origin, displacement, resolution)
+            if verdict != _UNSURE:
+                return verdict == _FREE
+        batches = sample_batches(self._manifold, (origin, displacement), resolution)
+        return not any(self.are_near(qs).any() for qs in batches)
+
+    @cached_property
+    def _judge(self) -> CollisionJudge:
+        return self._world.collision_oracle(self._group, self._margins)

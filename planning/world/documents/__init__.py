@@ -1,0 +1,1 @@
+"""Scenes as documents: read, checked, edited and written."""

@@ -1,0 +1,150 @@
+"""scene_document(): a scene as the document that describes it."""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
+from typing import Any
+
+from pydantic import ValidationError
+
+from planning.domain.geometry.pose import Pose
+from planning.domain.geometry.shapes import (
+    Box,
+    Capsule,
+    Convex,
+    Cylinder,
+    Ellipsoid,
+    HalfSpace,
+    Mesh,
+    Shape,
+    Sphere,
+)
+from planning.domain.scene.scene import Scene, SceneFrame, SceneObject, SceneRobot
+from planning.world.documents.scene_document import ObjectDocument, SceneDocument
+from planning.world.documents.scene_file import parse_scene
+
+
+def scene_document(scene: Scene, like: SceneDocument | None = None) -> SceneDocument:
+    """Return the document of a scene.
+
+    Read again it gives the same scene, but for the last bit of quaternions that are normalised
+    once more.
+
+    Args:
+        scene: What to describe.
+        like: A document of an earlier revision: robots, objects and frames that are as it says
+            stay as they are written there, bit for bit.
+
+    Raises:
+        SceneInvalid: The scene has what no document may have, such as too many objects.
+    """
+    written = _written(replace(scene, objects=()))
+    objects: Sequence[Any] = [_object(thing) for thing in scene.objects]
+    if like is not None:
+        written["robots"] = _kept(written["robots"], scene.robots, like.robots)
+        written["frames"] = _kept(written["frames"], scene.frames, like.frames)
+        objects = _kept_objects(scene.objects, like.objects)
+    try:
+        return SceneDocument.model_validate({**written, "objects": objects})
+    except ValidationError:
+        parse_scene({**written, "objects": list(map(_object, scene.objects))})  # says what is wrong
+        raise
+
+
+def object_document(thing: SceneObject) -> ObjectDocument:
+    """Return the document of an object.
+
+    Raises:
+        ValidationError: It is what no document may say.
+    """
+    return ObjectDocument.model_validate(_object(thing))
+
+
+def _written(scene: Scene) -> dict[str, Any]:
+    return {
+        "name": scene.name,
+        "robots": [_robot(robot) for robot in scene.robots],
+        "objects": [_object(thing) for thing in scene.objects],
+        "frames": [_frame(frame) for frame in scene.frames],
+        "allowed_collisions": [list(pair) for pair in scene.allowed_collisions],
+        "configurations": {
+            entry.name: {"group": entry.group, "positions": entry.positions.tolist()}
+            for entry in scene.configurations
+        },
+        "margin": scene.margin,
+        "margins": [
+            {"bodies": list(entry.bodies), "margin": entry.margin} for entry in scene.margins
+        ],
+    }
+
+
+def _kept_objects(
+    values: Sequence[SceneObject], documents: Sequence[ObjectDocument]
+) -> list[ObjectDocument | dict[str, Any]]:
+    """Return what describes objects: the earlier documents of those that are as before."""
+    earlier = {document.name: document for document in documents}
+    return [
+        known
+        if (known := earlier.get(value.name)) is not None and known.value() == value
+        else _object(value)
+        for value in values
+    ]
+
+
+def _kept(written: list[Any], values: Iterable[Any], documents: Iterable[Any]) -> list[Any]:
+    """Return what was written, with earlier documents instead where they say the same."""
+    earlier = {document.name: document for document in documents}
+    return [
+        earlier[value.name].model_dump()
+        if value.name in earlier and earlier[value.name].value() == value
+        else entry
+        for entry, value in zip(written, values, strict=True)
+    ]
+
+
+def _robot(robot: SceneRobot) -> dict[str, Any]:
+    positions = list(robot.positions) if isinstance(robot.positions, tuple) else robot.positions
+    base = _pose(robot.base)
+    written = {"name": robot.name, "model": robot.model, "base": base, "positions": positions}
+    return {**written, "weld": robot.weld}
+
+
+def _object(thing: SceneObject) -> dict[str, Any]:
+    attached = thing.attached and {"frame": thing.attached.frame, "touch": thing.attached.touch}
+    return {
+        "name": thing.name,
+        "shape": _shape(thing.shape),
+        "pose": _pose(thing.pose),
+        "movable": thing.movable,
+        "color": None if thing.color is None else thing.color.tolist(),
+        "attached": attached,
+        "mass": thing.mass,
+        "center_of_mass": None if thing.center_of_mass is None else thing.center_of_mass.tolist(),
+    }
+
+
+def _frame(frame: SceneFrame) -> dict[str, Any]:
+    return {"name": frame.name, "parent": frame.parent, "pose": _pose(frame.pose)}
+
+
+def _pose(pose: Pose) -> dict[str, Any]:
+    return {"position": pose.position.tolist(), "quaternion": pose.quaternion.tolist()}
+
+
+def _shape(shape: Shape) -> dict[str, Any]:  # noqa: C901, PLR0911  (one case per shape)
+    match shape:
+        case Box():
+            return {"box": shape.size.tolist()}
+        case Sphere():
+            return {"sphere": shape.radius}
+        case Cylinder():
+            return {"cylinder": {"radius": shape.radius, "length": shape.length}}
+        case Capsule():
+            return {"capsule": {"radius": shape.radius, "length": shape.length}}
+        case Ellipsoid():
+            return {"ellipsoid": shape.semi_axes.tolist()}
+        case HalfSpace():
+            return {"half_space": {}}
+        case Convex():
+            return {"convex": {"points": shape.points.tolist()}}
+        case Mesh():
+            return {"mesh": {"uri": shape.uri, "scale": shape.scale.tolist()}}

@@ -1,0 +1,34 @@
+"""Strict building blocks of documents: no unknown keys, no NaN, nothing in quotes but text."""
+
+from typing import Annotated, Any
+
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, Strict
+
+
+def _no_lookalikes(number: Any) -> Any:
+    """Refuse what float() would swallow: booleans and text."""
+    if isinstance(number, bool | str | bytes):
+        message = f"a number is wanted, got {number!r}"
+        raise ValueError(message)  # noqa: TRY004  (pydantic collects ValueErrors)
+    return number
+
+
+type Number = Annotated[
+    float, BeforeValidator(_no_lookalikes), Field(allow_inf_nan=False), Field(ge=-1e6, le=1e6)
+]
+type Positive = Annotated[
+    float, BeforeValidator(_no_lookalikes), Field(allow_inf_nan=False), Field(ge=1e-6, le=1e4)
+]
+type Distance = Annotated[
+    float, BeforeValidator(_no_lookalikes), Field(allow_inf_nan=False), Field(ge=0, le=10)
+]
+type Unit = Annotated[
+    float, BeforeValidator(_no_lookalikes), Field(allow_inf_nan=False), Field(ge=0, le=1)
+]
+type Boolean = Annotated[bool, Strict()]
+
+
+class StrictModel(BaseModel):
+    """A document with no unknown keys, that does not change after it was read."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)

@@ -1,0 +1,60 @@
+"""hull_warnings(): meshes that are not convex, and by how much their hulls are larger."""
+
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from pydrake.geometry import Convex, Mesh
+from pydrake.multibody.tree import CalcSpatialInertia
+
+from planning.world.drake_model import DrakeModel
+from planning.world.files.mesh_files import name_of
+
+# A hull that is larger by less is as good as the mesh.
+_SMALLEST_EXCESS = 0.01
+
+
+def hull_warnings(model: DrakeModel) -> tuple[str, ...]:
+    """Return a warning for every body with a mesh that is checked as its larger convex hull."""
+    inspector = model.scene_graph.model_inspector()
+    shapes = [
+        (name, inspector.GetShape(geometry))
+        for name, index in model.bodies.items()
+        for geometry in model.plant.GetCollisionGeometriesForBody(model.plant.get_body(index))
+    ]
+    standing = model.standing
+    shapes += [(standing.things[row].name, standing.drake_shapes[row]) for row in standing.meshes]
+    found: list[str] = []
+    for name, shape in shapes:
+        if isinstance(shape, Mesh | Convex) and shape.source().is_path():
+            path, scale = Path(shape.source().path()), np.asarray(shape.scale3()).tolist()
+            text = _warning(path, tuple(scale), path.stat().st_mtime_ns)
+            found += [f"{name}: {text}"] if text else []
+    return tuple(dict.fromkeys(found))
+
+
+@lru_cache(maxsize=4096)
+def _warning(path: Path, scale: tuple[float, ...], _changed: int) -> str:
+    """Return by how much the hull of a mesh is larger; "" if the mesh is as good as convex."""
+    mesh = Mesh(str(path), scale3=np.array(scale))
+    hull: Any = mesh.GetConvexHull()
+    # The divergence theorem: a third of the flow of x through the faces.
+    enclosed = sum(
+        hull.area(i) * (hull.face_normal(i) @ hull.element_centroid(i)) / 3.0
+        for i in range(hull.num_faces())
+    )
+    whole = _volume(mesh)
+    text = f"its mesh {name_of(path)!r} is checked as its convex hull, "
+    if not 0 < whole <= enclosed * (1 + _SMALLEST_EXCESS):
+        return text + "and encloses no sure volume, so how much that adds is unknown"
+    excess = enclosed / whole - 1.0
+    return text + f"which is {excess:.0%} larger" if excess > _SMALLEST_EXCESS else ""
+
+
+def _volume(mesh: Mesh) -> float:
+    """Return the volume inside a mesh [m^3]; 0 if that is not sure."""
+    try:
+        return float(CalcSpatialInertia(mesh, 1.0).get_mass())
+    except (RuntimeError, ValueError):  # inside out, flat or open
+        return 0.0

@@ -1,0 +1,40 @@
+"""require_sound_mesh(): a look at a mesh before a parser in C++ has it."""
+
+from functools import lru_cache
+from pathlib import Path
+
+from planning.errors import ModelInvalid
+from planning.world.files.gltf_file import require_sound_gltf
+from planning.world.files.obj_file import require_sound_obj
+from planning.world.files.vtk_file import require_sound_vtk
+
+_LOOKS = {".gltf": require_sound_gltf, ".obj": require_sound_obj, ".vtk": require_sound_vtk}
+
+
+def require_sound_mesh(mesh: Path, named: str) -> None:
+    """Go on only if a mesh does not point beyond itself; kinds that are not looked at are sound.
+
+    Args:
+        mesh: The file.
+        named: Who names it, for the message.
+
+    Raises:
+        ModelInvalid: It does; the message names the file and the element.
+    """
+    status = mesh.stat()
+    fault = _fault(mesh, status.st_mtime_ns, status.st_size)
+    if fault:
+        reason = f"mesh {mesh.name}: {fault}"
+        raise ModelInvalid(f"{named}: {reason}", {"file": str(mesh), "reason": reason})
+
+
+@lru_cache(maxsize=1024)
+def _fault(mesh: Path, _time: int, _size: int) -> str:
+    """Return what is wrong with a mesh, or ""; copies that scenes keep never change."""
+    look = _LOOKS.get(mesh.suffix.lower())
+    try:
+        if look is not None:
+            look(mesh)
+    except ValueError as fault:
+        return str(fault)
+    return ""

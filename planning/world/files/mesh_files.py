@@ -1,0 +1,143 @@
+"""Meshes that Drake does not read (STL, COLLADA, PLY) become OBJ files in a cache, by content."""
+
+import hashlib
+import os
+import re
+from importlib.metadata import version
+from io import BytesIO
+from pathlib import Path
+from typing import Any
+from xml.etree import ElementTree as ET
+
+import numpy as np
+
+from planning.errors import ModelInvalid
+from planning.parallel.atomic_files import evict_oldest, write_atomically
+from planning.world.files.mesh_axes import upright
+
+_READ_BY_DRAKE = (".obj", ".vtk", ".gltf")
+_READ_IN_MJCF = (".obj",)
+_CONVERTED = (".stl", ".dae", ".ply", ".off", ".glb")
+# To be raised with every change of what a mesh becomes here: twins of another version are not read.
+_VERSION = 2
+_TWIN = re.compile(r"^[0-9a-f]{64}-(.*)\.obj$")
+# What loaded worlds read again, for a replay, was touched when they were loaded [s].
+_MOST_BYTES, _IN_USE = 2**29, 3600.0
+_LONGEST_NAME = 100
+
+
+def with_readable_meshes(
+    file: Path, root: ET.Element, meshes: dict[str, Path], folder: Path, *, always: bool = False
+) -> str | None:
+    """Return the description with every mesh as the address of one that Drake reads.
+
+    Addresses are file:// ones, and in MJCF paths.
+
+    None if Drake reads all of them as they are.
+
+    Args:
+        file: The description.
+        root: The description, parsed; left as it is.
+        meshes: Where each mesh is, by the name that the description gives it.
+        folder: Of meshes that were made from others.
+        always: Return the description even if Drake reads all of its meshes.
+
+    Raises:
+        ModelInvalid: A mesh is of no known kind, or is broken.
+    """
+    is_mjcf = root.tag == "mujoco"
+    read = _READ_IN_MJCF if is_mjcf else _READ_BY_DRAKE
+    if not always and all(path.suffix.lower() in read for path in meshes.values()):
+        return None
+    twins = {name: _readable(file, path, read, folder) for name, path in meshes.items()}
+    paths = {name: str(twin) if is_mjcf else twin.as_uri() for name, twin in twins.items()}
+    copy = ET.fromstring(ET.tostring(root))  # noqa: S314  (our own output)
+    for element in copy.iter():
+        if is_mjcf and element.tag == "mesh" and element.get("file") and not element.get("name"):
+            element.set("name", Path(element.get("file", "")).stem)  # as MuJoCo does
+        for attribute in ("filename", "file"):
+            if element.get(attribute) in paths:
+                element.set(attribute, paths[element.get(attribute, "")])
+        if element.tag == "uri" and (element.text or "").strip() in paths:
+            element.text = paths[(element.text or "").strip()]
+    _tame_colors(copy)
+    for transmission in copy.findall("transmission"):
+        copy.remove(transmission)  # of no use to us, and fatal to Drake if its joint is not there
+    return ET.tostring(copy, encoding="unicode")
+
+
+def _tame_colors(root: ET.Element) -> None:
+    """Mend what other viewers forgive and Drake does not: colours are no reason to refuse a robot.
+
+    A material's name that is given twice with different colours gets a number, and a colour of five
+    numbers, as one converter writes, loses the fourth.
+    """
+    known: dict[str, str] = {}
+    for material in root.iter("material"):
+        color = material.find("color")
+        if color is None:
+            continue
+        words = color.get("rgba", "").split()
+        color.set("rgba", " ".join(words if len(words) <= 4 else [*words[:3], words[-1]]))
+        name = material.get("name", "")
+        if known.setdefault(name, color.get("rgba", "")) != color.get("rgba"):
+            material.set("name", f"{name}_{len(known)}")
+            known[material.get("name", "")] = color.get("rgba", "")
+
+
+def _readable(file: Path, mesh: Path, read: tuple[str, ...], folder: Path) -> Path:
+    """Return the mesh itself if it is `read`, or its OBJ twin, made when it is first asked for."""
+    suffix = mesh.suffix.lower()
+    if suffix in read:
+        return mesh
+    if suffix not in _CONVERTED:
+        known = [*read, *_CONVERTED]
+        message = f"{file.name}: mesh {mesh.name} is of no kind that is read: {known}"
+        raise ModelInvalid(message, {"file": str(file), "reason": message})
+    content = mesh.read_bytes()
+    named = f"{hashlib.sha256(content).hexdigest()}-{mesh.stem[:_LONGEST_NAME]}{suffix}.obj"
+    target = folder / twins_version() / named
+    if target.is_file():
+        target.touch()
+    else:
+        try:
+            text = _as_obj(content, suffix)
+        except Exception as fault:  # trimesh's readers raise whatever their formats do
+            message = f"{file.name}: mesh {mesh.name} cannot be read: {fault}"
+            raise ModelInvalid(message, {"file": str(file), "reason": str(fault)}) from fault
+        write_atomically(target, text)
+        evict_oldest(target.parent, _MOST_BYTES, "*.obj", _IN_USE)
+    return target
+
+
+def name_of(mesh: Path) -> str:
+    """Return the name of a mesh's file, of a twin that of what it was made from."""
+    twin = _TWIN.match(mesh.name)
+    return twin[1] if twin else mesh.name
+
+
+def twins_version() -> str:
+    """Return the name of the folder of meshes that this version of the code makes from others."""
+    return f"{_VERSION}-{version('trimesh')}"
+
+
+def _as_obj(content: bytes, suffix: str) -> str:
+    # It imports half of scipy, which most processes never need.
+    import trimesh  # noqa: PLC0415
+    from trimesh.exchange.obj import export_obj  # noqa: PLC0415
+
+    loaded: Any = trimesh.load(BytesIO(content), file_type=suffix[1:], force="mesh")
+    if not np.isfinite(loaded.vertices).all():
+        message = "a vertex is at no place: its coordinates are not finite"
+        raise ValueError(message)
+    loaded.apply_transform(upright(content, suffix))
+    text: str = export_obj(loaded, include_texture=False)
+    return text
+
+
+def cache_folder() -> Path:
+    """Return the folder of things that can be made again, created if needed."""
+    home = os.environ.get("XDG_CACHE_HOME") or str(Path.home() / ".cache")
+    folder = Path(home) / "wayproof"
+    folder.mkdir(parents=True, exist_ok=True)
+    return folder

@@ -1,0 +1,233 @@
+"""find_files(): every file that a robot description or a mesh is made of.
+
+A description names meshes, textures and further descriptions; a mesh names materials, textures
+and buffers. Whatever is named and exists counts, whether or not a parser will read it.
+"""
+
+import json
+import os
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from itertools import product
+from pathlib import Path
+from typing import Any
+from urllib.parse import unquote
+from xml.etree import ElementTree as ET
+from xml.sax.saxutils import escape, unescape
+
+from planning.errors import AssetNotFound, ModelInvalid
+from planning.world.models.model_file import PACKAGE, package_folder, plain_root
+
+_DESCRIPTIONS = (".urdf", ".sdf", ".xml")
+_FOLDERS = ("meshdir", "texturedir", "assetdir")
+# A scan of a factory hall has some hundred megabytes.
+_MOST_BYTES = 2**30
+
+_MATERIALS = re.compile(rb"^[ \t]*mtllib[ \t]+(.+?)\s*$", re.MULTILINE)
+_TEXTURES = re.compile(
+    rb"^[ \t]*(?:map_\w+|bump|disp|decal|refl|norm)[ \t]+(.+?)\s*$", re.MULTILINE
+)
+_ABSOLUTE = re.compile(rb"(?<=[\"'>])(\s*)((?:file://)?/[^\"'<>]*?)(\s*)(?=[\"'<])")
+
+
+@dataclass(frozen=True)
+class FoundFiles:
+    """Files, read once.
+
+    Attributes:
+        folder: That all of them are in.
+        content: Their bytes, by path relative to it.
+        main: Path of the one that names the others.
+    """
+
+    folder: Path
+    content: dict[str, bytes]
+    main: str
+
+    def path(self, file: Path) -> str:
+        """Return the path of one of the files relative to the folder."""
+        return _absolute(file).relative_to(self.folder).as_posix()
+
+
+def find_files(main: Path, beside: Sequence[Path] = ()) -> FoundFiles:
+    """Return a file, what it names, and what that names.
+
+    Absolute paths in descriptions become relative ones, so that the files can lie anywhere.
+
+    Args:
+        main: A robot's description or a mesh.
+        beside: Further files that go with it, if they are there.
+
+    Raises:
+        AssetNotFound: A file cannot be read, or a mesh is in a package that is not there.
+        ModelInvalid: The files are too large.
+    """
+    search = _Search(_absolute(main))
+    search.run([_absolute(file) for file in beside])
+    anchors = [file.parent for file in (*search.content, *search.packages)]
+    folder = Path(os.path.commonpath(anchors))
+    content = {
+        file.relative_to(folder).as_posix(): search.relocated(file) for file in search.content
+    }
+    return FoundFiles(folder, content, search.main.relative_to(folder).as_posix())
+
+
+@dataclass
+class _Search:
+    """What was found so far, by absolute path.
+
+    Attributes:
+        main: Where it begins.
+        content: Bytes of each file.
+        packages: Folders of packages; their names count, so they are no anchors themselves.
+        named: What descriptions name, relative to any of `bases`.
+        bases: Folders that descriptions are in, or say that their meshes are in.
+        direct: What is named in one way only.
+        fixed: Descriptions that name something by an absolute path.
+    """
+
+    main: Path
+    content: dict[Path, bytes] = field(default_factory=dict)
+    packages: set[Path] = field(default_factory=set)
+    named: set[str] = field(default_factory=set)
+    bases: set[Path] = field(default_factory=set)
+    direct: set[Path] = field(default_factory=set)
+    fixed: set[Path] = field(default_factory=set)
+
+    def run(self, beside: Sequence[Path]) -> None:
+        """Read until nothing new is named."""
+        self.direct |= {self.main, *beside}
+        while new := {f for f in self._candidates() if f not in self.content and f.is_file()}:
+            for file in sorted(new):
+                self._read(file)
+
+    def relocated(self, file: Path) -> bytes:
+        """Return the bytes of a file with relative paths for those absolute ones that were found.
+
+        A description's paths are relative to the folder of the first one, or in MJCF to the one
+        that it says its meshes are in.
+
+        Raises:
+            ModelInvalid: Another absolute path is left, which would be read where it is.
+        """
+        if file not in self.fixed:
+            return self.content[file]
+        content = _ABSOLUTE.sub(self._relative, self.content[file])
+        root = plain_root(content)
+        for element in () if root is None else root.iter():
+            for text in (*_named_by(element), *_folders_of(element)):
+                if _is_fixed(text) and Path(text.removeprefix("file://")).exists():
+                    message = f"{file.name} names {text!r} in a way that cannot be kept: name it "
+                    message += "relative to the description, or by package://"
+                    raise ModelInvalid(message, {"file": str(file), "reason": message})
+        return content
+
+    def _relative(self, match: re.Match[bytes]) -> bytes:
+        text = unescape(match[2].decode("utf-8", "replace"))
+        path = _absolute(Path(text.removeprefix("file://")))
+        if path not in self.content and path not in self.bases:
+            return match[0]
+        mesh_folders = sorted(base for base in self.bases if base != self.main.parent)
+        is_mjcf = self.main.suffix.lower() == ".xml" and path in self.content
+        base = mesh_folders[0] if is_mjcf and mesh_folders else self.main.parent
+        return match[1] + escape(os.path.relpath(path, base)).encode() + match[3]
+
+    def _candidates(self) -> Iterator[Path]:
+        yield from self.direct
+        for base, name in product(sorted(self.bases), sorted(self.named)):
+            yield _absolute(base / name)
+
+    def _read(self, file: Path) -> None:
+        try:
+            self.content[file] = content = file.read_bytes()
+        except OSError as fault:
+            message = f"cannot read {file}: {fault.strerror}"
+            raise AssetNotFound(message, {"uri": str(file), "known": []}) from fault
+        if sum(map(len, self.content.values())) > _MOST_BYTES:
+            message = f"{self.main.name}: its files have more than {_MOST_BYTES} bytes together"
+            raise ModelInvalid(message, {"file": str(self.main), "reason": message})
+        if file.suffix.lower() in _DESCRIPTIONS:
+            self._read_description(file, content)
+        else:
+            self.direct |= {_absolute(file.parent / name) for name in _names(file, content)}
+
+    def _read_description(self, file: Path, content: bytes) -> None:
+        if file.suffix.lower() == ".urdf":
+            self.direct.add(file.with_suffix(".srdf"))
+        root = plain_root(content)
+        if root is None:
+            return  # what inspects it says so
+        self.bases.add(self.main.parent)
+        for element in root.iter():
+            folders, texts = _folders_of(element), _named_by(element)
+            self.bases |= {_absolute(self.main.parent / folder) for folder in folders}
+            if any(map(_is_fixed, (*folders, *texts))):
+                self.fixed.add(file)
+            for text in texts:
+                self._add(file, element.tag.rsplit("}", 1)[-1], text)
+
+    def _add(self, file: Path, tag: str, text: str) -> None:
+        package = PACKAGE.match(text)
+        if package is None:
+            self.named.add(text.removeprefix("file://"))
+            self.direct.add(_absolute(file.parent / text.removeprefix("file://")))
+            return
+        try:
+            folder = package_folder(file, package[1], text)
+        except AssetNotFound:
+            if tag == "mesh":
+                raise
+            return
+        self.packages.add(folder)
+        self.direct |= {folder / "package.xml", _absolute(folder / package[2])}
+        for model in folder.joinpath(package[2]).glob("*.sdf"):  # an SDF includes folders as well
+            self.direct |= {model, model.with_name("model.config")}
+
+
+def _named_by(element: ET.Element) -> list[str]:
+    is_uri = element.tag.rsplit("}", 1)[-1] == "uri"
+    texts = (element.get("filename"), element.get("file"), element.text if is_uri else None)
+    return [text.strip() for text in texts if text and text.strip()]
+
+
+def _folders_of(element: ET.Element) -> list[str]:
+    return [element.get(attribute, "") for attribute in _FOLDERS if element.get(attribute)]
+
+
+def _is_fixed(text: str) -> bool:
+    return text.startswith(("/", "file://"))
+
+
+def _names(file: Path, content: bytes) -> list[str]:
+    """Return what a mesh or a material names, relative to its own folder."""
+    match file.suffix.lower():
+        case ".obj":
+            return _words(_MATERIALS.findall(content))
+        case ".mtl":
+            return _words(_TEXTURES.findall(content))
+        case ".gltf":
+            return _gltf_uris(content)
+        case _:
+            return []
+
+
+def _words(lines: list[bytes]) -> list[str]:
+    """Return every line, and its words: names may contain spaces, and options come before them."""
+    texts = [line.decode("utf-8", "replace") for line in lines]
+    return [*texts, *(word for text in texts for word in text.split())]
+
+
+def _gltf_uris(content: bytes) -> list[str]:
+    try:
+        document: Any = json.loads(content)
+        entries = [*document.get("buffers", []), *document.get("images", [])]
+        uris = [str(entry.get("uri", "")) for entry in entries]
+    except (ValueError, AttributeError, TypeError, RecursionError):
+        return []  # what loads it says so
+    return [unquote(uri) for uri in uris if uri and not uri.startswith("data:")]
+
+
+def _absolute(path: Path) -> Path:
+    """Return a path from the root on, without steps back, as Drake resolves them."""
+    return Path(os.path.abspath(path))  # noqa: PTH100  (resolve() would follow links)

@@ -1,0 +1,1 @@
+"""A loaded scene in the native kernel."""

@@ -1,0 +1,137 @@
+"""Collision verdicts by the native kernel where it is sure, and by Drake where it is not."""
+
+from collections.abc import Callable
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from jaxtyping import Bool, Float64, UInt8
+from pydrake.planning import SceneGraphCollisionChecker
+
+from planning.domain.curves import motion_samples
+from planning.domain.robot.joints import JointGroup
+from planning.domain.robot.manifold import Manifold
+from planning.kernel.native import native
+from planning.world.collision.collision_check import DrakeCollisionOracle
+from planning.world.collision.margins import PairMargins
+from planning.world.drake_model import DrakeModel
+from planning.world.kernel.kernel_scene import KernelScene
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
+
+_FREE, _COLLIDING, _UNSURE = 0, 1, 2
+
+
+class KernelCollisionOracle:
+    """Gives Drake's answers: what the kernel calls free or colliding, Drake does as well.
+
+    Of separate boxes both go by the true distance, which Drake overstates now and then.
+
+    Attributes:
+        num_left: Configurations that were left to Drake so far.
+    """
+
+    def __init__(
+        self,
+        model: DrakeModel,
+        scene: KernelScene,
+        group: JointGroup,
+        state: Float64[np.ndarray, " num_positions"],
+        margins: PairMargins,
+        bare: Callable[[], SceneGraphCollisionChecker] | None = None,
+    ) -> None:
+        """Prepare the kernel for a group whose verdicts demand `margins` of every pair.
+
+        `bare` gives the model's `bare_checker`.
+        """
+        self.num_left = 0
+        self._drake_arguments = model, group, state, margins, bare
+        self._manifold = Manifold.of(group.joints)
+        module: Any = native()
+        self._checker = module.Checker(
+            scene.native,
+            model.position_indices(group).astype(np.int64),
+            model.velocity_indices(group).astype(np.int64),
+            model.follow(np.array(state)),
+            pair_thresholds(scene, margins),
+        )
+        self._is_straight = group.num_positions == group.num_velocities
+
+    def is_free(self, q: Float64[np.ndarray, " nq"]) -> bool:
+        """Return whether the group at q, shape (nq,), keeps its distances."""
+        verdict = self._checker.judge_one(q)
+        if verdict == _UNSURE:
+            self.num_left += 1
+            return self._drake.is_free(q)
+        return verdict == _FREE
+
+    def are_free(self, qs: Float64[np.ndarray, "m nq"]) -> Bool[np.ndarray, " m"]:
+        """Return the same for each row."""
+        verdicts = self.verdicts(qs)
+        free = verdicts == _FREE
+        unsure = np.flatnonzero(verdicts == _UNSURE)
+        if len(unsure):
+            self.num_left += len(unsure)
+            free[unsure] = self._drake.are_free(qs[unsure])
+        return free
+
+    def verdicts(self, qs: Float64[np.ndarray, "m nq"]) -> UInt8[np.ndarray, " m"]:
+        """Return what the kernel says by itself: 0 free, 1 colliding, 2 not sure."""
+        return self._checker.judge(qs)
+
+    def is_motion_free(
+        self,
+        origin: Float64[np.ndarray, " nq"],
+        displacement: Float64[np.ndarray, " nv"],
+        resolution: float,
+    ) -> bool:
+        """Return whether every sample of a motion is free, as `motion_samples` defines them."""
+        if self._is_straight:
+            verdict = self._checker.judge_motion(origin, displacement, resolution)
+            if verdict != _UNSURE:
+                return verdict == _FREE
+        return bool(self.are_motions_free(origin[None], displacement[None], resolution)[0])
+
+    def is_edge_free(self, q0: list[float], q1: list[float], resolution: float) -> tuple[bool, int]:
+        """Return whether the straight way between two configurations is free, ends included.
+
+        And of how many steps it is. For joints that do not float.
+        """
+        verdict, steps = self._checker.judge_edge(q0, q1, resolution)
+        if verdict != _UNSURE:
+            return verdict == _FREE, steps
+        begin, end = np.array(q0), np.array(q1)
+        return self.is_free(begin) and self.is_motion_free(begin, end - begin, resolution), steps
+
+    def are_motions_free(
+        self,
+        origins: Float64[np.ndarray, "m nq"],
+        displacements: Float64[np.ndarray, "m nv"],
+        resolution: float,
+    ) -> Bool[np.ndarray, " m"]:
+        """Return the same for each pair of rows."""
+        if not self._is_straight:
+            motions = origins, displacements
+            return motion_samples.are_motions_free(
+                self._manifold, self.are_free, motions, resolution
+            )
+        verdicts, unsure = self._checker.judge_motions(origins, displacements, resolution)
+        free = verdicts != _COLLIDING
+        for motion in np.unique(unsure[:, 0]):
+            rows = unsure[unsure[:, 0] == motion]
+            fractions = rows[:, 1] / rows[:, 2]
+            qs = origins[motion] + fractions[:, None] * displacements[motion]
+            self.num_left += len(qs)
+            free[motion] = self._drake.are_free(qs).all()
+        return free
+
+    @cached_property
+    def _drake(self) -> DrakeCollisionOracle:
+        """Made when it is first needed: it takes longer than most searches."""
+        return DrakeCollisionOracle(*self._drake_arguments)
+
+
+def pair_thresholds(scene: KernelScene, margins: PairMargins) -> Array:
+    """Return margin and touching distance of every pair [m], shape (n, 2)."""
+    margin = scene.demands(margins)
+    return np.column_stack([margin, margin])

@@ -1,0 +1,181 @@
+"""KernelScene: a loaded world in the native kernel."""
+
+from collections.abc import Callable, Collection, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
+from weakref import WeakKeyDictionary
+
+import numpy as np
+from jaxtyping import Bool, Float64
+from pydrake.geometry import GeometryId
+from pydrake.math import RigidTransform
+
+from planning.kernel.coverings.covering import Covering, cached_covering
+from planning.kernel.native import native
+from planning.kernel.shape import ConvexShape, ShapeKind
+from planning.world.collision.margins import PairMargins
+from planning.world.collision.shape_pairs import Candidates, candidates_of
+from planning.world.collision.static_objects import StaticObjects
+from planning.world.drake_model import DrakeModel
+from planning.world.files.mesh_files import cache_folder
+from planning.world.kernel.convex_shapes import convex_shape
+from planning.world.kernel.kernel_tree import add_tree, flat_transform
+from planning.world.kernel.link_tree import WORLD, link_tree
+
+# The kernel's numbers for kinds of shapes (shape.hpp).
+_KINDS = tuple(ShapeKind)
+_NONE = Covering(np.zeros((0, 4)), np.zeros((0, 4)), np.zeros(4), 0.0)
+
+
+@dataclass(frozen=True)
+class KernelScene:
+    """Never leaves the process, as a DrakeModel.
+
+    Attributes:
+        native: The kernel's Scene.
+        candidates: All pairs that may collide, in the kernel's order.
+        is_of_one_robot: Whether both belong to one robot, shape (num_pairs,).
+        links: For every body's index, its link and X_LB.
+    """
+
+    native: Any
+    candidates: Candidates
+    is_of_one_robot: Bool[np.ndarray, " num_pairs"]
+    links: dict[int, tuple[int, RigidTransform]]
+
+    @property
+    def pairs(self) -> tuple[tuple[GeometryId, GeometryId], ...]:
+        """Both geometries of every pair, in the kernel's order."""
+        return self.candidates.pairs
+
+    @property
+    def bodies(self) -> tuple[tuple[str, str], ...]:
+        """Full names of their bodies."""
+        return self.candidates.pair_names
+
+    def pair(self, row: int) -> tuple[GeometryId, GeometryId]:
+        """Return both geometries of one pair."""
+        a, b = self.candidates.rows[row]
+        return self.candidates.ids[a], self.candidates.ids[b]
+
+    def names(self, row: int) -> tuple[str, str]:
+        """Return the full names of their bodies."""
+        a, b = self.candidates.rows[row]
+        return self.candidates.names[a], self.candidates.names[b]
+
+    def demands(self, margins: PairMargins) -> Float64[np.ndarray, " num_pairs"]:
+        """Return the margin of every pair [m]; as `PairMargins.of`, but of all pairs at once."""
+        return self.by_pair(margins.of, margins.by_pair)
+
+    def by_pair(
+        self, value: Callable[[str, str], float], exceptions: Collection[tuple[str, str]]
+    ) -> Float64[np.ndarray, " num_pairs"]:
+        """Return a number for every pair of bodies, by their full names.
+
+        Args:
+            value: The number; the same for all pairs of one robot, and the same for all others.
+            exceptions: Pairs, by names in sorted order, of which it may be another.
+        """
+        names = set(exceptions)
+        found = np.full(len(self.is_of_one_robot), np.nan)
+        for kind in (self.is_of_one_robot, ~self.is_of_one_robot):
+            rows: Any = np.flatnonzero(kind)  # of which mostly the first is what is looked for
+            some = next(
+                (pair for pair in map(self.names, rows) if (min(pair), max(pair)) not in names),
+                None,
+            )
+            if some is not None:
+                found[kind] = value(*some)
+        for pair in names:
+            found[self._rows.get(pair, [])] = value(*pair)
+        return found
+
+    @cached_property
+    def _rows(self) -> dict[tuple[str, str], list[int]]:
+        rows: dict[tuple[str, str], list[int]] = {}
+        for row, (a, b) in enumerate(self.bodies):
+            rows.setdefault((min(a, b), max(a, b)), []).append(row)
+        return rows
+
+
+_made: WeakKeyDictionary[StaticObjects, KernelScene | None] = WeakKeyDictionary()
+
+
+def kernel_scene_of(model: DrakeModel) -> KernelScene | None:
+    """Return the model in the kernel, making it the first time only.
+
+    None if the model shall do without, or as `kernel_scene` says.
+    """
+    if not model.uses_kernel:
+        return None
+    if model.standing not in _made:
+        _made[model.standing] = kernel_scene(model)
+    return _made[model.standing]
+
+
+def share_kernel_scene(before: DrakeModel, after: DrakeModel, rows: Sequence[int]) -> None:
+    """Let a model have the kernel's scene of another one, some rows of `standing` elsewhere."""
+    scene = kernel_scene_of(before)
+    if scene is None:
+        _made[after.standing] = None
+        return
+    first = candidates_of(before).num_of_drake
+    geometries = np.array([first + row for row in rows], dtype=np.int64)
+    flat = [flat_transform(after.standing.poses[row]) for row in rows]
+    moved = scene.native.with_poses(geometries, np.array(flat, dtype=np.float64).reshape(-1, 12))
+    _made[after.standing] = replace(scene, native=moved)
+
+
+def kernel_scene(model: DrakeModel) -> KernelScene | None:
+    """Return the model in the kernel.
+
+    None if there is no kernel, or if the model has a joint or a shape that it does not know: Drake
+    alone answers then.
+    """
+    module, tree = native(), link_tree(model)
+    if module is None or tree is None:
+        return None
+    inspector: Any = model.scene_graph.model_inspector()
+    candidates, standing = candidates_of(model), model.standing
+    ids = candidates.ids[: candidates.num_of_drake]
+    shapes = [convex_shape(inspector.GetShape(i)) for i in ids]
+    if None in shapes:
+        return None
+    scene = module.Scene(model.plant.num_positions(), model.plant.num_velocities())
+    add_tree(scene, model, tree)
+    for i, body, shape in zip(ids, candidates.bodies, shapes, strict=False):
+        assert shape is not None  # noqa: S101  (looked at above)
+        link, x_lb = tree.bodies[int(body)]
+        _add_geometry(scene, link, x_lb.multiply(inspector.GetPoseInFrame(i)), shape)
+    for x, shape in zip(standing.poses, standing.shapes, strict=True):
+        _add_geometry(scene, WORLD, x, shape)
+    scene.add_pairs(candidates.rows.astype(np.int64).ravel())
+    bare = PairMargins(1.0, owners=model.owners)
+    owners = bare.robots_of(candidates.names)
+    a, b = owners[candidates.rows].T
+    return KernelScene(
+        native=scene,
+        candidates=candidates,
+        is_of_one_robot=(a == b) & (a >= 0),
+        links=tree.bodies,
+    )
+
+
+def _add_geometry(scene: Any, link: int, x_lg: RigidTransform, shape: ConvexShape) -> None:
+    # Of what never moves the kernel takes the exact shape.
+    if link == WORLD or shape.kind is ShapeKind.HALF_SPACE:
+        covering = _NONE
+    else:
+        covering = cached_covering(shape, cache_folder() / "coverings")
+    scene.add_geometry(
+        link,
+        flat_transform(x_lg),
+        _KINDS.index(shape.kind),
+        shape.size,
+        shape.vertices,
+        shape.planes,
+        covering.outer,
+        covering.inner,
+        covering.bound,
+    )

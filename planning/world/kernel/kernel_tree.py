@@ -1,0 +1,82 @@
+"""A loaded world's links and joints in the native kernel, without its geometry."""
+
+from typing import Any
+from weakref import WeakKeyDictionary
+
+import numpy as np
+from jaxtyping import Float64
+from pydrake.math import RigidTransform
+from pydrake.planning import RobotDiagram
+
+from planning.domain.robot.joints import JointGroup
+from planning.kernel.native import native
+from planning.world.drake_model import DrakeModel
+from planning.world.kernel.link_tree import LinkTree, link_tree
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
+
+_made: WeakKeyDictionary[RobotDiagram, tuple[Any, LinkTree] | None] = WeakKeyDictionary()
+
+
+def kernel_chain(
+    model: DrakeModel, group: JointGroup, state: Float64[np.ndarray, " num_positions"], frame: str
+) -> Any | None:
+    """Return the kernel's Chain: how a frame depends on the group's q, all else at `state`.
+
+    None if there is no kernel, the model shall do without, or it has a joint of a kind that the
+    kernel does not know: Drake alone answers then.
+    """
+    if not model.uses_kernel:
+        return None
+    if model.diagram not in _made:
+        _made[model.diagram] = _tree(model)
+    module, made = native(), _made[model.diagram]
+    if module is None or made is None:
+        return None
+    scene, tree = made
+    drake_frame = model.frame(frame)
+    link, x_lb = tree.bodies[int(drake_frame.body().index())]
+    return module.Chain(
+        scene,
+        model.position_indices(group).astype(np.int64),
+        model.velocity_indices(group).astype(np.int64),
+        model.follow(np.array(state)),
+        link,
+        flat_transform(x_lb.multiply(drake_frame.GetFixedPoseInBodyFrame())),
+    )
+
+
+def add_tree(scene: Any, model: DrakeModel, tree: LinkTree) -> None:
+    """Tell the kernel's Scene of the model's links, joints and couplings."""
+    for link in tree.links:
+        scene.add_link(
+            link.parent,
+            flat_transform(link.X_PF),
+            link.kind,
+            link.axis,
+            link.position,
+            link.velocity,
+        )
+    for c in model.couplings:
+        scene.add_follower(
+            c.follower_position,
+            c.leader_position,
+            c.follower_velocity,
+            c.leader_velocity,
+            c.multiplier,
+            c.offset,
+        )
+
+
+def flat_transform(x: RigidTransform) -> Array:
+    """Return R, row by row, and p: the kernel's way to write a transform, shape (12,)."""
+    return np.concatenate([x.rotation().matrix().ravel(), x.translation()])
+
+
+def _tree(model: DrakeModel) -> tuple[Any, LinkTree] | None:
+    module, tree = native(), link_tree(model)
+    if module is None or tree is None:
+        return None
+    scene = module.Scene(model.plant.num_positions(), model.plant.num_velocities())
+    add_tree(scene, model, tree)
+    return scene, tree

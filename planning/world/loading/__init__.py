@@ -1,0 +1,1 @@
+"""From a scene to Drake: robots, objects, frames and what may touch."""

@@ -1,0 +1,67 @@
+"""What robots hold: objects that follow a frame of a robot instead of standing in the world."""
+
+from collections.abc import Collection, Iterable
+from typing import Any
+
+from pydrake.multibody.plant import MultibodyPlant
+from pydrake.multibody.tree import BodyIndex, Frame
+
+from planning.domain.scene.scene import Scene
+from planning.domain.scene.scene_tree import holder_of, parents
+from planning.errors import SceneInvalid, UnknownName
+
+
+def validate_owners(scene: Scene, frames: Collection[str]) -> dict[str, str]:
+    """Return the robot that holds each attached object.
+
+    Args:
+        scene: With or without attached objects.
+        frames: Full names of everything that an object may be attached to.
+
+    Raises:
+        SceneInvalid: The frame does not exist, or is no robot's; evidence has the `path`.
+    """
+    above = parents(scene)
+    owners: dict[str, str] = {}
+    for i, thing in enumerate(scene.objects):
+        if thing.attached is None:
+            continue
+        path, frame = f"objects.{i}.attached.frame", thing.attached.frame
+        if frame not in frames:
+            fault = UnknownName.among("frame", frame, frames)
+            raise SceneInvalid(f"{path}: {fault.detail}", {"path": path, **fault.evidence})
+        robot = holder_of(frame, above)
+        if robot is None:
+            message = f"{path}: {frame!r} is no frame of a robot, so nothing can be attached to it"
+            raise SceneInvalid(message, {"path": path, "frame": frame})
+        owners[thing.name] = robot
+    return owners
+
+
+def allows_contact(plant: MultibodyPlant, frame: Frame, stops: Iterable[str]) -> list[BodyIndex]:
+    """Return the bodies that an object on `frame` touches unless the scene says otherwise.
+
+    They are those that move rigidly with it and, if it moves at all, those that they carry: the
+    fingers of a gripper.
+
+    Args:
+        plant: Finalized.
+        frame: What the object is attached to.
+        stops: Names of joints beyond which nothing is meant: those of the arm.
+    """
+    rigid = plant.GetBodiesWeldedTo(frame.body())
+    found = {int(body.index()): body.index() for body in rigid}
+    if int(plant.world_body().index()) in found:
+        return list(found.values())
+    beyond: set[str] = set(stops)
+    joints: list[Any] = [plant.get_joint(index) for index in plant.GetJointIndices()]
+    pending = [joint for joint in joints if joint.name() not in beyond]
+    grew = True
+    while grew:
+        grew = False
+        for joint in pending:
+            parent, child = joint.parent_body().index(), joint.child_body().index()
+            if int(parent) in found and int(child) not in found:
+                found[int(child)] = child
+                grew = True
+    return list(found.values())

@@ -1,0 +1,236 @@
+"""Build a scene in Drake."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from pydrake.math import RigidTransform, RollPitchYaw
+from pydrake.multibody.plant import CoulombFriction
+from pydrake.multibody.tree import (
+    FixedOffsetFrame,
+    ModelInstanceIndex,
+    QuaternionFloatingJoint,
+    SpatialInertia,
+)
+from pydrake.planning import RobotDiagramBuilder
+
+from planning.domain.geometry.pose import Pose
+from planning.domain.geometry.shapes import Mesh
+from planning.domain.scene.scene import Scene, SceneObject, SceneRobot
+from planning.errors import ModelInvalid, SceneInvalid
+from planning.world.drake_model import DrakeModel
+from planning.world.files.keep_files import KeptScene
+from planning.world.files.mesh_check import require_sound_mesh
+from planning.world.files.only_kept import require_kept
+from planning.world.loading.attached_objects import validate_owners
+from planning.world.loading.collision_filters import (
+    allow_collisions,
+    allow_touch,
+    leave_out_neighbours,
+)
+from planning.world.loading.drake_shapes import drake_shape
+from planning.world.loading.frame_build import add_frames
+from planning.world.loading.mass import spatial_inertia
+from planning.world.loading.scene_build import Build, LoadedRobot, refuse_second
+from planning.world.loading.static_build import standing_objects
+from planning.world.models.base_weld import weld_base
+from planning.world.models.collision_count import collision_counts, require_shapes
+from planning.world.models.couplings import couplings, joint_indices
+from planning.world.models.model_file import FloatingJoint, inspect_model
+from planning.world.models.model_warnings import parser_warnings, visual_only
+
+DEFAULT_COLOR = np.array([0.72, 0.62, 0.48, 1.0])
+
+
+def build_diagram(
+    kept: KeptScene,
+    standing: frozenset[str] = frozenset(),
+    *,
+    time_step: float = 0.001,
+    kernel: bool = True,
+) -> tuple[DrakeModel, tuple[LoadedRobot, ...]]:
+    """Return the scene in Drake, and what is known of each robot.
+
+    Args:
+        kept: What to build, with its files.
+        standing: Names of the objects that stand outside of Drake's model.
+        time_step: Of the plant [s]; matters only to simulation.
+        kernel: Whether the native kernel may answer where it is sure.
+
+    Raises:
+        SceneInvalid: A name is given twice, or a frame hangs on itself.
+        AssetNotFound: A file is not there.
+        ModelInvalid: A robot does not load.
+        UnknownName: A parent frame or body does not exist.
+    """
+    scene = kept.scene
+    builder: Any = RobotDiagramBuilder(time_step=time_step)
+    build = Build(builder, builder.plant(), standing)
+    build.frames["world"] = build.plant.world_frame()
+    build.bodies["world"] = build.plant.world_body().index()
+    for i, robot in enumerate(scene.robots):
+        refuse_second(build, robot.name, f"robots.{i}.name")
+        _add_robot(build, robot, kept)
+    for i, thing in enumerate(scene.objects):
+        refuse_second(build, thing.name, f"objects.{i}.name")
+        if thing.name in standing:
+            build.placed.add(thing.name)
+        else:
+            _add_object(build, kept.thing(thing), f"objects.{i}.shape")
+    apart = standing_objects(kept, standing)
+    add_frames(build, scene.frames, apart.frames)
+    owners = _attach(build, scene, apart.frames)
+    # Neighbours are left out by evidence, not all of them (`leave_out_neighbours`).
+    build.plant.set_adjacent_bodies_collision_filters(False)
+    build.plant.Finalize()
+    allow_collisions(build, scene)
+    allow_touch(build, scene)
+    scene_graph = builder.scene_graph()
+    indices = joint_indices(build.plant, build.bodies)
+    diagram = builder.Build()
+    leave_out_neighbours(build, scene, diagram, scene_graph)
+    names = {index: name for name, index in build.bodies.items()}
+    model = DrakeModel(
+        diagram=diagram,
+        plant=build.plant,
+        scene_graph=scene_graph,
+        body_names=names,
+        bodies=build.bodies,
+        frames=build.frames,
+        joint_indices=indices,
+        couplings=couplings(
+            build.plant,
+            indices,
+            [(robot.scene_robot.name, m) for robot in build.robots for m in robot.file.mimics],
+        ),
+        owners=owners,
+        standing=apart,
+        uses_kernel=kernel,
+        reasons=build.unchecked,
+        warnings=tuple(dict.fromkeys(build.warnings)),
+    )
+    return model, tuple(build.robots)
+
+
+def build_alone(thing: SceneRobot | SceneObject, kept: KeptScene) -> None:
+    """Build one robot, or one object, and nothing else; raises as `build_diagram`."""
+    builder: Any = RobotDiagramBuilder(time_step=0.001)
+    build = Build(builder, builder.plant())
+    if isinstance(thing, SceneRobot):
+        _add_robot(build, replace(thing, base=Pose.identity()), kept)
+    else:
+        _add_object(build, replace(kept.thing(thing), attached=None), thing.name)
+    build.plant.Finalize()
+
+
+def _add_robot(build: Build, robot: SceneRobot, kept: KeptScene) -> None:
+    source = kept.source(robot.name)
+    # Copies of files never change: robots of one model are looked at once.
+    file = build.files.get(source.file) or inspect_model(source.file, kept.store.meshes)
+    build.files[source.file] = file
+    parser = build.builder.parser()
+    parser.SetAutoRenaming(value=True)
+    packages = parser.package_map()
+    for package in packages.GetPackageNames():  # Drake's own, and those of the robot before
+        packages.Remove(package)
+    for package, folder in file.packages.items():
+        packages.Add(package, str(folder))
+    before = collision_counts(build.plant, [build.plant.world_body().index()])
+    try:
+        with parser_warnings(robot.name, build.warnings):
+            instances = (
+                parser.AddModels(str(source.file))
+                if file.rewritten is None
+                else parser.AddModelsFromString(file.rewritten, _format_of(source.file))
+            )
+    except (RuntimeError, ValueError, SystemExit) as fault:  # the last at sizes that are none
+        message = f"robot {robot.name!r}: {source.file.name} does not load: {fault}"
+        raise ModelInvalid(message, {"file": str(source.file), "reason": str(fault)}) from fault
+    if not instances:
+        message = f"robot {robot.name!r}: {source.file.name} describes no model"
+        raise ModelInvalid(message, {"file": str(source.file), "reason": "no model"})
+    _add_bodies(build, robot, instances, source.file)
+    require_shapes(build.plant, instances, file.shapes, before, source.file)
+    build.warnings += visual_only(build.builder.scene_graph(), build.plant, instances, robot.name)
+    loaded = LoadedRobot(robot, source, file, instances[0])
+    build.robots.append(loaded)
+    require_kept(build, instances, source.file, (kept.folder(robot.name), kept.store.meshes))
+    weld_base(build, loaded, instances)
+    build.warnings += [_has_no_end(robot.name, joint) for joint in file.unlimited]
+    for joint in file.floating:
+        _add_floating(build, robot.name, joint)
+
+
+def _has_no_end(robot: str, joint: str) -> str:
+    return (
+        f"{robot}::{joint} has no `limit` with `lower` and `upper`, so it moves without end: state "
+        "its limits, or that it is `continuous`"
+    )
+
+
+def _add_bodies(
+    build: Build, robot: SceneRobot, instances: Sequence[ModelInstanceIndex], file: Path
+) -> None:
+    for index in (i for instance in instances for i in build.plant.GetBodyIndices(instance)):
+        body = build.plant.get_body(index)
+        full = f"{robot.name}::{body.name()}"
+        if full in build.bodies:
+            reason = f"two links, of models inside each other, have the name {body.name()!r}"
+            message = f"robot {robot.name!r}: {file.name}: {reason}"
+            raise ModelInvalid(message, {"file": str(file), "reason": reason})
+        build.bodies[full] = index
+        build.frames[full] = body.body_frame()
+
+
+def _add_floating(build: Build, robot: str, joint: FloatingJoint) -> None:
+    frame_p, frame_c = (build.frames[f"{robot}::{link}"] for link in (joint.parent, joint.child))
+    x_pf = RigidTransform(RollPitchYaw(np.array(joint.rpy)), np.array(joint.xyz))
+    if not x_pf.IsExactlyIdentity():
+        frame_p = build.plant.AddFrame(FixedOffsetFrame(f"{robot}::{joint.name}", frame_p, x_pf))
+    build.plant.AddJoint(QuaternionFloatingJoint(joint.name, frame_p, frame_c))
+
+
+def _format_of(file: Path) -> str:
+    """Return what Drake calls the format of a file with this ending."""
+    return {".urdf": "urdf", ".sdf": "sdf", ".xml": "xml"}[file.suffix.lower()]
+
+
+def _add_object(build: Build, thing: SceneObject, path: str) -> None:
+    if isinstance(thing.shape, Mesh):
+        require_sound_mesh(Path(thing.shape.uri), f"{path}: object {thing.name!r}")
+    try:
+        shape, x_og = drake_shape(thing.shape), RigidTransform()
+        instance = build.plant.AddModelInstance(thing.name)
+        # What stands in the world burdens nobody.
+        inertia = spatial_inertia(thing) if thing.attached else SpatialInertia.NaN()
+        body = build.plant.AddRigidBody(thing.name, instance, inertia)
+        color = DEFAULT_COLOR if thing.color is None else thing.color
+        build.plant.RegisterCollisionGeometry(
+            body, x_og, shape, thing.name, CoulombFriction(0.9, 0.8)
+        )
+        build.plant.RegisterVisualGeometry(body, x_og, shape, thing.name, color)
+    except (RuntimeError, ValueError, SystemExit) as fault:
+        message = f"{path}: object {thing.name!r} does not load: {fault}"
+        raise SceneInvalid(message, {"path": path}) from fault
+    if thing.attached is None:
+        x_wo = RigidTransform(thing.pose.matrix)
+        build.plant.WeldFrames(build.plant.world_frame(), body.body_frame(), x_wo)
+    build.bodies[thing.name] = body.index()
+    build.frames[thing.name] = body.body_frame()
+
+
+def _attach(build: Build, scene: Scene, standing: Mapping[str, RigidTransform]) -> dict[str, str]:
+    """Weld every attached object to its frame and return the robots that hold them."""
+    owners = validate_owners(scene, {*build.frames, *standing})
+    for thing in scene.objects:
+        if thing.attached is not None:
+            frame, body = build.frames[thing.attached.frame], build.frames[thing.name]
+            build.plant.WeldFrames(frame, body, RigidTransform(thing.pose.matrix))
+    return owners
+
+
+def pose_of(transform: RigidTransform) -> Pose:
+    """Return our pose of Drake's transform."""
+    return Pose.from_matrix(transform.GetAsMatrix4())

@@ -1,0 +1,77 @@
+"""The scene's named frames in Drake."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from pydrake.math import RigidTransform
+from pydrake.multibody.tree import FixedOffsetFrame
+
+from planning.domain.scene.scene import SceneFrame
+from planning.errors import SceneInvalid, UnknownName
+from planning.world.loading.scene_build import Build, refuse_second
+
+
+def add_frames(
+    build: Build, frames: Sequence[SceneFrame], standing: Mapping[str, RigidTransform]
+) -> None:
+    """Add frames in an order in which every parent comes first, whatever their own order.
+
+    Each is fixed to the body that it hangs on in the end, so that a chain of thousands costs no
+    more than as many frames of one body.
+
+    Args:
+        build: With all bodies.
+        frames: Of the scene.
+        standing: X_WF of frames that hang on what stands outside of the plant: left out here.
+
+    Raises:
+        SceneInvalid: A name is given twice, a parent does not exist, or frames hang in a circle.
+    """
+    _refuse_taken(build, frames)
+    hanging: dict[str, list[int]] = {}
+    for i, frame in enumerate(frames):
+        hanging.setdefault(frame.parent, []).append(i)
+    ready = [i for parent in build.frames for i in hanging.get(parent, [])]
+    added = 0
+    while ready:
+        ready.sort()
+        for i in ready:
+            build.frames[frames[i].name] = _added(build, frames[i])
+        added += len(ready)
+        ready = [k for i in ready for k in hanging.get(frames[i].name, [])]
+    if added + sum(frame.name in standing for frame in frames) < len(frames):
+        _refuse_orphans(build, frames, standing)
+
+
+def _added(build: Build, frame: SceneFrame) -> Any:
+    parent = build.frames[frame.parent]
+    x_pf = RigidTransform(frame.pose.matrix)
+    x_bf = parent.GetFixedPoseInBodyFrame().multiply(x_pf)
+    offset = FixedOffsetFrame(f"frame::{frame.name}", parent.body().body_frame(), x_bf)
+    return build.plant.AddFrame(offset)
+
+
+def _refuse_taken(build: Build, frames: Sequence[SceneFrame]) -> None:
+    seen: set[str] = set()
+    for i, frame in enumerate(frames):
+        path = f"frames.{i}.name"
+        refuse_second(build, frame.name, path)
+        if frame.name in seen:
+            message = f"{path}: the name {frame.name!r} is taken by another frame"
+            raise SceneInvalid(message, {"path": path, "name": frame.name})
+        seen.add(frame.name)
+
+
+def _refuse_orphans(
+    build: Build, frames: Sequence[SceneFrame], standing: Mapping[str, RigidTransform]
+) -> None:
+    pending = [(i, f) for i, f in enumerate(frames) if f.name not in {*build.frames, *standing}]
+    names = [frame.name for _, frame in pending]
+    known = {*build.frames, *standing, *names}
+    for i, frame in pending:
+        if frame.parent not in known:
+            fault = UnknownName.among("frame", frame.parent, known)
+            path = f"frames.{i}.parent"
+            raise SceneInvalid(f"{path}: {fault.detail}", {"path": path, **fault.evidence})
+    message = f"frames hang on one another in a circle: {names}"
+    raise SceneInvalid(message, {"path": "frames", "frames": names})

@@ -1,0 +1,49 @@
+"""Positions of a group, as somebody gave them."""
+
+from typing import Any
+
+import numpy as np
+
+from planning.domain.robot.joints import JointGroup, JointType
+from planning.domain.robot.manifold import Manifold
+from planning.errors import ProblemInvalid
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
+
+_SHORTEST_QUATERNION = 1e-6
+
+
+def require_positions(group: JointGroup, q: Any, field: str) -> Array:
+    """Return q as the group's positions, read-only and with unit quaternions.
+
+    Args:
+        group: Whose positions these are.
+        q: Numbers [rad or m].
+        field: What messages call them.
+
+    Raises:
+        ProblemInvalid: The count is wrong, a number is not finite, or a quaternion is zero.
+    """
+    positions = np.array(q, dtype=np.float64)
+    names = list(group.position_names)
+    if positions.shape != (len(names),):
+        message = f"{field}: {group.name} has {len(names)} positions {names}, got {positions.size}"
+        raise ProblemInvalid(message, {"field": field, "expected": names, "got": positions.size})
+    if not np.isfinite(positions).all():
+        bad = [name for name, x in zip(names, positions, strict=True) if not np.isfinite(x)]
+        message = f"{field}: {bad} must be finite"
+        raise ProblemInvalid(message, {"field": field, "joints": bad})
+    _require_quaternions(group, positions, field)
+    unit = Manifold.of(group.joints).normalized(positions)
+    unit.flags.writeable = False
+    return unit
+
+
+def _require_quaternions(group: JointGroup, positions: Array, field: str) -> None:
+    begin = 0
+    for joint in group.joints:
+        is_floating = joint.type is JointType.FLOATING
+        if is_floating and np.linalg.norm(positions[begin : begin + 4]) < _SHORTEST_QUATERNION:
+            message = f"{field}: the quaternion [w, x, y, z] of {joint.name} must not be zero"
+            raise ProblemInvalid(message, {"field": field, "joints": [joint.name]})
+        begin += joint.num_positions

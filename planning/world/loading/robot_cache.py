@@ -1,0 +1,100 @@
+"""RobotCache: the robots of a scene without its objects, loaded as often as they change."""
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from planning.domain.geometry.pose import Pose
+from planning.domain.scene.scene import Scene, SceneRobot
+from planning.world.loading.load_world import load_world
+from planning.world.models.groups import RobotGroups
+from planning.world.models.model_library import ModelLibrary
+from planning.world.world import World
+
+type Positions = str | dict[str, float | tuple[float, ...]] | tuple[float, ...]
+
+
+class RobotCache:
+    """Answers what only loaded robots know; objects have no say in where links are."""
+
+    def __init__(self, library: ModelLibrary) -> None:
+        """Find robots in `library`."""
+        self._library = library
+        self._world: World | None = None
+        self._loaded: Scene | None = None
+
+    def bodies(self, scene: Scene) -> list[str]:
+        """Return the full names of the robots' bodies, "world" first."""
+        return list(self._load(scene).drake.bodies)
+
+    def frame_pose(self, scene: Scene, name: str) -> Pose:
+        """Return X_WF of the world or a link where the scene puts its robots."""
+        world = self._load(scene)
+        return world.frame_pose(name, world.state)
+
+    def placed(self, scene: Scene, index: int, positions: Positions) -> SceneRobot:
+        """Return a robot of the scene at new positions; what they leave unsaid stays as it is.
+
+        Raises:
+            SceneInvalid: They name what the robot does not have, or their count is wrong.
+        """
+        before, robot = self._load(scene), scene.robots[index]
+        moved = replace(robot, positions=positions)
+        robots = (*scene.robots[:index], moved, *scene.robots[index + 1 :])
+        after = self._load(replace(scene, robots=robots))
+        own = after.robot_groups[index]
+        said, joints = _said(after, own, positions), _joints(after, own)
+        if said >= set(joints):
+            return moved
+        merged = {
+            name.removeprefix(f"{own.robot}::"): _value(after if name in said else before, name)
+            for name in joints
+        }
+        return replace(robot, positions=merged)
+
+    def _load(self, scene: Scene) -> World:
+        # Groups that named configurations speak of are robots' groups: those entries stay.
+        alone = Scene(
+            scene.name, scene.robots, configurations=scene.configurations, files=scene.files
+        )
+        if self._world is None or self._loaded != alone:
+            # The same bytes for the whole edit, whatever happens to the disk meanwhile.
+            read = {} if self._world is None else self._world.scene.files
+            kept = replace(alone, files={**read, **scene.files})
+            # Robots that only moved are not loaded again.
+            self._world = load_world(kept, self._library, kernel=False, like=self._world)
+            self._loaded = alone
+        return self._world
+
+
+def _joints(world: World, own: RobotGroups) -> list[str]:
+    """Return the full names of a robot's joints that follow no other."""
+    followers = {coupling.follower_position for coupling in world.drake.couplings}
+    plant = world.drake.plant
+    return [
+        name
+        for name, index in world.drake.joint_indices.items()
+        if name.startswith(f"{own.robot}::")
+        and plant.get_joint(index).position_start() not in followers
+    ]
+
+
+def _said(world: World, own: RobotGroups, positions: Positions) -> set[str]:
+    """Return the full names of the joints that `positions` speaks of."""
+    match positions:
+        case dict():
+            prefix = f"{own.robot}::"
+            return {prefix + name.removeprefix(prefix) for name in positions}
+        case str():
+            groups = [g for g in own.groups.values() if positions in world.configurations(g)]
+        case tuple():
+            groups = [own.groups[own.default]]
+    return {joint.name for group in groups for joint in group.joints}
+
+
+def _value(world: World, name: str) -> float | tuple[float, ...]:
+    joint: Any = world.drake.plant.get_joint(world.drake.joint_indices[name])
+    begin = joint.position_start()
+    values: list[float] = np.array(world.state[begin : begin + joint.num_positions()]).tolist()
+    return values[0] if len(values) == 1 else tuple(values)

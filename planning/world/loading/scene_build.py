@@ -1,0 +1,63 @@
+"""Build: a scene in Drake while it grows."""
+
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from pydrake.multibody.plant import MultibodyPlant
+from pydrake.multibody.tree import BodyIndex, Frame, ModelInstanceIndex
+
+from planning.domain.geometry.unchecked_pair import UncheckedReason
+from planning.domain.scene.scene import SceneRobot
+from planning.errors import SceneInvalid
+from planning.world.models.model_file import ModelFile
+from planning.world.models.model_library import RobotSource
+
+
+@dataclass(frozen=True)
+class LoadedRobot:
+    """A robot of the scene with its files and Drake's name for it."""
+
+    scene_robot: SceneRobot
+    source: RobotSource
+    file: ModelFile
+    instance: ModelInstanceIndex
+
+
+@dataclass
+class Build:
+    """What grows while the scene is built.
+
+    `files` has what was read of each description; `standing` the names of what stands outside of
+    the plant, `placed` those of which the turn has come; `unchecked` the reason and the evidence of
+    every pair of bodies, by both full names, that collision checks leave out; `warnings` are those
+    of the scene's summary.
+    """
+
+    builder: Any
+    plant: MultibodyPlant
+    standing: frozenset[str] = frozenset()
+    placed: set[str] = field(default_factory=set)
+    robots: list[LoadedRobot] = field(default_factory=list)
+    files: dict[Path, ModelFile] = field(default_factory=dict)
+    bodies: dict[str, BodyIndex] = field(default_factory=dict)
+    frames: dict[str, Frame] = field(default_factory=dict)
+    unchecked: dict[frozenset[str], tuple[UncheckedReason, str]] = field(default_factory=dict)
+    warnings: list[str] = field(default_factory=list)
+
+    @property
+    def known_bodies(self) -> set[str]:
+        """The names of all bodies, in the plant or not."""
+        return {*self.bodies, *self.standing}
+
+
+def refuse_second(build: Build, name: str, path: str) -> None:
+    """Go on only if nothing has this name yet.
+
+    Raises:
+        SceneInvalid: Something has.
+    """
+    taken = name in build.bodies or name in build.frames or name in build.placed
+    if taken or any(robot.scene_robot.name == name for robot in build.robots):
+        message = f"{path}: the name {name!r} is taken; robots, objects and frames share names"
+        raise SceneInvalid(message, {"path": path, "name": name})

@@ -1,0 +1,128 @@
+"""Which objects of a scene stand outside of Drake's model, and what is made of them."""
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from pydrake.geometry import GeometryId
+from pydrake.math import RigidTransform
+
+from planning.domain.geometry import rotation
+from planning.domain.geometry.pose import Pose
+from planning.domain.geometry.shapes import HalfSpace, Mesh
+from planning.domain.scene.scene import Scene, SceneFrame, SceneObject
+from planning.errors import SceneInvalid
+from planning.kernel.shape import ConvexShape
+from planning.world.collision.static_objects import StaticObjects
+from planning.world.files.keep_files import KeptScene
+from planning.world.files.mesh_check import require_sound_mesh
+from planning.world.kernel.convex_shapes import convex_shape
+from planning.world.loading.drake_shapes import drake_shape
+
+# So many objects that stand in the world Drake's model bears well: it is loaded in a tenth of a
+# second, as most scenes are.
+MOST_IN_MODEL = 48
+_FEW_ROBOTS, _FEW_FRAMES = 4, 500
+
+
+def standing_names(scene: Scene, most: int = MOST_IN_MODEL) -> frozenset[str]:
+    """Return the names of the objects that Drake's model does without.
+
+    They are all that stand in the world, if they are more than `most`, or if there are many robots
+    or frames: then the model is dear, and an object that is moved must not cost another one. Half
+    spaces, which have no end, are always Drake's: there are few.
+    """
+    standing = [thing.name for thing in scene.objects if is_apart(thing)]
+    is_dear = len(scene.robots) > _FEW_ROBOTS or len(scene.frames) > _FEW_FRAMES
+    is_many = len(standing) > most or is_dear
+    return frozenset(standing) if is_many else frozenset()
+
+
+def is_apart(thing: SceneObject) -> bool:
+    """Return whether an object may stand outside of Drake's model."""
+    return thing.attached is None and not isinstance(thing.shape, HalfSpace)
+
+
+def standing_objects(kept: KeptScene, names: frozenset[str]) -> StaticObjects:
+    """Return the objects of these names.
+
+    Raises:
+        SceneInvalid: One does not load; evidence has its `path`.
+        ModelInvalid: A mesh points beyond its file.
+        AssetNotFound: The file of a mesh is not there any more.
+    """
+    scene = kept.scene
+    things: list[SceneObject] = []
+    drake_shapes: list[Any] = []
+    shapes: list[ConvexShape] = []
+    for i, thing in enumerate(scene.objects):
+        if thing.name in names:
+            things.append(kept.thing(thing))
+            drake, convex = _shape(things[-1], f"objects.{i}.shape")
+            drake_shapes.append(drake)
+            shapes.append(convex)
+    poses = transforms([thing.pose for thing in things])
+    return StaticObjects(
+        things=tuple(things),
+        ids=tuple(GeometryId.get_new_id() for _ in things),
+        drake_shapes=tuple(drake_shapes),
+        shapes=tuple(shapes),
+        poses=poses,
+        frames=standing_frames(things, poses, scene.frames),
+        allowed=_allowed(scene, names),
+    )
+
+
+def transforms(poses: Sequence[Pose]) -> tuple[RigidTransform, ...]:
+    """Return poses as Drake's transforms, the same to the bit as one by one."""
+    x = np.tile(np.eye(4), (len(poses), 1, 1))
+    if poses:
+        x[:, :3, :3] = rotation.matrix(np.array([pose.quaternion for pose in poses]))
+        x[:, :3, 3] = [pose.position for pose in poses]
+    return tuple(map(RigidTransform, x))
+
+
+def standing_frames(
+    things: Sequence[SceneObject],
+    poses: Sequence[RigidTransform],
+    frames: Sequence[SceneFrame],
+) -> Mapping[str, RigidTransform]:
+    """Return X_WF of objects, and of the frames that hang on them, directly or on one another."""
+    found = {thing.name: x for thing, x in zip(things, poses, strict=True)}
+    hanging: dict[str, list[SceneFrame]] = {}
+    for frame in frames:
+        hanging.setdefault(frame.parent, []).append(frame)
+    # Where a frame is in its object comes first, as in Drake: so numbers are the same to the bit.
+    pending = [(name, x, RigidTransform()) for name, x in found.items() if name in hanging]
+    while pending:
+        parent, x_wo, x_op = pending.pop()
+        for frame in hanging.get(parent, []):
+            if frame.name in found:
+                continue  # its name is taken, which the builder refuses
+            x_of = x_op.multiply(RigidTransform(frame.pose.matrix))
+            found[frame.name] = x_wo.multiply(x_of)
+            pending.append((frame.name, x_wo, x_of))
+    return found
+
+
+def _shape(thing: SceneObject, path: str) -> tuple[Any, ConvexShape]:
+    if isinstance(thing.shape, Mesh):
+        require_sound_mesh(Path(thing.shape.uri), f"{path}: object {thing.name!r}")
+    try:
+        shape = drake_shape(thing.shape)
+        convex = convex_shape(shape)
+    except (RuntimeError, ValueError, SystemExit) as fault:
+        message = f"{path}: object {thing.name!r} does not load: {fault}"
+        raise SceneInvalid(message, {"path": path}) from fault
+    assert convex is not None  # noqa: S101  (the kernel has all shapes that scenes have)
+    return shape, convex
+
+
+def _allowed(scene: Scene, names: frozenset[str]) -> frozenset[frozenset[str]]:
+    """Return the pairs with one of these names that the scene lets touch."""
+    pairs = [frozenset(pair) for pair in scene.allowed_collisions]
+    for thing in scene.objects:
+        touch = () if thing.attached is None else thing.attached.touch or ()
+        pairs += [frozenset((thing.name, name)) for name in touch]
+    return frozenset(pair for pair in pairs if pair & names)

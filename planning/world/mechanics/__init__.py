@@ -1,0 +1,1 @@
+"""Kinematics, dynamics and simulation of a loaded scene."""

@@ -1,0 +1,186 @@
+"""Inverse dynamics: the joint torques that a motion takes, with what the robot carries."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float64
+from pydrake.math import RotationMatrix
+from pydrake.multibody.tree import MultibodyForces, RotationalInertia, SpatialInertia
+
+from planning.domain.robot.joints import JointGroup
+from planning.domain.robot.payload import Payload
+from planning.errors import ProblemInvalid
+from planning.world.drake_model import DrakeModel
+from planning.world.world import World
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
+
+
+@dataclass(frozen=True)
+class PathEfforts:
+    """What a motion takes along a path r(s): tau = ahead u + bend x + held, but for damping.
+
+    With x = (ds/dt)^2 and u = d2s/dt2: ahead = M r', bend = M r'' + C(r, r') r', held = -tau_g(r).
+
+    Attributes:
+        ahead: [N m or N per 1/s^2], shape (m, nv).
+        bend: The same.
+        held: What holds it still [N m or N], shape (m, nv).
+    """
+
+    ahead: Float64[np.ndarray, "m nv"]
+    bend: Float64[np.ndarray, "m nv"]
+    held: Float64[np.ndarray, "m nv"]
+
+
+class GroupDynamics:
+    """Inverse dynamics of a group by Drake, in a context of its own.
+
+    All else stays where the scene has it. What follows a joint burdens that joint, by the transpose
+    of its coupling (virtual work). Not in it: dry friction, contact.
+
+    Attributes:
+        damping: What speed takes of each coordinate [N m s/rad or N s/m], shape (nv,).
+    """
+
+    def __init__(self, world: World, group: JointGroup, payload: Payload | None = None) -> None:
+        """Load the group with a payload, if there is one.
+
+        Raises:
+            UnknownName: The payload's frame does not exist.
+            ProblemInvalid: The group does not move it.
+        """
+        self._world, self._group, self._model = world, group, world.drake
+        self._plant = self._model.plant
+        self._context: Any = self._plant.CreateDefaultContext()
+        self._forces = MultibodyForces(self._plant)
+        self._members = self._model.velocity_indices(group)
+        self._mimics = self._model.mimics
+        self.damping = self._without_damping()
+        if payload is not None:
+            validate_payload(world, group, payload)
+            _load(self._model, self._context, payload)
+
+    def efforts(
+        self,
+        q: Float64[np.ndarray, "m nq"],
+        v: Float64[np.ndarray, "m nv"],
+        vdot: Float64[np.ndarray, "m nv"],
+    ) -> Float64[np.ndarray, "m nv"]:
+        """Return tau = M(q) vdot + C(q, v) v - tau_g(q) + D v [N m or N].
+
+        Args:
+            q: Positions [rad or m].
+            v: Drake's velocities [rad/s or m/s].
+            vdot: And accelerations [rad/s^2 or m/s^2].
+        """
+        found = np.empty((len(v), self._plant.num_velocities()))
+        full_v, full_vdot = self._followed(v), self._followed(vdot)
+        for i, full in enumerate(self._world.embed(self._group, q)):
+            self._plant.SetPositions(self._context, full)
+            self._plant.SetVelocities(self._context, full_v[i])
+            self._plant.CalcForceElementsContribution(self._context, self._forces)
+            found[i] = self._solved(full_vdot[i])
+        return self._borne(found) + self.damping * v
+
+    def along(
+        self,
+        q: Float64[np.ndarray, "m nq"],
+        rate: Float64[np.ndarray, "m nv"],
+        curvature: Float64[np.ndarray, "m nv"],
+    ) -> PathEfforts:
+        """Return what a motion takes along a path.
+
+        Args:
+            q: r(s) [rad or m].
+            rate: r' as Drake's velocity.
+            curvature: r'' as Drake's acceleration.
+        """
+        found = np.empty((3, len(rate), self._plant.num_velocities()))
+        still = np.zeros(self._plant.num_velocities())
+        full_rate, full_curvature = self._followed(rate), self._followed(curvature)
+        for i, full in enumerate(self._world.embed(self._group, q)):
+            self._plant.SetPositions(self._context, full)
+            self._plant.SetVelocities(self._context, still)
+            self._plant.CalcForceElementsContribution(self._context, self._forces)
+            found[2, i] = self._solved(still)
+            found[0, i] = self._solved(full_rate[i])
+            self._plant.SetVelocities(self._context, full_rate[i])
+            found[1, i] = self._solved(full_curvature[i])
+        ahead, bend, held = (self._borne(part) for part in found)
+        return PathEfforts(ahead - held, bend - held, held)
+
+    def _solved(self, vdot: Array) -> Array:
+        """Return the plant's generalized forces at the context's state, for all joints alone."""
+        return self._plant.CalcInverseDynamics(self._context, vdot, self._forces)
+
+    def _borne(self, full: Float64[np.ndarray, "m num_velocities"]) -> Array:
+        """Return the group's part of the plant's forces, with that of all that follows it."""
+        for follower, leader, multiplier in reversed(self._mimics):
+            full[:, leader] += multiplier * full[:, follower]
+        return full[:, self._members]
+
+    def _without_damping(self) -> Array:
+        """Take the damping out of the context, and return it."""
+        full = np.zeros(self._plant.num_velocities())
+        for index in self._plant.GetJointIndices():
+            joint = self._plant.get_joint(index)
+            begin, count = joint.velocity_start(), joint.num_velocities()
+            if count:
+                full[begin : begin + count] = joint.GetDampingVector(self._context)
+                joint.SetDampingVector(self._context, np.zeros(count))
+        for follower, leader, multiplier in reversed(self._mimics):
+            full[leader] += multiplier**2 * full[follower]
+        return full[self._members]
+
+    def _followed(self, rates: Float64[np.ndarray, "m nv"]) -> Array:
+        """Return the plant's rates: those of the group, and of what follows it."""
+        full = np.zeros((len(rates), self._plant.num_velocities()))
+        full[:, self._members] = rates
+        for follower, leader, multiplier in self._mimics:
+            full[:, follower] = multiplier * full[:, leader]
+        return full
+
+
+def validate_payload(
+    world: World, group: JointGroup, payload: Payload, field: str = "payload"
+) -> None:
+    """Go on only if a payload burdens a joint of a group.
+
+    Args:
+        world: The scene.
+        group: What moves.
+        payload: What it carries.
+        field: What the request calls the payload.
+
+    Raises:
+        UnknownName: Its frame does not exist.
+        ProblemInvalid: The group does not move it.
+    """
+    world.require_frame(payload.frame)
+    model = world.drake
+    moved = {int(v) for v in model.velocity_indices(group)}
+    moved |= {c.follower_velocity for c in model.following(group)}
+    joints = [model.plant.get_joint(index) for index in model.joint_indices.values()]
+    moving = [joint.index() for joint in joints if joint.velocity_start() in moved]
+    body = model.frame(payload.frame).body().index()
+    if body not in model.plant.GetBodiesKinematicallyAffectedBy(moving):
+        message = f"{field}.frame: {group.name!r} does not move {payload.frame!r}"
+        evidence = {"field": f"{field}.frame", "tool_frames": list(group.tool_frames)}
+        raise ProblemInvalid(message, evidence)
+
+
+def _load(model: DrakeModel, context: Any, payload: Payload) -> None:
+    """Add a payload to the body that its frame is fixed to, in a context alone."""
+    frame = model.frame(payload.frame)
+    body: Any = model.plant.get_body(frame.body().index())
+    x_bf = frame.GetFixedPoseInBodyFrame()
+    (xx, xy, xz), (_, yy, yz), (*_, zz) = payload.inertia
+    central = RotationalInertia(xx, yy, zz, xy, xz, yz).ReExpress(RotationMatrix(x_bf.rotation()))
+    added = SpatialInertia.MakeFromCentralInertia(
+        payload.mass, x_bf.multiply(payload.center_of_mass), central
+    )
+    whole = body.CalcSpatialInertiaInBodyFrame(context)
+    whole += added
+    body.SetSpatialInertiaInBodyFrame(context, whole)

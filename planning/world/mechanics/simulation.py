@@ -1,0 +1,250 @@
+"""Simulation: a scene with its dynamics, one group of it under computed-torque control.
+
+The controller is inverse dynamics with feedback on the acceleration (Siciliano et al., Robotics:
+Modelling, Planning and Control, section 8.5.2),
+
+    tau = M(q) (vdot_d + Kd (v_d - v) + Kp (q_d [-] q)) + C(q, v) v - tau_g(q) - tau_damping(v),
+
+so every joint's error obeys e'' + Kd e' + Kp e = 0 whatever the robot weighs, until tau is cut to
+the effort limits. Joints that follow the group's are controlled with them; all others are held.
+"""
+
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float64
+from pydrake.multibody.plant import PointPairContactInfo
+from pydrake.multibody.tree import MultibodyForces
+from pydrake.systems.analysis import Simulator
+
+from planning.domain.geometry.body_pair import BodyPair
+from planning.domain.robot.joints import JointGroup, JointLimits
+from planning.domain.robot.manifold import Manifold
+from planning.errors import ModelInvalid, TrackingLost
+from planning.world.world import World
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
+
+# Critically damped: an error dies out within about five times 1 / bandwidth. The product with the
+# plant's time step must stay well below 1.
+BANDWIDTH = 40.0
+CONTACT_DEPTH = 1e-4
+
+
+class Simulation:
+    """A group of a world, simulated. It owns its context; the world stays as it is.
+
+    Not promised: joint friction, motors or gears; contacts are Drake's compliant point contacts.
+    What stands outside of Drake's model, in scenes of many objects, is seen to be touched but does
+    not push back.
+    """
+
+    def __init__(
+        self,
+        world: World,
+        group: JointGroup,
+        start: Float64[np.ndarray, " nq"],
+        *,
+        bandwidth: float = BANDWIDTH,
+        contact_depth: float = CONTACT_DEPTH,
+    ) -> None:
+        """Put the group at rest at `start` at time 0, all else at the world's state.
+
+        Args:
+            world: Where; its plant must have a discrete time step.
+            group: What moves.
+            start: The group's q, shape (nq,).
+            bandwidth: Of the controller [rad/s].
+            contact_depth: Penetration from which on bodies count as touching [m].
+
+        Raises:
+            ModelInvalid: The robot cannot be simulated: a joint moves no mass.
+        """
+        self.group = group
+        self._model = world.drake
+        limits = world.limits(group)
+        self._members, self._effort = _members(limits), limits.effort
+        self._manifold = Manifold(group.joints)
+        self._kp, self._kd, self._contact_depth = bandwidth**2, 2 * bandwidth, contact_depth
+        self._in_q = self._model.position_indices(self.group)
+        self._in_v = self._model.velocity_indices(self.group)
+        plant = self._model.plant
+        self._followers = self._model.following(group)
+        self._forces = MultibodyForces(plant)
+        self._root = self._model.diagram.CreateDefaultContext()
+        self._context = plant.GetMyMutableContextFromRoot(self._root)
+        plant.SetPositions(self._context, self._model.embed(self.group, start, world.state))
+        plant.SetVelocities(self._context, np.zeros(plant.num_velocities()))
+        self._refuse_massless()
+        self._held = self._hold_others()
+        self._tau = plant.get_applied_generalized_force_input_port().FixValue(
+            self._context, np.zeros(plant.num_velocities())
+        )
+        self._probe = world.distance_probe(world.margins()) if len(self._model.standing) else None
+        self._simulator = Simulator(self._model.diagram, self._root)
+        self._simulator.Initialize()
+        self._v_desired = self._vdot_desired = self._error = np.zeros(len(self._in_v))
+
+    @property
+    def time(self) -> float:
+        """Simulated seconds so far."""
+        return float(self._root.get_time())
+
+    @property
+    def q(self) -> Array:
+        """Measured positions of the group, shape (nq,)."""
+        return self.state[self._in_q]
+
+    @property
+    def state(self) -> Array:
+        """Measured positions of all joints of the scene, shape (num_positions,)."""
+        return self._model.plant.GetPositions(self._context)
+
+    @property
+    def v(self) -> Array:
+        """Measured velocities of the group, shape (nv,)."""
+        return self._model.plant.GetVelocities(self._context)[self._in_v]
+
+    def command(
+        self,
+        q: Float64[np.ndarray, " nq"],
+        v: Float64[np.ndarray, " nv"],
+        vdot: Float64[np.ndarray, " nv"],
+    ) -> None:
+        """Follow q, v, vdot from now on, with vdot held until the next command.
+
+        Until then the error is integrated from v_d - v, which is exact but for the curvature of
+        rotations: command floating joints every few milliseconds while they turn.
+        """
+        now = self.q
+        tangent = self._manifold.minus(q, now)
+        at_base = np.zeros_like(tangent)
+        self._error = self._manifold.generalized_velocity(now, at_base, tangent)
+        self._v_desired, self._vdot_desired = v, vdot
+
+    def advance_to(self, time: float) -> tuple[BodyPair, ...]:
+        """Simulate until `time` [s] and return the bodies that touched, each pair at its deepest.
+
+        Raises:
+            TrackingLost: The solver of the contact problem failed: the motion has diverged.
+        """
+        deepest: dict[tuple[str, str], BodyPair] = {}
+        step = self._model.plant.time_step()
+        first, last = round(self.time / step), round(time / step)
+        for i in range(first + 1, last + 1):
+            self._step_to(i * step)
+            for pair in self._touching():
+                known = deepest.get(pair.bodies)
+                if known is None or pair.distance < known.distance:
+                    deepest[pair.bodies] = pair
+        return tuple(sorted(deepest.values(), key=lambda pair: pair.distance))
+
+    def _step_to(self, time: float) -> None:
+        period = time - self.time
+        self._apply_control()
+        try:
+            self._simulator.AdvanceTo(time)
+        except RuntimeError as fault:
+            message = f"the simulation diverged at {self.time:.3f} s: {fault}"
+            evidence = {"error": None, "bound": None, "time": self.time}
+            raise TrackingLost(message, evidence) from fault
+        half = 0.5 * period * self._vdot_desired
+        self._error = self._error + period * (self._v_desired + half - self.v)
+        self._v_desired = self._v_desired + 2 * half
+
+    def _apply_control(self) -> None:
+        plant, context = self._model.plant, self._context
+        v = plant.GetVelocities(context)
+        vdot = np.zeros(plant.num_velocities())
+        feedback = self._kd * (self._v_desired - v[self._in_v]) + self._kp * self._error
+        vdot[self._in_v] = self._vdot_desired + feedback
+        self._follow(plant.GetPositions(context), v, vdot)
+        plant.CalcForceElementsContribution(context, self._forces)
+        tau = plant.CalcInverseDynamics(context, vdot, self._forces)
+        tau[self._in_v] *= self._cut(tau[self._in_v])
+        self._tau.GetMutableData().set_value(tau)
+
+    def _cut(self, tau: Array) -> Array:
+        """Return the factors, shape (nv,), that cut every block's norm to its effort limit."""
+        size = np.sqrt(self._members @ (tau * tau))
+        factors = np.minimum(1.0, self._effort / np.maximum(size, 1e-12))
+        return factors @ self._members
+
+    def _follow(self, q: Array, v: Array, vdot: Array) -> None:
+        """Set the accelerations of the joints that follow the group's, and of those that stay."""
+        in_q, in_v, place = self._held
+        vdot[in_v] = self._kp * (place - q[in_q]) - self._kd * v[in_v]
+        for c in self._followers:
+            wanted = c.multiplier * q[c.leader_position] + c.offset
+            slip = c.multiplier * v[c.leader_velocity] - v[c.follower_velocity]
+            error = wanted - q[c.follower_position]
+            leader = c.multiplier * vdot[c.leader_velocity]
+            vdot[c.follower_velocity] = leader + self._kd * slip + self._kp * error
+
+    def _touching(self) -> list[BodyPair]:
+        port: Any = self._model.plant.get_contact_results_output_port()
+        results = port.Eval(self._context)
+        infos = [
+            results.point_pair_contact_info(i) for i in range(results.num_point_pair_contacts())
+        ]
+        touching = [
+            self._body_pair(info) for info in infos if info.point_pair().depth > self._contact_depth
+        ]
+        return touching + self._touching_standing()
+
+    def _touching_standing(self) -> list[BodyPair]:
+        """Return what touches an object outside of Drake's model, which stops nothing by itself."""
+        if self._probe is None:
+            return []
+        rows = self._model.standing.rows
+        return [
+            pair
+            for pair in self._probe.pairs_within(self.state, -self._contact_depth)
+            if not rows.keys().isdisjoint(pair.bodies)
+        ]
+
+    def _body_pair(self, info: PointPairContactInfo) -> BodyPair:
+        pair = info.point_pair()
+        names = self._model.body_names
+        sides = [
+            (names[info.bodyA_index()], pair.p_WCa),
+            (names[info.bodyB_index()], pair.p_WCb),
+        ]
+        (a, p_wa), (b, p_wb) = sorted(sides, key=lambda side: side[0])
+        return BodyPair((a, b), -float(pair.depth), np.array([p_wa, p_wb]))
+
+    def _hold_others(self) -> tuple[list[int], list[int], Array]:
+        """Lock the planar and floating joints that stay, return the scalar ones and their place.
+
+        A scalar joint is held by the controller instead: Drake's solver answers NaN for a locked
+        joint that stands on its position limit, as closed grippers do.
+        """
+        moving = {*self._in_v.tolist(), *(c.follower_velocity for c in self._followers)}
+        plant = self._model.plant
+        in_q: list[int] = []
+        in_v: list[int] = []
+        for index in plant.GetJointIndices():
+            joint = plant.get_joint(index)
+            if joint.num_velocities() == 0 or joint.velocity_start() in moving:
+                continue
+            if joint.num_velocities() == 1:
+                in_q.append(joint.position_start())
+                in_v.append(joint.velocity_start())
+            else:
+                joint.Lock(self._context)
+        return in_q, in_v, plant.GetPositions(self._context)[in_q]
+
+    def _refuse_massless(self) -> None:
+        inertia = self._model.plant.CalcMassMatrix(self._context)
+        own = inertia[np.ix_(self._in_v, self._in_v)]
+        if not (np.isfinite(own).all() and np.linalg.eigvalsh(own)[0] > 0):
+            message = f"group {self.group.name!r} cannot be simulated: a joint moves no mass"
+            raise ModelInvalid(message, {"file": "", "reason": "massless"})
+
+
+def _members(limits: JointLimits) -> Array:
+    """Return which velocity coordinates each block has, as ones, shape (num_blocks, nv)."""
+    members = np.zeros((len(limits.blocks), sum(map(len, limits.blocks))))
+    for row, block in zip(members, limits.blocks, strict=True):
+        row[list(block)] = 1.0
+    return members

@@ -1,0 +1,1 @@
+"""Robot descriptions: URDF, SDF, MJCF and SRDF, their groups and limits."""

@@ -1,0 +1,96 @@
+"""weld_base(): how a robot's base stands in the world: welded, or floating."""
+
+from collections.abc import Sequence
+
+from pydrake.math import RigidTransform
+from pydrake.multibody.tree import ModelInstanceIndex, RigidBody
+
+from planning.errors import SceneInvalid, UnknownName
+from planning.world.loading.scene_build import Build, LoadedRobot
+
+
+def weld_base(build: Build, loaded: LoadedRobot, instances: Sequence[ModelInstanceIndex]) -> None:
+    """Weld the base of a robot to the world, or let it float, as its scene and its files say.
+
+    A base that floats although the scene does not say so is worth a warning.
+
+    Args:
+        build: With the robot, which is the last one, before the plant is finalized.
+        loaded: The robot.
+        instances: The robot's models.
+
+    Raises:
+        UnknownName: The card names a base link that there is none of.
+        SceneInvalid: The scene says what the description does not leave open.
+    """
+    robot = loaded.scene_robot
+    free = _free_links(build, instances)
+    base = _base(build, loaded, free)
+    x_wb = RigidTransform(robot.base.matrix)
+    is_urdf = loaded.source.card is not None or loaded.file.root_link != ""
+    if base is None:
+        _refuse_what_is_settled(build, loaded, free)
+    elif robot.weld or (robot.weld is None and is_urdf):
+        build.plant.WeldFrames(build.plant.world_frame(), base.body_frame(), x_wb)
+        free = [link for link in free if link.index() != base.index()]
+    else:
+        _require_said(build, loaded, base)
+        build.plant.SetDefaultFloatingBaseBodyPose(base, x_wb)
+    if robot.weld is None:
+        build.warnings += [_floats(robot.name, link.name()) for link in free]
+
+
+def _free_links(build: Build, instances: Sequence[ModelInstanceIndex]) -> list[RigidBody]:
+    """Return the links that no joint carries."""
+    plant = build.plant
+    carried = {int(plant.get_joint(i).child_body().index()) for i in plant.GetJointIndices()}
+    links = [plant.get_body(i) for one in instances for i in plant.GetBodyIndices(one)]
+    return [link for link in links if int(link.index()) not in carried]
+
+
+def _base(build: Build, loaded: LoadedRobot, free: list[RigidBody]) -> RigidBody | None:
+    """Return the link that the scene may weld: the card's, else the URDF's root, else the one."""
+    card = loaded.source.card
+    name = card.base if card else loaded.file.root_link
+    if card and f"{loaded.scene_robot.name}::{name}" not in build.bodies:
+        links = [known.partition("::")[2] for known in build.bodies if "::" in known]
+        raise UnknownName.among("link", name, links)
+    found = [link for link in free if not name or link.name() == name]
+    return found[0] if len(found) == 1 else None
+
+
+def _refuse_what_is_settled(build: Build, loaded: LoadedRobot, free: list[RigidBody]) -> None:
+    """Go on only if the scene leaves to the description what that settles itself."""
+    robot = loaded.scene_robot
+    path = f"robots.{len(build.robots) - 1}"
+    names = [link.name() for link in free]
+    asked = f"{path}.weld" if robot.weld is not None else f"{path}.base"
+    if robot.weld is None and RigidTransform(robot.base.matrix).IsNearlyIdentity(0.0):
+        return
+    if len(free) > 1:
+        message = f"{asked}: {robot.name!r} has {len(free)} links that no joint carries, {names}, "
+        message += "so the scene cannot place it"
+        raise SceneInvalid(message, {"path": asked, "links": names})
+    message = f"{asked}: the description of {robot.name!r} says itself how it is "
+    message += (
+        f"fixed to the world, so the scene cannot place it: leave `{asked[len(path) + 1 :]}` out"
+    )
+    raise SceneInvalid(message, {"path": asked})
+
+
+def _require_said(build: Build, loaded: LoadedRobot, base: RigidBody) -> None:
+    """Go on only if the scene says that a base floats that it gives a place."""
+    robot = loaded.scene_robot
+    if robot.weld is None and not RigidTransform(robot.base.matrix).IsNearlyIdentity(0.0):
+        path = f"robots.{len(build.robots) - 1}.base"
+        message = f"{path}: {loaded.file.file.name} leaves {base.name()!r}, the base of "
+        message += f"{robot.name!r}, free, so it floats: say `weld: true` to weld it there, or "
+        message += "`weld: false` to let it float from there"
+        raise SceneInvalid(message, {"path": path, "link": base.name()})
+
+
+def _floats(robot: str, link: str) -> str:
+    return (
+        f"{robot}: nothing holds its base {link!r}, so it floats, and its position is planned for: "
+        f"`weld: true` of robot {robot!r} welds it to the world (`weld: false` says that it floats)"
+    )

@@ -1,0 +1,88 @@
+"""What limits the joints that follow those of a group."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from planning.domain.robot.followers import Follower, together
+from planning.domain.robot.joints import JointGroup, JointLimits
+from planning.world.drake_model import DrakeModel
+from planning.world.loading.scene_build import LoadedRobot
+from planning.world.mechanics.turns import led_by
+from planning.world.models.groups import (
+    ACCELERATION_PER_VELOCITY,
+    JERK_PER_ACCELERATION,
+    group_limits,
+)
+from planning.world.models.robot_card import LimitsCard
+
+_NOTHING_STATED = LimitsCard()
+
+
+def limits_together(
+    model: DrakeModel, group: JointGroup, robots: Sequence[LoadedRobot]
+) -> JointLimits:
+    """Return the limits within which a group and all that follows it keep their own.
+
+    Raises:
+        ModelInvalid: A follower can be nowhere within its limits.
+    """
+    own = group_limits(model, group, list(robots))
+    return together(own, followers_of(model, group, robots))
+
+
+def followers_of(
+    model: DrakeModel, group: JointGroup, robots: Sequence[LoadedRobot]
+) -> tuple[Follower, ...]:
+    """Return the joints that follow those of a group, directly or through others.
+
+    Positions and velocities are limited as the card says, or else the description. Accelerations
+    and jerks are as the card says; where it says nothing of them, and nothing of the leader's, they
+    are assumed from the follower's velocity as those of any joint are.
+    """
+    cards = {r.scene_robot.name: r.source.card.limits for r in robots if r.source.card}
+    found: list[Follower] = []
+    iq = iv = block = 0
+    for joint in group.joints:
+        robot, _, leader = joint.name.partition("::")
+        card = cards.get(robot, {})
+        for led in led_by(model, joint.name):
+            name = led.joint.name()
+            stated = card.get(name, _NOTHING_STATED)
+            low, high = _position_range(led.joint, stated)
+            rates = _rates(led.joint, stated, card.get(leader, _NOTHING_STATED))
+            found.append(
+                Follower(
+                    name=f"{robot}::{name}",
+                    leader=joint.name,
+                    position=iq,
+                    rate=iv,
+                    block=block,
+                    multiplier=led.multiplier,
+                    offset=led.offset,
+                    lower=low,
+                    upper=high,
+                    velocity=rates[0],
+                    acceleration=rates[1],
+                    jerk=rates[2],
+                )
+            )
+        iq, iv = iq + joint.num_positions, iv + joint.num_velocities
+        block += len(joint.blocks)
+    return tuple(found)
+
+
+def _position_range(joint: Any, stated: LimitsCard) -> tuple[float, float]:
+    of_file = joint.position_lower_limits()[0], joint.position_upper_limits()[0]
+    low, high = stated.position.get(joint.name(), of_file)
+    return float(low), float(high)
+
+
+def _rates(joint: Any, stated: LimitsCard, of_leader: LimitsCard) -> tuple[float, float, float]:
+    of_file = float(joint.velocity_upper_limits()[0])
+    velocity = stated.velocity or (of_file if of_file > 0 else np.inf)
+    assumed = np.inf if of_leader.acceleration else velocity * ACCELERATION_PER_VELOCITY
+    acceleration = stated.acceleration or assumed
+    assumed = np.inf if of_leader.jerk else acceleration * JERK_PER_ACCELERATION
+    return velocity, acceleration, stated.jerk or assumed

@@ -1,0 +1,206 @@
+"""What MJCF says that Drake's parser passes over, often without a word."""
+
+import math
+import os
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from xml.etree import ElementTree as ET
+
+from planning.errors import AssetNotFound, ModelInvalid
+from planning.world.documents.xml_file import xml_root
+
+# Bodies and geoms inside these never reach Drake's plant.
+_UNREAD = ("attach", "composite", "flex", "flexcomp", "frame", "replicate")
+_UNREAD_OF_MESHES = {"refpos": [0.0, 0.0, 0.0], "refquat": [1.0, 0.0, 0.0, 0.0]}
+_MOST_INCLUDES = 100
+
+
+@dataclass(frozen=True)
+class JointEquality:
+    """q_follower = multiplier * q_leader + offset."""
+
+    follower: str
+    leader: str
+    multiplier: float
+    offset: float
+
+
+class MjcfDefaults:
+    """Attributes of elements, with what their classes say where they say nothing."""
+
+    def __init__(self, root: ET.Element) -> None:
+        """Read the `default` elements of a model."""
+        self._of: dict[str, dict[str, dict[str, str]]] = {"main": {}}
+        self._class: dict[ET.Element, str] = {}
+        for default in root.findall("default"):
+            self._read(default, default.get("class", "main"), {})
+        for child in root:
+            if child.tag != "default":
+                self._descend(child, "main")
+
+    def get(self, element: ET.Element, name: str, otherwise: str = "") -> str:
+        """Return an attribute of an element of the model."""
+        chosen = element.get("class") or self._class.get(element, "main")
+        by_class = self._of.get(chosen, {}).get(element.tag, {})
+        return element.get(name) or by_class.get(name) or otherwise
+
+    def _read(self, default: ET.Element, name: str, above: dict[str, dict[str, str]]) -> None:
+        own = {tag: dict(values) for tag, values in above.items()}
+        for element in default:
+            if element.tag != "default":
+                own[element.tag] = {**own.get(element.tag, {}), **element.attrib}
+        self._of[name] = {**self._of.get(name, {}), **own}
+        for child in default.findall("default"):
+            self._read(child, child.get("class", ""), self._of[name])
+
+    def _descend(self, element: ET.Element, chosen: str) -> None:
+        """Note the class that each element inherits from the bodies around it."""
+        self._class[element] = chosen
+        inside = element.get("childclass") or chosen
+        for child in element:
+            self._descend(child, inside)
+
+
+def with_includes(file: Path, root: ET.Element) -> bool:
+    """Put what a model includes in the place of every `include`; return whether there was one.
+
+    Raises:
+        AssetNotFound: An included file is not there.
+        ModelInvalid: It is not XML, or includes itself, or too many are included.
+    """
+    return bool(_expand(file, root, (_resolved(file, file.name),), _MOST_INCLUDES))
+
+
+def _expand(file: Path, root: ET.Element, chain: tuple[Path, ...], left: int) -> int:
+    """Put in what the last file of a chain includes; return how many were put in."""
+    count = 0
+    for parent in [parent for parent in root.iter() if parent.find("include") is not None]:
+        for include in parent.findall("include"):
+            name = include.get("file", "")
+            path = _resolved(file, name)
+            if path in chain:
+                circle = " -> ".join(step.name for step in (*chain[chain.index(path) :], path))
+                raise _invalid(file, f"it includes itself: {circle}")
+            inner = _included(file, name)
+            count += 1 + _expand(file, inner, (*chain, path), left - count - 1)
+            if count > left:
+                raise _invalid(file, f"more than {_MOST_INCLUDES} files are included")
+            place = list(parent).index(include)
+            parent[place : place + 1] = list(inner)
+    return count
+
+
+def _resolved(file: Path, name: str) -> Path:
+    return Path(os.path.normpath(file.parent / name))
+
+
+def _included(file: Path, name: str) -> ET.Element:
+    path = file.parent / name
+    if not path.is_file():
+        message = f"{file.name} includes {name!r}, which is not at {path}"
+        raise AssetNotFound(message, {"uri": name, "known": []})
+    try:
+        return xml_root(path.read_bytes())
+    except ValueError as fault:
+        raise _invalid(file, f"the included {name!r} cannot be read: {fault}") from fault
+
+
+def refuse_unread(file: Path, root: ET.Element) -> None:
+    """Go on only if Drake's parser leaves out nothing of a model that moves or collides.
+
+    Raises:
+        ModelInvalid: It would leave out bodies or geoms, or move a mesh.
+    """
+    for element in (inner for part in ("worldbody", "deformable") for inner in root.iter(part)):
+        for inner in element.iter():
+            if inner.tag in _UNREAD:
+                reason = f"<{inner.tag}> is not read: write out the bodies and geoms that it makes"
+                raise _invalid(file, reason)
+    _refuse_points(file, root)
+    for mesh in root.iter("mesh"):
+        for attribute, at_rest in _UNREAD_OF_MESHES.items():
+            numbers = [_number(file, word) for word in mesh.get(attribute, "").split()]
+            if numbers not in ([], at_rest):
+                reason = f"mesh {mesh.get('name') or mesh.get('file')!r} has {attribute!r}, which "
+                raise _invalid(file, reason + "is not read: move the mesh's vertices instead")
+
+
+def _refuse_points(file: Path, root: ET.Element) -> None:
+    """Go on only if every sphere has a radius: of others Drake makes points."""
+    defaults = MjcfDefaults(root)
+    for geom in (geom for world in root.findall("worldbody") for geom in world.iter("geom")):
+        radius = [_number(file, word) for word in defaults.get(geom, "size").split()][:1]
+        kind = defaults.get(geom, "type", "sphere")
+        if kind == "sphere" and not defaults.get(geom, "mesh") and radius in ([], [0.0]):
+            raise _invalid(file, f"geom {geom.get('name', '')!r} is a sphere without a radius")
+
+
+def joint_equalities(file: Path, root: ET.Element) -> list[JointEquality]:
+    """Return the joints that follow others by an `equality`.
+
+    MuJoCo's constraint is y - y0 = a0 + a1 (x - x0) + a2 (x - x0)^2 + ..., with x0 and y0 the
+    joints' `ref` (MuJoCo's XML reference, equality/joint); coefficients of angles are in radians.
+
+    Raises:
+        ModelInvalid: An active equality is of another kind, or of a degree other than 1.
+    """
+    defaults = MjcfDefaults(root)
+    joints = {
+        joint.get("name", ""): joint
+        for body in root.iter("body")
+        for joint in body.findall("joint")
+        if joint.get("name")
+    }
+    compiler = [c.get("angle", "") for c in root.iter("compiler") if c.get("angle")]
+    degrees = (compiler or ["degree"])[-1] == "degree"
+
+    def ref(name: str) -> float:
+        joint = joints[name]
+        value = _number(file, defaults.get(joint, "ref", "0"))
+        is_angle = defaults.get(joint, "type", "hinge") == "hinge"
+        return math.radians(value) if is_angle and degrees else value
+
+    found: list[JointEquality] = []
+    for equality in _active(root, defaults):
+        names = (equality.get("joint1", ""), equality.get("joint2", ""))
+        kind = f"equality <{equality.tag}> {equality.get('name', '')!r}".removesuffix(" ''")
+        if equality.tag != "joint":
+            raise _invalid(file, f"{kind} is not read: only those of two joints are")
+        if any(name not in joints for name in names):
+            raise _invalid(file, f"{kind} joins {list(names)}, not both of them joints of it")
+        if names[0] in (other.follower for other in found):
+            raise _invalid(
+                file, f"{kind} moves joint {names[0]!r}, which has one: it follows twice"
+            )
+        words = defaults.get(equality, "polycoef", "0 1 0 0 0").split()
+        a = [*(_number(file, word) for word in words), *[0.0] * 5]
+        if a[1] == 0 or any(a[2:]):
+            raise _invalid(
+                file, f"{kind} of {list(names)} is a polynomial of a degree other than 1"
+            )
+        offset = ref(names[0]) + a[0] - a[1] * ref(names[1])
+        found.append(JointEquality(names[0], names[1], a[1], offset))
+    return found
+
+
+def _active(root: ET.Element, defaults: MjcfDefaults) -> Iterator[ET.Element]:
+    for section in root.findall("equality"):
+        for equality in section:
+            active = equality.get("active") or defaults.get(ET.Element("equality"), "active")
+            if active != "false":
+                yield equality
+
+
+def _number(file: Path, word: str) -> float:
+    try:
+        number = float(word)
+    except ValueError as fault:
+        raise _invalid(file, f"{word!r} stands where a number is wanted") from fault
+    if not math.isfinite(number):
+        raise _invalid(file, f"{word!r} stands where a finite number is wanted")
+    return number
+
+
+def _invalid(file: Path, reason: str) -> ModelInvalid:
+    return ModelInvalid(f"{file.name}: {reason}", {"file": str(file), "reason": reason})

@@ -1,0 +1,125 @@
+"""What a description must not say: sizes, masses, limits and names that end or deceive Drake."""
+
+import math
+from collections.abc import Iterator
+from pathlib import Path
+from xml.etree import ElementTree as ET
+
+from planning.errors import ModelInvalid
+from planning.world.models.mjcf_file import MjcfDefaults
+from planning.world.models.model_library import expansion
+
+_POSITIVE = {
+    "box": ("size",),
+    "sphere": ("radius",),
+    "cylinder": ("radius", "length"),
+    "capsule": ("radius", "length"),
+    "ellipsoid": ("a", "b", "c"),
+}
+# What Drake scopes names by; a link that has it in its own ends the process.
+_SCOPE = "::"
+_NAMED = ("link", "body", "model", "robot")
+
+
+def refuse_faults(file: Path, root: ET.Element) -> None:
+    """Go on only if no part of a description is one that Drake would stumble over.
+
+    Raises:
+        ModelInvalid: It names the element: a size that is not positive, a mass below zero, limits
+            that leave nothing, a name with `::`.
+    """
+    for element in root.iter():
+        if "xacro" in element.tag:
+            raise invalid(file, f"this is xacro source; expand it first: {expansion(file.name)}")
+        _refuse_scopes(file, element)
+        _refuse_bad_sizes(file, element)
+    for joint, limit in _limits(root):
+        _refuse_limit(file, joint, limit)
+
+
+def invalid(file: Path, reason: str, **evidence: str) -> ModelInvalid:
+    """Return the error that says what is wrong with a file; the evidence names the element."""
+    known = {"file": str(file), "reason": reason}
+    return ModelInvalid(f"{file.name}: {reason}", {**known, **evidence})
+
+
+def number_in(file: Path, tag: str, word: str) -> float:
+    """Return the finite number that a word is.
+
+    Raises:
+        ModelInvalid: It is none; the message names the tag.
+    """
+    try:
+        number = float(word)
+    except ValueError as fault:
+        raise invalid(file, f"{tag} has {word!r} where a number is wanted", element=tag) from fault
+    if not math.isfinite(number):
+        reason = f"{tag} has {word!r} where a finite number is wanted"
+        raise invalid(file, reason, element=tag)
+    return number
+
+
+def _tag(element: ET.Element) -> str:
+    return element.tag.rsplit("}", 1)[-1].removeprefix("drake:")
+
+
+def _refuse_scopes(file: Path, element: ET.Element) -> None:
+    tag = _tag(element)
+    name = element.get("model" if tag == "mujoco" else "name", "")
+    if _SCOPE in name and tag in (*_NAMED, "mujoco"):
+        reason = f"{tag} {name!r}: a name must not contain {_SCOPE!r}, which separates a robot "
+        raise invalid(file, reason + "from its parts", element=name)
+
+
+def _refuse_bad_sizes(file: Path, element: ET.Element) -> None:
+    tag = _tag(element)
+    if tag == "mass":
+        mass = element.get("value", element.text)
+        if mass is not None and not number_in(file, tag, mass) >= 0:
+            raise invalid(file, f"mass {mass} must not be negative", element=tag)
+    for size in _POSITIVE.get(tag, ()):
+        child = element.find(size)
+        text = element.get(size) or (child.text if child is not None else None)
+        for word in (text or "").split():
+            if not number_in(file, tag, word) > 0:
+                reason = f"{tag} {size} must be positive, got {text!r}"
+                raise invalid(file, reason, element=tag)
+
+
+def _limits(root: ET.Element) -> Iterator[tuple[str, dict[str, str]]]:
+    """Yield the name of every joint with the words of its limits."""
+    defaults = MjcfDefaults(root) if root.tag == "mujoco" else None
+    for joint in root.iter("joint"):
+        name = f"joint {joint.get('name', '')!r}"
+        if defaults is not None:
+            words = defaults.get(joint, "range").split()
+            if len(words) == 2 and defaults.get(joint, "limited") != "false":
+                yield name, {"lower": words[0], "upper": words[1]}
+        elif root.tag == "robot":
+            for limit in joint.findall("limit"):
+                yield name, dict(limit.attrib)
+        else:
+            for limit in joint.iterfind(".//limit"):
+                words_of = {child.tag: (child.text or "").strip() for child in limit}
+                yield name, {key: words_of[key] for key in ("lower", "upper") if words_of.get(key)}
+
+
+def _refuse_limit(file: Path, joint: str, limit: dict[str, str]) -> None:
+    known = {
+        key: _bound(file, f"{joint}: limit {key}", limit[key])
+        for key in ("lower", "upper", "velocity", "effort")
+        if key in limit
+    }
+    if known.get("lower", -math.inf) > known.get("upper", math.inf):
+        reason = f"{joint}: limit lower {limit['lower']} is above upper {limit['upper']}"
+        raise invalid(file, reason, element=joint)
+    for key in ("velocity", "effort"):
+        if known.get(key, 0.0) < 0:
+            reason = f"{joint}: limit {key} {limit[key]} must not be negative"
+            raise invalid(file, reason, element=joint)
+
+
+def _bound(file: Path, what: str, word: str) -> float:
+    """Return a bound, which may be infinite."""
+    unbounded = word.strip().lower().lstrip("+-") in ("inf", "infinity")
+    return float(word) if unbounded else number_in(file, what, word)

@@ -1,0 +1,1 @@
+"""Motions as pages of HTML that need no server."""

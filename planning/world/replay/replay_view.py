@@ -1,0 +1,202 @@
+"""WorldView: what of a world shows in a replay, in which colours, and where it is."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float64
+from pydrake.geometry import CalcObb, GeometryId, Rgba, Role
+from pydrake.math import RigidTransform
+from pydrake.multibody.tree import Frame, RigidBody
+
+from planning.domain.robot.joints import JointGroup
+from planning.world.loading.builder import DEFAULT_COLOR
+from planning.world.replay.camera import SolidBox, WatchedPoint
+from planning.world.world import World
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
+
+# For what has no colour of its own: neighbours differ, so that one sees where a link ends.
+_PALETTE = (
+    Rgba(0.55, 0.63, 0.71),
+    Rgba(0.80, 0.71, 0.52),
+    Rgba(0.56, 0.69, 0.56),
+    Rgba(0.74, 0.58, 0.60),
+    Rgba(0.64, 0.58, 0.74),
+    Rgba(0.70, 0.70, 0.70),
+)
+# Of thousands of objects so many count as being in the camera's way.
+_MOST_IN_THE_WAY = 200
+
+
+@dataclass(frozen=True)
+class ShownShape:
+    """A shape that is drawn.
+
+    Attributes:
+        shape: Drake's.
+        X_BS: Its pose on its body.
+        color: As its description says, or one of ours.
+        box: The box around it, on the shape; None for what has no end.
+    """
+
+    shape: Any
+    X_BS: RigidTransform
+    color: Rgba
+    box: Any
+
+
+@dataclass(frozen=True)
+class ShownBody:
+    """A body that shows.
+
+    Attributes:
+        name: Its full name.
+        path: Its place in Meshcat's tree.
+        body: Drake's; None if it stands outside of Drake's model.
+        shapes: What is drawn of it: what it looks like, else its collision shapes.
+    """
+
+    name: str
+    path: str
+    body: RigidBody | None
+    shapes: tuple[ShownShape, ...]
+
+
+class WorldView:
+    """Draws on a world of its own context; one thread."""
+
+    def __init__(self, world: World) -> None:
+        """Find what shows."""
+        self.world = world
+        self._inspector: Any = world.drake.scene_graph.model_inspector()
+        self._plant = world.drake.plant
+        self._root = world.drake.diagram.CreateDefaultContext()
+        self._context = self._plant.GetMyMutableContextFromRoot(self._root)
+        fixed = self._plant.GetBodiesWeldedTo(self._plant.world_body())
+        self._fixed = {body.index() for body in fixed}
+        standing = world.drake.standing
+        self.bodies = [*self._shown_bodies(), *self._standing_bodies()]
+        named = {f"/frames/{frame.name}": frame.name for frame in world.scene.frames}
+        self._standing = {
+            path: standing.frames[name] for path, name in named.items() if name in standing.frames
+        }
+        poses = zip(standing.things, standing.poses, strict=True)
+        self._standing |= {_path(thing.name): pose for thing, pose in poses}
+        self._frames: dict[str, Frame] = {
+            shown.path: shown.body.body_frame() for shown in self.bodies if shown.body is not None
+        } | {
+            path: world.drake.frames[name]
+            for path, name in named.items()
+            if path not in self._standing
+        }
+        self._moving = {p: f for p, f in self._frames.items() if self._moves(f.body())}
+
+    def go_to(self, state: Float64[np.ndarray, " nx"]) -> None:
+        """Put everything at a full configuration."""
+        self._plant.SetPositions(self._context, state)
+
+    @property
+    def poses(self) -> dict[str, RigidTransform]:
+        """X_WF of everything that shows, by path."""
+        found = {p: f.CalcPoseInWorld(self._context) for p, f in self._frames.items()}
+        return found | self._standing
+
+    @property
+    def moving_poses(self) -> dict[str, RigidTransform]:
+        """X_WF of what shows and is not fixed to the world, by path."""
+        return {p: f.CalcPoseInWorld(self._context) for p, f in self._moving.items()}
+
+    def tool(self, group: JointGroup) -> Array:
+        """Return where the default tool frame of a group is, p_WF, shape (3,)."""
+        tool = self.world.drake.frames[group.tool_frames[0]]
+        return np.array(tool.CalcPoseInWorld(self._context).translation())
+
+    def boxes(self, *, moving: bool) -> list[SolidBox]:
+        """Return the boxes around what shows and moves, or around what shows and does not."""
+        boxes: list[SolidBox] = []
+        for shown in self.bodies:
+            if shown.body is None or self._moves(shown.body) is not moving:
+                continue
+            x_wb = self._plant.EvalBodyPoseInWorld(self._context, shown.body)
+            boxes += [_solid(x_wb, drawn) for drawn in shown.shapes if drawn.box is not None]
+        return boxes if moving else boxes + self._largest_standing
+
+    @cached_property
+    def _largest_standing(self) -> list[SolidBox]:
+        """Boxes around the largest objects that stand outside of Drake's model."""
+        apart = [shown for shown in self.bodies if shown.body is None]
+        radii = self.world.drake.standing.balls[1]
+        largest = [apart[row] for row in np.argsort(-radii, kind="stable")[:_MOST_IN_THE_WAY]]
+        return [
+            _solid(self._standing[shown.path], drawn)
+            for shown in largest
+            for drawn in shown.shapes
+            if drawn.box is not None
+        ]
+
+    def watched(self, group: JointGroup, states: Sequence[Array]) -> list[WatchedPoint]:
+        """Return the default tool frame at some states, with what may hide it there."""
+        found: list[WatchedPoint] = []
+        for state in states if group.tool_frames else ():
+            self.go_to(state)
+            boxes = [*self.boxes(moving=True), *self.boxes(moving=False)]
+            found.append(WatchedPoint(self.tool(group), boxes))
+        return found
+
+    def _moves(self, body: RigidBody) -> bool:
+        return body.index() not in self._fixed
+
+    def _shown_bodies(self) -> list[ShownBody]:
+        found: list[ShownBody] = []
+        for index, name in self.world.drake.body_names.items():
+            frame = self._plant.GetBodyFrameIdIfExists(index)
+            if frame is None:
+                continue
+            geometries = self._inspector.GetGeometries(
+                frame, Role.kIllustration
+            ) or self._inspector.GetGeometries(frame, Role.kProximity)
+            if geometries:
+                body = self._plant.get_body(index)
+                shapes = tuple(self._shape(body, geometry) for geometry in geometries)
+                found.append(ShownBody(name, _path(name), body, shapes))
+        return found
+
+    def _shape(self, body: RigidBody, geometry: GeometryId) -> ShownShape:
+        inspector = self._inspector
+        return ShownShape(
+            inspector.GetShape(geometry),
+            inspector.GetPoseInFrame(geometry),
+            self._color(body, geometry),
+            inspector.GetObbInGeometryFrame(geometry),
+        )
+
+    def _color(self, body: RigidBody, geometry: GeometryId) -> Rgba:
+        # Drake answers None for a geometry that only collides, whatever its stubs say.
+        properties: Any = self._inspector.GetIllustrationProperties(geometry)
+        if properties is not None and properties.HasProperty("phong", "diffuse"):
+            found: Rgba = properties.GetProperty("phong", "diffuse")
+            return found
+        return _PALETTE[int(body.index()) % len(_PALETTE)]
+
+    def _standing_bodies(self) -> list[ShownBody]:
+        standing = self.world.drake.standing
+        found: list[ShownBody] = []
+        for thing, shape in zip(standing.things, standing.drake_shapes, strict=True):
+            color = Rgba(*(DEFAULT_COLOR if thing.color is None else thing.color))
+            drawn = ShownShape(shape, RigidTransform(), color, CalcObb(shape))
+            found.append(ShownBody(thing.name, _path(thing.name), None, (drawn,)))
+        return found
+
+
+def _path(name: str) -> str:
+    """Return the place of a body in Meshcat's tree."""
+    return f"/bodies/{name.replace('::', '/')}"
+
+
+def _solid(x_wb: RigidTransform, drawn: ShownShape) -> SolidBox:
+    """Return the box around a shape, in world."""
+    x_wo = x_wb @ drawn.X_BS @ drawn.box.pose()
+    return SolidBox(x_wo.GetAsMatrix4(), np.array(drawn.box.half_width()))

@@ -1,0 +1,27 @@
+"""A refusal in words: no unit where there is none, no place where nobody says."""
+
+import pytest
+
+from planning.certify.failure import failed_checks, not_certified
+from planning.domain.report.certificate import Certificate, Check
+
+
+@pytest.mark.parametrize(
+    ("check", "told", "named"),
+    [
+        (
+            Check("steering car::base_joint", 1e5, 1.0001, "1", 0.0, False, "sideways", 0.3),
+            "steering car::base_joint (1e+05, bound 1, sideways at 0.300 s)",
+            "steering car::base_joint sideways",
+        ),
+        (
+            Check("stop", 0.3761, 0.2, "s", 0.0, False, "", 0.372),
+            "stop (0.3761 s, bound 0.2, at 0.372 s)",
+            "stop",
+        ),
+    ],
+)
+def test_failed_checks_are_told_in_words(check: Check, told: str, named: str) -> None:
+    certificate = Certificate(False, 0.1, 0.1, ("", ""), 0.0, (check,))
+    assert not_certified(certificate, ["it"]).detail.endswith(f"; the last failed {told}")
+    assert failed_checks(certificate) == named

@@ -1,0 +1,59 @@
+"""The funnel adds up."""
+
+import json
+from dataclasses import fields
+
+import numpy as np
+from hypothesis import given
+from hypothesis import strategies as st
+
+from planning.domain.goals.funnel import (
+    Funnel,
+    PairTally,
+    funnel_evidence,
+    funnel_summary,
+    rejections,
+)
+
+
+def drawn(seed: int) -> Funnel:
+    rng = np.random.default_rng(seed)
+    counts = [int(rng.integers(1, 1000))]
+    for _ in range(4):
+        counts.append(int(rng.integers(0, counts[-1] + 1)))
+    left, tallies = counts[2] - counts[3], []
+    for i in range(rng.integers(0, 5)):
+        count = int(rng.integers(0, left + 1))
+        if count:
+            tallies.append(PairTally((f"a{i}", "b"), count, 0.001, 0.02))
+        left -= count
+    approached = int(rng.integers(counts[4], counts[3] + 1))
+    return Funnel(*counts, tuple(tallies), approach_ok=approached)
+
+
+@given(seed=st.integers(0, 2**32 - 1))
+def test_every_sample_is_distinct_or_has_a_reason(seed: int) -> None:
+    funnel = drawn(seed)
+    assert sum(one.count for one in rejections(funnel)) + funnel.distinct == funnel.tried
+    assert all(one.count > 0 for one in rejections(funnel))
+    colliding = sum(one.count for one in rejections(funnel) if one.reason == "collision")
+    assert colliding == funnel.within_limits - funnel.collision_free
+    evidence = json.loads(json.dumps(funnel_evidence(funnel)))
+    assert {field.name for field in fields(Funnel)} <= set(evidence)
+    blocked = sum(one.count for one in rejections(funnel) if one.reason == "approach")
+    assert blocked == funnel.collision_free - funnel.approach_ok
+    shares = sum(one["share"] for one in evidence["rejected"])
+    assert abs(shares + funnel.distinct / funnel.tried - 1) < 1e-9
+
+
+def test_the_sentence_says_what_was_hit_how_often_and_how_deep() -> None:
+    hits = (PairTally(("table", "arm::forearm_link"), 31, 0.008, 0.031),)
+    funnel = Funnel(300, 37, 37, 6, 4, hits, approach_ok=5)
+    assert funnel_summary(funnel) == (
+        "300 tried, 37 converged, 31 of them hit table-arm::forearm_link by 8 to 31 mm, "
+        "6 are free, 1 of these have no free approach or retreat, 4 are distinct"
+    )
+
+
+def test_nothing_tried_is_nothing_to_say() -> None:
+    assert funnel_evidence(Funnel())["rejected"] == []

@@ -1,0 +1,42 @@
+"""No pair is asked for what it does not have at the start and at the goal."""
+
+from hypothesis import given
+from hypothesis import strategies as st
+
+from planning.refine.constraints.distance_buffers import DistanceBuffers
+from planning.world.collision.margins import PairMargins
+
+SPARE = st.floats(0, 0.05)
+MARGIN = st.floats(0, 0.05)
+
+
+@given(spare=SPARE, margin=MARGIN, stated=MARGIN)
+def test_between_the_margin_and_half_of_what_there_is(spare, margin, stated):
+    near = ("arm::hand", "can")
+    margins = PairMargins(margin, {("arm::hand", "shelf"): stated})
+    buffers = DistanceBuffers(margins, {near: spare})
+    assert margin <= buffers.audited.of(*near) <= buffers.demanded(*near) <= margin + spare / 2
+    assert (
+        stated < buffers.audited.of("shelf", "arm::hand") < buffers.demanded("shelf", "arm::hand")
+    )
+    assert margin < buffers.audited.of("arm::arm", "wall") < buffers.demanded("arm::arm", "wall")
+
+
+@given(spare=SPARE, margin=MARGIN)
+def test_links_of_one_robot_are_audited_at_their_own_margin(spare, margin):
+    links = ("arm::forearm", "arm::hand")
+    buffers = DistanceBuffers(PairMargins(margin), {links: spare})
+    assert buffers.audited.of(*links) == 0.0
+    # The ends can always meet what the optimiser demands.
+    assert buffers.demanded(*links) < max(spare, 1e-12)
+    assert DistanceBuffers(PairMargins(margin)).demanded(*links) > 0
+
+
+def test_the_nearer_end_counts(pickup):
+    group = pickup.group("arm")
+    home = pickup.configuration(group, "home")
+    ends = pickup.embed(group, home[None])
+    margins = pickup.margins()
+    one = DistanceBuffers.between(pickup, margins, ends)
+    for pair in pickup.distance_probe(margins).pairs_within(ends[0], margins.largest + 0.005):
+        assert one.spare[pair.bodies] == pair.distance - margins.of(*pair.bodies)

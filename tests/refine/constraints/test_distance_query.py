@@ -1,0 +1,112 @@
+"""Distances and their gradients: the kernel's, Drake's and finite differences agree."""
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from planning.domain.robot.joints import JointGroup
+from planning.refine.constraints.distance_buffers import DistanceBuffers
+from planning.refine.constraints.distance_query import DistanceQuery, nearness_of
+from planning.world.loading.load_world import load_world
+from planning.world.world import World
+
+REACH = 0.15
+BOTH = pytest.mark.parametrize("kernel", [True, False])
+
+
+@pytest.fixture(params=[("panda_shelf", 0), ("ur5e_pickup", 0), ("ur5e_pickup", 1)])
+def place(request: pytest.FixtureRequest, world_of: Callable[[str], World]):
+    name, which = request.param
+    world = world_of(name)
+    return world, sorted(world.groups, key=lambda group: group.name)[which]
+
+
+def nearness(world: World, group: JointGroup, *, kernel: bool) -> DistanceQuery:
+    chosen = load_world(world.scene, world.library, kernel=kernel)
+    return nearness_of(chosen, group, DistanceBuffers(chosen.margins()))
+
+
+def configurations(world: World, group: JointGroup, count: int) -> np.ndarray:
+    limits = world.limits(group)
+    rng = np.random.default_rng(7)
+    low, high = np.maximum(limits.lower, -3), np.minimum(limits.upper, 3)
+    return rng.uniform(low, high, (count, len(low)))
+
+
+def least(measure: DistanceQuery, qs: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the smallest spare of every configuration, and its gradient."""
+    near = measure.within(qs, REACH)
+    spares, gradients = np.full(len(qs), REACH), np.zeros_like(qs)
+    for i in range(len(qs)):
+        rows = np.flatnonzero(near.at == i)
+        if len(rows):
+            row = rows[np.argmin(near.spare[rows])]
+            spares[i], gradients[i] = near.spare[row], near.gradient[row]
+    return spares, gradients
+
+
+def test_the_kernel_and_drake_see_the_same_nearest_pairs(place):
+    world, group = place
+    qs = configurations(world, group, 40)
+    ours, slopes = least(nearness(world, group, kernel=True), qs)
+    theirs, other_slopes = least(nearness(world, group, kernel=False), qs)
+    # Shapes that overlap deeply may have several ways out that are nearly as short.
+    apart = ours > -0.001
+    assert apart.any()
+    np.testing.assert_allclose(ours[apart], theirs[apart], atol=2e-5)
+    differs = np.abs(slopes - other_slopes)[apart].max(axis=1)
+    assert np.mean(differs < 1e-3) > 0.9
+    assert (theirs[~apart] < 0).all()
+
+
+@BOTH
+def test_the_gradient_is_the_slope(place, kernel):
+    world, group = place
+    measure = nearness(world, group, kernel=kernel)
+    qs = configurations(world, group, 25)
+    spares, gradients = least(measure, qs)
+    qs, gradients = (rows[(spares > 1e-3) & (spares < REACH - 1e-3)] for rows in (qs, gradients))
+    way = np.random.default_rng(8).normal(size=qs.shape)
+    h = 1e-5
+    slopes = (least(measure, qs + h * way)[0] - least(measure, qs - h * way)[0]) / (2 * h)
+    assert len(qs) > 2
+    # Where the nearest pair or feature changes there is no slope.
+    assert np.mean(np.abs(slopes - (gradients * way).sum(axis=1)) < 2e-3) > 0.8
+
+
+@BOTH
+def test_the_gradient_leads_out_of_what_overlaps(kernel, world_of):
+    world = world_of("panda_shelf")
+    group = min(world.groups, key=lambda group: group.name)
+    measure = nearness(world, group, kernel=kernel)
+    qs = configurations(world, group, 60)
+    spares, gradients = least(measure, qs)
+    qs, gradients, spares = (rows[spares < -1e-3] for rows in (qs, gradients, spares))
+    near = measure.within(qs, REACH)
+    steps = 1e-4 * gradients / np.linalg.norm(gradients, axis=1, keepdims=True)
+    moved = measure.within(qs + steps, REACH)
+    deepest = [near.spare[near.at == i].min() for i in range(len(qs))]
+    after = [moved.spare[moved.at == i].min() for i in range(len(qs))]
+    assert len(qs) > 5
+    assert np.mean(np.array(after) > np.array(deepest)) > 0.9
+
+
+@BOTH
+def test_what_the_group_does_not_move_is_not_measured(make_puck, kernel):
+    wall = ([0.2, 0.2, 0.2], [0.0, 0.0, 0.0])
+    world = make_puck([wall, ([0.2, 0.2, 0.02], [3.0, 0.0, -0.0301])], idle=[3.0, 0.0, 0.0])
+    measure = nearness(world, world.group("puck"), kernel=kernel)
+    near = measure.within(np.array([[-0.15, 0.0], [0.9, 0.9]]), REACH)
+    np.testing.assert_array_equal(near.at, [0])
+    demanded = DistanceBuffers(world.margins()).demanded("puck::puck", "wall0")
+    assert near.spare[0] == pytest.approx(0.05 - 0.02 - demanded, abs=1e-6)
+    np.testing.assert_allclose(near.gradient, [[-1.0, 0.0]], atol=1e-6)
+
+
+@BOTH
+def test_nothing_near_is_nothing(make_puck, kernel):
+    world = make_puck([])
+    near = nearness(world, world.group("puck"), kernel=kernel).within(np.zeros((3, 2)), REACH)
+    assert near.at.shape == (0,)
+    assert near.gradient.shape == (0, 2)

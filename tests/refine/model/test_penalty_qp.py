@@ -1,0 +1,78 @@
+"""The native solver and Clarabel answer alike, and as one would by hand."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from planning.refine.model.penalty_qp import PenaltyQp, PenaltyRows
+from tests.profiles import num_cases
+
+NATIVELY = pytest.mark.parametrize("natively", [True, False])
+
+
+def random_program(seed: int, num_variables: int, num_rows: int) -> PenaltyQp:
+    rng = np.random.default_rng(seed)
+    columns = np.sort(rng.integers(-1, num_variables, (num_rows, 3)), axis=1)
+    columns[:, 1:][np.diff(columns, axis=1) == 0] = -1
+    wide = rng.integers(0, num_variables, (4, 1)) + np.zeros((4, 1), dtype=int)
+    return PenaltyQp(
+        rng.normal(size=num_variables),
+        np.full(num_variables, 1e-2),
+        -rng.uniform(0.1, 2, num_variables),
+        rng.uniform(0.1, 2, num_variables),
+        (
+            PenaltyRows(columns, rng.normal(size=columns.shape), rng.normal(size=num_rows), 0.7),
+            PenaltyRows(wide, np.ones(wide.shape), np.full(4, 0.5), 5.0),
+        ),
+    )
+
+
+@settings(max_examples=num_cases(6))
+@given(
+    seed=st.integers(0, 2**32 - 1), num_variables=st.integers(1, 30), num_rows=st.integers(1, 80)
+)
+def test_both_find_the_least_cost(seed, num_variables, num_rows):
+    program = random_program(seed, num_variables, num_rows)
+    ours, theirs = program.solve(), program.solve(natively=False)
+    assert (ours >= program.lower - 1e-9).all()
+    assert (ours <= program.upper + 1e-9).all()
+    assert program.cost(ours) == pytest.approx(program.cost(theirs), abs=1e-4)
+    rng = np.random.default_rng(seed)
+    for other in rng.uniform(program.lower, program.upper, (20, num_variables)):
+        assert program.cost(ours) <= program.cost(other) + 1e-4
+
+
+@NATIVELY
+@pytest.mark.parametrize(
+    ("price", "x"),
+    # A row that wants x >= 1 against a cost that wants less: kept if its price is higher.
+    [(0.5, -2.0), (2.0, 1.0)],
+)
+def test_a_row_is_kept_if_its_price_is_high_enough(natively, price, x):
+    row = PenaltyRows(np.array([[0, -1]]), np.array([[1.0, 7.0]]), np.array([1.0]), price)
+    one = np.ones(1)
+    program = PenaltyQp(one, 0 * one, -2 * one, 2 * one, (row,))
+    assert program.solve(natively=natively)[0] == pytest.approx(x, abs=1e-4)
+    assert program.cost(np.array([x])) == pytest.approx(x + price * max(0.0, 1 - x))
+
+
+@NATIVELY
+def test_rows_that_contradict_one_another_share_the_damage(natively):
+    rows = PenaltyRows(np.array([[0], [0]]), np.array([[1.0], [-1.0]]), np.array([1.0, 1.0]), 3.0)
+    zero, one = np.zeros(1), np.ones(1)
+    program = PenaltyQp(zero, one, -5 * one, 5 * one, (rows,))
+    assert program.solve(natively=natively)[0] == pytest.approx(0.0, abs=1e-4)
+    assert program.cost(zero) == pytest.approx(6.0)
+
+
+@given(seed=st.integers(0, 2**32 - 1))
+def test_rows_between_bounds_keep_a_sum_within_them(seed):
+    rng = np.random.default_rng(seed)
+    values, now, x = rng.normal(size=(5, 2)), rng.normal(size=5), rng.normal(size=2)
+    low, high = -rng.uniform(0.1, 2.0, 5), rng.uniform(0.1, 2.0, 5)
+    rows = PenaltyRows.between(np.tile([0, 1], (5, 1)), values, now, np.stack([low, high]), 2.0)
+    sums = now + values @ x
+    # In units of the bound that is exceeded.
+    excess = np.maximum(np.maximum(sums / high, sums / low) - 1, 0).sum()
+    assert rows.cost(x) == pytest.approx(2.0 * excess)
