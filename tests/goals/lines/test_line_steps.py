@@ -72,4 +72,4 @@ def test_the_bound_holds_where_joints_follow_others(
     ]
     assert max(stray[0] for stray in strays) <= shift[0] + 1e-9
     assert max(stray[1] for stray in strays) <= turn[0] + 1e-9
-    assert shift[0] < 0.3
+    assert shift[0] < 20 * move**2  # what is left out is of second order
