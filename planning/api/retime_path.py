@@ -6,7 +6,6 @@ from typing import Any
 import numpy as np
 
 from planning.certify.certifier import certify
-from planning.certify.failure import failed_checks, not_certified
 from planning.domain.curves.curve import TimedTrajectory
 from planning.domain.curves.path import JointPath
 from planning.domain.goals.goal import JointGoal
@@ -19,8 +18,8 @@ from planning.domain.request.problem import PlanningProblem
 from planning.domain.request.stopwatch import Stopwatch
 from planning.domain.value import Value
 from planning.errors import ProblemInvalid
-from planning.pipeline.candidates import candidates
-from planning.pipeline.certification import certify_request
+from planning.pipeline.candidates import Candidate, candidates
+from planning.pipeline.certification import Refusals, certify_request, first_certified
 from planning.pipeline.motion import Motion
 from planning.pipeline.segments import free_segment
 from planning.pipeline.timing_options import validate_timing
@@ -125,10 +124,9 @@ def _first_proven(
 ) -> RetimedPath:
     joints, timing, margins = path.group, problem.retime, world.margins(problem.margin)
     others = path_limits(world, joints, timing)
-    refused: list[str] = []
-    failed: Certificate | None = None
     made = candidates(world, path, problem, margins, deadline, watch, path_limits=others)
-    for candidate in made:
+
+    def certified(candidate: Candidate) -> tuple[Certificate, CertifyReport]:
         request = replace(
             certify_request(world, joints, candidate.trajectory, timing, margins),
             start=path.waypoints[0],
@@ -137,14 +135,13 @@ def _first_proven(
             options=wanted,
         )
         with watch.stage("certify"):
-            certificate, report = certify(world.drake, request, deadline)
-        if certificate.proven:
-            motion = Motion((free_segment(path, candidate),))
-            if timing.explain:
-                with watch.stage("explain"):
-                    motion = motion.explained(world.limits(joints), timing, others, deadline)
-            timed = motion.trajectory, certificate, motion.report, report
-            return RetimedPath(path, *timed, watch.cut_short)
-        failed = certificate
-        refused.append(f"{candidate.name}: {failed_checks(certificate)}")
-    raise not_certified(failed, refused)
+            return certify(world.drake, request, deadline)
+
+    named = ((candidate.name, candidate) for candidate in made)
+    candidate, certificate, report = first_certified(named, certified, Refusals())
+    motion = Motion((free_segment(path, candidate),))
+    if timing.explain:
+        with watch.stage("explain"):
+            motion = motion.explained(world.limits(joints), timing, others, deadline)
+    timed = motion.trajectory, certificate, motion.report, report
+    return RetimedPath(path, *timed, watch.cut_short)

@@ -7,7 +7,6 @@ import numpy as np
 
 from planning.api.certify_trajectory import require_joints
 from planning.certify.certifier import certify
-from planning.certify.failure import failed_checks, not_certified
 from planning.domain.curves.curve import TimedTrajectory
 from planning.domain.curves.motion_state import MotionState
 from planning.domain.report.certificate import Certificate
@@ -20,7 +19,7 @@ from planning.domain.request.stopwatch import Stopwatch
 from planning.domain.robot.joints import JointGroup, JointLimits
 from planning.domain.value import Value
 from planning.errors import ProblemInvalid, RetimingFailed
-from planning.pipeline.certification import certify_request
+from planning.pipeline.certification import Refusals, certify_request, first_certified
 from planning.pipeline.timing_options import validate_timing
 from planning.retime.jerk.state_to_state import to_rest, to_state
 from planning.retime.jerk.stop_along_path import stops_along
@@ -72,24 +71,22 @@ class _RunningMotion:
     ) -> ProvenMotion:
         """Return the first motion that is proven to keep everything from its first instant on."""
         watch = Stopwatch(deadline.clock)
-        refused: list[str] = []
-        failed: Certificate | None = None
         margins = self.world.margins(self.margin)
+
+        def certified(motion: TimedTrajectory) -> tuple[Certificate, CertifyReport]:
+            request = replace(
+                certify_request(self.world, self.group, motion, self.options, margins),
+                jerk=jerk,
+                constraints=self.constraints,
+                origin=self.running.start,
+            )
+            with watch.stage("certify"):
+                return certify(self.world.drake, request, deadline)
+
         with watch.timing_failures():
-            for motion in watch.each("retime", made):
-                request = replace(
-                    certify_request(self.world, self.group, motion, self.options, margins),
-                    jerk=jerk,
-                    constraints=self.constraints,
-                    origin=self.running.start,
-                )
-                with watch.stage("certify"):
-                    certificate, report = certify(self.world.drake, request, deadline)
-                if certificate.proven:
-                    return ProvenMotion(motion, certificate, report)
-                failed = certificate
-                refused.append(f"in {motion.duration:.3f} s: {failed_checks(certificate)}")
-            raise not_certified(failed, refused)
+            timed = watch.each("retime", made)
+            named = ((f"in {motion.duration:.3f} s", motion) for motion in timed)
+            return ProvenMotion(*first_certified(named, certified, Refusals()))
 
 
 def stop_motion(  # noqa: PLR0913  (a question in full)

@@ -1,11 +1,68 @@
-"""What a motion is held against: everything that the options of its timing ask for."""
+"""Certification: what a motion is held against, and the first of several that is proven."""
 
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, field
+
+from planning.certify.failure import failed_checks, not_certified
 from planning.certify.request import CertifyRequest
 from planning.domain.curves.curve import TimedTrajectory
+from planning.domain.report.certificate import Certificate
+from planning.domain.report.stage_reports import CertifyReport
 from planning.domain.request.options import RetimeOptions
 from planning.domain.robot.joints import JointGroup
+from planning.errors import NotCertified
 from planning.world.collision.margins import PairMargins
 from planning.world.world import World
+
+
+@dataclass
+class Refusals:
+    """Motions that could not be proven so far; the evidence of a failure.
+
+    Attributes:
+        reasons: What was wrong with each, a line for a motion.
+        last: Certificate of the last one; None if there was none.
+    """
+
+    reasons: list[str] = field(default_factory=list[str])
+    last: Certificate | None = None
+
+    def add(self, name: str, certificate: Certificate) -> None:
+        """Add a motion by its name and its certificate."""
+        self.reasons.append(f"{name}: {failed_checks(certificate)}")
+        self.last = certificate
+
+    @property
+    def failure(self) -> NotCertified:
+        """The failure that all of them are evidence of."""
+        return not_certified(self.last, self.reasons)
+
+
+def first_certified[T](
+    motions: Iterable[tuple[str, T]],
+    certify: Callable[[T], tuple[Certificate, CertifyReport]],
+    refusals: Refusals,
+    is_hopeless: Callable[[Certificate], bool] = lambda _: False,
+) -> tuple[T, Certificate, CertifyReport]:
+    """Return the first motion that is proven, with its certificate and what the proof took.
+
+    Args:
+        motions: Names and motions, the best first; taken one by one.
+        certify: Tries to prove a motion.
+        refusals: Gets those that are not proven.
+        is_hopeless: Whether a failed certificate rules out every other motion as well.
+
+    Raises:
+        NotCertified: None is proven, or one is hopeless; evidence has all refusals so far.
+    """
+    for name, motion in motions:
+        certificate, report = certify(motion)
+        if certificate.proven:
+            return motion, certificate, report
+        refusals.add(name, certificate)
+        if is_hopeless(certificate):
+            break
+    raise refusals.failure
 
 
 def certify_request(
@@ -17,14 +74,14 @@ def certify_request(
 ) -> CertifyRequest:
     """Return the request to prove a motion from where it begins to where it ends.
 
-    Who asks for more, or for other ends, replaces the rest.
+    Callers that demand more, or other ends, replace the rest.
 
     Args:
-        world: The scene.
+        world: The scene, loaded.
         group: What moves.
         trajectory: The motion.
-        options: Limits besides the group's own, admitted by `admit_timing`; `method` says whether
-            jerk is limited.
+        options: Limits besides the group's own, from `validate_timing`; `method` says whether jerk
+            is limited.
         margins: The distances to keep.
     """
     limits, followers = world.stated_limits(group)

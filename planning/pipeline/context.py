@@ -1,8 +1,7 @@
-"""PlanContext: what every step of a plan needs; StageProgress: tells which step is at work."""
+"""PlanContext: what the stages of a plan work on; StageProgress: which stage is at work."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
 
 from planning.domain.goals.goal_configurations import GoalConfigurations
 from planning.domain.goals.line import LinearMove
@@ -14,23 +13,23 @@ from planning.domain.request.deadline import Deadline
 from planning.domain.request.problem import PlanningProblem
 from planning.domain.request.stopwatch import Stopwatch
 from planning.domain.robot.joints import JointGroup, JointLimits
+from planning.pipeline.candidates import deadlines
 from planning.retime.limits.path_limit import PathLimit
-from planning.retime.limits.request_limits import path_limits
 from planning.world.collision.margins import PairMargins
 from planning.world.constraints.path_constraints import PathConstraints
 from planning.world.world import Array, World
 
-# How far a plan is that searches, of the whole.
+# Progress of a plan that searches, as a share of the whole.
 SEARCHING = 0.15
-# And in stages that say no more of themselves than that they begin.
+# The same in stages that report nothing but that they begin.
 _FRACTIONS = {"refine": 0.5, "retime": 0.6, "certify": 0.8, "explain": 0.95}
 
 
 class StageProgress:
-    """Passes progress on, and tells of stages that begin without a word."""
+    """Passes progress on, and reports stages that begin without a report of their own."""
 
     def __init__(self, on_progress: Callable[[Progress], None]) -> None:
-        """Pass it on to `on_progress`."""
+        """Pass progress on to `on_progress`."""
         self._on_progress = on_progress
         self._stage = ""
 
@@ -40,30 +39,32 @@ class StageProgress:
         self._on_progress(progress)
 
     def begin(self, stage: str) -> None:
-        """Tell of a stage that begins, if that was not told already."""
+        """Report that a stage begins, unless it is at work already."""
         if stage != self._stage:
             self(Progress(stage, _FRACTIONS.get(stage, SEARCHING)))
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class PlanContext:
-    """What every step needs.
+    """A problem whose input is checked, whose defaults are filled in and whose goals are found.
 
     Attributes:
-        world: The scene.
-        problem: As it was given.
+        world: The scene, loaded.
+        problem: As it was given, with its timing options resolved.
         group: Whose joints move.
         limits: Theirs, tightened by the path constraints.
         margins: Distances to keep.
         start: Inside its limits, shape (nq,).
+        start_clipped: What was added to the given start to be so, shape (nq,).
         goals: Where the motion may end.
-        lines: What leads to the only goal, if lines are the goal.
+        lines: Lines to the only goal, if lines are the goal; else none.
+        path_limits: What limits motions besides their joints, made once for all that are timed.
         deadline: Of the whole plan.
-        report: Told of every step.
+        report: Receives the progress.
         watch: Adds up the time of every stage.
         rules: The path constraints, or None.
-        roadmap: Where the search looks before it asks a planner, or None.
-        pool: Makes attempts of the search at once, or None.
+        roadmap: A graph that the search looks into before it runs a planner, or None.
+        pool: Makes several attempts of the search at once, or None.
     """
 
     world: World
@@ -72,8 +73,10 @@ class PlanContext:
     limits: JointLimits
     margins: PairMargins
     start: Array
+    start_clipped: Array
     goals: GoalConfigurations
     lines: tuple[LinearMove, ...]
+    path_limits: tuple[PathLimit, ...]
     deadline: Deadline
     report: Callable[[Progress], None]
     watch: Stopwatch
@@ -81,12 +84,17 @@ class PlanContext:
     roadmap: Roadmap | None = None
     pool: AttemptPool | None = None
 
-    @cached_property
-    def path_limits(self) -> tuple[PathLimit, ...]:
-        """What limits motions besides their joints, built once for all that are timed."""
-        return path_limits(self.world, self.group, self.problem.retime)
+    @property
+    def refine_deadline(self) -> Deadline:
+        """When refinement and explanation end: at a cancel that wants the best so far, too."""
+        return deadlines(self.problem, self.deadline)[0]
 
-    def tell_best(self, attempt: AttemptReport) -> None:
+    @property
+    def proof_deadline(self) -> Deadline:
+        """When timing and certification end: not at a cancel that wants the best so far."""
+        return deadlines(self.problem, self.deadline)[1]
+
+    def report_best(self, attempt: AttemptReport) -> None:
         """Report the best path so far."""
         detail = f"{attempt.planner} found a path of length {attempt.length:.3f}, the best so far"
         self.report(Progress("search", SEARCHING, detail, attempt.length))

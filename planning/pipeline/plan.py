@@ -1,47 +1,40 @@
 """plan(): the stages in order. Read this first.
 
-    scene -> goals (batched IK, lines) -> search (OMPL) -> refine (sequential convex programs)
-          -> retime (toppra or ruckig) -> certify (Drake, fresh context) -> MotionPlan
+    problem, world -- resolve ----------> ResolvedProblem   every check of input, every default
+                      find_goals -------> PlanContext       start, goal configurations, tool paths
+    round k --------- find_path --------> SearchResult      roadmap, regions, OMPL
+                      refine_and_retime > named motions     best first; straight moves joined
+                      first_certified --> Certificate       the first proven, else another round
 
 The stages do not know each other. What a stage cannot do better it leaves alone: several candidate
 motions are timed, the quickest one that the certifier proves is delivered, and if none is proven
-the search is asked again, for more distance and with a finer eye. Straight lines (`parts`) belong
-to the goals: what the search finds leads to where they begin.
+the search runs again, with more distance and a finer resolution. Straight moves of a tool belong
+to the goals: a search ends where they begin.
 """
 
 from collections.abc import Callable
 from dataclasses import replace
 
-import numpy as np
-
-from planning.domain.goals.goal import LineGoal
-from planning.domain.goals.goal_configurations import GoalConfigurations
-from planning.domain.goals.line import LinearMove
+from planning.certify.failure import not_certified
+from planning.domain.report.certificate import Certificate
 from planning.domain.report.motion_plan import MotionPlan, Progress, StageReports, ignore_progress
 from planning.domain.request.attempt_pool import AttemptPool
 from planning.domain.request.deadline import Deadline
 from planning.domain.request.problem import PlanningProblem
 from planning.domain.request.stopwatch import Stopwatch
-from planning.errors import ProblemInvalid
-from planning.goals.find_goals import GoalQuery, find_goals
-from planning.goals.lines.line_goal import follow_lines
-from planning.goals.start import validate_start
-from planning.pipeline.constrained_search import compile_constraints, filter_goals
+from planning.errors import NotCertified
+from planning.pipeline.certification import Refusals, first_certified
+from planning.pipeline.certified_motion import CertifiedMotion, certify_motion
 from planning.pipeline.context import PlanContext, StageProgress
-from planning.pipeline.prove import certify_lines, certify_search
-from planning.pipeline.region_guide import validate_regions
-from planning.pipeline.segments import at_end_of, tool_of
-from planning.pipeline.timing_options import validate_timing
-from planning.refine.constraints.clearance_objective import require_wish
-from planning.roadmaps.load_or_build import load_or_build, validate_search
+from planning.pipeline.goals import find_goals, resolve, with_roadmap
+from planning.pipeline.search import find_path
+from planning.pipeline.segments import NOT_REFINED, empty_search_report, tool_of
+from planning.pipeline.timed_motions import explained, refine_and_retime, retime_lines
 from planning.roadmaps.roadmap_cache import RoadmapStore
-from planning.roadmaps.roadmap_context import RoadmapContext
-from planning.search.space_options import resolve_space
-from planning.world.loading.positions import require_positions
 from planning.world.world import World
 
-# Of the time, what building a roadmap may take.
-_ROADMAP_SHARE = 0.6
+# Rounds of the search, each with half the resolution of the one before.
+_MAX_ROUNDS = 4
 
 
 def plan(
@@ -63,10 +56,10 @@ def plan(
         problem: Group, start, goal, options, seed.
         world: The scene, loaded.
         deadline: When to give up, if the problem's allowed time, which begins now, does not end
-            before; also asked whether anybody still wants the answer.
-        on_progress: Told of every stage.
-        roadmaps: Where a roadmap is looked for, and left if it had to be built, if the problem asks
-            for one; what is found there changes no byte.
+            before; also says whether the plan was canceled.
+        on_progress: Receives the progress of every stage.
+        roadmaps: Where a roadmap is looked for, and left if it had to be built, if the problem
+            wants one; what is found there changes no byte.
         pool: Makes several attempts of the search at once; that changes no byte either.
 
     Raises:
@@ -77,75 +70,85 @@ def plan(
     report = StageProgress(on_progress)
     watch = Stopwatch(deadline.clock, report.begin)
     with watch.timing_failures():
-        group = resolve_space(world.group(problem.group), problem.search.spaces)
-        given = world.positions(group) if problem.start is None else problem.start
-        given = require_positions(group, given, "start")
-        margins = world.margins(problem.margin)
-        if problem.search.allowed_planning_time <= 0:
-            message = "search.allowed_planning_time must be positive"
-            raise ProblemInvalid(message, {"field": "search.allowed_planning_time"})
-        deadline = deadline.limited(problem.search.allowed_planning_time).cutting(watch.note_cut)
-        require_wish(problem.refine)
-        validate_regions(problem, world, group)
-        validate_search(problem)
-        report(Progress("goals", 0.02, "looking for goal configurations"))
-        with watch.stage("goals"):
-            start, clipped = validate_start(world, group, given, margins)
-            problem = replace(problem, retime=validate_timing(world, group, problem.retime, start))
-            rules = compile_constraints(world, group, problem.constraints, start)
-            query = GoalQuery(group, problem.goal, start, margins, problem.ik, rules=rules)
-            goals, lines = _goals(world, query, problem.seed, deadline.share(0.5))
-            if rules is not None:
-                goals = filter_goals(world, query, goals, problem.seed, deadline.share(0.5))
-                rules = rules.leaving_room(start, goals.entries)
-        roadmap = None
-        if problem.search.roadmap is not None:
-            report(Progress("roadmap", 0.1, "looking for the roadmap"))
-            with watch.stage("roadmap"):
-                share = deadline.share(_ROADMAP_SHARE)
-                ground = RoadmapContext.from_problem(problem, world, start, rules)
-                roadmap = load_or_build(ground, roadmaps, share, watch)
-        limits = world.limits(group) if rules is None else rules.limits(world.limits(group))
-        task = PlanContext(
-            world,
-            problem,
-            group,
-            limits,
-            margins,
-            start,
-            goals,
-            lines,
-            deadline,
-            report,
-            watch,
-            rules,
-            roadmap,
-            pool,
-        )
-        proven = certify_lines(task) if lines else certify_search(task)
-        motion = proven.motion
-        return MotionPlan(
-            group=group,
-            start=start,
-            start_clipped=clipped,
-            goal_configuration=motion.goal_configuration,
-            goal_index=goals.target_indices[proven.goal_row],
-            path=motion.path,
-            trajectory=motion.trajectory,
-            certificate=proven.certificate,
-            stages=StageReports(goals, proven.search, proven.refine, motion.report, proven.certify),
-            timings=watch.seconds,
-            cut_short=watch.cut_short,
-            graph=proven.graph,
-            parts=motion.described(world, tool_of(group, problem.goal)),
-        )
+        context = find_goals(resolve(problem, world, deadline, report, watch, pool))
+        context = with_roadmap(context, roadmaps)
+        certified = _follow_lines(context) if context.lines else _search(context)
+        return _motion_plan(context, certified)
 
 
-def _goals(
-    world: World, query: GoalQuery, seed: int, deadline: Deadline
-) -> tuple[GoalConfigurations, tuple[LinearMove, ...]]:
-    """Return goal configurations, and the lines that lead to the only one if lines are the goal."""
-    if isinstance(query.goal, LineGoal):
-        lines = follow_lines(world, query, query.goal, deadline)
-        return at_end_of(lines), lines
-    return find_goals(world, query, np.random.default_rng(seed), deadline), ()
+def _follow_lines(context: PlanContext) -> CertifiedMotion:
+    """Time and certify lines; there is nothing to search."""
+    motion = retime_lines(context)
+    context.report(Progress("certify", 0.8, "certifying the lines"))
+    certificate, report = certify_motion(context, motion)
+    if not certificate.proven:
+        raise not_certified(certificate, ["the lines themselves"])
+    motion = explained(context, motion)
+    return CertifiedMotion(
+        goal_row=0,
+        motion=motion,
+        search=empty_search_report(motion.path),
+        refine=NOT_REFINED,
+        certificate=certificate,
+        certify=report,
+    )
+
+
+def _search(context: PlanContext) -> CertifiedMotion:
+    """Search, refine, retime and certify, in rounds, until a motion is proven."""
+    refusals = Refusals()
+    for round_ in range(_MAX_ROUNDS):
+        if round_ and context.proof_deadline.is_over:
+            break
+        found = find_path(context, round_)
+        motions = refine_and_retime(context, found, round_)
+        try:
+            (motion, refine), certificate, report = first_certified(
+                motions,
+                lambda timed: certify_motion(context, timed[0]),
+                refusals,
+                _no_path_helps,
+            )
+        except NotCertified as failure:
+            if refusals.last is not None and _no_path_helps(refusals.last):
+                raise failure from None
+            continue
+        refused = tuple(refusals.reasons)
+        return CertifiedMotion(
+            goal_row=found.goal_row,
+            motion=explained(context, motion),
+            search=found.report,
+            refine=refine,
+            certificate=certificate,
+            certify=replace(report, candidates=len(refused) + 1, refused=refused),
+            graph=found.graph,
+        )
+    with context.watch.stage("certify"):
+        context.deadline.check("certify")
+    raise refusals.failure
+
+
+def _no_path_helps(certificate: Certificate) -> bool:
+    """Return whether stops alone fail, which lower scales shorten and other paths do not."""
+    return {check.name for check in certificate.failed} == {"stop"}
+
+
+def _motion_plan(context: PlanContext, certified: CertifiedMotion) -> MotionPlan:
+    motion, goals = certified.motion, context.goals
+    return MotionPlan(
+        group=context.group,
+        start=context.start,
+        start_clipped=context.start_clipped,
+        goal_configuration=motion.goal_configuration,
+        goal_index=goals.target_indices[certified.goal_row],
+        path=motion.path,
+        trajectory=motion.trajectory,
+        certificate=certified.certificate,
+        stages=StageReports(
+            goals, certified.search, certified.refine, motion.report, certified.certify
+        ),
+        timings=context.watch.seconds,
+        cut_short=context.watch.cut_short,
+        graph=certified.graph,
+        parts=motion.described(context.world, tool_of(context.group, context.problem.goal)),
+    )

@@ -102,14 +102,14 @@ def _whole(given: Scalar) -> int | None:
     return int(number) if number.is_integer() and not isinstance(given, bool) else None
 
 
-def make_guide(task: PlanContext, round_: int) -> "RegionGuide | None":
+def make_guide(context: PlanContext, round_: int) -> "RegionGuide | None":
     """Return who leads the search, None if the planner "GCS" is not asked for."""
-    regions = task.problem.regions
-    if regions is None or GCS not in task.problem.search.planners:
+    regions = context.problem.regions
+    if regions is None or GCS not in context.problem.search.planners:
         return None
-    if task.rules is not None:
-        return RegionGuide(task, regions, "regions know no path constraints")
-    return RegionGuide(task, regions, "its motions could not be proven" if round_ else "")
+    if context.rules is not None:
+        return RegionGuide(context, regions, "regions know no path constraints")
+    return RegionGuide(context, regions, "its motions could not be proven" if round_ else "")
 
 
 class RegionGuide:
@@ -120,15 +120,15 @@ class RegionGuide:
         options: Of those who search where it knows no way.
     """
 
-    def __init__(self, task: PlanContext, regions: Regions, refusal: str) -> None:
-        """Lead from the task's start, unless there is a reason not to."""
+    def __init__(self, context: PlanContext, regions: Regions, refusal: str) -> None:
+        """Lead from the context's start, unless there is a reason not to."""
         self.name = GCS
-        self._start, self._regions = task.start, regions
-        self._own, others = split_parameters(task.problem.search.parameters)
-        self.options = _without(task.problem.search, others)
+        self._start, self._regions = context.start, regions
+        self._own, others = split_parameters(context.problem.search.parameters)
+        self.options = _without(context.problem.search, others)
         self._reason = refusal
         self._considered: tuple[int, ...] = ()
-        manifold = Manifold(task.group.joints)
+        manifold = Manifold(context.group.joints)
         self._wraps = any(manifold.wraps)
 
     def lead(self, goals: Float64[np.ndarray, "n nq"]) -> tuple[Array, int] | None:

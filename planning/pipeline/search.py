@@ -1,0 +1,106 @@
+"""find_path(): the search of one round, with more distance and a finer resolution each time."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from planning.domain.report.motion_plan import Progress
+from planning.domain.request.deadline import Deadline
+from planning.errors import Canceled, DeadlineExceeded, NoPathFound
+from planning.pipeline.constrained_search import search_constrained
+from planning.pipeline.context import SEARCHING, PlanContext
+from planning.pipeline.region_guide import make_guide
+from planning.search.roadmap.query_roadmap import report_of
+from planning.search.solver import SearchResult, SearchTask, search
+from planning.world.collision.obstacle_distance import obstacle_distances
+from planning.world.collision.search_padding import endpoint_padding
+
+# Rounds that look into the roadmap; if its paths are never proven, another one has to be found.
+_ROADMAP_ROUNDS = 3
+# Share of the time for a search that keeps more distance than is demanded.
+_PADDED_SHARE = 0.6
+# Time for the search of a canceled plan whose best path so far could not be proven [s].
+_BRIEF = 0.4
+
+
+def find_path(context: PlanContext, round_: int) -> SearchResult:
+    """Return a collision-free path from the start to one of the goals.
+
+    Args:
+        context: Start, goals, distances to keep.
+        round_: From 0 on; every round halves the resolution and searches with another seed.
+
+    Raises:
+        NoPathFound: No planner found one.
+        DeadlineExceeded: Time ran out.
+        Canceled: The end was asked for.
+    """
+    context.report(Progress("search", SEARCHING, f"searching, round {round_ + 1}"))
+    with context.watch.stage("search"):
+        return _search(context, 0) if round_ == 0 else _search_again(context, round_)
+
+
+def _search_again(context: PlanContext, round_: int) -> SearchResult:
+    """Search with a finer eye; once and briefly, if a cancel wants the best there was so far."""
+    wants_best = context.problem.search.on_cancel == "best"
+    if not (wants_best and context.deadline.is_canceled()):
+        try:
+            return _search(context, round_)
+        except Canceled:
+            if not wants_best:
+                raise
+    once = replace(context.problem.search, attempts=1)
+    brief = context.deadline.uncancelable.within(_BRIEF)
+    hurried = replace(context, problem=replace(context.problem, search=once), deadline=brief)
+    found = _search(hurried, round_)
+    return replace(found, report=replace(found.report, was_canceled=True))
+
+
+def _search(context: PlanContext, round_: int) -> SearchResult:
+    """Search with some distance to spare; without, if there is no path that way."""
+    padding = endpoint_padding(
+        context.world, context.group, context.start, context.goals.entries, context.problem.margin
+    )
+    if padding * (round_ + 1) > 0:
+        try:
+            return _search_padded(context, round_, padding, context.deadline.share(_PADDED_SHARE))
+        except (NoPathFound, DeadlineExceeded):
+            context.deadline.check("search")
+    return _search_padded(context, round_, 0.0, context.deadline)
+
+
+def _search_padded(
+    context: PlanContext, round_: int, padding: float, deadline: Deadline
+) -> SearchResult:
+    margins = context.world.margins(context.problem.margin, padding)
+    oracle = context.world.collision_oracle(context.group, margins)
+    entries = context.goals.entries
+    rows = np.flatnonzero(oracle.are_free(entries))
+    guide = make_guide(context, round_)
+    request = SearchTask(
+        start=context.start,
+        goals=entries[rows],
+        options=context.problem.search if guide is None else guide.options,
+        resolution=context.problem.search.resolution / 2**round_,
+        padding=padding,
+        seed=context.problem.seed + round_,
+        clearances=obstacle_distances(context.world, context.group),
+        on_best=context.report_best,
+        guide=guide,
+        pool=context.pool,
+        roadmap=context.roadmap if round_ < _ROADMAP_ROUNDS else None,
+    )
+    if context.rules is None:
+        found = search(
+            context.group, context.limits, oracle, request, deadline, watch=context.watch
+        )
+    else:
+        found = search_constrained(
+            context.rules, context.limits, oracle, request, deadline, context.watch
+        )
+    if context.roadmap is not None and request.roadmap is None:
+        refused = report_of(context.roadmap, "not_proven")
+        found = replace(found, report=replace(found.report, roadmap=refused))
+    report = found.report if guide is None else guide.told(found.report)
+    goal_row = int(rows[found.goal_row])
+    return replace(found, path=found.path.continuous, goal_row=goal_row, report=report)

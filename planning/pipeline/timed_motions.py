@@ -1,0 +1,93 @@
+"""Timed motions: what one path, or lines alone, can become, best first."""
+
+from collections.abc import Iterator, Sequence
+from contextlib import nullcontext
+
+from planning.domain.goals.line import LinearMove
+from planning.domain.report.motion_plan import Progress
+from planning.domain.report.stage_reports import RefineReport
+from planning.pipeline.candidates import candidates
+from planning.pipeline.context import PlanContext
+from planning.pipeline.motion import Motion
+from planning.pipeline.segments import (
+    MotionSegment,
+    PartKind,
+    approach_segments,
+    free_segment,
+    named_lines,
+    timed_legs,
+    without_duration,
+)
+from planning.search.request import SearchResult
+from planning.world.world import Array
+
+
+def refine_and_retime(
+    context: PlanContext, found: SearchResult, round_: int
+) -> Iterator[tuple[str, tuple[Motion, RefineReport]]]:
+    """Yield motions along a path and the straight moves after it: names, motions, reports.
+
+    The better of the refined and the rounded path comes first; the last one rests at every corner.
+
+    Raises:
+        RetimingFailed: After all others, not even that one can be timed.
+        DeadlineExceeded: Time ran out.
+        Canceled: The end was asked for.
+    """
+    legs = approach_segments(context.goals.legs[found.goal_row]) if context.goals.legs else []
+    with context.watch.stage("retime") if legs else nullcontext():
+        tail = _timed(context, legs, found.path.waypoints[-1])
+    context.report(Progress("refine", 0.5, "refining and timing"))
+    made = candidates(
+        context.world,
+        found.path,
+        without_duration(context.problem) if tail else context.problem,
+        context.margins,
+        context.deadline,
+        context.watch,
+        path_limits=context.path_limits,
+    )
+    for candidate in made:
+        with context.watch.stage("retime"):
+            motion = _with_duration(context, (free_segment(found.path, candidate), *tail))
+        context.report(Progress("certify", 0.8, f"certifying the {candidate.name}"))
+        yield f"round {round_ + 1}, {candidate.name}", (motion, candidate.refine)
+
+
+def retime_lines(context: PlanContext) -> Motion:
+    """Return the motion along the lines of a goal that is made of nothing else."""
+    context.report(Progress("retime", 0.5, "timing the lines"))
+    with context.watch.stage("retime"):
+        segments = _timed(context, named_lines(context.lines), context.start)
+        return _with_duration(context, segments)
+
+
+def explained(context: PlanContext, motion: Motion) -> Motion:
+    """Return a motion with the reasons for its duration, if the problem wants them and in time."""
+    if not context.problem.retime.explain:
+        return motion
+    limits = context.world.limits(context.world.group(context.problem.group))
+    with context.watch.stage("explain"):
+        return motion.explained(
+            limits, context.problem.retime, context.path_limits, context.refine_deadline
+        )
+
+
+def _timed(
+    context: PlanContext, legs: Sequence[tuple[PartKind, LinearMove]], begin: Array
+) -> tuple[MotionSegment, ...]:
+    """Return straight moves as segments, timed under all that limits the motion."""
+    return timed_legs(
+        context.world,
+        context.group,
+        legs,
+        context.problem,
+        begin,
+        context.path_limits,
+        context.proof_deadline,
+    )
+
+
+def _with_duration(context: PlanContext, segments: tuple[MotionSegment, ...]) -> Motion:
+    """Return the motion that segments make, as long as the problem wants it."""
+    return Motion(segments).lasting(context.problem.retime, context.path_limits)
