@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from planning.domain.curves.interpolation import polyline_through, trajectory_through
     from planning.domain.curves.sampling import Sampling
     from planning.domain.geometry.pose import Pose
+    from planning.domain.goals.configuration_quality import ConfigurationQuality
     from planning.domain.goals.funnel import funnel_evidence, funnel_summary
     from planning.domain.goals.goal import (
         ConfigurationGoal,
@@ -38,9 +39,8 @@ if TYPE_CHECKING:
         RegionGoal,
         RelativeGoal,
     )
-    from planning.domain.goals.line import Displacement
     from planning.domain.goals.line_trace import LineTrace
-    from planning.domain.goals.quality import ConfigurationQuality
+    from planning.domain.goals.linear_moves import Displacement
     from planning.domain.planner.planner_card import PlannerCard
     from planning.domain.planner.regions import RegionOptions, Regions
     from planning.domain.planner.roadmap import Roadmap
@@ -111,10 +111,10 @@ _DOORS = {
     "CertifyOptions": "planning.domain.request.options",
     "ClearanceWish": "planning.domain.request.options",
     "ConfigurationGoal": "planning.domain.goals.goal",
-    "ConfigurationQuality": "planning.domain.goals.quality",
+    "ConfigurationQuality": "planning.domain.goals.configuration_quality",
     "Deadline": "planning.domain.request.deadline",
     "DetachObject": "planning.domain.scene.scene_operation",
-    "Displacement": "planning.domain.goals.line",
+    "Displacement": "planning.domain.goals.linear_moves",
     "DistanceBand": "planning.domain.request.constraint",
     "TraceResolution": "planning.api.line",
     "ForbidPair": "planning.domain.scene.scene_operation",

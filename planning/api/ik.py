@@ -6,9 +6,9 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float64
 
+from planning.domain.goals.configuration_quality import ConfigurationQuality
 from planning.domain.goals.goal import Goal
 from planning.domain.goals.goal_configurations import GoalConfigurations
-from planning.domain.goals.quality import ConfigurationQuality
 from planning.domain.request.constraint import PathConstraint
 from planning.domain.request.deadline import Deadline
 from planning.domain.request.options import IkOptions

@@ -3,8 +3,8 @@
 from typing import Any
 
 from planning.domain.goals.goal import PoseTarget
-from planning.domain.goals.line import Displacement, ToolLine
 from planning.domain.goals.line_trace import LineTrace
+from planning.domain.goals.linear_moves import Displacement, ToolLine
 from planning.domain.request.deadline import Deadline
 from planning.domain.request.stopwatch import Stopwatch
 from planning.errors import ProblemInvalid

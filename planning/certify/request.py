@@ -10,7 +10,7 @@ from jaxtyping import Float64
 from planning.certify.intervals import bernstein
 from planning.certify.intervals.rounding import rounding
 from planning.domain.curves.curve import TimedTrajectory
-from planning.domain.goals.line import LineSection
+from planning.domain.goals.linear_moves import LineSection
 from planning.domain.request.constraint import PathConstraint
 from planning.domain.request.motion_limits import AccelerationBounds, SpeedZone, ToolLimit
 from planning.domain.request.options import CertifyOptions

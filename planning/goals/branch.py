@@ -30,7 +30,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float64
 
-from planning.domain.goals.quality import ArmBranch
+from planning.domain.goals.configuration_quality import ArmBranch
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 

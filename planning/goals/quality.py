@@ -7,7 +7,7 @@ from jaxtyping import Float64
 from pydrake.multibody.tree import RevoluteJoint
 
 from planning.domain.geometry.body_pair import BodyPair
-from planning.domain.goals.quality import ArmBranch, ConfigurationQuality
+from planning.domain.goals.configuration_quality import ArmBranch, ConfigurationQuality
 from planning.domain.robot.joints import JointGroup, JointLimits
 from planning.goals.branch import branch_of
 from planning.goals.joint_metric import JointMetric

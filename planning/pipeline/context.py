@@ -4,7 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from planning.domain.goals.goal_configurations import GoalConfigurations
-from planning.domain.goals.line import LinearMove
+from planning.domain.goals.linear_moves import LinearMove
 from planning.domain.planner.roadmap import Roadmap
 from planning.domain.report.motion_plan import Progress
 from planning.domain.report.search_report import AttemptReport

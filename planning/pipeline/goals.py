@@ -7,7 +7,7 @@ import numpy as np
 
 from planning.domain.goals.goal import LineGoal
 from planning.domain.goals.goal_configurations import GoalConfigurations
-from planning.domain.goals.line import LinearMove
+from planning.domain.goals.linear_moves import LinearMove
 from planning.domain.report.motion_plan import Progress
 from planning.domain.request.attempt_pool import AttemptPool
 from planning.domain.request.deadline import Deadline

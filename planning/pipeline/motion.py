@@ -7,7 +7,7 @@ import numpy as np
 
 from planning.domain.curves.curve import TimedTrajectory
 from planning.domain.curves.path import JointPath
-from planning.domain.goals.line import MAX_SHIFT, MAX_TURN, LineSection
+from planning.domain.goals.linear_moves import MAX_SHIFT, MAX_TURN, LineSection
 from planning.domain.report.duration import DurationExplanation
 from planning.domain.report.motion_plan import PlanPart
 from planning.domain.report.stage_reports import RetimeReport

@@ -6,7 +6,7 @@ import numpy as np
 
 from planning.domain.curves.curve import TimedTrajectory
 from planning.domain.goals.goal import LineGoal
-from planning.domain.goals.line import MAX_SHIFT, MAX_TURN, LineSection, ToolLine
+from planning.domain.goals.linear_moves import MAX_SHIFT, MAX_TURN, LineSection, ToolLine
 from planning.domain.report.motion_plan import PlanPart
 from planning.domain.request.problem import PlanningProblem
 from planning.domain.robot.joints import JointGroup

@@ -16,7 +16,7 @@ from planning.domain.curves.path import JointPath
 from planning.domain.goals.funnel import Funnel
 from planning.domain.goals.goal import Goal, LineGoal, PoseGoal, RegionGoal
 from planning.domain.goals.goal_configurations import GoalConfigurations
-from planning.domain.goals.line import GoalMoves, LinearMove
+from planning.domain.goals.linear_moves import GoalMoves, LinearMove
 from planning.domain.report.search_report import SearchReport
 from planning.domain.report.stage_reports import RefineReport, RetimeReport
 from planning.domain.request.deadline import Deadline

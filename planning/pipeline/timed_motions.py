@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Sequence
 from contextlib import nullcontext
 
-from planning.domain.goals.line import LinearMove
+from planning.domain.goals.linear_moves import LinearMove
 from planning.domain.report.motion_plan import Progress
 from planning.domain.report.stage_reports import RefineReport
 from planning.pipeline.candidates import candidates

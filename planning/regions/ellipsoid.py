@@ -12,7 +12,7 @@ type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 
 @dataclass(frozen=True)
-class Ellipsoid:
+class GrowthEllipsoid:
     """The set of center + shape u with |u| <= 1.
 
     Attributes:
@@ -24,14 +24,14 @@ class Ellipsoid:
     shape: Array
 
     @classmethod
-    def ball(cls, center: Float64[np.ndarray, " n"], radius: float = 0.01) -> "Ellipsoid":
+    def ball(cls, center: Float64[np.ndarray, " n"], radius: float = 0.01) -> "GrowthEllipsoid":
         """Return a small ball."""
         return cls(center, radius * np.eye(len(center)))
 
     @classmethod
     def inscribed(
         cls, normals: Float64[np.ndarray, "m n"], offsets: Float64[np.ndarray, " m"]
-    ) -> "Ellipsoid":
+    ) -> "GrowthEllipsoid":
         """Return the largest ellipsoid in a bounded polytope (John's)."""
         found = HPolyhedron(normals, offsets).MaximumVolumeInscribedEllipsoid()
         return cls(np.array(found.center()), np.linalg.inv(found.A()))

@@ -15,7 +15,7 @@ from jaxtyping import Float64
 
 from planning.domain.planner.regions import Region
 from planning.domain.request.deadline import Deadline
-from planning.regions.ellipsoid import Ellipsoid
+from planning.regions.ellipsoid import GrowthEllipsoid
 from planning.regions.free_space import FreeSpace
 from planning.regions.hit_and_run import hit_and_run
 
@@ -77,13 +77,13 @@ class IrisZo:
             Canceled: The end was asked for.
             DeadlineExceeded: The time ran out.
         """
-        ellipsoid, rough = Ellipsoid.ball(seed), None
+        ellipsoid, rough = GrowthEllipsoid.ball(seed), None
         for _ in range(self.iterations):
             found = self._cut(self._domain, ellipsoid, self.num_free // 20, _ROUGHLY)
             if found is None or (rough is not None and not _contains(found[0], seed[None])[0]):
                 break
             rough = found[0]
-            largest = Ellipsoid.inscribed(*rough)
+            largest = GrowthEllipsoid.inscribed(*rough)
             is_grown = largest.log_volume > ellipsoid.log_volume + np.log(_GROWTH)
             if not (is_grown and self.judge.are_free(largest.center[None])[0]):
                 break
@@ -99,7 +99,7 @@ class IrisZo:
         return np.concatenate([identity, -identity]), np.concatenate([self.upper, -self.lower])
 
     def _cut(
-        self, faces: Faces, ellipsoid: Ellipsoid, needed: int, tolerated: float
+        self, faces: Faces, ellipsoid: GrowthEllipsoid, needed: int, tolerated: float
     ) -> tuple[Faces, int] | None:
         """Return fewer configurations, and how many in a row were free; None if it never ends."""
         origin = np.repeat(ellipsoid.center[None], _BATCH, axis=0)
@@ -121,7 +121,7 @@ class IrisZo:
         return None
 
     def _separated(
-        self, faces: Faces, ellipsoid: Ellipsoid, blocked: Array, retreat: float
+        self, faces: Faces, ellipsoid: GrowthEllipsoid, blocked: Array, retreat: float
     ) -> Faces:
         """Return faces that keep out what is blocked: old ones moved a little, and new ones."""
         walls = self._walls(ellipsoid.center, blocked)
@@ -152,7 +152,7 @@ class IrisZo:
             near, far = np.where(free, middle, near), np.where(free, far, middle)
         return center + far[:, None] * (blocked - center)
 
-    def _inside(self, qs: Array, faces: Faces, ellipsoid: Ellipsoid) -> Array:
+    def _inside(self, qs: Array, faces: Faces, ellipsoid: GrowthEllipsoid) -> Array:
         """Return as many walkers, all inside: those that are, again and again, or the center."""
         kept = qs[_contains(faces, qs)]
         kept = kept if len(kept) else ellipsoid.center[None]

@@ -17,7 +17,7 @@ from planning.domain.goals.goal import (
     RegionGoal,
     RelativeGoal,
 )
-from planning.domain.goals.line import Displacement
+from planning.domain.goals.linear_moves import Displacement
 from planning.domain.request.options import (
     CertifyOptions,
     ClearanceWish,

@@ -2,11 +2,14 @@
 
 import re
 import subprocess
+from collections import Counter, defaultdict
 from pathlib import Path
 
 import pytest
 
 ROOT = Path(__file__).parents[2]
+# Each stage has a file of what it is asked.
+TWICE = {"request"}
 # A registry or a machine that a committed file must not know. Spelt in parts, as this is one too.
 FORBIDDEN = ["pypi" + ".org", "pythonhosted" + ".org", "/work" + "/main", "/root" + "/"]
 
@@ -38,6 +41,42 @@ def test_one_idea_one_file() -> None:
         for path in tracked("planning/*.py", "service/*.py")
     }
     assert {name: lines for name, lines in long.items() if lines > 320} == {}
+
+
+def test_no_folder_of_planning_takes_long_to_read() -> None:
+    entries: defaultdict[Path, set[Path]] = defaultdict(set)
+    for path in tracked("planning/*"):
+        way = [path, *path.relative_to(ROOT).parents]
+        inner = path
+        for folder in way[1:-1]:
+            entries[folder].add(inner.relative_to(ROOT) if inner.is_absolute() else inner)
+            inner = folder
+    large = {str(folder): len(names) for folder, names in entries.items() if len(names) > 17}
+    assert large == {}
+
+
+def test_the_name_of_a_module_or_class_of_planning_means_one_thing() -> None:
+    files = [path for path in tracked("planning/*.py") if path.name != "__init__.py"]
+    modules = Counter(path.stem for path in files)
+    classes = Counter(
+        name
+        for path in files
+        for name in re.findall(r"^class ([A-Z]\w*)", path.read_text(), re.MULTILINE)
+    )
+    assert {name for name, count in modules.items() if count > 1} <= TWICE
+    assert {name for name, count in classes.items() if count > 1} <= TWICE
+
+
+def test_docs_name_places_that_exist() -> None:
+    place = re.compile(r"`((?:planning|service|tests|benchmarks)/[\w/.-]*\w)/?`")
+    named = {
+        (str(path.relative_to(ROOT)), found)
+        for path in tracked("README.md", "CONTRIBUTING.md", "docs/*.md")
+        if "decisions" not in path.parts  # they speak of their time
+        for found in place.findall(path.read_text())
+    }
+    assert len(named) > 30
+    assert {(guide, found) for guide, found in named if not (ROOT / found).exists()} == set()
 
 
 def test_every_module_says_what_it_is() -> None:

@@ -9,8 +9,8 @@ import planning
 from planning.api.line import TraceResolution, trace_line
 from planning.domain.geometry.pose import Pose
 from planning.domain.goals.goal import PoseTarget
-from planning.domain.goals.line import Displacement
 from planning.domain.goals.line_trace import LineTrace
+from planning.domain.goals.linear_moves import Displacement
 from planning.domain.robot.manifold import Manifold
 from planning.errors import DeadlineExceeded, ProblemInvalid, UnknownName
 from planning.world.world import World

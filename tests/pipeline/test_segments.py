@@ -8,7 +8,7 @@ import pytest
 import planning
 from planning.domain.geometry.pose import Pose
 from planning.domain.goals.goal import Goal, LineGoal, PoseGoal, PoseTarget, RegionGoal
-from planning.domain.goals.line import Displacement
+from planning.domain.goals.linear_moves import Displacement
 from planning.domain.report.motion_plan import MotionPlan
 from planning.domain.request.options import RetimeOptions, SearchOptions
 from planning.errors import LineBlocked

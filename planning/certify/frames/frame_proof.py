@@ -48,7 +48,7 @@ class Spans:
 
 
 @runtime_checkable
-class Quantity(Protocol):
+class FrameQuantity(Protocol):
     """A limit, with a name for its check."""
 
     @property
@@ -75,7 +75,11 @@ class FrameProof:
     """Proofs of several quantities of one frame, which share what is seen of it."""
 
     def __init__(
-        self, model: DrakeModel, request: CertifyRequest, frame: str, quantities: list[Quantity]
+        self,
+        model: DrakeModel,
+        request: CertifyRequest,
+        frame: str,
+        quantities: list[FrameQuantity],
     ) -> None:
         """Bound the derivatives on every piece.
 
@@ -166,7 +170,7 @@ class FrameProof:
         piece = int(spans.pieces[row])
         return float(self._breaks[piece] + (spans.low[row] + beyond) * self._widths[piece])
 
-    def _check(self, i: int, quantity: Quantity) -> Check:
+    def _check(self, i: int, quantity: FrameQuantity) -> Check:
         share = max(float(self._seen[i]), float(self._dropped[i]))
         if self._seen[i] > MAX_UTILISATION:
             share = float(self._seen[i])

@@ -19,11 +19,11 @@ import numpy as np
 from jaxtyping import Float64
 
 from planning.certify.frames.frame_chain import direction_errors, origin_errors
-from planning.certify.frames.tool_rates import Cells, ToolRates
+from planning.certify.frames.tool_rates import RateCells, ToolRates
 from planning.certify.intervals.equal_parts import split_equally
 from planning.certify.request import CertifyRequest
 from planning.domain.geometry import rotation
-from planning.domain.goals.line import LineSection, ToolLine
+from planning.domain.goals.linear_moves import LineSection, ToolLine
 from planning.domain.report.certificate import Check
 from planning.domain.request.deadline import Deadline
 from planning.world.drake_model import DrakeModel
@@ -136,7 +136,7 @@ def _has_way(line: ToolLine) -> bool:
     return line.length > max(_SHORTEST, _LEAST_WAY * float(np.linalg.norm(line.turn)))
 
 
-def _turning(line: ToolLine, cells: Cells) -> Array:
+def _turning(line: ToolLine, cells: RateCells) -> Array:
     """Bound the second derivative of the matrix that is off, in Frobenius' norm [1/s^2].
 
     |R''| <= sqrt(2) (|omega'| + |omega|^2), and S'' = S_ss s'^2 + S_s s'' in the same way.

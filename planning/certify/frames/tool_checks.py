@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from planning.certify.frames.frame_poses import FramePoses
-from planning.certify.frames.frame_proof import FrameProof, Quantity, Spans
+from planning.certify.frames.frame_proof import FrameProof, FrameQuantity, Spans
 from planning.certify.frames.frame_states import FrameMotion
 from planning.certify.request import CertifyRequest
 from planning.domain.geometry import rotation
@@ -29,7 +29,7 @@ def tool_checks(model: DrakeModel, request: CertifyRequest, deadline: Deadline) 
         Canceled: The end was asked for.
         ModelInvalid: A joint of a kind that cannot be certified.
     """
-    by_frame: dict[str, list[Quantity]] = {}
+    by_frame: dict[str, list[FrameQuantity]] = {}
     for limit in request.tool_limits:
         for order, rate in enumerate((limit.speed, limit.acceleration), start=1):
             if rate is not None:

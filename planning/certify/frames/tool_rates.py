@@ -35,7 +35,7 @@ _AT_ONCE = 256
 
 
 @dataclass(frozen=True)
-class Cells:
+class RateCells:
     """Parts of a trajectory, with bounds that hold all over each.
 
     Attributes:
@@ -83,7 +83,7 @@ class ToolRates:
             found[i] = self._frame.CalcPoseInWorld(self._context).GetAsMatrix4()
         return found[:, :3, :3], found[:, :3, 3]
 
-    def cells(self, begin: float, end: float) -> Cells:
+    def cells(self, begin: float, end: float) -> RateCells:
         """Return the cells of the pieces between two instants, both of which pieces meet at."""
         curve = self._request.trajectory
         breaks = curve.breaks
@@ -104,7 +104,7 @@ class ToolRates:
         pairs = turning[:, :, None] * arms[:, None, :]
         pairs = np.maximum(pairs, pairs.transpose(0, 2, 1))
         turn_speed = (turning * rates).sum(axis=1)
-        return Cells(
+        return RateCells(
             begins=begins,
             widths=widths,
             speed=(arms * rates).sum(axis=1),

@@ -29,7 +29,7 @@ _TIGHTENING = 2_000
 
 
 @runtime_checkable
-class Quantity(Protocol):
+class ChordQuantity(Protocol):
     """A function of a point that changes by no more than the point moves."""
 
     def points(self, pieces: Any, local: Array, deadline: Deadline) -> Array:
@@ -63,7 +63,7 @@ class ChordProof:
 
     def __init__(
         self,
-        quantity: Quantity,
+        quantity: ChordQuantity,
         bends: tuple[Array, Array],
         request: CertifyRequest,
         deadline: Deadline,

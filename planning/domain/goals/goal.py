@@ -8,7 +8,7 @@ import numpy as np
 from jaxtyping import Float64
 
 from planning.domain.geometry.pose import Pose
-from planning.domain.goals.line import MAX_SHIFT, MAX_TURN, Displacement
+from planning.domain.goals.linear_moves import MAX_SHIFT, MAX_TURN, Displacement
 from planning.domain.value import Value
 
 

@@ -8,8 +8,8 @@ from jaxtyping import Float64
 
 from planning.domain.geometry.pose import Pose
 from planning.domain.goals.funnel import Funnel
-from planning.domain.goals.line import GoalMoves
 from planning.domain.goals.line_trace import LinearMoveStop
+from planning.domain.goals.linear_moves import GoalMoves
 from planning.domain.value import Value
 
 

@@ -8,7 +8,7 @@ from jaxtyping import Float64
 
 from planning.domain.geometry.body_pair import BodyPair
 from planning.domain.geometry.pose import Pose
-from planning.domain.goals.line import LinearMove, ToolLine
+from planning.domain.goals.linear_moves import LinearMove, ToolLine
 from planning.domain.value import Value
 
 

@@ -7,7 +7,7 @@ import numpy as np
 from planning.domain.goals.goal_configurations import NearestConfiguration
 from planning.domain.robot.joints import JointLimits
 from planning.domain.robot.manifold import Manifold
-from planning.goals.diagnosis.nearest_joints import Found
+from planning.goals.diagnosis.nearest_joints import NearestJoints
 from planning.goals.goal_query import GoalQuery
 from planning.world.world import World
 
@@ -20,7 +20,7 @@ _SHARES = np.append(10 ** np.linspace(-5.0, -0.25, 20), 1.0)
 
 
 def described(
-    world: World, query: GoalQuery, tight: JointLimits, goal: Array, found: Found
+    world: World, query: GoalQuery, tight: JointLimits, goal: Array, found: NearestJoints
 ) -> NearestConfiguration:
     """Return what was found with all that would be violated, were it any nearer.
 

@@ -7,7 +7,7 @@ import numpy as np
 from jaxtyping import Float64
 
 from planning.domain.goals.goal_configurations import Bounds
-from planning.domain.goals.line import ToolLine
+from planning.domain.goals.linear_moves import ToolLine
 from planning.domain.request.deadline import Deadline
 from planning.domain.robot.manifold import Manifold
 from planning.goals.diagnosis.nearest_program import Target

@@ -35,7 +35,7 @@ _NUM_STEPS, _NUM_LOOKS = 64, 3
 
 
 @dataclass(frozen=True)
-class Found:
+class NearestJoints:
     """A feasible configuration.
 
     Attributes:
@@ -73,10 +73,10 @@ class NearestJointSearch:
         self._seeds = Seeds(query.group, self._limits, query.start, rng)
         self._feasibility = Feasibility(world, query)
         self._inside = self._clipped(goals)
-        self._best: Found | None = None
+        self._best: NearestJoints | None = None
         self._num_pulls = 0
 
-    def run(self) -> Found | None:
+    def run(self) -> NearestJoints | None:
         """Return the nearest that was found, None if nothing feasible was."""
         self._consider(self._inside)
         self._look_around()
@@ -102,7 +102,7 @@ class NearestJointSearch:
             self._pull(self._inside[order[0]], int(order[0]))
             self._pull(self._best.q, self._best.index)
 
-    def _nearer(self, best: Found) -> bool:
+    def _nearer(self, best: NearestJoints) -> bool:
         """Try configurations that are nearer than the best; return whether there is news."""
         reach = np.sqrt(max(best.cost**2 - self._costs(self._inside)[0].min() ** 2, 0.0))
         self._consider(self._around(float(reach)))
@@ -123,7 +123,7 @@ class NearestJointSearch:
         centres = self._inside[np.arange(_NUM_TRIES) % len(self._inside)]
         return self._manifold.plus(centres, moves)
 
-    def _straighten(self, found: Found) -> None:
+    def _straighten(self, found: NearestJoints) -> None:
         """Go from what was asked for to what was found, and stop at the first that is feasible."""
         begin, end = self._inside[found.index], found.q
         for _ in range(_NUM_LOOKS):
@@ -151,7 +151,7 @@ class NearestJointSearch:
         first = self._feasibility.first(rows[order])
         if first is not None:
             k = order[first]
-            self._best = Found(float(costs[k]), np.array(rows[k]), int(index[k]))
+            self._best = NearestJoints(float(costs[k]), np.array(rows[k]), int(index[k]))
 
     def _costs(self, rows: Array) -> tuple[Array, Indices]:
         """Return how far each row is from the nearest one asked for, and which that is."""

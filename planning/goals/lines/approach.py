@@ -15,8 +15,8 @@ from planning.domain.geometry.pose import Pose
 from planning.domain.goals.funnel import Funnel, LinearMoveTally
 from planning.domain.goals.goal import Goal, LinedGoal, PoseGoal, RegionGoal
 from planning.domain.goals.goal_configurations import GoalConfigurations
-from planning.domain.goals.line import GoalMoves, LinearMove, ToolLine
 from planning.domain.goals.line_trace import LinearMoveStop, LineStop, LineTrace
+from planning.domain.goals.linear_moves import GoalMoves, LinearMove, ToolLine
 from planning.domain.request.deadline import Deadline
 from planning.domain.robot.joints import JointLimits
 from planning.goals.diagnosis.nearest_program import Target

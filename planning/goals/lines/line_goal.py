@@ -1,7 +1,7 @@
 """From a line goal to the motions along its lines, or why there are none."""
 
 from planning.domain.goals.goal import LineGoal
-from planning.domain.goals.line import LinearMove, ToolLine
+from planning.domain.goals.linear_moves import LinearMove, ToolLine
 from planning.domain.request.deadline import Deadline
 from planning.errors import LineBlocked
 from planning.goals.goal_query import GoalQuery

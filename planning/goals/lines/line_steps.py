@@ -12,7 +12,7 @@ import numpy as np
 from jaxtyping import Bool, Float64, Int64
 
 from planning.domain.geometry import rotation
-from planning.domain.goals.line import ToolLine
+from planning.domain.goals.linear_moves import ToolLine
 from planning.domain.robot.manifold import Manifold
 from planning.world.mechanics.tool_kinematics import ToolKinematics
 

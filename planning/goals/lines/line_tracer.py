@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float64
 
-from planning.domain.goals.line import MAX_SHIFT, MAX_TURN, ToolLine
+from planning.domain.goals.linear_moves import MAX_SHIFT, MAX_TURN, ToolLine
 from planning.domain.request.deadline import Deadline
 from planning.domain.robot.joints import JointGroup
 from planning.domain.robot.manifold import Manifold

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from planning.domain.goals.line import ToolLine
+from planning.domain.goals.linear_moves import ToolLine
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 

@@ -10,7 +10,7 @@ from jaxtyping import Bool, Float64
 from planning.domain.geometry import rotation
 from planning.domain.geometry.pose import Pose
 from planning.domain.goals.goal import PoseBall, PoseGoal, PoseTarget, RegionGoal, RelativeGoal
-from planning.domain.goals.line import Displacement
+from planning.domain.goals.linear_moves import Displacement
 from planning.domain.robot.joints import JointGroup
 from planning.domain.value import Value
 from planning.world.world import World

@@ -34,7 +34,7 @@ _GAIN = 1e-3
 
 
 @dataclass(frozen=True)
-class Found:
+class DriveResult:
     """The best drive.
 
     Attributes:
@@ -88,7 +88,7 @@ class DriveSolver:
             DriveTrustRegion(model, share),
         )
 
-    def run(self) -> Found:
+    def run(self) -> DriveResult:
         """Return the best drive that is found."""
         given = self.course.letters
         first = self.model.look(given)
@@ -103,8 +103,10 @@ class DriveSolver:
         steps = self.descent.num_steps
         if best is None or best.worth > first.worth * (1 - _GAIN):
             reason = reason or "no quicker drive was found"
-            return Found(None, first.duration, first.duration, steps, reason)
-        return Found(self.course.path_of(best.letters), first.duration, best.duration, steps, "")
+            return DriveResult(None, first.duration, first.duration, steps, reason)
+        return DriveResult(
+            self.course.path_of(best.letters), first.duration, best.duration, steps, ""
+        )
 
     def _with_fewer(self, current: DriveEvaluation) -> tuple[DriveEvaluation | None, str]:
         """Return a drive of fewer letters that is free and costs less; or None, and perhaps why."""

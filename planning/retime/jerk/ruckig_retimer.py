@@ -22,7 +22,7 @@ from planning.retime.bounds import block_peaks
 from planning.retime.cells import cut_at, even_edges, num_short, with_cuts
 from planning.retime.compose import compose
 from planning.retime.jerk.profile_optimizer import optimize_profile
-from planning.retime.jerk.speed_dp import Cells, SpeedSegment, solve_speed_dp
+from planning.retime.jerk.speed_dp import SpeedCells, SpeedSegment, solve_speed_dp
 from planning.retime.limits.path_limit import PathLimit, PeakLimit, uses_of
 from planning.retime.profile import SpeedProfile
 
@@ -80,7 +80,7 @@ def ruckig_profile(
 
 
 def _planned(
-    stretch: JointSpline, cells: Cells, is_straight: Any, deadline: Deadline
+    stretch: JointSpline, cells: SpeedCells, is_straight: Any, deadline: Deadline
 ) -> SpeedProfile:
     """Return the profile along cells.
 
@@ -119,7 +119,7 @@ def _in_cells(stretch: JointSpline) -> tuple[JointSpline, Any]:
     return cut, ~stretch.coefficients[pieces, 2:].any(axis=(1, 2))
 
 
-def _cells(cut: JointSpline, limits: JointLimits, known: Sequence[PeakLimit] = ()) -> Cells:
+def _cells(cut: JointSpline, limits: JointLimits, known: Sequence[PeakLimit] = ()) -> SpeedCells:
     first, second, third = (block_peaks(cut, limits, order) for order in (1, 2, 3))
     bounds = limits.velocity, limits.acceleration, limits.jerk
     m1 = np.stack([first / bound for bound in bounds])
@@ -129,17 +129,17 @@ def _cells(cut: JointSpline, limits: JointLimits, known: Sequence[PeakLimit] = (
         more = np.concatenate([limit.peaks(cut) for limit in known], axis=2)
         parts = zip((m1, m2, m3), np.split(more, [3, 5]), strict=True)
         m1, m2, m3 = (np.concatenate(both, axis=2) for both in parts)
-    return Cells(cut.breaks, m1, m2, m3)
+    return SpeedCells(cut.breaks, m1, m2, m3)
 
 
-def _straight_bounds(cells: Cells, cell: int) -> tuple[float, float, float]:
+def _straight_bounds(cells: SpeedCells, cell: int) -> tuple[float, float, float]:
     """Return V, A and J on a straight piece, which one of its cells tells."""
     v, a, j = (1 / float(cells.m1[n, cell].max()) for n in range(3))
     return v, a, j
 
 
 def _merged(
-    hops: list[SpeedSegment], cells: Cells, is_straight: Any, stretch: JointSpline
+    hops: list[SpeedSegment], cells: SpeedCells, is_straight: Any, stretch: JointSpline
 ) -> list[SpeedSegment]:
     """Return the hops with those on one straight piece made one, where ruckig knows the best."""
     pieces, _ = stretch.locate((cells.edges[:-1] + cells.edges[1:]) / 2)

@@ -41,7 +41,7 @@ _NOTCH = 1e-3
 
 
 @dataclass(frozen=True)
-class Cells:
+class SpeedCells:
     """A path in cells.
 
     Attributes:
@@ -81,7 +81,7 @@ class SpeedSegment:
     bounds: tuple[float, float, float]
 
 
-def solve_speed_dp(cells: Cells, deadline: Deadline = UNHURRIED) -> list[SpeedSegment]:
+def solve_speed_dp(cells: SpeedCells, deadline: Deadline = UNHURRIED) -> list[SpeedSegment]:
     """Return the quickest chain of hops from rest to rest; empty if there is none.
 
     Raises:
@@ -107,7 +107,9 @@ def solve_speed_dp(cells: Cells, deadline: Deadline = UNHURRIED) -> list[SpeedSe
     return hops
 
 
-def _quickest(cells: Cells, nodes: Any, speeds: Array, deadline: Deadline) -> list[SpeedSegment]:
+def _quickest(
+    cells: SpeedCells, nodes: Any, speeds: Array, deadline: Deadline
+) -> list[SpeedSegment]:
     """Return the quickest chain over the given nodes with the given speeds, shape (nodes, k)."""
     speeds = (1 + _NOTCH) ** np.floor(np.log(np.maximum(speeds, 1e-300)) / np.log1p(_NOTCH))
     speeds[[0, -1]] = 0.0
@@ -155,7 +157,7 @@ def _pairs(num_nodes: int) -> tuple[Any, Any]:
     return begins[tried], ends[tried]
 
 
-def _peaks_between(cells: Cells, nodes: Any, begins: Any, ends: Any) -> Array:
+def _peaks_between(cells: SpeedCells, nodes: Any, begins: Any, ends: Any) -> Array:
     """Return the largest of each m between two nodes, shape (6, blocks, pairs)."""
     stacked = np.concatenate([cells.m1, cells.m2, cells.m3]).transpose(1, 0, 2)
     between = np.maximum.reduceat(stacked, nodes[:-1], axis=0)

@@ -12,7 +12,7 @@ from planning.certify.frames.line_check import line_checks
 from planning.domain.curves.curve import TimedTrajectory
 from planning.domain.geometry import rotation
 from planning.domain.geometry.pose import Pose
-from planning.domain.goals.line import LineSection, ToolLine
+from planning.domain.goals.linear_moves import LineSection, ToolLine
 from planning.domain.report.certificate import Check
 from planning.domain.robot.manifold import Manifold
 from planning.world.world import World

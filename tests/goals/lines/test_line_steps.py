@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 import planning
 from planning.domain.geometry.pose import Pose
-from planning.domain.goals.line import ToolLine
+from planning.domain.goals.linear_moves import ToolLine
 from planning.domain.robot.manifold import Manifold
 from planning.goals.lines.line_steps import LineSteps
 from planning.world.mechanics.tool_kinematics import ToolKinematics
