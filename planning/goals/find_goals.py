@@ -56,7 +56,7 @@ def find_goals(
     deadline = _limited(deadline, query.options.time_limit)
     match query.goal:
         case LineGoal():
-            message = "lines are not searched for; `trace_path` follows them"
+            message = "lines are not searched for; `trace_line` follows them"
             raise ProblemInvalid(message, {"field": "goal"})
         case PoseGoal() | RegionGoal() | RelativeGoal():
             return _reaching(world, query, rng, deadline)
