@@ -44,7 +44,7 @@ def shortened_drive(
         is_over: Asked now and then; an early end leaves a drive that is as good as the others.
 
     Raises:
-        Canceled: The end was asked for.
+        Canceled: The request was canceled.
         DeadlineExceeded: The time has run out before anything was found free.
     """
     path = _best_chain(waypoints, edges, is_over)

@@ -70,7 +70,7 @@ def attempt(query: Query, edges: EdgeChecker, fine: EdgeChecker, seed: int) -> A
         seed: Of OMPL's random numbers, 1 to 2^32 - 1.
 
     Raises:
-        Canceled: The end was asked for.
+        Canceled: The request was canceled.
         DeadlineExceeded: The time has run out.
     """
     ou.RNG.setSeed(seed)

@@ -128,7 +128,7 @@ def grow_roadmap(
             it, and ways along it bend: where they do there are more states.
 
     Raises:
-        Canceled: The end was asked for.
+        Canceled: The request was canceled.
         DeadlineExceeded: The time has run out.
     """
     watched = WatchedOracle(oracle, recipe.group, recipe.limits, deadline)

@@ -59,7 +59,7 @@ class LocalPlanner:
         None where no free way was found.
 
         Raises:
-            Canceled: The end was asked for.
+            Canceled: The request was canceled.
             DeadlineExceeded: The time has run out.
         """
         nothing = np.empty((0, q0s.shape[1]))

@@ -18,7 +18,7 @@ def query_roadmap(
     """Put the roadmap's path into the tally, if it has a better one than there is, and what it did.
 
     Raises:
-        Canceled: The end was asked for.
+        Canceled: The request was canceled.
         DeadlineExceeded: The time has run out.
     """
     tally.roadmap = report_of(roadmap, "interrupted")

@@ -70,7 +70,7 @@ def shortest_roadmap_path(roadmap: Roadmap, query: Query, edges: EdgeChecker) ->
         edges: Checks the ways from the ends into the roadmap.
 
     Raises:
-        Canceled: The end was asked for.
+        Canceled: The request was canceled.
         DeadlineExceeded: The time has run out.
     """
     space = query.space

@@ -30,7 +30,7 @@ def interpolated(
         num_states: How many are wanted.
 
     Raises:
-        Canceled: The end was asked for.
+        Canceled: The request was canceled.
         DeadlineExceeded: The time has run out, and there was no other budget.
     """
     budget = query.options.interpolate_time

@@ -49,7 +49,7 @@ def shortcut(
         is_over: Asked now and then; an early end leaves a path that is as good as the others.
 
     Raises:
-        Canceled: The end was asked for.
+        Canceled: The request was canceled.
         DeadlineExceeded: The time has run out before anything was found free.
     """
     path = skip_vertices(waypoints, fine, is_over)
