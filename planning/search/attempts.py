@@ -120,7 +120,7 @@ class AttemptSchedule:
         return made.seconds
 
     def _make_elsewhere(self, k: int) -> AttemptResult:
-        """Return an attempt made in another process, ended by the deadline alone, not by a cancel."""
+        """Return an attempt made in another process, which only the deadline ends, not a cancel."""
         cuts: list[int] = []
         deadline = self._query.deadline.uncancelable.cutting(lambda: cuts.append(k))
         watch = Stopwatch(deadline.clock)

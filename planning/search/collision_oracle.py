@@ -227,7 +227,7 @@ def _portions(
 
 
 def _bounded_circles(group: JointGroup, limits: JointLimits) -> tuple[list[int], Array, Array]:
-    """Return coordinates of q that are limited angles on a circle, their lower limits and widths."""
+    """Return coordinates of q that are limited angles on a circle, their lower limits, widths."""
     width = limits.upper - limits.lower
     found: list[int] = []
     iq = 0
