@@ -115,7 +115,7 @@ def grow_roadmap(
     Args:
         recipe: Build request.
         oracle: Collision oracle.
-        key: Digest that identifies the roadmap.
+        key: Key of the roadmap; equal keys, equal roadmaps.
         deadline: End of the construction.
         residual: Constraint residual of a set that is too thin to be sampled; states are projected
             onto it, and edges along it bend: where they do there are more states.

@@ -41,7 +41,7 @@ def shortcut(
 ) -> Array | None:
     """Return a path that is no longer, with the same ends, shape (m, nq), free by `fine`.
 
-    None if `fine` blocks the given path and finds no way between its waypoints.
+    None if the given path is blocked at `fine` and no free edges join its waypoints.
 
     Args:
         waypoints: From start to goal, shape (n, nq).
