@@ -125,7 +125,7 @@ class DrakeNearness:
         return (heights - self._demanded[rows])[kept], slopes[kept]
 
     def _rates(self, full: Float64[np.ndarray, " num_positions"]) -> Array:
-        """Return the derivative of the plant's positions by the group's v, for Drake's gradients."""
+        """Return the derivative of the plant's positions by the group's v; gradients are by q."""
         plant = self._model.plant
         plant.SetPositions(self._context, full)
         rates: Any = plant.MakeVelocityToQDotMap(self._context)
