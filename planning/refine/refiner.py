@@ -1,8 +1,10 @@
 """refine(): trajectory optimisation of a path: a smooth, quick, free curve, or none and the reason.
 
-Sequential convex programming in a trust region (`model/curve_model`, `trust_region`; for cars,
-`cars/`). Every curve that is better than those before it is audited densely; where it is too near
-to an obstacle between the instants at which distances are kept, those instants are added.
+Sequential convex programming in a trust region, with distances under an exact penalty (Schulman et
+al., "Motion planning with sequential convex optimization and convex collision checking", IJRR 33:9,
+2014): see `model/curve_model` and `trust_region`, for cars `cars/`. Every curve that is better than
+those before it is audited densely; where it is too near to an obstacle between the instants at
+which distances are kept, those instants are added.
 """
 
 from dataclasses import replace

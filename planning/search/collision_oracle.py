@@ -28,7 +28,7 @@ class CollisionOracle(Protocol):
         ...
 
     def are_free(self, qs: Float64[np.ndarray, "m nq"]) -> Bool[np.ndarray, " m"]:
-        """Return the same for each row of qs, shape (m, nq)."""
+        """Return whether each row of qs, shape (m, nq), keeps its required distances."""
         ...
 
     def is_motion_free(
@@ -46,7 +46,7 @@ class CollisionOracle(Protocol):
         displacements: Float64[np.ndarray, "m nv"],
         resolution: float,
     ) -> Bool[np.ndarray, " m"]:
-        """Return the same for each pair of rows, shapes (m, nq) and (m, nv)."""
+        """Return whether each motion is free, by pairs of rows, shapes (m, nq) and (m, nv)."""
         ...
 
 

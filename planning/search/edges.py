@@ -66,7 +66,7 @@ class EdgeChecker:
     def are_free(
         self, q0s: Float64[np.ndarray, "m nq"], q1s: Float64[np.ndarray, "m nq"]
     ) -> Bool[np.ndarray, " m"]:
-        """Return the same as `is_free` for each pair of rows.
+        """Return whether each edge is free as by `is_free`, for pairs of rows.
 
         Raises:
             Canceled: The request was canceled.
@@ -79,7 +79,7 @@ class EdgeChecker:
     def lengths(
         self, q0s: Float64[np.ndarray, "*#m nq"], q1s: Float64[np.ndarray, "*#m nq"]
     ) -> Float64[np.ndarray, "*m"]:
-        """Return the measures of the geodesics between rows, by `norm`."""
+        """Return the lengths by `norm` of the geodesics between rows."""
         return self.norm(self.manifold.minus(q1s, q0s))
 
     def between(

@@ -159,11 +159,11 @@ class LockedJointOracle:
     inner: CollisionOracle
 
     def is_free(self, q: Float64[np.ndarray, " nq"]) -> bool:
-        """Return whether the whole group is free."""
+        """Return whether the whole group is free at q of the moving joints, shape (nq,)."""
         return self.inner.is_free(self.lock.expand(q))
 
     def are_free(self, qs: Float64[np.ndarray, "m nq"]) -> Bool[np.ndarray, " m"]:
-        """Return the same for each row."""
+        """Return whether the whole group is free at each row of qs, shape (m, nq)."""
         return self.inner.are_free(self.lock.expand(qs))
 
     def is_motion_free(
@@ -182,7 +182,7 @@ class LockedJointOracle:
         displacements: Float64[np.ndarray, "m nv"],
         resolution: float,
     ) -> Bool[np.ndarray, " m"]:
-        """Return the same for each pair of rows."""
+        """Return whether every sample of each motion is free, by pairs of rows."""
         whole = self.lock.expand(origins), self.lock.expand_tangents(displacements)
         return self.inner.are_motions_free(*whole, resolution)
 

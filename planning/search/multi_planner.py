@@ -1,4 +1,4 @@
-"""solve_concurrently(): rounds of attempts by one or several planners; the best path is kept.
+"""Multi-planner search: rounds of attempts by one or several planners; best path kept.
 
 A single planner may take all the time that there is. Of several planners none may, since another
 one may be quick where the first makes no progress: each attempt ends when it has checked a number

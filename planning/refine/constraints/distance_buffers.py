@@ -71,7 +71,7 @@ class DistanceBuffers(Value):
         return self.spare.keys() | self.margins.by_pair.keys()
 
     def demanded(self, body_a: str, body_b: str) -> float:
-        """Return the distance that the optimiser keeps between two bodies [m]."""
+        """Return the required distance between two bodies: margin plus buffer [m]."""
         low, high = sorted((body_a, body_b))
         margin = self.margins.of(low, high)
         spare = self.spare.get((low, high), np.inf)

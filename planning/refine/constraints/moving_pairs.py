@@ -57,7 +57,7 @@ def moved_pairs(
 
 
 def _carriers(model: DrakeModel, group: JointGroup) -> dict[BodyIndex, JointIndex | None]:
-    """Return for every body the last of the group's moving joints between the world and it.
+    """Return for every body the last of the group's moving joints on the chain from the world.
 
     Two bodies with the same one keep their relative pose, whatever the group does.
     """

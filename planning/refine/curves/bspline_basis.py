@@ -15,7 +15,7 @@ from pydrake.trajectories import BsplineTrajectory
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 type Indices = np.ndarray[Any, np.dtype[np.intp]]
 
-# Cubic pieces: the acceleration is continuous, which is what both retimers need.
+# Order 4 is cubic pieces: acceleration is continuous, as both retimers require.
 ORDER = 4
 # Offset into a span of knots, so that derivatives that jump at knots are those of the span.
 _INSIDE = 1e-12
@@ -39,7 +39,7 @@ class Weights:
 
 
 def num_spans(count: int) -> int:
-    """Return how many spans of knots `count` control points have."""
+    """Return the number of knot spans of a spline with `count` control points."""
     return count - ORDER + 1
 
 

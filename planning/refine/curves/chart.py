@@ -57,7 +57,7 @@ class Chart(Protocol):
         ...
 
     def positions(self, deltas: Float64[np.ndarray, "m nv"]) -> Float64[np.ndarray, "m nq"]:
-        """Return the configurations at coordinates."""
+        """Return the configurations with given coordinates."""
         ...
 
     def box(self, limits: JointLimits) -> JointLimits:
@@ -69,7 +69,7 @@ class Chart(Protocol):
         ...
 
     def curve(self, points: Float64[np.ndarray, "k nv"]) -> JointSpline:
-        """Return the curve with such control points."""
+        """Return the curve with these control points."""
         ...
 
 
@@ -90,7 +90,7 @@ class FlatChart:
         return False
 
     def positions(self, deltas: Float64[np.ndarray, "m nv"]) -> Float64[np.ndarray, "m nq"]:
-        """Return the same numbers."""
+        """Return the coordinates themselves."""
         return deltas
 
     def box(self, limits: JointLimits) -> JointLimits:
@@ -102,7 +102,7 @@ class FlatChart:
         return nearness
 
     def curve(self, points: Float64[np.ndarray, "k nv"]) -> JointSpline:
-        """Return the curve with such control points."""
+        """Return the curve with these control points."""
         return joint_spline(self.path.group.joints, spline_of(points))
 
 
@@ -156,7 +156,7 @@ class TangentChart:
         return np.stack(columns, axis=2)
 
     def curve(self, points: Float64[np.ndarray, "k nv"]) -> JointSpline:
-        """Return the curve with such control points."""
+        """Return the curve with these control points."""
         flat = joint_spline(self.path.group.joints, spline_of(points))
         coefficients = flat.coefficients.copy()
         coefficients[:, 0] += flat.bases

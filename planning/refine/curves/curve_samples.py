@@ -35,7 +35,7 @@ class GridWeights:
 
 @lru_cache(maxsize=16)
 def grid_weights(count: int, parts: int = 1) -> GridWeights:
-    """Return the weights of a number of control points."""
+    """Return the weights for a number of control points, at `parts` parts per grid interval."""
     n = len(grid_of(count).owners) * parts
     found = [weights_at(count, np.arange(n + 1) / n, order) for order in range(3)]
     return GridWeights(found[0].owners, np.stack([weights.local for weights in found]))

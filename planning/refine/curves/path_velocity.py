@@ -117,7 +117,7 @@ class NormalizedDerivatives:
         return self.bend * both_ends(b)[..., None] + self.pull * u[:, None, None]
 
     def worst(self, grid: PathGrid, b: Float64[np.ndarray, " n_plus_1"]) -> float:
-        """Return the largest acceleration over the bound of its sign."""
+        """Return the largest acceleration over the bound of its sign, 1 at the bound."""
         return float((self.accelerations(grid, b)[..., None, :] / self.signed).max())
 
     def slopes(self, grid: PathGrid) -> tuple[Array, Array]:

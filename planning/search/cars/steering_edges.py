@@ -93,7 +93,7 @@ class SteeringEdgeChecker(EdgeChecker):
     def are_free(
         self, q0s: Float64[np.ndarray, "m nq"], q1s: Float64[np.ndarray, "m nq"]
     ) -> Bool[np.ndarray, " m"]:
-        """Return the same as `is_free` for each pair of rows."""
+        """Return whether each steering path is free as by `is_free`, for pairs of rows."""
         return np.array([self.is_free(q0, q1) for q0, q1 in zip(q0s, q1s, strict=True)], dtype=bool)
 
     @override

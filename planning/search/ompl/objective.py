@@ -67,7 +67,7 @@ class Objective:
         self._manifold = manifold_of(group)
         self._blocks = [list(block) for block in limits.blocks]
         self._velocity = limits.velocity
-        # Of a vector every block is one coordinate.
+        # For a vector space every block is one coordinate.
         self._slowness = (1 / limits.velocity).tolist()
         self._weights = np.empty(group.num_velocities)
         for block, weight in zip(self._blocks, weights, strict=True):
@@ -75,7 +75,7 @@ class Objective:
         self._factors = self._weights.tolist()
         self._clearances = clearances or _nothing_is_near
         self._remembered: dict[bytes, float] = {}
-        # OMPL measures in its weighted space, so there plain lengths are not its own.
+        # With weights OMPL's own length is the weighted one, not the plain one.
         self._is_of_ompl = name == "weighted_length" or (self.is_length and (weights == 1).all())
 
     def norm(self, delta: Float64[np.ndarray, "*n nv"]) -> Array:

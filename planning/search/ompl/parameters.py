@@ -53,9 +53,9 @@ _LEAST = (0.0, math.inf)
 
 # Declared parameters that are not offered (OMPL 2.0.1).
 _LEFT_OUT = {
-    # sampling on after a failure crashes the process where there is no solution
+    # further sampling after a failure crashes the process if there is no solution
     ("BFMT", "extended_fmt"),
-    # these have no effect any more, says OMPL
+    # without effect any more, by OMPL's documentation
     ("BITstar", "delay_rewiring_to_first_solution"),
     ("BITstar", "use_strict_queue_ordering"),
 }
@@ -144,7 +144,7 @@ def _accepts(planner: Any, setter: str, value: Number) -> bool:
     """Return whether OMPL takes the value; it may reject a combination by an error or silently."""
     try:
         getattr(planner, f"set{setter}")(value)
-    except RuntimeError:  # what OMPL's exceptions become
+    except RuntimeError:  # the binding's translation of OMPL's exceptions
         return False
     return value_of(planner, setter) == value
 

@@ -110,7 +110,7 @@ def make_planner(information: Any, name: str, parameters: Mapping[str, Scalar]) 
         raise unknown_planner(name, planner_names())
     planner = getattr(og, name)(information)
     if name == "BFMT":
-        # See `parameters`: it would crash the process.
+        # Its extension crashes the process (see `parameters`).
         planner.setExtendedFMT(False)
     try:
         set_parameters(planner, parameters)

@@ -123,7 +123,7 @@ class SearchSpace:
         return state
 
     def at_rest(self, qs: Float64[np.ndarray, "m nq"]) -> Array:
-        """Return configurations with the held coordinates as they are at the start."""
+        """Return configurations, shape (m, nq), with held coordinates at their start values."""
         resting = qs.copy()
         resting[:, self._held] = self._rest[self._held]
         return resting

@@ -153,7 +153,7 @@ def _steps(graph: Graph, query: Query, edges: EdgeChecker) -> Steps:
         # For steering paths a lower bound takes longer to compute than it saves.
         return measured(graph, edges.lengths)
     costs = measured(graph, objective.edge_costs)
-    if objective.name == "clearance":  # where nothing is near, it is less than the length
+    if objective.name == "clearance":  # can be less than the length: no lower bound
         return costs
     left = objective.norm(manifold.minus(graph.qs[graph.goals][:, None], graph.qs)).min(axis=0)
 
