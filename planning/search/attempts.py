@@ -2,8 +2,8 @@
 
 Each attempt has its own planner and seed and is independent of the others. So attempts may run in
 any order, in this process or in a pool of others; their results are recorded in the order of their
-numbers. Starting a pool takes time, so the first attempt runs here, and the rest go to the pool
-only if the first one took long.
+numbers. To use the pool takes time too, so attempts run here until one takes long; only then the
+rest go to the pool.
 """
 
 from collections.abc import Mapping
@@ -21,7 +21,7 @@ from planning.search.query import Query
 from planning.search.statistics import SearchStatistics
 from planning.search.verified_path import CheckResolution, VerificationTrial, verified_attempt
 
-# If an attempt takes less than this, the remaining attempts run in this process too [s].
+# If an attempt takes less than this, the next one runs in this process too [s].
 _WORTH_IT = 0.03
 
 

@@ -39,7 +39,7 @@ class DriveEvaluation:
 
     @cached_property
     def cost(self) -> float:
-        """Merit: `worth` plus the penalty of distances that are too short [s]."""
+        """Merit: `worth` plus the penalty of distances that are too short and of `outside` [s]."""
         lacking = float(np.maximum(-self.near.spare, 0.0).sum()) + self.outside
         return self.worth + DISTANCE_PRICE * lacking
 

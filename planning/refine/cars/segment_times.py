@@ -1,8 +1,11 @@
 """SegmentTimes: durations of arc segments, each from rest to rest, as estimates of the retimer's.
 
-All along a segment the limits are constant, so its squared path velocity x = (ds/dt)^2, s in [0,
-1], has a constant bound, and its path acceleration dx/ds / 2 is at most min(A, sqrt(B^2 - (turn
-x)^2)): A is the bound of the slowest joint, B that of the car, whose acceleration on an arc has a
+All along a segment the limits are constant, so its squared path velocity x = (ds/dt)^2 over s from
+0 to 1 has a constant bound, and its path acceleration dx/ds / 2 is at most
+
+    min(A, sqrt(B^2 - (turn x)^2)):
+
+A is the bound of the slowest joint, B that of the car, whose acceleration on an arc has a
 centripetal part too. From rest that is
 
     x(s) = 2 A s                             while B leaves as much,
@@ -10,8 +13,8 @@ centripetal part too. From rest that is
 
 and the same before the end. The duration is the integral of x^(-1/2); toppra's are 0 to 1 % longer.
 With bounded jerk it is at least that of a straight line (Biagiotti and Melchiorri, "Trajectory
-Planning for Automatic Machines and Robots", 2008, section 3.4), on an arc with a lower top speed:
-within 4 % of ruckig's on average.
+Planning for Automatic Machines and Robots", 2008, section 3.4), on an arc with a lower top speed: 4
+% from ruckig's on average.
 """
 
 from dataclasses import dataclass

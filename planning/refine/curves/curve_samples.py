@@ -1,9 +1,12 @@
 """CurveSamples: q, v and vdot of a motion at sample points of every interval of the velocity grid.
 
-Every interval is cut into equal parts, whose ends are the samples. There v = r' sqrt(b) and vdot =
-r'' b + r' u, where r and its derivatives are weighted sums of control points and u of an interval
-is (b_high - b_low) / (2 h): by the chain rule, derivatives with respect to q, v and vdot give those
-with respect to control points and path velocity.
+Every interval is cut into equal parts, and the samples are the ends of these parts. There
+
+    v = r' sqrt(b),  vdot = r'' b + r' u,
+
+where r and its derivatives are weighted sums of control points and u of an interval is (b_high -
+b_low) / (2 h): by the chain rule, derivatives with respect to q, v and vdot give those with respect
+to control points and path velocity.
 """
 
 from dataclasses import dataclass

@@ -43,9 +43,9 @@ class Graph:
 
 
 def has_graph(planner: Any) -> bool:
-    """Return whether a planner's graph can be read without harm.
+    """Return whether a planner's graph can be read.
 
-    Reading BITstar's leaks the whole space information; AORRTC returns an empty one (OMPL 2.0.1).
+    Reading BITstar's leaks the whole space information; AORRTC's is empty (OMPL 2.0.1).
     """
     return not isinstance(planner, og.BITstar | og.AORRTC)
 
