@@ -1,1 +1,1 @@
-"""Refine: turn a free path into a smooth, quick, free curve, or leave it alone."""
+"""Refinement: optimisation of a free path into a smooth, quick, free curve, or no change of it."""

@@ -1,4 +1,4 @@
-"""A dense look at a curve: where it is too near to something."""
+"""Auditor: dense collision and constraint check of an optimised curve."""
 
 from typing import Any
 
@@ -13,19 +13,19 @@ from planning.world.world import World
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
-# Between two samples the curve moves at most about this much (joint-space length)...
+# Spacing of the samples (joint-space length) ...
 _STEP = 0.01
-# ...unless that makes fewer or more samples than these.
+# ... unless that makes fewer or more samples than these.
 _FEWEST, _MOST = 400, 2000
 _POSITION_DUST = 1e-9
-# A predicate is asked about the whole curve so many times, each time between the others.
+# A predicate is evaluated on this many interleaved subsets of the samples, one after another.
 _GLANCES = 16
 
 
 class Auditor:
-    """Looks at curves of one group with the scene's own collision oracle.
+    """Checker of curves of one group with the scene's own collision oracle.
 
-    It samples, so it promises nothing between its samples; that is the certifier's office.
+    It samples, so it promises nothing between its samples; the certifier proves that.
     """
 
     def __init__(
@@ -35,15 +35,16 @@ class Auditor:
         buffers: DistanceBuffers,
         rules: PathConstraints | None = None,
     ) -> None:
-        """Make the oracles: one for the ends, one that also wants a part of the buffers."""
+        """Make the oracles: one with the margins, for the ends, one with a part of the buffers."""
         self._rules = rules
         self._exact = world.collision_oracle(group, buffers.margins)
         self._padded = world.collision_oracle(group, buffers.audited)
 
     def violated(self, curve: JointSpline) -> Array:
-        """Return the middle of every stretch of s on which the curve is too near, shape (m,).
+        """Return the middle of every interval of s on which the curve is in violation, shape (m,).
 
-        Or breaks a rule. Stretches come in order; none means that every sample is free.
+        A violation is a pair of bodies below its distance, or a broken path constraint. The
+        intervals are in order; none means that every sample is free.
         """
         count = int(np.clip(np.ceil(length_of(curve) / _STEP), _FEWEST, _MOST))
         s = np.linspace(0.0, 1.0, count + 1)
@@ -59,7 +60,7 @@ class Auditor:
 
 
 def is_accepted(curve: JointSpline, rules: tuple[PredicateConstraint, ...]) -> bool:
-    """Return whether predicates accept samples of the curve: some of all of it first."""
+    """Return whether predicates accept all samples of the curve, coarse subsets of them first."""
     count = int(np.clip(np.ceil(length_of(curve) / _STEP), _FEWEST, _MOST))
     positions = curve.positions(np.linspace(0.0, 1.0, count + 1))
     looks = [positions[begin::_GLANCES] for begin in range(_GLANCES)]

@@ -1,4 +1,4 @@
-"""solve_multi_start(): descents from one guess after another, and the best curve of all."""
+"""solve_multi_start(): local optimisation from several initial guesses; the best curve is kept."""
 
 from dataclasses import dataclass, replace
 
@@ -11,20 +11,21 @@ from planning.refine.refine_problem import RefineProblem
 from planning.refine.zone_detour import ZoneDetour
 from planning.world.world import Array, World
 
-# How closely the guess follows the path [rad or m]: nearer where the first led to nothing free.
+# Tolerances of the initial guesses to the path [rad or m]; the second is used if the first led to
+# no free curve.
 _CLOSE = (0.15, 0.04)
 
 
 @dataclass(frozen=True)
 class MultiStartResult:
-    """What descents came to.
+    """Best curve over all local optimisations so far.
 
     Attributes:
-        task: Of the best curve, in whose coordinates it is.
-        guess: Control points of the first guess, in those of the first task.
+        task: Refinement problem of the best curve, in whose coordinates the curve is.
+        guess: Control points of the first guess, in the coordinates of the first problem.
         best: The best free curve, or None.
-        steps: How many steps were taken.
-        reason: Why the last curve of the last descent was refused, or "".
+        steps: Number of trust-region steps.
+        reason: Why the last curve of the last optimisation was rejected, or "".
     """
 
     task: RefineProblem
@@ -36,7 +37,7 @@ class MultiStartResult:
     def descended(
         self, task: RefineProblem, guess: Float64[np.ndarray, "k nv"]
     ) -> "MultiStartResult":
-        """Return what there is after one more descent, from a guess."""
+        """Return the result after one more local optimisation, from another guess."""
         other, more, reason = task.descend(guess)
         steps = self.steps + more
         if self.best is None or (other is not None and other.worth < self.best.worth):
@@ -45,11 +46,11 @@ class MultiStartResult:
 
 
 def solve_multi_start(world: World, task: RefineProblem) -> MultiStartResult:
-    """Return the best of a few descents; others than the first only while nothing is good enough.
+    """Return the best of a few local optimisations; more of them only until one is good enough.
 
     Args:
         world: The scene, loaded.
-        task: What every one of them needs.
+        task: Refinement problem of the path.
     """
     guesses = [task.fitted(closeness) for closeness in _CLOSE]
     found = MultiStartResult(task, guesses[0], reason="no time was left")
@@ -67,7 +68,7 @@ def solve_multi_start(world: World, task: RefineProblem) -> MultiStartResult:
 
 
 def _around(world: World, found: MultiStartResult) -> MultiStartResult:
-    """Return what there is once ways around speed zones have been tried."""
+    """Return the result after local optimisations from guesses around speed zones."""
     task = found.task
     detour = ZoneDetour.of(world, task.request, task.share)
     for guess in () if detour is None else detour.guesses(task.fitted(_CLOSE[0])):
@@ -79,7 +80,8 @@ def _around(world: World, found: MultiStartResult) -> MultiStartResult:
 def _straightened(points: Array) -> Array:
     """Return control points halfway to the straight line between the ends.
 
-    A descent stops on the side of obstacles where it began; from here others are as near.
+    A local optimisation stays on the side of obstacles where it began; from here others are as
+    near.
     """
     straight = points[0] + centres(len(points))[:, None] * (points[-1] - points[0])
     return (points + straight) / 2

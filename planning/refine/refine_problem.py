@@ -1,4 +1,4 @@
-"""RefineProblem: one path to refine, and one descent after another from guesses at it."""
+"""RefineProblem: trajectory optimisation of one path, and local descents from initial guesses."""
 
 from dataclasses import dataclass, replace
 
@@ -31,30 +31,36 @@ from planning.world.world import Array, World
 
 # Iterations, not seconds, decide when to give up, so that the same request gives the same bytes.
 _MAX_STEPS = 25
-# The distance at which instants are looked at (joint-space length), and how many of them.
+# Spacing of the instants at which distances are kept (joint-space length), and their number.
 _APART = 0.045
 _FEWEST, _MOST = 60, 200
-# Nothing is to be gained from a motion that is this near to the least possible duration.
+# Factor above the least possible duration at which the optimisation stops.
 _OPTIMAL = 1.002
-# Where the best curve is farther above it than this, other ways are worth trying.
+# Factor above the least possible duration beyond which other initial guesses are tried.
 _SATISFYING = 1.03
-# So many curves that a predicate refuses are enough: nothing leads to others.
+# Number of curves rejected by a predicate that ends a descent: no gradient leads to others.
 _MOST_REJECTED = 2
 _REJECTED = "a predicate rejects the optimised curve"
 
 
 @dataclass(frozen=True)
 class RefineProblem:
-    """What every attempt needs.
+    """Trajectory optimisation problem of one path, shared by all descents.
 
     Attributes:
+        request: Refinement request.
+        share: End of the optimisation.
         chart: The coordinates of control points.
-        waypoints: Of the path, in these.
-        limits: The request's, as tight as its rules make them.
+        waypoints: Of the path, in these coordinates.
+        limits: The request's limits, tightened by its path constraints.
         box: The same with coordinates for positions.
+        bounds: Bounds on the rates of coordinates and on loads.
         least: The duration that no motion beats [s].
-        predicates: What every sample must be accepted by, though no gradient leads there.
-        instants: At least and at most so many are looked at in a first model.
+        nearness: Distances of pairs of bodies, and signed margins of path constraints.
+        wish: Clearance objective, or None.
+        auditor: Checker of the optimised curves.
+        predicates: Constraints without gradient, which every sample must satisfy.
+        instants: Least and largest number of instants in a first model.
     """
 
     request: RefineRequest
@@ -73,7 +79,7 @@ class RefineProblem:
 
     @classmethod
     def of(cls, world: World, request: RefineRequest, share: Deadline) -> "RefineProblem":
-        """Prepare."""
+        """Build the problem of a request."""
         group, rules, limits = request.path.group, request.rules, request.limits
         chart = chart_of(request.path)
         waypoints = chart.waypoints
@@ -105,12 +111,12 @@ class RefineProblem:
         return all((np.abs(load.held(ends)) <= 1).all() for load in self.bounds.loads)
 
     def wants_more_than(self, best: CurveEvaluation | None) -> bool:
-        """Return whether there is time for other ways than the best so far, and a need for them."""
+        """Return whether there is time for another guess and the best curve is slow enough."""
         is_near = best is not None and best.worth <= _SATISFYING * self.least
         return not (is_near or self.share.is_over)
 
     def curve_of(self, seen: CurveEvaluation) -> JointSpline:
-        """Return a curve in the form in which it goes on."""
+        """Return a curve as a joint spline."""
         return self.chart.curve(seen.points)
 
     def fitted(self, closeness: float) -> Array:
@@ -125,14 +131,14 @@ class RefineProblem:
         return guess
 
     def duration_of(self, points: Array) -> float:
-        """Return what a curve takes [s], free or not."""
+        """Return the least duration of a curve [s], free or not."""
         _, pace, _ = path_velocity_along(points, self.bounds)
         return duration_of(grid_of(len(points)), pace)
 
     def descend(self, guess: Array) -> tuple[CurveEvaluation | None, int, str]:
-        """Return the best free curve that a descent finds, or None.
+        """Return the best free curve of a descent from a guess, or None.
 
-        And how many steps it took, and why the last curve was refused.
+        Also the number of steps, and why the last curve was rejected.
         """
         length = float(np.linalg.norm(np.diff(self.waypoints, axis=0), axis=1).sum())
         count = int(np.clip(length / _APART, *self.instants))
@@ -157,7 +163,7 @@ class RefineProblem:
         return best, descent.num_steps, reason
 
     def refused(self, seen: CurveEvaluation) -> tuple[str, Array]:
-        """Return what is wrong with a curve, or "", and the instants where it is too near."""
+        """Return why a curve is rejected, or "", and the instants where it is in violation."""
         curve = self.curve_of(seen)
         violated = self.auditor.violated(curve)
         if len(violated):
@@ -175,7 +181,7 @@ class RefineProblem:
 
 
 def least_of(request: RefineRequest, loads: tuple[Load, ...] = ()) -> float:
-    """Return a duration that no motion between the path's ends beats [s]."""
+    """Return a lower bound of the duration of motions between the path's ends [s]."""
     group, ends = request.path.group, request.path.waypoints[[0, -1]]
     moved = Manifold.of(group.joints).minus(ends[1], ends[0])
     signed = signed_accelerations(group, request.others.acceleration_bounds)
@@ -184,7 +190,7 @@ def least_of(request: RefineRequest, loads: tuple[Load, ...] = ()) -> float:
 
 
 def _holding(box: JointLimits, q: Array, held: tuple[int, ...]) -> JointLimits:
-    """Return limits that leave some coordinates where they are."""
+    """Return limits that fix some coordinates at their values in q."""
     lower, upper = np.array(box.lower), np.array(box.upper)
     lower[list(held)] = upper[list(held)] = q[list(held)]
     return replace(box, lower=lower, upper=upper)

@@ -1,8 +1,10 @@
-"""refine(): a smooth, quick and free curve near a path, or none and the reason why.
+"""refine(): trajectory optimisation of a path: a smooth, quick, free curve, or none and the reason.
 
-Sequential convex programming in a trust region (`curve_model`, `descent`; of cars, `drive`). Every
-curve that is better than those before it is audited densely; where it is too near to something
-between the instants at which distances are demanded, those instants join them.
+Sequential convex programming in a trust region, with distances under an exact penalty (Schulman et
+al., "Motion planning with sequential convex optimization and convex collision checking", IJRR 33:9,
+2014): see `model/curve_model` and `trust_region`, for cars `cars/`. Every curve that is better than
+those before it is audited densely; where it is too near to an obstacle between the instants at
+which distances are kept, those instants are added.
 """
 
 from dataclasses import replace
@@ -21,9 +23,9 @@ from planning.refine.refine_problem import RefineProblem
 from planning.refine.request import RefineRequest
 from planning.world.world import World
 
-# With less than this left of a plan's time, the automatic method leaves the path alone [s].
+# Least remaining time of a plan for the method "auto" to refine [s].
 _AMPLE = 0.5
-# Of the time that is left, what this stage may take.
+# Share of the remaining time that this stage may use.
 _SHARE = 0.35
 
 
@@ -32,17 +34,17 @@ def refine(
 ) -> tuple[JointSpline | None, RefineReport]:
     """Return a curve from the path's start to its goal that should take less time, if there is one.
 
-    Not promised: that the curve is free between the audited samples, nor that the retimer makes
-    it quicker than the path. The caller times and certifies both.
+    Not promised: that the curve is free between the audited samples, nor that the retimer makes it
+    quicker than the path. The caller times and certifies both.
 
     Args:
         world: The scene, loaded.
-        request: The path and what to keep.
+        request: Path, limits, margins and constraints.
         deadline: Of the whole plan; a share of what remains is used.
 
     Returns:
-        The curve (arcs and lines of a car), or None for "go on with the path"; and a report that
-        says why.
+        The curve (arcs and lines of a car), or None if the path is to be used; and a report with
+            the reason.
     """
     path = request.path
     report = RefineReport(request.options.method, improved=False, length_before=path.length)
@@ -58,7 +60,7 @@ def refine(
 def _refine_curve(
     world: World, request: RefineRequest, share: Deadline, report: RefineReport
 ) -> tuple[JointSpline | None, RefineReport]:
-    """Return a curve near a path of joints that may go any way."""
+    """Return a curve near a path of joints without steering."""
     task = RefineProblem.of(world, request, share)
     report = replace(report, solver=solver_name(), lower_bound=task.least)
     if not task.is_held:
@@ -77,7 +79,7 @@ def _refine_curve(
 
 
 def _refusal(request: RefineRequest, share: Deadline) -> str:
-    """Return why not to begin, or ""."""
+    """Return why no refinement begins, or ""."""
     if request.options.method == "none":
         return "not asked for"
     unfit = _unfit(request.path)
@@ -90,7 +92,7 @@ def _refusal(request: RefineRequest, share: Deadline) -> str:
 
 
 def _unfit(path: JointPath) -> str:
-    """Return why a path must be left alone, or ""."""
+    """Return why a path cannot be refined, or ""."""
     chart, num_cars = chart_of(path), len(steering_of(path.group))
     if num_cars > 1 or (num_cars and not isinstance(chart, FlatChart)):
         return "several cars, or a car with a joint that floats, are left alone"

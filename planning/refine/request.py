@@ -1,4 +1,4 @@
-"""RefineRequest: what to refine."""
+"""RefineRequest: input of the refinement stage."""
 
 from dataclasses import dataclass, field, replace
 
@@ -13,18 +13,18 @@ from planning.world.constraints.path_constraints import PathConstraints
 
 @dataclass(frozen=True, eq=False)
 class RefineRequest(Value):
-    """What to refine.
+    """Path to refine, with its limits, margins and constraints.
 
     Attributes:
         path: Free, at the search's resolution.
-        limits: Scaled as they will be for the retimer.
-        margins: Distances to keep.
-        options: Whether to refine at all.
+        limits: Joint limits, scaled as for the retimer.
+        margins: Least distances between bodies.
+        options: Method, and clearance objective if there is one.
         jerk: Whether the retimer will bound jerk, so that it counts here too.
-        rules: Path constraints, or None. Boxes, cones and bands count as distances do, locked
-            joints and tighter limits as limits; a predicate accepts a curve or does not.
-        others: What else the retimer will limit, so that it counts here too.
-        held: Coordinates of v that stay as they are at the start.
+        rules: Path constraints, or None. Boxes, cones and bands count as distances, locked joints
+            and tighter limits as limits; a predicate accepts or rejects a curve as a whole.
+        others: The retimer's other limits (loads), which count here too.
+        held: Coordinates of v that keep their start values.
     """
 
     path: JointPath
@@ -38,5 +38,5 @@ class RefineRequest(Value):
 
     @property
     def straight(self) -> "RefineRequest":
-        """The same with the shortest way between the path's ends, free or not."""
+        """The same request for the straight path between the path's ends, free or not."""
         return replace(self, path=self.path.straight)

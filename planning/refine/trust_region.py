@@ -1,4 +1,8 @@
-"""Steps towards quicker curves: the model's best within a box, which grows and shrinks by merit."""
+"""TrustRegion: steps of the sequential convex program within a box that grows and shrinks by merit.
+
+The box around the control points grows where the convex model predicts the decrease of the cost
+well, and shrinks where it does not (Nocedal and Wright, "Numerical Optimization", 2006, ch. 4).
+"""
 
 from collections.abc import Iterator
 
@@ -8,21 +12,22 @@ from jaxtyping import Float64
 from planning.refine.curves.curve_evaluation import CurveEvaluation
 from planning.refine.model.curve_model import CurveModel
 
-# Half of the box's sides, as the time to cross it at the velocity limit [s].
+# Half of the box's side, as the time to cross it at the velocity limit [s]: first and largest.
 _FIRST_BOX, _LARGEST_BOX = 0.1, 0.4
 _SHRINK, _GROW = 0.4, 2.0
-# Of what the model promised, what must be kept for a step to count, not to shrink, to grow.
+# Shares of the predicted decrease that must be achieved: to accept a step, not to shrink the box,
+# to grow it.
 _KEPT, _POOR, _GOOD = 0.1, 0.25, 0.7
-# A promise of less than this share of the duration is not worth a step.
+# Least predicted decrease for a step, as a share of the duration.
 _WORTHWHILE = 3e-4
 
 
 class TrustRegion:
-    """One curve after another, each of less cost than the one before.
+    """Trust-region iteration: a sequence of curves of decreasing cost.
 
     Attributes:
-        seen: The curve so far.
-        num_steps: How many steps were tried.
+        seen: The current curve.
+        num_steps: Number of steps tried.
     """
 
     def __init__(self, model: CurveModel, points: Float64[np.ndarray, "k nq"]) -> None:
@@ -33,9 +38,9 @@ class TrustRegion:
         self.num_steps = 0
 
     def run(self, most: int) -> Iterator[CurveEvaluation]:
-        """Yield every curve that is better, the first included, after at most so many steps.
+        """Yield every better curve, the first one included, in at most `most` steps.
 
-        Ends early where the model promises nothing any more.
+        Ends early where the model predicts no more decrease.
         """
         yield self.seen
         for _ in range(most):
@@ -56,10 +61,10 @@ class TrustRegion:
     def keep_distance_at(
         self, instants: Float64[np.ndarray, " m"], free: CurveEvaluation | None
     ) -> None:
-        """Demand distances at more instants, where the last curve has turned out to be too near.
+        """Add instants at which distances are kept, where the audit found the last curve too near.
 
-        Go back to a curve that was free, if there is one: a thin wall that the last step jumped
-        into or through pushes to either side.
+        Return to a curve that was free, if there is one: at a thin wall that the last step crossed,
+        gradients point to either side.
         """
         self._model.keep_distance_at(instants)
         self.seen = self._model.look((free or self.seen).points)

@@ -1,8 +1,8 @@
-"""ZoneDetour: speed zones as boxes to keep out of, and guesses at ways around them.
+"""ZoneDetour: initial guesses around speed zones, which are boxes to keep out of.
 
-How much a zone costs has no slope that leads out of its middle, and the slope at one face says
-nothing of what lies behind the others. So ways around are tried as well: the zones are path
-constraints then, and a curve through them is lifted over one face after another.
+The cost of a zone has no gradient in its middle, and the gradient at one face contains nothing of
+the others. So detours are tried as well: the zones become path constraints, and a curve through
+them is moved over one face after another.
 """
 
 from collections.abc import Iterator
@@ -23,26 +23,26 @@ from planning.world.constraints.box_constraint import BoxConstraint
 from planning.world.constraints.path_constraints import PathConstraints
 from planning.world.world import Array, World
 
-# Samples of the curve that is lifted, and how far over a face [m].
+# Samples of the moved curve, and its distance outside a face [m].
 _NUM_SAMPLES = 121
 _OVER = 0.01
-# In so many steps of least squares, with so much damping [m/rad].
+# Number of damped least-squares steps, and their damping [m/rad].
 _STEPS, _DAMPING = 4, 0.05
-# On so much of the way before a visit and after it the curve is lifted too, by less and less.
+# Range of s before and after a visit over which the displacement tapers off.
 _TAPER = 0.2
-# What is left of the depth where a lift has come to something.
+# Largest remaining depth for a displacement to count, as a share of the depth before.
 _REACHED = 0.5
-# Faces of a zone that are tried, those that are the least to be lifted first.
+# Number of faces per zone that are tried, those of least displacement first.
 _MOST_FACES = 2
 
 
 @dataclass(frozen=True)
 class ZoneDetour:
-    """The same request with zones to keep out of: those that no end of the path is in.
+    """The same refinement with zones to keep out of: those that contain no end of the path.
 
     Attributes:
-        task: Of that request.
-        boxes: Of those zones.
+        task: Refinement problem with these zones as path constraints.
+        boxes: Constraints of these zones.
     """
 
     task: RefineProblem
@@ -50,7 +50,7 @@ class ZoneDetour:
 
     @classmethod
     def of(cls, world: World, request: RefineRequest, share: Deadline) -> "ZoneDetour | None":
-        """Prepare, or return None where there is no such zone."""
+        """Build the problem of a request, or return None if there is no such zone."""
         path, others = request.path, request.others
         ends, outside, inside = path.waypoints[[0, -1]], list[BoxConstraint](), list[SpeedZone]()
         for zone in others.speed_zones:
@@ -71,7 +71,7 @@ class ZoneDetour:
         return cls(RefineProblem.of(world, changed, share), tuple(outside))
 
     def guesses(self, points: Float64[np.ndarray, "k nv"]) -> Iterator[Array]:
-        """Yield control points of curves near one, around the zones that it visits, if any."""
+        """Yield control points of curves near one that avoid the zones it visits, if any."""
         s = np.linspace(0.0, 1.0, _NUM_SAMPLES)
         deltas = weights_at(len(points), s).of(points)
         visited = [box for box in self.boxes if (self._local(box, deltas)[1] < 0).any()]
@@ -85,7 +85,7 @@ class ZoneDetour:
                 yield self.task.near(lifted)
 
     def _ways(self, box: BoxConstraint, deltas: Array) -> Iterator[Array]:
-        """Yield samples lifted over faces of a box, those faces that can be reached so."""
+        """Yield samples moved over faces of a box, for the faces where that succeeds."""
         local, out = self._local(box, deltas)
         if (out >= 0).all():
             return
@@ -95,7 +95,7 @@ class ZoneDetour:
                 yield lifted
 
     def _lifted(self, box: BoxConstraint, deltas: Array, axis: int, sign: float) -> Array:
-        """Return samples moved over a face of a box, but for the first and the last one."""
+        """Return samples moved over a face of a box, except for the first and the last one."""
         local, out = self._local(box, deltas)
         s = np.linspace(0.0, 1.0, len(deltas))
         visit = s[out < 0]
@@ -114,15 +114,15 @@ class ZoneDetour:
         return moved
 
     def _local(self, box: BoxConstraint, deltas: Array) -> tuple[Array, Array]:
-        """Return where the origin is in a box's axes, and how far out of it."""
+        """Return positions of the origin in a box's axes, and its signed margin outside it [m]."""
         qs = self.task.chart.positions(deltas)
         return box.local(qs), box.spares(qs)
 
 
 def _faces(local: Array, visited: Array, half: Array) -> list[tuple[int, float]]:
-    """Return faces by axis and sign, those that the visit is nearest to first.
+    """Return faces by axis and sign, in the order of the visit's distance to them.
 
-    Last come faces of an axis along which the way leads from one side of the box to the other.
+    Faces of an axis along which the curve crosses the box from side to side come last.
     """
     first, last = local[[0, -1]] / half
     is_across = (np.minimum(np.abs(first), np.abs(last)) > 1) & (first * last < 0)

@@ -1,1 +1,1 @@
-"""Search: from goal configurations to a collision-free path, by OMPL; the only user of OMPL."""
+"""Search: a collision-free path from the start to a goal configuration; the only user of OMPL."""

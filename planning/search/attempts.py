@@ -1,8 +1,9 @@
-"""AttemptSchedule: the attempts of a round, by number; who makes them, and where, changes nothing.
+"""AttemptSchedule: planning attempts of one round, run here or in other processes, same result.
 
-Each has its planner and its seed, and none knows of another. So they may be made in any order, here
-or by a pool in other processes: they are noted in the order of their numbers. Handing out work
-takes time as well, so the first one is made here, and only what takes long is handed out.
+Each attempt has its own planner and seed and is independent of the others. So attempts may run in
+any order, in this process or in a pool of others; their results are recorded in the order of their
+numbers. To use the pool takes time too, so attempts run here until one takes long; only then the
+rest go to the pool.
 """
 
 from collections.abc import Mapping
@@ -20,22 +21,22 @@ from planning.search.query import Query
 from planning.search.statistics import SearchStatistics
 from planning.search.verified_path import CheckResolution, VerificationTrial, verified_attempt
 
-# If an attempt takes less, the others are made here too [s].
+# If an attempt takes less than this, the next one runs in this process too [s].
 _WORTH_IT = 0.03
 
 
 @dataclass(frozen=True, eq=False)
 class AttemptResult(Value):
-    """An attempt, and what it took.
+    """Result of one attempt, with its cost in time and checks.
 
     Attributes:
-        planner: OMPL's name.
-        trial: What came of it.
+        planner: OMPL's name of the planner.
+        trial: The verified path, or the reason why there is none.
         num_states: Configurations that were checked.
-        num_fine: Edges that were checked finely.
-        seconds: How long it took.
-        parts: How long its parts took, if it was made elsewhere.
-        was_cut: Whether a deadline cut it there.
+        num_fine: Edges that were checked at the fine resolution.
+        seconds: Duration of the attempt [s].
+        parts: Durations of its stages [s] by name, if it ran in another process.
+        was_cut: Whether a deadline cut it short in that process.
     """
 
     planner: str
@@ -48,7 +49,7 @@ class AttemptResult(Value):
 
 
 class AttemptSchedule:
-    """The attempts of one round."""
+    """Attempts of one round, in the order of their numbers."""
 
     def __init__(
         self,
@@ -57,7 +58,7 @@ class AttemptSchedule:
         seeds: list[np.random.SeedSequence],
         tally: SearchStatistics,
     ) -> None:
-        """Plan an attempt for every seed, the planners in turn."""
+        """Plan one attempt for every seed; planners take turns."""
         self._query = query
         self._closeness = closeness
         self._seeds = seeds
@@ -66,11 +67,11 @@ class AttemptSchedule:
         self._next = 0
 
     def play(self, pool: AttemptPool | None) -> None:
-        """Make all attempts and note them in the tally, what the pool does not do here.
+        """Run all attempts, in the pool or here, and record them in the search statistics.
 
         Raises:
-            Canceled: Somebody asked for the end; what was made by then is noted.
-            DeadlineExceeded: The time has run out; the same.
+            Canceled: The request was canceled; attempts that ended before that are recorded.
+            DeadlineExceeded: The time has run out; attempts that ended before that are recorded.
         """
         try:
             while self._next < len(self._seeds):
@@ -86,7 +87,7 @@ class AttemptSchedule:
             raise
 
     def _send(self, pool: AttemptPool) -> None:
-        """Let the pool make those that are left."""
+        """Run the remaining attempts in the pool."""
         first = self._next
         count = len(self._seeds) - first
 
@@ -99,14 +100,14 @@ class AttemptSchedule:
                 self._advance()
 
     def _advance(self) -> None:
-        """Note the next attempts as far as they were made elsewhere."""
+        """Record the next attempts whose results have come from the pool."""
         while self._next in self._elsewhere:
             outcome = self._elsewhere.pop(self._next)
             self._next += 1
             self._note(outcome)
 
     def _make_next(self) -> float:
-        """Make the next attempt here, note it, and return how long it took [s]."""
+        """Run the next attempt here, record it, and return its duration [s]."""
         tally, query, k = self._tally, self._query, self._next
         self._next += 1
         tally.num_attempts += 1
@@ -119,7 +120,7 @@ class AttemptSchedule:
         return made.seconds
 
     def _make_elsewhere(self, k: int) -> AttemptResult:
-        """Return an attempt made in another process: a cancel is for the first one to see."""
+        """Return an attempt made in another process, which only the deadline ends, not a cancel."""
         cuts: list[int] = []
         deadline = self._query.deadline.uncancelable.cutting(lambda: cuts.append(k))
         watch = Stopwatch(deadline.clock)
@@ -129,10 +130,10 @@ class AttemptSchedule:
         return replace(made, parts=watch.parts, was_cut=bool(cuts))
 
     def _note(self, outcome: AttemptResult | WayproofError) -> None:
-        """Note an attempt that was made elsewhere.
+        """Record an attempt that ran in another process.
 
         Raises:
-            WayproofError: It ended by one.
+            WayproofError: The attempt ended with this error.
         """
         tally, query = self._tally, self._query
         tally.num_attempts += 1

@@ -1,4 +1,4 @@
-"""CollisionOracle: what the search asks of a world, and what it adds to the answer."""
+"""CollisionOracle: validity of configurations and motions of a group, as queried by the search."""
 
 from collections.abc import Generator
 from contextlib import contextmanager
@@ -15,20 +15,20 @@ from planning.domain.robot.manifold import Manifold
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 type Flags = np.ndarray[Any, np.dtype[np.bool_]]
 
-# Between two looks at the clock an oracle is asked for at most so many states, or for one motion.
+# Most states in one call of the inner oracle between two checks of the deadline (or one motion).
 _MOST_AT_ONCE = 4096
 
 
 @runtime_checkable
 class CollisionOracle(Protocol):
-    """Says whether configurations of a group are admissible."""
+    """Validity of configurations and of straight motions of a group."""
 
     def is_free(self, q: Float64[np.ndarray, " nq"]) -> bool:
-        """Return whether the group at q, shape (nq,), keeps its distances."""
+        """Return whether the group at q, shape (nq,), keeps its required distances."""
         ...
 
     def are_free(self, qs: Float64[np.ndarray, "m nq"]) -> Bool[np.ndarray, " m"]:
-        """Return the same for each row of qs, shape (m, nq)."""
+        """Return whether each row of qs, shape (m, nq), keeps its required distances."""
         ...
 
     def is_motion_free(
@@ -46,33 +46,34 @@ class CollisionOracle(Protocol):
         displacements: Float64[np.ndarray, "m nv"],
         resolution: float,
     ) -> Bool[np.ndarray, " m"]:
-        """Return the same for each pair of rows, shapes (m, nq) and (m, nv)."""
+        """Return whether each motion is free, by pairs of rows, shapes (m, nq) and (m, nv)."""
         ...
 
 
 @runtime_checkable
 class EdgeOracle(Protocol):
-    """An oracle that judges edges without any array being made."""
+    """Oracle that checks edges given as lists, which avoids creating arrays."""
 
     def is_edge_free(self, q0: list[float], q1: list[float], resolution: float) -> tuple[bool, int]:
-        """Return whether the straight way is free, both ends included, and how many steps it is."""
+        """Return whether the straight edge is free, both ends included, and its number of steps."""
         ...
 
 
 class WatchedOracle:
-    """An oracle that counts, keeps limits on circles, and ends the search when time is up.
+    """Oracle that counts states, enforces limits of wrapping joints, and checks the deadline.
 
-    The bounds of OMPL's spaces hold every other coordinate; on a circle OMPL knows none.
+    The bounds of OMPL's spaces cover every other coordinate; OMPL has no bounds for an angle on a
+    circle.
 
     Attributes:
-        num_states: Configurations asked for so far; of a motion every sample counts, looked at or
-            not, so that the number does not depend on how an oracle goes about its work.
+        num_states: Configurations queried so far; every sample of a motion counts, checked or not,
+            so that the number does not depend on the implementation of the inner oracle.
     """
 
     def __init__(
         self, inner: CollisionOracle, group: JointGroup, limits: JointLimits, deadline: Deadline
     ) -> None:
-        """Watch `inner`, for the joints and limits of a group."""
+        """Wrap the oracle `inner`, for the joints and limits of a group."""
         self._inner = inner
         self._deadline = deadline
         self._edge = inner.is_edge_free if isinstance(inner, EdgeOracle) else self._judge_edge
@@ -82,7 +83,7 @@ class WatchedOracle:
 
     @contextmanager
     def until(self, deadline: Deadline) -> Generator[None]:
-        """Keep another deadline inside."""
+        """Use another deadline within the context."""
         kept, self._deadline = self._deadline, deadline
         try:
             yield
@@ -90,14 +91,14 @@ class WatchedOracle:
             self._deadline = kept
 
     def heed(self, deadline: Deadline) -> None:
-        """Keep another deadline from now on, inside `until` to its end."""
+        """Use another deadline from now on; inside an `until` context, up to its end."""
         self._deadline = deadline
 
     def is_free(self, q: Float64[np.ndarray, " nq"]) -> bool:
         """Return whether q, shape (nq,), is admissible.
 
         Raises:
-            Canceled: The end was asked for.
+            Canceled: The request was canceled.
             DeadlineExceeded: The time has run out.
         """
         self._deadline.check("search")
@@ -110,7 +111,7 @@ class WatchedOracle:
         """Return the same for each row of qs, shape (m, nq).
 
         Raises:
-            Canceled: The end was asked for.
+            Canceled: The request was canceled.
             DeadlineExceeded: The time has run out.
         """
         self._deadline.check("search")
@@ -127,7 +128,7 @@ class WatchedOracle:
         """Return whether every sample of a motion is admissible; the origin is not one of them.
 
         Raises:
-            Canceled: The end was asked for.
+            Canceled: The request was canceled.
             DeadlineExceeded: The time has run out.
         """
         steps = num_steps(displacement, resolution)
@@ -138,12 +139,12 @@ class WatchedOracle:
         return self._inner.is_motion_free(origin, displacement, resolution)
 
     def is_edge_free(self, q0: list[float], q1: list[float], resolution: float) -> bool:
-        """Return whether the straight way from q0 to q1 is admissible, both ends included.
+        """Return whether the straight edge from q0 to q1 is admissible, both ends included.
 
-        For joints that neither wrap nor float.
+        Only for joints that neither wrap nor float.
 
         Raises:
-            Canceled: The end was asked for.
+            Canceled: The request was canceled.
             DeadlineExceeded: The time has run out.
         """
         self._deadline.check("search")
@@ -168,7 +169,7 @@ class WatchedOracle:
         """Return the same for each pair of rows, shapes (m, nq) and (m, nv).
 
         Raises:
-            Canceled: The end was asked for.
+            Canceled: The request was canceled.
             DeadlineExceeded: The time has run out.
         """
         counts = steps_of(displacements, resolution)
@@ -197,7 +198,7 @@ class WatchedOracle:
         return True
 
     def _stay_on_circles(self, origins: Array, displacements: Array, resolution: float) -> Flags:
-        """Return for every motion whether its samples avoid all forbidden arcs."""
+        """Return for every motion whether its samples keep the limits of wrapping joints."""
         if not self._circle:
             return np.ones(len(origins), dtype=bool)
         verdicts = [
@@ -218,7 +219,7 @@ class WatchedOracle:
 def _portions(
     rows: np.ndarray[Any, np.dtype[np.intp]], counts: Counts
 ) -> list[np.ndarray[Any, np.dtype[np.intp]]]:
-    """Return the rows in pieces of not too many states."""
+    """Return the rows split into batches of at most about `_MOST_AT_ONCE` states each."""
     if not len(rows):
         return []
     place = np.cumsum(counts[rows]) // _MOST_AT_ONCE
@@ -226,7 +227,7 @@ def _portions(
 
 
 def _bounded_circles(group: JointGroup, limits: JointLimits) -> tuple[list[int], Array, Array]:
-    """Return the coordinates of q that are angles on a circle with an arc forbidden."""
+    """Return coordinates of q that are limited angles on a circle, their lower limits, widths."""
     width = limits.upper - limits.lower
     found: list[int] = []
     iq = 0

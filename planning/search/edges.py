@@ -1,4 +1,4 @@
-"""EdgeChecker: whether a geodesic between two configurations is free, at a resolution."""
+"""EdgeChecker: validity of an edge (a geodesic between two configurations) by sampling."""
 
 from collections.abc import Callable
 from typing import Any
@@ -13,12 +13,12 @@ type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 
 class EdgeChecker:
-    """Checks edges against an oracle.
+    """Checker of edges by samples at most one resolution apart, against a collision oracle.
 
     Not promised: anything between two samples.
 
     Attributes:
-        norm: Measures tangents; what a shortcut gains is told by it.
+        norm: Measure of tangents, by which the gain of a shortcut is computed.
         resolution: Largest distance between two samples (radians and metres weigh the same).
         num_motions: Edges checked so far.
     """
@@ -30,7 +30,7 @@ class EdgeChecker:
         resolution: float,
         norm: Callable[[Array], Array] | None = None,
     ) -> None:
-        """Make a checker that has checked nothing yet; it measures by length or by `norm`."""
+        """Make a checker with its counter at zero; `norm` is the Euclidean length by default."""
         self.norm = norm or _euclidean
         self.manifold = manifold
         self.resolution = resolution
@@ -42,7 +42,7 @@ class EdgeChecker:
         """Return whether all samples of the geodesic are free, q1's included, q0's not.
 
         Raises:
-            Canceled: The end was asked for.
+            Canceled: The request was canceled.
             DeadlineExceeded: The time has run out.
         """
         self.num_motions += 1
@@ -52,7 +52,7 @@ class EdgeChecker:
         """Return whether all samples of the geodesic are free, both ends included.
 
         Raises:
-            Canceled: The end was asked for.
+            Canceled: The request was canceled.
             DeadlineExceeded: The time has run out.
         """
         self.num_motions += 1
@@ -66,10 +66,10 @@ class EdgeChecker:
     def are_free(
         self, q0s: Float64[np.ndarray, "m nq"], q1s: Float64[np.ndarray, "m nq"]
     ) -> Bool[np.ndarray, " m"]:
-        """Return the same as `is_free` for each pair of rows.
+        """Return whether each edge is free as by `is_free`, for pairs of rows.
 
         Raises:
-            Canceled: The end was asked for.
+            Canceled: The request was canceled.
             DeadlineExceeded: The time has run out.
         """
         self.num_motions += len(q0s)
@@ -79,7 +79,7 @@ class EdgeChecker:
     def lengths(
         self, q0s: Float64[np.ndarray, "*#m nq"], q1s: Float64[np.ndarray, "*#m nq"]
     ) -> Float64[np.ndarray, "*m"]:
-        """Return the measures of the geodesics between rows, by `norm`."""
+        """Return the lengths by `norm` of the geodesics between rows."""
         return self.norm(self.manifold.minus(q1s, q0s))
 
     def between(
@@ -88,11 +88,11 @@ class EdgeChecker:
         q1s: Float64[np.ndarray, "m nq"],
         fractions: Float64[np.ndarray, " m"],
     ) -> Array:
-        """Return the configuration at a fraction of the way between each pair of rows."""
+        """Return the configuration at a fraction of the geodesic between each pair of rows."""
         return self.manifold.plus(q0s, fractions[:, None] * self.manifold.minus(q1s, q0s))
 
     def way(self, q0: Float64[np.ndarray, " nq"], q1: Float64[np.ndarray, " nq"]) -> Array:
-        """Return waypoints from q0 to q1, joined by geodesics, shape (k, nq): here these two."""
+        """Return waypoints from q0 to q1, joined by geodesics, shape (k, nq): here q0 and q1."""
         return np.stack([q0, q1])
 
     def geodesic(
@@ -101,7 +101,7 @@ class EdgeChecker:
         q1: Float64[np.ndarray, " nq"],
         fractions: Float64[np.ndarray, " m"],
     ) -> Array:
-        """Return the configurations at fractions of the way, shape (m, nq)."""
+        """Return the configurations at fractions of the geodesic from q0 to q1, shape (m, nq)."""
         return self.manifold.plus(q0, fractions[:, None] * self.manifold.minus(q1, q0))
 
 

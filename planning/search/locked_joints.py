@@ -1,4 +1,4 @@
-"""JointLock: a search over some joints of a group while the others stay where they are."""
+"""JointLock: search over some joints of a group, with the others fixed at their start positions."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -22,7 +22,7 @@ from planning.search.solver import search
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 type Indices = np.ndarray[Any, np.dtype[np.intp]]
 
-# A goal whose locked joints are this near to the start's has them there [rad or m].
+# Largest difference between start and goal in a locked joint, for the goal to count [rad or m].
 _SAME = 1e-6
 
 
@@ -35,14 +35,14 @@ def search_with_locked_joints(  # noqa: PLR0913, PLR0917  (what `search` takes, 
     deadline: Deadline,
     watch: Stopwatch,
 ) -> SearchResult:
-    """Return what `search` finds if the joints named in `locked` stay as the start has them.
+    """Return the result of `search` with the joints named in `locked` fixed at their start values.
 
     Raises:
-        ProblemInvalid: A number in the task makes no sense.
+        ProblemInvalid: A number in the task is out of range.
         UnknownName: There is no such planner, or it has no such parameter.
-        NoPathFound: There is no goal or no path with these joints where they are.
+        NoPathFound: There is no goal or no path with the locked joints at their start positions.
         DeadlineExceeded: The time ran out.
-        Canceled: The end was asked for.
+        Canceled: The request was canceled.
     """
     if not locked:
         return search(group, limits, oracle, task, deadline, watch)
@@ -75,19 +75,19 @@ def search_with_locked_joints(  # noqa: PLR0913, PLR0917  (what `search` takes, 
 
 
 class JointLock:
-    """Which joints move, and where the others are.
+    """Moving joints of a group, and the fixed positions of its locked joints.
 
     Attributes:
-        free: The joints that move, as a group.
-        move_q: Their coordinates in the group's q.
-        move_v: And in its v.
-        stay_q: The coordinates of the others in q.
+        free: The moving joints, as a group.
+        move_q: Indices of their coordinates in the group's q.
+        move_v: Indices of their coordinates in the group's v.
+        stay_q: Indices of the locked joints' coordinates in q.
     """
 
     def __init__(
         self, group: JointGroup, locked: frozenset[str], start: Float64[np.ndarray, " nq"]
     ) -> None:
-        """Lock joints, by name, where the start, shape (nq,), has them."""
+        """Lock joints, by name, at their positions in the start, shape (nq,)."""
         moving = tuple(joint for joint in group.joints if joint.name not in locked)
         steering = {name: how for name, how in steering_of(group).items() if name not in locked}
         self.free = steered(
@@ -100,7 +100,7 @@ class JointLock:
         self.move_v, _ = self._split([j.num_velocities for j in group.joints])
 
     def options(self, options: SearchOptions) -> SearchOptions:
-        """Return the options without what they say of joints that do not move."""
+        """Return the options without weights, bounds and spaces of locked joints."""
 
         def moving(by_name: Mapping[str, Any]) -> dict[str, Any]:
             return {
@@ -117,7 +117,7 @@ class JointLock:
         )
 
     def limits(self, limits: JointLimits) -> JointLimits:
-        """Return those of the joints that move."""
+        """Return the limits of the moving joints."""
         moves = [joint.name not in self._locked for joint in self._joints for _ in joint.blocks]
         rows = np.flatnonzero(moves)
         return JointLimits(
@@ -131,19 +131,19 @@ class JointLock:
         )
 
     def expand(self, qs: Float64[np.ndarray, "*m nf"]) -> Float64[np.ndarray, "*m nq"]:
-        """Return the whole group's configurations."""
+        """Return configurations of the whole group from those of the moving joints."""
         whole = np.broadcast_to(self._start, (*qs.shape[:-1], len(self._start))).copy()
         whole[..., self.move_q] = qs
         return whole
 
     def expand_tangents(self, v: Float64[np.ndarray, "*m nf"]) -> Float64[np.ndarray, "*m nv"]:
-        """Return the whole group's displacements."""
+        """Return displacements of the whole group from those of the moving joints."""
         whole = np.zeros((*v.shape[:-1], self._nv))
         whole[..., self.move_v] = v
         return whole
 
     def _split(self, counts: list[int]) -> tuple[Indices, Indices]:
-        """Return the coordinates of the joints that move, and of those that stay."""
+        """Return the indices of the moving joints' coordinates, and of the locked ones'."""
         flags = np.repeat([not self._is_locked(joint) for joint in self._joints], counts)
         return np.flatnonzero(flags), np.flatnonzero(~flags)
 
@@ -153,17 +153,17 @@ class JointLock:
 
 @dataclass(frozen=True)
 class LockedJointOracle:
-    """An oracle of the whole group, asked about the joints that move."""
+    """Collision oracle of the whole group, as a function of its moving joints."""
 
     lock: JointLock
     inner: CollisionOracle
 
     def is_free(self, q: Float64[np.ndarray, " nq"]) -> bool:
-        """Return whether the whole group is free."""
+        """Return whether the whole group is free at q of the moving joints, shape (nq,)."""
         return self.inner.is_free(self.lock.expand(q))
 
     def are_free(self, qs: Float64[np.ndarray, "m nq"]) -> Bool[np.ndarray, " m"]:
-        """Return the same for each row."""
+        """Return whether the whole group is free at each row of qs, shape (m, nq)."""
         return self.inner.are_free(self.lock.expand(qs))
 
     def is_motion_free(
@@ -182,27 +182,27 @@ class LockedJointOracle:
         displacements: Float64[np.ndarray, "m nv"],
         resolution: float,
     ) -> Bool[np.ndarray, " m"]:
-        """Return the same for each pair of rows."""
+        """Return whether every sample of each motion is free, by pairs of rows."""
         whole = self.lock.expand(origins), self.lock.expand_tangents(displacements)
         return self.inner.are_motions_free(*whole, resolution)
 
 
 @dataclass(frozen=True)
 class LockedResidual:
-    """A residual of the whole group, as a function of the joints that move."""
+    """Constraint residual of the whole group, as a function of its moving joints."""
 
     lock: JointLock
     inner: Residual
 
     @property
     def size(self) -> int:
-        """How many numbers it has."""
+        """Number of components."""
         return self.inner.size
 
     def residual(self, q: Float64[np.ndarray, " nq"]) -> Float64[np.ndarray, " size"]:
-        """Return it at q."""
+        """Return the residual at q."""
         return self.inner.residual(self.lock.expand(q))
 
     def jacobian(self, q: Float64[np.ndarray, " nq"]) -> Float64[np.ndarray, "size nv"]:
-        """Return its derivative by the joints that move."""
+        """Return its derivative with respect to v of the moving joints."""
         return self.inner.jacobian(self.lock.expand(q))[:, self.lock.move_v]

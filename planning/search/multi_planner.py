@@ -1,10 +1,10 @@
-"""Race: all attempts, by one planner or by several in turn, and the best of what they find.
+"""Multi-planner search: rounds of attempts by one or several planners; best path kept.
 
-One planner may take all the time that there is. Of several none may, since another one may be
-quick where it is stuck: each attempt ends when it has checked a number of states without a
-solution, and if all have, everybody begins anew with four times as many, unless the task itself
-says how many. Counts and not seconds decide, so that the same seed gives the same path on any
-machine.
+A single planner may take all the time that there is. Of several planners none may, since another
+one may be quick where the first makes no progress: each attempt ends when it has checked a number
+of states without a solution. If all attempts of a round end that way, a new round begins with four
+times as many states, unless the task itself sets the number. The budget is in states and not in
+seconds, so that the same seed gives the same path on any machine.
 """
 
 import math
@@ -19,7 +19,7 @@ from planning.search.request import SearchTask
 from planning.search.statistics import SearchStatistics
 from planning.search.verified_path import CheckResolution
 
-# What an attempt of several planners may check in the first round, and by how much more later.
+# States that an attempt of several planners may check in the first round; growth factor per round.
 _FIRST_STATES = 20_000
 _MORE = 4
 
@@ -27,14 +27,14 @@ _MORE = 4
 def solve_concurrently(
     query: Query, closeness: CheckResolution, task: SearchTask, tally: SearchStatistics
 ) -> None:
-    """Make every attempt, or as many as there is time for, and keep the best path in the tally.
+    """Run rounds of attempts until one has a path; keep the best path in the search statistics.
 
     Raises:
-        Canceled: The end was asked for.
+        Canceled: The request was canceled.
         DeadlineExceeded: The time has run out.
     """
     seeds = np.random.SeedSequence(task.seed)
-    # What planners improve by other objectives is no length.
+    # Costs of other objectives than the length are no lengths to report.
     tell = task.on_best if query.objective.is_length else None
     on_better = None if tell is None else partial(tally.hear, tell)
     is_alone = len(query.options.planners) == 1

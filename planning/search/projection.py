@@ -1,9 +1,9 @@
-"""Projection onto the set on which a residual vanishes, and ways along that set.
+"""Projection onto the zero set of a constraint residual, and local paths along that set.
 
-Newton's method with the pseudoinverse of the Jacobian, and chains of short steps toward a goal,
-each of them projected: what OMPL does in its projected state spaces (Kingston, Moll, Kavraki,
-"Exploring implicit spaces for constrained sampling-based planning", IJRR 38:10, 2019). Roadmaps do
-it here, since they ask none of OMPL's planners. Joints neither wrap nor float.
+Newton's method with the pseudoinverse of the Jacobian, and chains of short projected steps toward a
+goal, as in OMPL's projected state spaces (Kingston, Moll, Kavraki, "Exploring implicit spaces for
+constrained sampling-based planning", IJRR 38:10, 2019). Roadmaps use this module, since they use
+none of OMPL's planners. Only for joints that neither wrap nor float.
 """
 
 from typing import Any
@@ -17,11 +17,11 @@ from planning.search.ompl.projected_space import MOST_ITERATIONS, ON, STEP, Resi
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 type Rows = np.ndarray[Any, np.dtype[np.intp]]
 
-# A projected step that is so many times as long as it should be has jumped elsewhere.
+# A projected step longer than this many nominal steps has jumped to another part of the set.
 _JUMP = 2.0
-# What a step must gain at least, as a share of its length.
+# Least progress toward the goal per step, as a share of the step length.
 _PROGRESS = 0.1
-# How often a step whose straight way leaves the set is halved.
+# How many times a step is halved whose straight edge leaves the set.
 _HALVINGS = 2
 
 
@@ -43,18 +43,18 @@ def way_along(
     q0: Float64[np.ndarray, " nq"],
     q1: Float64[np.ndarray, " nq"],
 ) -> Array | None:
-    """Return waypoints between q0 and q1 such that all straight ways are free, shape (k, nq).
+    """Return waypoints along the set strictly between q0 and q1, shape (k, nq); edges are free.
 
-    None if no short steps lead there.
+    None if short steps do not lead from q0 to q1.
 
     Args:
-        residual: Vanishes on the set.
-        edges: Says what is free, the set itself considered.
-        q0: Where from.
-        q1: Where to.
+        residual: Zero on the set.
+        edges: Checker of edges; it includes the set as a constraint.
+        q0: First configuration, on the set.
+        q1: Last configuration, on the set.
 
     Raises:
-        Canceled: The end was asked for.
+        Canceled: The request was canceled.
         DeadlineExceeded: The time has run out.
     """
     way = _chain(residual, q0, q1)
@@ -69,7 +69,7 @@ def way_along(
 
 
 def _chain(residual: Residual, q0: Array, q1: Array) -> Array | None:
-    """Return steps from q0 to q1, both included."""
+    """Return projected steps from q0 to q1, both included."""
     rows = [q0]
     left = float(np.linalg.norm(q1 - q0))
     while left > STEP:
@@ -86,7 +86,7 @@ def _chain(residual: Residual, q0: Array, q1: Array) -> Array | None:
 
 
 def _halved(residual: Residual, way: Array, blocked: Rows) -> Array | None:
-    """Return the way with a step more in the middle of each that is blocked."""
+    """Return the chain with a projected midpoint added to each blocked step."""
     middles = [projected(residual, (way[i] + way[i + 1]) / 2) for i in blocked]
     found = [q for q in middles if q is not None]
     if len(found) < len(middles):

@@ -1,4 +1,4 @@
-"""Query: what a task asks of every attempt."""
+"""Query: one search problem as every attempt gets it: space, oracle, start, goals, budgets."""
 
 import math
 from collections.abc import Callable, Mapping
@@ -30,22 +30,23 @@ type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 @dataclass(frozen=True)
 class Query:
-    """What every attempt needs.
+    """Search problem, shared by all attempts.
 
     Attributes:
-        space: Where to search.
-        oracle: What is free.
+        space: State space of the search.
+        oracle: Collision oracle.
         start: The group's q, shape (nq,).
         goals: Free configurations, shape (n, nq).
-        planner: OMPL's name.
-        parameters: Of the planner.
-        deadline: When to give up.
-        watch: Told how long the parts of a search take.
-        objective: What to improve.
-        options: The request's other wishes.
-        space_seconds: What it took to build the space [s].
-        most_states: After how many checked states a planner without a solution gives up.
-        on_better: Told the planner's name and its best cost, now and then while it improves that.
+        planner: OMPL's name of the planner.
+        parameters: Parameters of the planner.
+        deadline: End of the search.
+        watch: Records the durations of the stages of a search.
+        objective: Cost of a path, to be minimised.
+        options: The other options of the request.
+        space_seconds: Duration of the construction of the space [s].
+        most_states: Checked states after which a planner without a solution gives up.
+        on_better: Callback with the planner's name and its best cost, at intervals while it
+            improves.
     """
 
     space: SearchSpace
@@ -64,12 +65,12 @@ class Query:
 
     @property
     def is_hurried(self) -> bool:
-        """Whether somebody has canceled and wants the best there is."""
+        """Whether the request was canceled with the option to return the best path so far."""
         return self.options.on_cancel == "best" and self.deadline.is_canceled()
 
     @property
     def patience(self) -> Deadline:
-        """By when what is found has to be ready: a cancel that wants the best lets that go on."""
+        """Deadline for finishing a path: a cancel that wants the best path does not end it."""
         keeps_best = self.options.on_cancel == "best"
         return self.deadline.uncancelable if keeps_best else self.deadline
 
@@ -82,7 +83,7 @@ def query_of(
     deadline: Deadline,
     watch: Stopwatch | None,
 ) -> tuple[Query, np.ndarray[Any, np.dtype[np.intp]]]:
-    """Return what every attempt needs, and the rows of the goals that are searched for."""
+    """Return the search problem of a task, and the rows of the admissible goals."""
     options = task.options
     check_planners(options.planners, options.parameters)
     require_directed(options.planners, steering_of(group))
@@ -122,17 +123,17 @@ def _space(group: JointGroup, limits: JointLimits, task: SearchTask, weights: Ar
 
 
 def can_project(group: JointGroup, options: SearchOptions) -> bool:
-    """Return whether a search with such options can bring samples onto a thin set."""
+    """Return whether a search with these options can project samples onto a constraint set."""
     return not (options.weights or options.spaces or steering_of(group))
 
 
 def _admissible_goals(
     space: SearchSpace, oracle: WatchedOracle, task: SearchTask
 ) -> np.ndarray[Any, np.dtype[np.intp]]:
-    """Return the rows of the goals that can be searched for.
+    """Return the rows of the goals that are inside the space and free.
 
     Raises:
-        NoPathFound: There is none, or the start is inadmissible itself.
+        NoPathFound: There is none, or the start itself is inadmissible.
     """
     evidence = {"planner": ", ".join(task.options.planners), "padding": task.padding}
     if not (space.contains(task.start) and oracle.is_free(task.start)):

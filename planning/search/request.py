@@ -1,4 +1,4 @@
-"""What the search stage is asked, and what it answers."""
+"""SearchTask and SearchResult: input and output of the search stage."""
 
 import math
 from collections.abc import Callable
@@ -24,10 +24,10 @@ type Clearances = Callable[
 
 @runtime_checkable
 class PathGuide(Protocol):
-    """Somebody who may know a path.
+    """Source of a candidate path other than a planner, for example regions.
 
     Attributes:
-        name: Stands for the planner's in reports.
+        name: Name in reports, in place of the planner's.
     """
 
     name: str
@@ -35,32 +35,32 @@ class PathGuide(Protocol):
     def lead(
         self, goals: Float64[np.ndarray, "n nq"]
     ) -> tuple[Float64[np.ndarray, "m nq"], int] | None:
-        """Return a path from the start to one of the goals, and the goal's row, if there is one."""
+        """Return a path from the start to one of the goals, and that goal's row, or None."""
         ...
 
 
 @dataclass(frozen=True, eq=False)
 class SearchTask(Value):
-    """What the stage is asked.
+    """Input of the search stage.
 
     Attributes:
         start: The group's q, shape (nq,).
-        goals: Where it may end, nearest first, shape (n, nq).
+        goals: Goal configurations, nearest first, shape (n, nq).
         options: Planner, parameters, attempts, number of states.
-        resolution: Largest distance between two checked states while searching; it stands for
-            that of the options, which the pipeline makes finer in later rounds.
-        padding: Distance that the oracle demands beyond the margin [m]; for the report.
-        seed: Of all randomness, not negative.
-        residual: What vanishes on a set that samples are to be projected onto, or None.
-        most_states: How many states an attempt may check until it has a solution. If all attempts
-            have, the search gives up, and the failure's evidence has `num_given_up`.
-        clearances: Returns for rows of q the distances to what is not the robot [m]; for the
+        resolution: Largest distance between two checked states while searching; used in place of
+            the one of the options, which the pipeline makes finer in later rounds.
+        padding: Distance that the oracle requires beyond the margin [m]; for the report.
+        seed: Seed of all random numbers, not negative.
+        residual: Constraint residual, on whose zero set samples are projected, or None.
+        most_states: States that an attempt may check until it has a solution. If all attempts have
+            checked as many, the search gives up, and the failure's evidence has `num_given_up`.
+        clearances: Returns for rows of q the distances to everything but the robot [m]; for the
             objective "clearance".
-        on_best: Told of every path that is the best so far; of those that a planner is still
-            improving now and then.
-        guide: Asked for a path before the planner is, if there is no straight line.
-        roadmap: Where a way is looked for before any planner is asked, or None.
-        pool: Makes attempts at once, or None.
+        on_best: Callback with every path that is the best so far, and at intervals with the ones
+            that a planner is still improving.
+        guide: Source of a path that is used before the planner, if there is no straight line.
+        roadmap: Roadmap that is queried before any planner, or None.
+        pool: Pool of processes for concurrent attempts, or None.
     """
 
     start: Float64[np.ndarray, " nq"]
@@ -80,13 +80,13 @@ class SearchTask(Value):
 
 @dataclass(frozen=True, eq=False)
 class SearchResult(Value):
-    """What the stage found.
+    """Output of the search stage.
 
     Attributes:
         path: From exactly the start to exactly one of the goals.
-        goal_row: Which goal.
-        report: What was done.
-        graph: What the planner explored, if that was asked for and it tells.
+        goal_row: Row of that goal.
+        report: Statistics of the search.
+        graph: Graph that the planner explored, if it was requested and the planner has one.
     """
 
     path: JointPath

@@ -1,10 +1,10 @@
-"""search(): from goal configurations to a path. The stage's one entry.
+"""search(): a path from the start to one of several goal configurations; entry of the stage.
 
-A straight line to one of the nearest goals comes first. If there is none, or only to a goal much
-farther than the nearest, the roadmap is asked if there is one, and if it knows no way the planner
-looks for a path, which is shortened and checked again, edge by edge, four times as finely as it was
-searched; if that finds a collision the attempt starts anew with half the resolution. The best of
-all attempts is kept (see `solve_concurrently`); what is best, `objective` says.
+A straight line to one of the nearest goals comes first. If there is none, or only one to a goal
+much farther than the nearest, the guide and the roadmap are queried if there are any. If these have
+no path, a planner searches for one. Its path is shortened and checked again, edge by edge, at a
+quarter of the resolution of the search; if that finds a collision, the attempt starts anew with
+half the resolution. The best of all attempts by `objective` is kept (see `solve_concurrently`).
 """
 
 from contextlib import nullcontext
@@ -36,11 +36,11 @@ from planning.search.verified_path import (
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
-# A straight line to a goal is not taken at once if the nearest goal is so much nearer than that: a
-# factor, beyond a length that nobody minds.
+# A straight line is taken at once only if it is no longer than this factor times the distance to
+# the nearest goal, plus a constant (joint-space length).
 _DETOUR = 1.3
 _NEAR = 0.5
-# Straight lines are tried to so many goals.
+# Number of goals to which straight lines are checked.
 _MOST_LINES = 16
 
 _FIELDS = {
@@ -75,26 +75,26 @@ def search(
     Not promised: the shortest path, or freedom between the checked states (the certifier's job).
 
     Args:
-        group: Whose joints move.
+        group: The joints that move.
         limits: Their position limits.
-        oracle: What is free.
-        task: Start, goals and how to search.
-        deadline: When to give up; also asked whether anybody still wants the answer.
-        watch: Told how long "setup", "solve", "shortcut" and "interpolate" take.
+        oracle: Collision oracle.
+        task: Start, goals and options of the search.
+        deadline: End of the search, by time or by a cancel.
+        watch: Records the durations of "setup", "solve", "shortcut" and "interpolate".
 
     Raises:
-        ProblemInvalid: A number in the task makes no sense.
+        ProblemInvalid: A number in the task is out of range.
         UnknownName: There is no such planner, or it has no such parameter.
         NoPathFound: The planner ended without an exact solution.
         DeadlineExceeded: The time ran out before there was any.
-        Canceled: The end was asked for.
+        Canceled: The request was canceled.
     """
     _require_sense(group, task)
     group = resolve_space(group, task.options.spaces)
     query, rows = query_of(group, limits, oracle, task, deadline, watch)
     fine = fine_checker(query, task.resolution)
     closeness = CheckResolution(task.resolution, task.options.num_states, fine, query.objective)
-    # Of one attempt the end of the search tells as much.
+    # With one attempt the end of the search gives the same report.
     on_best = task.on_best if task.options.num_attempts > 1 else None
     tally = SearchStatistics(on_best, direct=_straight_line(query, closeness))
     if tally.best is None or _is_detour(tally.best, query):
@@ -114,12 +114,12 @@ def search(
 def _look(
     query: Query, closeness: CheckResolution, task: SearchTask, tally: SearchStatistics
 ) -> None:
-    """Ask the guide and the roadmap if there are any, and the planners unless one knows a way.
+    """Query the guide and the roadmap if there are any, then the planners unless one has a path.
 
-    Whoever is interrupted, what the tally has by then counts.
+    If the search is interrupted, the best path recorded so far counts.
 
     Raises:
-        Canceled: Somebody asked for the end, and there is nothing to give or it is not wanted.
+        Canceled: The request was canceled, and there is no path yet or it is not wanted.
         DeadlineExceeded: The time ran out before there was any path.
     """
     try:
@@ -175,7 +175,7 @@ def _report(
 def _is_led(
     query: Query, closeness: CheckResolution, task: SearchTask, tally: SearchStatistics
 ) -> bool:
-    """Whether the task's guide knows a path that is free; the tally has it then."""
+    """Return whether the task's guide has a path that is free; it is recorded then."""
     with query.watch.note("guide") if task.guide else nullcontext():
         found = None if task.guide is None else task.guide.lead(query.goals)
     if task.guide is None or found is None:
@@ -188,16 +188,16 @@ def _is_led(
 
 
 def _is_detour(direct: VerifiedPath, query: Query) -> bool:
-    """Whether a way around to a nearer goal may well be shorter than a line to this one."""
+    """Return whether a path to a nearer goal may well be shorter than this straight line."""
     nearest = float(query.space.manifold.distance(query.goals[0], query.start))
     return direct.length > _DETOUR * nearest + _NEAR
 
 
 def _require_sense(group: JointGroup, task: SearchTask) -> None:
-    """Refuse numbers that cannot be meant.
+    """Check that the numbers of a task are in range.
 
     Raises:
-        ProblemInvalid: And which.
+        ProblemInvalid: One is not; the message names it.
     """
     nq = group.num_positions
     options = task.options

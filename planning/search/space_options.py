@@ -1,4 +1,4 @@
-"""What a request may say about the space that is searched: weights, bounds, and parts of joints."""
+"""Options of a request for the search space: metric weights, bounds, held rotations, steering."""
 
 from collections.abc import Mapping
 from dataclasses import replace
@@ -22,7 +22,7 @@ _ROTATES = (JointType.PLANAR, JointType.FLOATING)
 def metric_weights(
     group: JointGroup, weights: Mapping[str, float]
 ) -> Float64[np.ndarray, " num_blocks"]:
-    """Return a weight for each of the group's blocks; a block's own name beats its joint's.
+    """Return a metric weight for each of the group's blocks; a block's name overrides its joint's.
 
     Raises:
         UnknownName: There is no such joint or block.
@@ -45,11 +45,11 @@ def metric_weights(
 def bounded_limits(
     group: JointGroup, limits: JointLimits, bounds: Mapping[str, tuple[float, float]]
 ) -> JointLimits:
-    """Return the limits, tightened to the bounds of a search.
+    """Return position limits, tightened to the search bounds of a request.
 
     Raises:
         UnknownName: There is no such position coordinate.
-        ProblemInvalid: Bounds are no interval within the limits, or of a quaternion.
+        ProblemInvalid: Bounds are no interval within the limits, or are those of a quaternion.
     """
     lower, upper = limits.lower.copy(), limits.upper.copy()
     quaternions = {
@@ -72,11 +72,11 @@ def bounded_limits(
 
 
 def resolve_space(group: JointGroup, spaces: Mapping[str, str | Steering]) -> JointGroup:
-    """Return the group with the bases steered that a request says are cars.
+    """Return the group with the steering of its bases that a request declares as cars.
 
     Raises:
         UnknownName: There is no such planar joint.
-        ProblemInvalid: A turning radius makes no sense, or the robot itself cannot drive so.
+        ProblemInvalid: A turning radius is out of range, or the robot itself cannot drive so.
     """
     asked = {name: how for name, how in spaces.items() if isinstance(how, Steering)}
     if not asked:
@@ -86,11 +86,11 @@ def resolve_space(group: JointGroup, spaces: Mapping[str, str | Steering]) -> Jo
 
 
 def held_rotations(group: JointGroup, spaces: Mapping[str, str | Steering]) -> list[int]:
-    """Return the coordinates of q that a search keeps as they are at the start.
+    """Return the coordinates of q that a search keeps at their start values.
 
     Raises:
         UnknownName: There is no such planar or floating joint, or no such space.
-        ProblemInvalid: A car is to keep its rotation.
+        ProblemInvalid: The rotation to hold is that of a car.
     """
     offsets: dict[str, list[int]] = {}
     iq = 0

@@ -1,4 +1,4 @@
-"""SearchStatistics: what the attempts of a search came to so far."""
+"""SearchStatistics: counters, log and best path over the attempts of a search."""
 
 import dataclasses
 import math
@@ -17,24 +17,24 @@ _MOST_LOGGED = 100
 
 @dataclass
 class SearchStatistics:
-    """What the attempts came to so far.
+    """Counters, log and best path over all attempts so far.
 
     Attributes:
-        on_best: Told of every path that is the best so far.
+        on_best: Callback with every path that is the best so far.
         direct: A free straight line, if there is one.
         best: The best path.
-        winner: Name of the planner that found it, or "".
-        last: The last attempt's planner's answer.
-        graph: Of the planner that found the best.
-        approximate: The nearest configuration to a goal that an attempt reached.
-        log: What each attempt came to.
-        num_attempts: How many were begun.
-        num_solved: How many found a path.
+        winner: Name of the planner of the best path, or "".
+        last: The planner's result in the last attempt.
+        graph: Graph of the planner of the best path.
+        approximate: The configuration nearest to a goal that an attempt reached.
+        log: One report per attempt.
+        num_attempts: Attempts that were begun.
+        num_solved: Attempts with a path.
         num_motions: Edges that planners checked.
-        num_spent: How many gave up for having checked as many states as they may.
-        was_canceled: Whether a cancel ended it all.
-        roadmap: What a roadmap did before any planner was asked, or None.
-        heard: The least length that was told of paths that planners were still improving.
+        num_spent: Attempts that gave up after the allowed number of checked states.
+        was_canceled: Whether a cancel ended the search.
+        roadmap: Report of the roadmap query before any planner, or None.
+        heard: Least length reported so far of paths that planners were still improving.
     """
 
     on_best: Callable[[AttemptReport], None] | None
@@ -54,11 +54,11 @@ class SearchStatistics:
     heard: float = math.inf
 
     def __post_init__(self) -> None:
-        """Begin with the straight line."""
+        """Start with the straight line as the best path."""
         self.best = self.direct
 
     def evidence(self, query: Query) -> dict[str, Any]:
-        """Return what is known of a failure."""
+        """Return the evidence of a failure, as plain values."""
         options = query.options
         found: dict[str, Any] = {
             "planner": ", ".join(options.planners),
@@ -85,14 +85,14 @@ class SearchStatistics:
             self.approximate = near
 
     def hear(self, tell: Callable[[AttemptReport], None], planner: str, length: float) -> None:
-        """Tell of a path that a planner is still improving, if it is the best so far."""
+        """Report the length of a path that a planner still improves, if it is the best so far."""
         least = self.heard if self.best is None else min(self.heard, self.best.length)
         if length < least:
             self.heard = length
             tell(AttemptReport(planner, "improving", length, length, length, 0))
 
     def note(self, planner: str, trial: VerificationTrial, num_states: int) -> None:
-        """Add an attempt that ended."""
+        """Record an attempt that ended."""
         path = trial.path
         self.last = trial.last
         self.num_motions += trial.num_motions

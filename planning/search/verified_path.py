@@ -1,8 +1,8 @@
-"""A path that stays free when it is looked at more closely than the planner looked.
+"""VerifiedPath: a path whose edges are free at a finer resolution than the planner's.
 
-A planner's edge may pass a thin obstacle between two samples. So what is delivered is checked at
-the fine resolution; where that finds no way through, the planner starts anew and checks its edges
-with half the resolution, until it looks as closely as that.
+A planner's edge may pass a thin obstacle between two samples. So a path is checked at the fine
+resolution before it is returned; where that check finds a collision that cannot be avoided, the
+planner starts anew with half the resolution, until it checks as finely itself.
 """
 
 from collections.abc import Callable
@@ -23,22 +23,22 @@ from planning.search.shortcut.repair import repair_path
 from planning.search.shortcut.resampling import interpolated
 from planning.search.shortcut.shortcut_path import shortcut
 
-# How much finer than the search the result is checked, and the halvings that lead there.
+# Factor by which results are checked more finely than the search, and halvings up to it.
 FINER = 4
 _HALVINGS = 2
-# Of the time that is left, what shortcutting may use; the rest is for the final check.
+# Share of the remaining time that shortcutting may use; the rest is for the final check.
 _SHORTCUT_SHARE = 0.7
 
 
 @dataclass(frozen=True)
 class CheckResolution:
-    """How closely to look.
+    """Resolutions of the search and of the final check.
 
     Attributes:
-        resolution: At which the planner begins to check edges.
+        resolution: Resolution at which the planner begins to check edges (joint-space length).
         num_states: Least number of waypoints, or None.
-        fine: Checks edges at a quarter of the resolution.
-        objective: Measures paths.
+        fine: Checker of edges at a quarter of that resolution.
+        objective: Cost of paths.
     """
 
     resolution: float
@@ -49,15 +49,15 @@ class CheckResolution:
 
 @dataclass(frozen=True, eq=False)
 class VerifiedPath(Value):
-    """A path whose every edge is free at the fine resolution.
+    """Path whose every edge is free at the fine resolution.
 
     Attributes:
         waypoints: Shape (n, nq).
-        goal_row: The goal that it ends in.
-        raw_length: Before shortcutting.
-        length: And after it.
-        cost: By the objective.
-        is_interpolated: Whether it has as many waypoints as were asked for.
+        goal_row: Row of the goal in which it ends.
+        raw_length: Length before shortcutting.
+        length: Length after shortcutting.
+        cost: Cost by the objective.
+        is_interpolated: Whether it has the requested number of waypoints.
     """
 
     waypoints: Float64[np.ndarray, "n nq"]
@@ -70,11 +70,11 @@ class VerifiedPath(Value):
 
 @dataclass(frozen=True, eq=False)
 class VerificationTrial(Value):
-    """What came of one attempt, its repetitions included.
+    """Result of one attempt, its repetitions at finer resolutions included.
 
     Attributes:
-        last: The planner's last answer.
-        path: What was made of it, or None.
+        last: The planner's last result.
+        path: The verified path, or None.
         num_motions: Edges that the planner checked.
     """
 
@@ -84,22 +84,22 @@ class VerificationTrial(Value):
 
 
 def coarse_checker(query: Query, resolution: float) -> EdgeChecker:
-    """Return what checks tries, for a search at `resolution`."""
+    """Return the edge checker of planners, for a search at `resolution`."""
     return query.space.checker(query.oracle, resolution, query.objective.norm)
 
 
 def fine_checker(query: Query, resolution: float) -> EdgeChecker:
-    """Return what checks results, for a search at `resolution`."""
+    """Return the edge checker of results, for a search at `resolution`."""
     return coarse_checker(query, resolution / FINER)
 
 
 def followed(
     query: Query, closeness: CheckResolution, raw: Array, goal_row: int
 ) -> VerificationTrial:
-    """Shorten and check a path that somebody else found, shape (n, nq).
+    """Shorten and check a path from another source than a planner, shape (n, nq).
 
     Raises:
-        Canceled: The end was asked for.
+        Canceled: The request was canceled.
         DeadlineExceeded: The time has run out.
     """
     edges = coarse_checker(query, closeness.resolution)
@@ -110,10 +110,10 @@ def followed(
 def verified_attempt(
     query: Query, closeness: CheckResolution, seeds: np.random.SeedSequence
 ) -> VerificationTrial:
-    """Search, shorten and check, again with half the resolution if that finds a collision.
+    """Search, shorten and check; repeat with half the resolution if the check finds a collision.
 
     Raises:
-        Canceled: The end was asked for.
+        Canceled: The request was canceled.
         DeadlineExceeded: The time has run out.
     """
     num_motions = halvings = 0
@@ -145,7 +145,7 @@ def shortened(
 ) -> VerifiedPath | None:
     """Return a shorter path that is free at the fine resolution, if there is one.
 
-    After a cancel that wants the best it is only checked.
+    After a cancel with the option "best" the path is only checked.
     """
     if not len(found.waypoints):
         return None
@@ -161,7 +161,7 @@ def shortened(
         path = unrolled(shorter, query.space.manifold)
         best = delivered(query, path, raw, found.goal_row, closeness)
         if query.objective.name == "clearance" and fine.are_free(raw[:-1], raw[1:]).all():
-            # A shorter path may well be nearer to things.
+            # A shorter path may be nearer to obstacles.
             untouched = delivered(query, raw, raw, found.goal_row, closeness)
             both = [path for path in (best, untouched) if path is not None]
             best = min(both, key=lambda path: path.cost, default=None)
@@ -169,24 +169,24 @@ def shortened(
 
 
 def _shortcut_end(query: Query) -> Callable[[], bool]:
-    """Return what says whether to shorten no more."""
+    """Return a function that says whether the time for shortcutting is over."""
     seconds = query.options.shortcut_time
     time = query.deadline.share(_SHORTCUT_SHARE).within(seconds)
-    # Who asks for no shortcuts gets none, whatever the clock says: that is no cut.
+    # A budget of zero means no shortcuts by request, not a cut by the clock.
     return (lambda: True) if seconds == 0 else (lambda: time.is_over)
 
 
 def delivered(
     query: Query, waypoints: Array, raw: Array, goal_row: int, closeness: CheckResolution
 ) -> VerifiedPath | None:
-    """Return the path with enough waypoints; None if those in between prove it blocked.
+    """Return the path with the requested number of waypoints; None if a new edge is blocked.
 
     Args:
-        query: Says how long adding waypoints may take.
+        query: Its options bound the time for adding waypoints.
         waypoints: A path of edges that are free at the fine resolution, shape (n, nq).
-        raw: What it was made of, shape (m, nq).
-        goal_row: Where it ends.
-        closeness: How closely to look.
+        raw: The path before shortcutting, shape (m, nq).
+        goal_row: Row of the goal in which it ends.
+        closeness: Resolutions and number of waypoints.
     """
     fine = closeness.fine
     objective = closeness.objective

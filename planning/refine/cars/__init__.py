@@ -1,1 +1,1 @@
-"""Quicker arcs and lines for a car, each of which it can drive as it is."""
+"""Refinement for cars: quicker arcs and lines that the car can drive as they are."""

@@ -1,17 +1,18 @@
-"""ArcSegments: the arcs and lines of one drive, as the numbers that are optimised.
+"""ArcSegments: the arcs and lines of one car path, as the variables of its optimisation.
 
-A letter is a signed way [m], negative for backwards, and a bend [1/m], positive to the left, both
-of the car's origin. Whatever they are, nothing slips, and nothing is tighter than the largest bend:
-all that an optimiser must see to is that the drive ends where it should. The other joints of the
-group go straight along each letter, so they are told by where they are between two letters.
+A segment is a signed length (`ways`) [m], negative for backwards, and a curvature (`bends`) [1/m],
+positive to the left, both of the car's origin. Whatever their values, the car does not slip, and
+bounds on curvature bound the turning radius: the only equality constraint left is that the path
+ends at the goal. The other joints of the group move in straight lines along each segment, so their
+positions between segments determine them.
 
-With t = bend * way a letter leads, in the complex plane and as seen from its beginning, to
+With t = bend * way a segment leads, in the complex plane and in the frame of its beginning, to
 
     way * f(t),  f(t) = (exp(i t) - 1) / (i t),  f'(t) = (exp(i t) - f(t)) / t,
 
 and turns by t: the exponential of SE(2) (Lynch and Park, "Modern Robotics", 2017, section 3.2.3). A
-change of it carries all that comes after along like a rigid body, shifted by what the letter's end
-is shifted by and turned about it.
+change of a segment moves all that comes after it as a rigid body: by the displacement of the
+segment's end and the rotation about it.
 """
 
 from dataclasses import dataclass
@@ -22,18 +23,18 @@ from jaxtyping import Float64, Int64
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
-# Turns smaller than this have the series of what divides by them [rad].
+# Angles below which divisions by the angle are replaced by series [rad].
 _SMALL = 1e-4
 _LEAST = 1e-12
 
 
 @dataclass(frozen=True)
 class ArcSegments:
-    """One drive.
+    """Car path of n arc segments.
 
     Attributes:
-        ways: Of n letters [m], shape (n,).
-        bends: Of each [1/m], shape (n,).
+        ways: Signed lengths of the segments [m], shape (n,).
+        bends: Curvatures [1/m], shape (n,).
         others: Positions of the other joints before, between and after them, shape (n + 1, k).
     """
 
@@ -42,21 +43,21 @@ class ArcSegments:
     others: Float64[np.ndarray, "m k"]
 
     def __len__(self) -> int:
-        """Return the number of letters."""
+        """Return the number of segments."""
         return len(self.ways)
 
     @property
     def turns(self) -> Float64[np.ndarray, " n"]:
-        """Of each letter [rad]."""
+        """Turning angle of each segment [rad]."""
         return self.ways * self.bends
 
     @property
     def lengths(self) -> Float64[np.ndarray, " n"]:
-        """Joint-space lengths of the letters (radians and metres weigh the same)."""
+        """Joint-space lengths of the segments (radians and metres weigh the same)."""
         return np.linalg.norm(np.column_stack([self.ways, self.turns, self.moves]), axis=1)
 
     def spots_at(self, s: Float64[np.ndarray, " m"]) -> "PathSamples":
-        """Return the spots at shares of the whole length."""
+        """Return samples at fractions of the total length."""
         ends = np.cumsum(self.lengths)
         owners = np.minimum(np.searchsorted(ends, s * ends[-1]), len(self) - 1)
         begun = s * ends[-1] - (ends - self.lengths)[owners]
@@ -66,16 +67,16 @@ class ArcSegments:
 
     @property
     def moves(self) -> Float64[np.ndarray, "n k"]:
-        """Of the other joints along each letter."""
+        """Displacements of the other joints along each segment."""
         return np.diff(self.others, axis=0)
 
     @property
     def variables(self) -> Float64[np.ndarray, " v"]:
-        """All ways, all bends, and where the other joints are between letters."""
+        """Optimisation variables: all lengths and curvatures, and other joints between segments."""
         return np.concatenate([self.ways, self.bends, self.others[1:-1].ravel()])
 
     def with_variables(self, values: Float64[np.ndarray, " v"]) -> "ArcSegments":
-        """Return letters with other variables, or of the ways and bends alone."""
+        """Return segments with other variables, or with other lengths and curvatures alone."""
         n = len(self)
         others = self.others
         if len(values) > 2 * n:
@@ -84,12 +85,12 @@ class ArcSegments:
         return ArcSegments(values[:n], values[n : 2 * n], others)
 
     def without(self, i: int) -> "ArcSegments":
-        """Return what is left of two letters or more without letter i, one end put to the other."""
+        """Return the segments without segment i, of two or more; its ends are joined."""
         others = np.delete(self.others, min(i + 1, len(self) - 1), axis=0)
         return ArcSegments(np.delete(self.ways, i), np.delete(self.bends, i), others)
 
     def with_one_of(self, i: int) -> "ArcSegments":
-        """Return the drive with one letter for letters i and i + 1, as long and turning as far."""
+        """Return the path with segments i and i + 1 merged, of equal total length and turning."""
         ways, bends = np.delete(self.ways, i), np.delete(self.bends, i)
         ways[i] = self.ways[i] + self.ways[i + 1]
         bends[i] = self.turns[i : i + 2].sum() / ways[i]
@@ -98,18 +99,18 @@ class ArcSegments:
 
 @dataclass(frozen=True)
 class PathSamples:
-    """Places on a drive.
+    """Sample points of a car path.
 
     Attributes:
-        owners: On which letter each is, shape (m,).
-        fractions: How far along it, shape (m,).
+        owners: Index of the segment of each sample, shape (m,).
+        fractions: Fraction of the segment before the sample, shape (m,).
     """
 
     owners: Int64[np.ndarray, " m"]
     fractions: Float64[np.ndarray, " m"]
 
     def and_then(self, more: "PathSamples") -> "PathSamples":
-        """Return these and others."""
+        """Return these samples followed by others."""
         owners = np.concatenate([self.owners, more.owners])
         return PathSamples(owners, np.concatenate([self.fractions, more.fractions]))
 
@@ -119,11 +120,11 @@ NOWHERE = PathSamples(np.zeros(0, dtype=np.int64), np.zeros(0))
 
 @dataclass(frozen=True)
 class SegmentPoses:
-    """Where a car is at some places of a drive, and how that changes with ways and bends.
+    """Poses of a car at samples of its path, and their derivatives.
 
     Attributes:
         poses: x, y, yaw, shape (m, 3).
-        slopes: Their derivatives, shape (m, 3, 2 n).
+        slopes: Derivatives with respect to lengths and curvatures, shape (m, 3, 2 n).
     """
 
     poses: Array
@@ -133,7 +134,7 @@ class SegmentPoses:
 def knots_of(
     start: Float64[np.ndarray, "3"], letters: ArcSegments
 ) -> tuple[Any, Float64[np.ndarray, " m"]]:
-    """Return x + i y and yaw before, between and after n letters, shapes (n + 1,)."""
+    """Return x + i y and yaw before, between and after n segments, shapes (n + 1,)."""
     turns = letters.turns
     yaws = start[2] + np.concatenate([[0.0], np.cumsum(turns)])
     steps = letters.ways * _chords(turns) * np.exp(1j * yaws[:-1])
@@ -141,7 +142,7 @@ def knots_of(
 
 
 def end_of(start: Float64[np.ndarray, "3"], letters: ArcSegments) -> SegmentPoses:
-    """Return where a drive ends, as the only place."""
+    """Return the pose at the end of a path, as a single sample."""
     knots, yaws = knots_of(start, letters)
     shifts, turned = _all_before(letters, (knots, yaws), knots[-1:])
     pose = np.array([[knots[-1].real, knots[-1].imag, yaws[-1]]])
@@ -152,7 +153,7 @@ def end_of(start: Float64[np.ndarray, "3"], letters: ArcSegments) -> SegmentPose
 def places_on(
     start: Float64[np.ndarray, "3"], letters: ArcSegments, spots: PathSamples
 ) -> SegmentPoses:
-    """Return where the car is at spots of a drive."""
+    """Return the poses of the car at samples of a path."""
     owners, fractions = spots.owners, spots.fractions
     knots, yaws = knots_of(start, letters)
     ways, turns = fractions * letters.ways[owners], fractions * letters.turns[owners]
@@ -171,7 +172,7 @@ def places_on(
 
 
 def _all_before(letters: ArcSegments, knots: tuple[Any, Array], at: Any) -> tuple[Any, Array]:
-    """Return by what places after all letters are shifted and turned with each, (m, 2, n)."""
+    """Return displacements and rotations of later points by each segment's variables, (m, 2, n)."""
     spots, yaws = knots
     ends = _slopes(letters.ways, letters.turns) * np.exp(1j * yaws[:-1])
     turned = np.stack([letters.bends, letters.ways])
@@ -179,13 +180,13 @@ def _all_before(letters: ArcSegments, knots: tuple[Any, Array], at: Any) -> tupl
 
 
 def _chords(turns: Array) -> Any:
-    """Return f."""
+    """Return f, chord over length."""
     safe = np.where(turns == 0.0, 1.0, turns)
     return np.where(turns == 0.0, 1.0, np.expm1(1j * safe) / (1j * safe))
 
 
 def _slopes(ways: Array, turns: Array) -> Any:
-    """Return what ends are shifted by with the way and with the bend, shape (2, m)."""
+    """Return the derivatives of ends by length and by curvature, shape (2, m)."""
     ahead = np.exp(1j * turns)
     is_small = np.abs(turns) < _SMALL
     safe = np.where(is_small, 1.0, turns)

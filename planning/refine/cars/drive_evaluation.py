@@ -1,4 +1,4 @@
-"""DriveEvaluation: what is known of one drive."""
+"""DriveEvaluation: cost, duration and distances of one car path."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -15,17 +15,17 @@ type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 @dataclass(frozen=True)
 class DriveEvaluation:
-    """What is known of one drive that ends at the goal, from places on it.
+    """Cost terms and linearization data of one car path that ends at the goal.
 
     Attributes:
-        letters: The drive.
-        spots: The places; the last one is the end.
-        places: Where they are.
-        near: Pairs that are near, at all of them but the end.
-        wished: Pairs that are near enough for the wish, or None.
-        duration: Of the drive [s].
-        worth: Duration and what falling short of the wish costs [s].
-        outside: By how far places are outside the limits of x and y, in sum [m].
+        letters: Arc segments of the path.
+        spots: Samples of the path; the last one is the end.
+        places: Poses at the samples.
+        near: Distances of near pairs, at all samples but the end.
+        wished: Distances of pairs within reach of the clearance objective, or None.
+        duration: Of the path [s].
+        worth: Duration plus cost of the clearance objective [s].
+        outside: Violation of the limits of x and y, summed over the samples [m].
     """
 
     letters: ArcSegments
@@ -39,18 +39,18 @@ class DriveEvaluation:
 
     @cached_property
     def cost(self) -> float:
-        """The worth, and the price of distances that are too short [s]."""
+        """Merit: `worth` plus the penalty of distances that are too short and of `outside` [s]."""
         lacking = float(np.maximum(-self.near.spare, 0.0).sum()) + self.outside
         return self.worth + DISTANCE_PRICE * lacking
 
     def carried(self, at: Any, gradient: Array, car: int, others: list[int]) -> Array:
-        """Return derivatives by all variables of what has gradients by v, shape (m, v).
+        """Return derivatives by all variables from gradients by v (chain rule), shape (m, v).
 
         Args:
-            at: At which places.
-            gradient: Shape (m, nv).
-            car: Where the car's coordinates begin in v.
-            others: Those of the other joints.
+            at: Indices of the samples.
+            gradient: Gradients by v at these samples, shape (m, nv).
+            car: Index of the car's first coordinate in v.
+            others: Indices of the other joints' coordinates in v.
         """
         n, k = len(self.letters), len(others)
         by_car = np.einsum("mi,mij->mj", gradient[:, car : car + 3], self.places.slopes[at])

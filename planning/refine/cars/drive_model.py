@@ -1,9 +1,10 @@
-"""The optimisation problem of a drive: what letters cost, and a linear model of it nearby.
+"""DriveModel: cost of a car path as a function of its segments, and its local convex model.
 
-The duration is a sum over letters, for the car rests between them, and it is concave in each way: a
-tangent never promises too much, and short letters are drawn to nothing. Distances are linear in
-ways and bends through the poses that they lead to. They are kept for a price, as the end is; what
-the model finds within a box is then made to end at the goal (`ending`).
+The duration is a sum over segments, for the car rests between them, and it is concave in each
+length: its linearization never overestimates the gain, and short segments shrink to nothing.
+Distances are linear in lengths and curvatures through the poses. Distances and the end at the goal
+are penalised (exact penalty); a step of the model is then corrected so that it ends at the goal
+(`end_constraint`).
 """
 
 from typing import Any
@@ -24,23 +25,25 @@ from planning.refine.model.penalty_qp import PenaltyQp, PenaltyRows
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
-# Distances are demanded so far apart [m, and rad of another joint], with so many at most a letter.
+# Spacing of the samples at which distances are kept [m, and rad of another joint], and most samples
+# per segment.
 _APART, _MOST_PER_LETTER = 0.03, 64
-# Pairs that are this much farther than demanded count for nothing [m].
+# Signed margin above which pairs are ignored [m].
 _REACH = 0.1
-# Moving anything by the box's half side costs this [s]: of equal drives the nearest will do.
+# Proximal weight: cost of a change by half of the box's side [s], so that of equal paths the
+# nearest is chosen.
 _RELUCTANCE = 1e-4
-# What missing the goal costs in the model [s/m].
+# Penalty of a miss of the goal in the model [s/m].
 _END_PRICE = 100.0
-# x and y keep this much from their limits, for arcs go on between places [m].
+# Margin of x and y to their limits, for arcs may bulge between samples [m].
 _ROOM = 1e-3
 _DIFFERENCE = 1e-6
-# A box has an inside, even where there is none.
+# Least width of the box, even where bounds leave none.
 _SLIT = 1e-9
 
 
 class DriveModel:
-    """Drives of one course."""
+    """Cost and convex model of the car paths of one problem."""
 
     def __init__(
         self,
@@ -50,7 +53,7 @@ class DriveModel:
         times: SegmentTimes,
         wish: ClearanceObjective | None = None,
     ) -> None:
-        """Pose the problem; `limits` are about the start."""
+        """Build the model; angle limits in `limits` are shifted to the turn of the start."""
         self.course = course
         self._nearness, self._limits, self._times, self._wish = nearness, limits, times, wish
         spot = slice(course.at, course.at + 2)
@@ -58,11 +61,11 @@ class DriveModel:
         low, high = limits.lower[spot], limits.upper[spot]
         room = np.stack([(ends - low).min(axis=0), (high - ends).min(axis=0)]) / 2
         low, high = np.stack([low, -high]) + np.clip(room, 0.0, _ROOM)
-        # x, y >= low, -x, -y >= high.
+        # x, y >= low and -x, -y >= high.
         self._corner = np.concatenate([low, high])
 
     def look(self, letters: ArcSegments, watched: PathSamples = NOWHERE) -> DriveEvaluation:
-        """Return what a drive is worth that ends at the goal, watched at more spots than usual."""
+        """Return the evaluation of a path that ends at the goal, with more samples `watched`."""
         spots = watched.and_then(_usual_spots(letters))
         seen = places_on(self.course.start, letters, spots)
         others = letters.others[spots.owners]
@@ -78,21 +81,21 @@ class DriveModel:
         return DriveEvaluation(letters, spots, seen, near, wished, duration, worth, outside)
 
     def duration(self, letters: ArcSegments) -> float:
-        """Return how long a drive takes [s]."""
+        """Return the duration of a path [s]."""
         return float(self._times.durations(letters.ways, letters.turns, letters.moves).sum())
 
     def ended(self, letters: ArcSegments, size: float) -> ArcSegments | None:
-        """Return letters nearby that end at the goal, or None."""
+        """Return nearby segments that end at the goal, or None."""
         return ended(self.course, letters, size)
 
     def step(self, seen: DriveEvaluation, size: float) -> tuple[ArcSegments, float]:
-        """Return the model's best letters within a box, and what it promises to save [s].
+        """Return the model's minimiser within a box, and the predicted decrease of the cost [s].
 
-        They need not end at the goal.
+        Its segments need not end at the goal.
 
         Args:
-            seen: Around which drive.
-            size: About half of what the box moves places by [m].
+            seen: Evaluation of the path around which the model is.
+            size: About half of the box's side, as the displacement of samples [m].
         """
         letters = seen.letters
         inner = len(seen.letters.others[1:-1].ravel())
@@ -129,14 +132,14 @@ class DriveModel:
     def _near_rows(
         self, seen: DriveEvaluation, near: DistanceRows, sides: Array, price: float
     ) -> PenaltyRows:
-        """Keep distances that a step within the box could make too short."""
+        """Return rows of distances that a step within the box could make too short."""
         course = self.course
         values = seen.carried(near.at, near.gradient, course.at, course.others) * sides
         some = near.spare < np.abs(values).sum(axis=1)
         return _dense(values[some], -near.spare[some], price)
 
     def _inside_rows(self, seen: DriveEvaluation, sides: Array) -> PenaltyRows:
-        """Keep x and y within their limits."""
+        """Return rows that keep x and y within their limits."""
         slopes = seen.places.slopes[:, :2]
         values = np.zeros((len(slopes), 4, len(sides)))
         values[:, :, : slopes.shape[2]] = np.concatenate([slopes, -slopes], axis=1)
@@ -146,11 +149,11 @@ class DriveModel:
         return _dense(values[some], -spare[some], DISTANCE_PRICE)
 
     def _inside(self, poses: Float64[np.ndarray, "m 3"]) -> Float64[np.ndarray, "m 4"]:
-        """Return how far inside their limits x and y are."""
+        """Return the signed margins of x and y to their limits [m]."""
         return np.concatenate([poses[:, :2], -poses[:, :2]], axis=1) - self._corner
 
     def _haste(self, letters: ArcSegments) -> Array:
-        """Return the derivative of the duration by every variable, by differences."""
+        """Return the gradient of the duration by all variables, by finite differences."""
         ways, bends, moves = letters.ways, letters.bends, letters.moves
         k, h = moves.shape[1], _DIFFERENCE
         outwards = np.where(ways < 0, -h, h)
@@ -166,7 +169,7 @@ class DriveModel:
 
 
 def _usual_spots(letters: ArcSegments) -> PathSamples:
-    """Return spots evenly along every letter, its end included."""
+    """Return samples evenly along every segment, its end included."""
     longest = np.maximum(np.abs(letters.ways), np.abs(letters.moves).max(axis=1, initial=0.0))
     counts = np.clip(np.ceil(longest / _APART), 1, _MOST_PER_LETTER).astype(int)
     owners = np.repeat(np.arange(len(letters)), counts)

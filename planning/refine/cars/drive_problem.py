@@ -1,4 +1,4 @@
-"""DriveProblem: from where to where a car drives, and how letters and paths become one another."""
+"""DriveProblem: a car's path to refine, and the conversion between paths and arc segments."""
 
 from dataclasses import dataclass, replace
 from typing import Any
@@ -13,24 +13,24 @@ from planning.refine.cars.arc_segments import ArcSegments, knots_of
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
-# How far one edge of a path turns at most, well below half a turn [rad].
+# Largest turning angle of one edge of a path, well below half a turn [rad].
 _MOST_TURN = 2.0
-# Letters whose bends, or whose other joints per metre, differ by less are one.
+# Difference in curvature, or in motion of other joints per metre, below which segments are merged.
 _ALIKE = 1e-6
-# Ways that are shorter are none [m].
+# Length below which the car stands still [m].
 _STANDS = 1e-9
 
 
 @dataclass(frozen=True)
 class DriveProblem:
-    """From where to where, and by what car.
+    """Path of a group with one car, with its steering.
 
     Attributes:
-        path: That is to be made quicker; none of its joints floats.
+        path: The path to refine; none of its joints floats.
         steering: Of the car.
-        at: Where its coordinates begin in q, and in v.
-        others: The coordinates of the other joints.
-        rows: The path's waypoints without jumps by whole turns, shape (n, nq).
+        at: Index of the car's first coordinate in q, and in v.
+        others: Indices of the other joints' coordinates.
+        rows: The path's waypoints without jumps by full turns, shape (n, nq).
     """
 
     path: JointPath
@@ -41,7 +41,7 @@ class DriveProblem:
 
     @classmethod
     def of(cls, path: JointPath) -> "DriveProblem":
-        """Return that of a path of a group with one car and no joint that floats."""
+        """Return the problem of a path of a group with one car and no floating joint."""
         ((name, steering),) = steering_of(path.group).items()
         at = path.group.velocity_names.index(f"{name}.x")
         others = [i for i in range(path.group.num_positions) if not at <= i < at + 3]
@@ -54,12 +54,12 @@ class DriveProblem:
 
     @property
     def goal(self) -> Float64[np.ndarray, "3"]:
-        """And at the goal."""
+        """The car's x, y and yaw at the goal."""
         return self.rows[-1, self.at : self.at + 3]
 
     @property
     def letters(self) -> ArcSegments:
-        """The path, with one letter for edges that go on alike."""
+        """The path as arc segments, with consecutive edges of equal curvature merged."""
         deltas = manifold_of(self.path.group).minus(self.rows[1:], self.rows[:-1])
         moves = np.abs(deltas).max(axis=1) > _STANDS
         rows = self.rows[np.append(True, moves)]
@@ -78,7 +78,7 @@ class DriveProblem:
         return letters
 
     def path_of(self, letters: ArcSegments) -> JointPath:
-        """Return a drive that ends at the goal as a path; long turns are cut."""
+        """Return segments that end at the goal as a path; long arcs are cut."""
         counts = np.maximum(1, np.ceil(np.abs(letters.turns) / _MOST_TURN)).astype(int)
         owners = np.repeat(np.arange(len(letters)), counts)
         places = np.arange(len(owners)) - np.repeat(np.cumsum(counts) - counts, counts)
@@ -100,9 +100,9 @@ class DriveProblem:
         return rows
 
     def about_start(self, limits: JointLimits, held: tuple[int, ...]) -> JointLimits:
-        """Return limits of angles on a circle as many whole turns off as the start is.
+        """Return limits, with those of angles on a circle shifted by full turns to the start.
 
-        Coordinates that are held have no room.
+        Held coordinates have equal lower and upper limits.
         """
         wraps = [wrap for joint in self.path.group.joints for wrap in joint.wraps]
         is_bounded = np.array(wraps) & np.isfinite(limits.lower) & np.isfinite(limits.upper)
@@ -116,7 +116,7 @@ class DriveProblem:
 
 
 def _goes_on(letters: ArcSegments, i: int) -> bool:
-    """Return whether letter i + 1 goes on in the direction of letter i."""
+    """Return whether segment i + 1 continues segment i with equal direction and curvature."""
     first, second = letters.ways[i : i + 2]
     rates = letters.moves[i] * second - letters.moves[i + 1] * first
     return bool(

@@ -1,4 +1,4 @@
-"""refine_drive(): arcs and lines that a car drives in less time, or none and the reason why."""
+"""refine_drive(): trajectory optimisation of a car's path: quicker arcs and lines, or a reason."""
 
 from dataclasses import replace
 
@@ -17,13 +17,13 @@ def refine_drive(
 ) -> tuple[JointSpline | None, RefineReport]:
     """Return arcs and lines from the path's start to its goal that should take less time.
 
-    What limits frames and torques is not looked at: whoever times the drive sees what it is worth.
+    Limits of frames and torques are not considered here; the caller's retiming includes them.
 
     Args:
         world: The scene, loaded.
-        request: The path, of a group with one car, and what to keep.
-        share: When to stop.
-        report: What is known so far.
+        request: Path of a group with one car, limits, margins and constraints.
+        share: End of the refinement.
+        report: Report to be completed.
     """
     found = DriveSolver.of(world, request, share).run()
     report = replace(

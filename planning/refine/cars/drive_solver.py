@@ -1,7 +1,7 @@
-"""DriveSolver: one drive to refine.
+"""DriveSolver: optimisation of one car path, with audits and fewer segments.
 
-What comes to rest is audited densely, as every refined curve is; where it is too near to something
-between the spots at which distances are demanded, more spots join them and it descends again.
+The result of each descent is audited densely, as every refined curve is; where it is too near to an
+obstacle between the samples at which distances are kept, samples are added and the descent repeats.
 """
 
 from dataclasses import dataclass
@@ -25,24 +25,24 @@ from planning.refine.request import RefineRequest
 from planning.world.constraints.predicate_constraint import PredicateConstraint
 from planning.world.world import Array, World
 
-# How often spots are added where an audit asks for it.
+# Most rounds of additional samples after an audit.
 _MOST_CLOSER = 4
-# How many drives of one letter less are tried from each.
+# Most paths of one segment less that are tried from each path.
 _MOST_TRIALS = 5
-# What is gained must be more than this share of the duration.
+# Least gain for a result to count, as a share of the duration.
 _GAIN = 1e-3
 
 
 @dataclass(frozen=True)
 class DriveResult:
-    """The best drive.
+    """Result of the optimisation.
 
     Attributes:
         path: Arcs and lines, or None if nothing is quicker.
-        before: What the given one takes [s].
-        after: And this one [s].
-        steps: How many were tried.
-        reason: Why there is none, or "".
+        before: Duration of the given path [s].
+        after: Duration of the result [s].
+        steps: Number of trust-region steps.
+        reason: Why there is no result, or "".
     """
 
     path: JointPath | None
@@ -54,7 +54,7 @@ class DriveResult:
 
 @dataclass(frozen=True)
 class DriveSolver:
-    """What every attempt needs."""
+    """Optimisation of one car path: model, audit and trust region."""
 
     course: DriveProblem
     limits: JointLimits
@@ -65,7 +65,7 @@ class DriveSolver:
 
     @classmethod
     def of(cls, world: World, request: RefineRequest, share: Deadline) -> "DriveSolver":
-        """Prepare."""
+        """Build the solver for a request."""
         path, rules = request.path, request.rules
         group, course = path.group, DriveProblem.of(path)
         ends = world.embed(group, course.rows[[0, -1]])
@@ -89,7 +89,7 @@ class DriveSolver:
         )
 
     def run(self) -> DriveResult:
-        """Return the best drive that is found."""
+        """Return the best path found."""
         given = self.course.letters
         first = self.model.look(given)
         current, reason = self._free(self.descent.settled(given))
@@ -109,7 +109,7 @@ class DriveSolver:
         )
 
     def _with_fewer(self, current: DriveEvaluation) -> tuple[DriveEvaluation | None, str]:
-        """Return a drive of fewer letters that is free and costs less; or None, and perhaps why."""
+        """Return a free path of fewer segments and less cost; or None, with a reason if known."""
         target, why = current.cost * (1 - _GAIN), ""
         for letters in self.descent.fewer(current)[:_MOST_TRIALS]:
             tried = self.descent.settled(letters, target=target)
@@ -121,7 +121,7 @@ class DriveSolver:
         return None, why
 
     def _free(self, seen: DriveEvaluation) -> tuple[DriveEvaluation, str]:
-        """Return a drive, or one near it, that is free on a closer look; or why there is none."""
+        """Return this or a nearby path that is free by the audit; or the reason without one."""
         watched = NOWHERE
         reason, violated = self.refused(seen.letters)
         for _ in range(_MOST_CLOSER):
@@ -136,7 +136,7 @@ class DriveSolver:
         return seen, reason
 
     def refused(self, letters: ArcSegments) -> tuple[str, Array]:
-        """Return what is wrong with a drive, or "", and where it is too near to something."""
+        """Return why a path is rejected, or "", and where it is too near to obstacles."""
         curve = self.course.path_of(letters).spline
         violated = self.auditor.violated(curve)
         if len(violated):

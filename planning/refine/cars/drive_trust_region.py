@@ -1,9 +1,10 @@
-"""Steps towards quicker drives, and drives of fewer letters.
+"""DriveTrustRegion: trust-region descent of car paths, and removal of segments.
 
-Two kinds of moves take turns. A descent changes ways and bends: the model's best within a box,
-which grows and shrinks by what a step truly brings. When it has come to rest, drives of one letter
-less are tried, each from where it is nearest: without a letter, or with one for two that lead the
-same way. A rest costs more than most letters are long, so this is where most is gained.
+Two kinds of moves alternate. A descent changes lengths and curvatures: the model's minimiser within
+a box, which grows and shrinks by the ratio of achieved to predicted decrease. After its
+convergence, paths of one segment less are tried: without one segment, or with two in the same
+direction merged. A stop between segments costs more time than most segments, so this is where most
+is gained.
 """
 
 import numpy as np
@@ -13,48 +14,49 @@ from planning.refine.cars.arc_segments import NOWHERE, ArcSegments, PathSamples
 from planning.refine.cars.drive_evaluation import DriveEvaluation
 from planning.refine.cars.drive_model import DriveModel
 
-# Half of the box's sides, about, as what it moves places by [m].
+# Half of the box's side, approximately, as the displacement of samples [m]: first, least, largest.
 _FIRST_BOX, _LEAST_BOX, _LARGEST_BOX = 0.05, 1e-4, 0.4
 _SHRINK, _GROW = 0.4, 2.0
-# Of what the model promised, what must be kept for a step to count, not to shrink, to grow.
+# Shares of the predicted decrease that must be achieved: to accept a step, not to shrink the box,
+# to grow it.
 _KEPT, _POOR, _GOOD = 0.1, 0.25, 0.7
-# A promise of less than this share of the duration is not worth a step.
+# Least predicted decrease for a step, as a share of the duration.
 _WORTHWHILE = 3e-4
-# Ways that are shorter are let go of, if that costs nothing [m].
+# Length below which segments are removed if that costs nothing [m].
 _BRIEF = 1e-4
 # Steps, not seconds, decide when to give up, so that the same request gives the same bytes.
 _MOST_STEPS, _MOST_IN_ALL = 25, 160
-# In so many steps, what a drive costs beyond its target must become this share of that.
+# Number of steps within which the cost above the target must fall to this share.
 _SOON, _COME_NEAR = 4, 0.5
 
 
 class DriveTrustRegion:
-    """Looks for quicker drives.
+    """Trust-region iteration for car paths.
 
     Attributes:
-        num_steps: How many steps were tried.
+        num_steps: Number of steps tried.
     """
 
     def __init__(self, model: DriveModel, share: Deadline) -> None:
-        """Nothing is begun after `share`."""
+        """Prepare; no step begins after `share`."""
         self._model = model
         self._share = share
         self.num_steps = 0
 
     @property
     def is_over(self) -> bool:
-        """Whether enough was tried, or there is no time."""
+        """Whether the number of steps or the time is used up."""
         return self.num_steps >= _MOST_IN_ALL or self._share.is_over
 
     def settled(
         self, letters: ArcSegments, watched: PathSamples = NOWHERE, target: float = np.inf
     ) -> DriveEvaluation:
-        """Return where a descent from a drive that ends at the goal comes to rest.
+        """Return the result of a descent from a path that ends at the goal.
 
         Args:
-            letters: The drive.
-            watched: Where distances are demanded besides the usual spots.
-            target: A cost of no interest; what does not come near it soon is given up.
+            letters: Segments of the path.
+            watched: Additional samples at which distances are kept.
+            target: Cost to beat; a descent that does not approach it soon is abandoned.
         """
         seen, box = self._model.look(letters, watched), _FIRST_BOX
         begun = seen.cost
@@ -75,9 +77,10 @@ class DriveTrustRegion:
     def _step(
         self, seen: DriveEvaluation, box: float, watched: PathSamples
     ) -> tuple[DriveEvaluation | None, float]:
-        """Return the model's best drive in a box, and how much of its promise was kept.
+        """Return the model's best path in a box, and the achieved share of its predicted decrease.
 
-        None where nothing is promised; the drive itself where none ends at the goal.
+        None if no decrease is predicted; the given path if the step cannot be made to end at the
+        goal.
         """
         stepped, promised = self._model.step(seen, box)
         if promised < _WORTHWHILE * seen.duration:
@@ -90,9 +93,9 @@ class DriveTrustRegion:
         return tried, (seen.cost - tried.cost) / promised
 
     def fewer(self, seen: DriveEvaluation) -> list[ArcSegments]:
-        """Return drives of one letter less that end at the goal, the most promising first.
+        """Return paths of one segment less that end at the goal, those of least cost first.
 
-        None when it is over.
+        None of them if the steps or the time are used up.
         """
         letters = seen.letters
         count = len(letters)
@@ -109,7 +112,7 @@ class DriveTrustRegion:
         return [look.letters for look in sorted(looks, key=lambda look: look.cost)]
 
     def _without_brief(self, seen: DriveEvaluation) -> DriveEvaluation:
-        """Return the drive without letters that are too short to matter."""
+        """Return the path without segments that are too short to matter."""
         while len(seen.letters) > 1:
             letters = seen.letters
             sizes = np.maximum(np.abs(letters.ways), np.abs(letters.moves).max(axis=1, initial=0.0))
@@ -125,7 +128,7 @@ class DriveTrustRegion:
 
 
 def _box_after(box: float, kept: float) -> float:
-    """Return how large the box is after so much of a promise was kept."""
+    """Return the box's size after a step with this share of its predicted decrease."""
     if kept < _POOR:
         return box * _SHRINK
     return min(box * _GROW, _LARGEST_BOX) if kept > _GOOD else box

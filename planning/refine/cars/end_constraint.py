@@ -1,4 +1,4 @@
-"""Where drives end: letters nearby that end at the goal, by Newton's method."""
+"""End constraint of car paths: nearby segments that end at the goal, by Newton's method."""
 
 from typing import Any
 
@@ -10,15 +10,15 @@ from planning.refine.cars.drive_problem import DriveProblem
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
-# What an end may miss the goal by [m and rad].
+# Largest miss of the goal by an end [m and rad].
 _MISS = 1e-11
-# Every correction must leave at most this share of the miss, for so many.
+# Largest share of the miss that a correction may leave, and most corrections.
 _LEFT, _MOST = 0.7, 10
 _AT_BOUND = 1e-12
 
 
 def variable_bounds(course: DriveProblem, letters: ArcSegments) -> tuple[Array, Array]:
-    """Return the lowest and highest ways and bends, shape (2 n,): no letter changes direction."""
+    """Return lower and upper bounds of lengths and curvatures, (2 n,): directions are kept."""
     bend = np.full(len(letters), 1 / course.steering.turning_radius)
     lower = np.where(letters.ways < 0, -np.inf, 0.0)
     upper = np.where(letters.ways > 0, np.inf, 0.0)
@@ -26,17 +26,17 @@ def variable_bounds(course: DriveProblem, letters: ArcSegments) -> tuple[Array, 
 
 
 def sides_of(course: DriveProblem, letters: ArcSegments, size: float) -> Float64[np.ndarray, " v"]:
-    """Return changes of ways and bends that all change the drive about as much, by `size` [m]."""
+    """Return changes of lengths and curvatures that each move the path by about `size` [m]."""
     radius = course.steering.turning_radius
     bends = size / (radius * np.maximum(np.abs(letters.ways), size))
     return np.concatenate([np.full(len(letters), size), bends])
 
 
 def ended(course: DriveProblem, letters: ArcSegments, size: float) -> ArcSegments | None:
-    """Return letters nearby that end at the goal; None if there are none to be found.
+    """Return nearby segments that end at the goal; None if Newton's method fails.
 
-    The least change in units of `sides_of` that the tangent demands, again and again; what is at a
-    bound that it would leave, stays there.
+    Each correction is the least one in units of `sides_of` for the linearized end; variables at a
+    bound that they would leave stay there.
     """
     lower, upper = variable_bounds(course, letters)
     before = np.inf
@@ -57,7 +57,7 @@ def ended(course: DriveProblem, letters: ArcSegments, size: float) -> ArcSegment
 
 
 def _least_step(slopes: Array, miss: Array, room: tuple[Array, Array], sides: Array) -> Array:
-    """Return the least step that makes up for a miss, with what cannot follow it left out."""
+    """Return the least step that corrects a miss, with variables at their bounds fixed."""
     down, up = room
     free = np.ones(len(sides))
     while True:

@@ -1,16 +1,20 @@
-"""How long letters take, each from rest to rest, as the retimer would find.
+"""SegmentTimes: durations of arc segments, each from rest to rest, as estimates of the retimer's.
 
-All along a letter the same is limited, so its pace x = (ds/dt)^2, s in [0, 1], has a constant top,
-and its push dx/ds / 2 is at most min(A, sqrt(B^2 - (turn x)^2)): A is that of the slowest joint, B
-that of the car, whose acceleration on an arc points inwards too. From rest that is
+All along a segment the limits are constant, so its squared path velocity x = (ds/dt)^2 over s from
+0 to 1 has a constant bound, and its path acceleration dx/ds / 2 is at most
 
-    x(s) = 2 A s                             while the circle leaves as much,
+    min(A, sqrt(B^2 - (turn x)^2)):
+
+A is the bound of the slowest joint, B that of the car, whose acceleration on an arc has a
+centripetal part too. From rest that is
+
+    x(s) = 2 A s                             while B leaves as much,
     x(s) = B / turn sin(2 turn (s - s_0))    after that, until the sine is 1,
 
 and the same before the end. The duration is the integral of x^(-1/2); toppra's are 0 to 1 % longer.
-Where jerk is bounded too, it is that of a straight line at least (Biagiotti and Melchiorri,
-"Trajectory Planning for Automatic Machines and Robots", 2008, section 3.4), on an arc of less top
-speed: 4 % from what ruckig takes, on average.
+With bounded jerk it is at least that of a straight line (Biagiotti and Melchiorri, "Trajectory
+Planning for Automatic Machines and Robots", 2008, section 3.4), on an arc with a lower top speed: 4
+% from ruckig's on average.
 """
 
 from dataclasses import dataclass
@@ -23,21 +27,21 @@ from planning.domain.robot.joints import JointLimits
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
-# Gauss' rule on u, u^2 = s, where the integrand is smooth but where one bound follows another.
+# Gauss-Legendre rule on u, u^2 = s, where the integrand is smooth except where the bounds switch.
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(24)
-# Of what a circle allows, what is used where jerk is bounded. Found by measurement.
+# Share of an arc's speed bounds that is used with bounded jerk. Found by measurement.
 _CIRCLE_SHARE = 0.5
 _DUST, _UNBOUNDED = 1e-12, 1e6
 
 
 @dataclass(frozen=True)
 class SegmentTimes:
-    """Durations of letters.
+    """Durations of arc segments under velocity, acceleration and jerk limits.
 
     Attributes:
         car: Bounds of the car on speed, acceleration and jerk, in metres, shape (3,).
-        rates: The same of everything else that has a bound, shape (3, b).
-        blocks: Which of the yaw and the other joints each of these bounds.
+        rates: The same for all other bounded blocks, shape (3, b).
+        blocks: Coordinates (yaw and other joints) that each of these bounds.
         jerk: Whether jerk is bounded.
     """
 
@@ -48,7 +52,7 @@ class SegmentTimes:
 
     @classmethod
     def of(cls, limits: JointLimits, car: int, *, jerk: bool) -> "SegmentTimes":
-        """Prepare for a group whose car's coordinates begin at `car`."""
+        """Return the durations for a group whose car's coordinates begin at `car` in v."""
         rates = np.minimum([limits.velocity, limits.acceleration, limits.jerk], _UNBOUNDED)
         rates = np.maximum(rates, 1 / _UNBOUNDED)
         count = sum(len(block) for block in limits.blocks)
@@ -64,12 +68,12 @@ class SegmentTimes:
         turns: Float64[np.ndarray, " n"],
         moves: Float64[np.ndarray, "n k"],
     ) -> Float64[np.ndarray, " n"]:
-        """Return the time that every letter takes [s].
+        """Return the duration of every segment [s].
 
         Args:
-            ways: [m].
-            turns: [rad].
-            moves: Of the other joints.
+            ways: Signed lengths [m].
+            turns: Turning angles [rad].
+            moves: Displacements of the other joints.
         """
         columns = np.column_stack([turns, moves])
         sizes = [np.linalg.norm(columns[:, block], axis=1) for block in self.blocks]
@@ -87,7 +91,7 @@ class SegmentTimes:
 
 
 def _of_circles(top: Array, push: Array, circle: Array, turns: Array) -> Array:
-    """Return the integral over both halves, which are the same."""
+    """Return durations on arcs without jerk bounds: the integral over both equal halves."""
     u = (_NODES[:, None] + 1) * np.sqrt(0.125)
     s = u * u
     push = np.minimum(push, circle / _DUST**0.5)
@@ -100,7 +104,7 @@ def _of_circles(top: Array, push: Array, circle: Array, turns: Array) -> Array:
 
 
 def _of_lines(speed: Array, push: Array, swing: Array) -> Array:
-    """Return the times from 0 to 1 at rest at both ends, of limited speed, push and jerk."""
+    """Return durations from s = 0 to 1, rest to rest, with bounded speed, acceleration, jerk."""
     push = np.minimum(push, np.sqrt(speed * swing))
     ramp = push / swing
     cruising = 1 / speed + speed / push + ramp

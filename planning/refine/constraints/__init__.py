@@ -1,1 +1,1 @@
-"""What bounds a curve: distances, rates, loads, path constraints."""
+"""Constraints of the trajectory optimisation: distances, rates, loads, path constraints."""

@@ -1,4 +1,4 @@
-"""A distance band as distances: no pair nearer than one bound, some pair within the other."""
+"""Distance band as distances: no pair below the lower bound, the nearest pair within the upper."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -12,13 +12,13 @@ from planning.world.constraints.band_constraint import BandConstraint
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
-# What is demanded of pairs that do not count: they are never near [m].
+# Required distance of pairs outside the band: they never count as near [m].
 _NEVER = -1e3
 
 
 @dataclass(frozen=True)
 class BandDemands:
-    """What makes a measure of distances tell those of a band's pairs, and of no others.
+    """Pair thresholds that select a band's pairs and no others.
 
     Attributes:
         pairs: By full names in sorted order.
@@ -32,25 +32,25 @@ class BandDemands:
         return self.pairs
 
     def demanded(self, body_a: str, body_b: str) -> float:
-        """Return 0 for the band's pairs [m]."""
+        """Return the required distance: 0 for the band's pairs, very negative for others [m]."""
         return 0.0 if (min(body_a, body_b), max(body_a, body_b)) in self.pairs else _NEVER
 
 
 class BandNearness:
-    """The room to both bounds of a band.
+    """Signed margins to both bounds of a distance band.
 
-    To the lower one every pair has room of its own. To the upper one the nearest pair has it for
-    all: as long as that pair stays near, the band is kept, whatever the others do.
+    Every pair has a margin of its own to the lower bound. The upper bound counts for the nearest
+    pair only: as long as that pair stays near, the band is kept, wherever the others are.
     """
 
     def __init__(self, rule: BandConstraint, chart: Chart) -> None:
-        """Measure in coordinates of a chart."""
+        """Prepare, with configurations as coordinates of a chart."""
         self._low, self._high = rule.min + rule.room, rule.max - rule.room
         demands = BandDemands(rule.pairs)
         self._measure = chart.measured(nearness_of(rule.world, rule.group, demands))
 
     def within(self, qs: Float64[np.ndarray, "m nv"], reach: float) -> DistanceRows:
-        """Return pairs, and the nearest ones, with less than `reach` [m] to a bound."""
+        """Return pairs, and nearest pairs, with a signed margin below `reach` [m] to a bound."""
         is_bounded = np.isfinite(self._high)
         far = (self._high if is_bounded else self._low) + reach
         seen = self._measure.within(qs, far)
@@ -60,7 +60,7 @@ class BandNearness:
         order = np.lexsort((seen.spare, seen.at))
         known, first = np.unique(seen.at[order], return_index=True)
         nearest = order[first]
-        # Where nothing is in sight there is no way to go, but it is as bad as can be told.
+        # Where no pair is within reach there is no gradient; the margin is the worst value known.
         spare, gradient = np.full(len(qs), self._high - far), np.zeros(qs.shape)
         spare[known] = self._high - seen.spare[nearest]
         gradient[known] = -seen.gradient[nearest]

@@ -1,6 +1,6 @@
-"""ClearanceObjective: clearance beyond what is demanded, as far as it is worth its time.
+"""ClearanceObjective: cost of clearance below a target distance, traded against duration.
 
-minimise  T + weight * mean over the way of max(0, distance - clearance)
+minimise  T + weight * mean over the curve of max(0, distance - clearance)
 
 where clearance is that of the nearest pair of bodies, not both of one robot, at each instant.
 """
@@ -20,9 +20,10 @@ from planning.world.world import World
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
-# Nothing is ever this deep in anything: links of one robot are near by design [m].
+# Target distance of pairs within one robot: larger in size than any penetration depth, so that
+# these pairs, which are near by design, never count [m].
 _UNWISHED = -10.0
-# Instants at which a motion is held against the wish.
+# Instants at which a motion's clearance is evaluated.
 _NUM_SAMPLES = 201
 
 
@@ -37,18 +38,18 @@ class _Wished:
         return ()
 
     def demanded(self, body_a: str, body_b: str) -> float:
-        """Return the distance that is wished for between two bodies [m]."""
+        """Return the target distance between two bodies [m]."""
         return _UNWISHED if self.margins.are_of_one_robot(body_a, body_b) else self.distance
 
 
 @dataclass(frozen=True)
 class ClearanceObjective:
-    """A wish in one scene.
+    """Clearance objective in one scene.
 
     Attributes:
-        nearness: Measures pairs, with the wished distance as what is demanded.
-        distance: That is wished for [m].
-        weight: What a metre less, all along the way, may cost [s/m].
+        nearness: Distance query with the target distance as the required one.
+        distance: Target distance [m].
+        weight: Cost of a metre less all along the curve [s/m].
     """
 
     nearness: DistanceQuery
@@ -56,28 +57,28 @@ class ClearanceObjective:
     weight: float
 
     def along(self, nearness: DistanceQuery) -> "ClearanceObjective":
-        """Return the same wish, measured in other coordinates."""
+        """Return the same objective with distances in other coordinates."""
         return replace(self, nearness=nearness)
 
     def cost(self, near: DistanceRows, num_instants: int) -> float:
-        """Return what falling short at so many instants costs [s]."""
+        """Return the cost of shortfalls over a number of instants [s]."""
         return self.weight * self.distance * float(self.lacks(near, num_instants).mean())
 
     def lacks(self, near: DistanceRows, num_instants: int) -> Array:
-        """Return what is lacking at every instant, as a share of the distance, shape (m,)."""
+        """Return the shortfall at every instant, as a share of the target distance, shape (m,)."""
         lacks = np.zeros(num_instants)
         np.maximum.at(lacks, near.at, -near.spare / self.distance)
         return lacks
 
     def shortfall(self, trajectory: TimedTrajectory) -> float:
-        """Return by how much a motion's clearance falls short on average over its time [m]."""
+        """Return the mean shortfall of a motion's clearance over its time [m]."""
         times = np.linspace(0.0, trajectory.duration, _NUM_SAMPLES)
         near = self.nearness.within(trajectory.positions(times), 0.0)
         return self.distance * float(self.lacks(near, len(times)).mean())
 
 
 def require_wish(options: RefineOptions) -> None:
-    """Go on only if a wish for clearance makes sense.
+    """Check the clearance objective of a request.
 
     Raises:
         ProblemInvalid: Its distance or weight is not positive and finite, or nothing is refined.
@@ -97,7 +98,7 @@ def require_wish(options: RefineOptions) -> None:
 def clearance_objective(
     world: World, group: JointGroup, margins: PairMargins, asked: ClearanceWish | None
 ) -> ClearanceObjective | None:
-    """Return what is wished for, if anything."""
+    """Return the clearance objective of a request, or None if there is none."""
     if asked is None:
         return None
     wished = _Wished(asked.distance, margins)

@@ -1,4 +1,4 @@
-"""Path constraints as distances: how much room each leaves along a curve, and how it changes."""
+"""Path constraints as distances: their signed margins along a curve, with gradients."""
 
 from dataclasses import replace
 from typing import Any
@@ -17,20 +17,21 @@ from planning.world.constraints.predicate_constraint import PredicateConstraint
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
-# Of the difference quotients [rad or m].
+# Step of the difference quotients [rad or m].
 _STEP = 1e-6
-# Of a band's room, what an audited curve must really have kept.
+# Share of a band's inner margin that the audit requires of a curve.
 _AUDITED = 1 / 2
 
 
 class RuledNearness:
-    """The inner measure, and boxes, cones and bands as if they were pairs of bodies.
+    """Distance query that adds boxes, cones and bands to the pairs of bodies.
 
-    The room of a rule counts in its own unit, a radian like a metre. Predicates have no gradient.
+    The margin of a constraint counts in its own unit, a radian like a metre. Predicates have no
+    gradient and are left out.
     """
 
     def __init__(self, inner: DistanceQuery, rules: PathConstraints, chart: Chart) -> None:
-        """Add to `inner` what has a gradient, in coordinates of a chart."""
+        """Add constraints with a gradient to `inner`, in coordinates of a chart."""
         self._inner, self._positions = inner, chart.positions
         self._rules = [
             rule for rule in rules.rules if isinstance(rule, BoxConstraint | ConeConstraint)
@@ -40,7 +41,7 @@ class RuledNearness:
         ]
 
     def within(self, qs: Float64[np.ndarray, "m nq"], reach: float) -> DistanceRows:
-        """Return the pairs and rules with less than `reach` [m or rad] beyond what is demanded."""
+        """Return pairs and constraints with a signed margin below `reach` [m or rad]."""
         near = [measure.within(qs, reach) for measure in [self._inner, *self._bands]]
         near += [self._near(rule, qs, reach) for rule in self._rules]
         return DistanceRows(
@@ -59,9 +60,10 @@ class RuledNearness:
 
 
 def audited(rules: PathConstraints) -> PathConstraints:
-    """Return the rules that every sample of a curve must keep, predicates left out.
+    """Return the constraints that the audit checks at every sample, without predicates.
 
-    A curve that was drawn to a bound of a band is at it but for what the solver leaves.
+    A band's inner margin is reduced: a curve optimised onto a bound of a band meets it only to the
+    tolerance of the solver.
     """
     kept = [rule for rule in rules.rules if not isinstance(rule, PredicateConstraint)]
     return replace(
@@ -74,5 +76,5 @@ def audited(rules: PathConstraints) -> PathConstraints:
 
 
 def predicates(rules: PathConstraints) -> tuple[PredicateConstraint, ...]:
-    """Return the rules that have no gradient."""
+    """Return the constraints without gradient."""
     return tuple(rule for rule in rules.rules if isinstance(rule, PredicateConstraint))

@@ -1,4 +1,4 @@
-"""DistanceBuffers: how much more than its margin every pair of bodies keeps while we optimise."""
+"""DistanceBuffers: distances beyond the margins that the optimiser keeps, by pair of bodies."""
 
 from collections.abc import Collection
 from dataclasses import dataclass, field
@@ -11,27 +11,27 @@ from planning.domain.value import Value
 from planning.world.collision.margins import PairMargins
 from planning.world.world import World
 
-# A curve that keeps this much between its samples is easily proven [m].
+# Buffer with which a curve is easily proven free between its samples [m].
 _WISH = 0.003
-# Bodies of one robot are near one another by design [m].
+# Buffer of bodies of one robot, which are near one another by design [m].
 _WISH_WITHIN_ROBOT = 0.0005
-# Of the buffer, what the optimised curve must really have kept.
+# Share of the buffer that the audit requires of the optimised curve.
 _AUDITED = 1 / 3
 
 
 @runtime_checkable
 class PairThresholds(Protocol):
-    """How far apart the optimiser keeps bodies."""
+    """Required distances of pairs of bodies."""
 
     def demanded(self, body_a: str, body_b: str) -> float:
-        """Return the distance that it keeps between two bodies [m]."""
+        """Return the required distance between two bodies [m]."""
         ...
 
     @property
     def exceptions(self) -> Collection[tuple[str, str]]:
-        """Pairs, by full names in sorted order, that may be kept at a distance of their own.
+        """Pairs, by full names in sorted order, that may have a required distance of their own.
 
-        All others of one robot are kept at the same distance, and so are all others.
+        All other pairs of one robot share one distance, and all remaining pairs another.
         """
         ...
 
@@ -40,13 +40,13 @@ class PairThresholds(Protocol):
 class DistanceBuffers(Value):
     """Distances beyond the margins, by pair of bodies.
 
-    The optimiser can meet a bound only where the start and the goal, which it cannot move, meet it
-    too. So no pair is asked for more than half of what it has at either end.
+    The optimiser can satisfy a bound only where the start and the goal, which are fixed, satisfy it
+    too. So the buffer of a pair is at most half of its signed margin at either end.
 
     Attributes:
-        margins: What is demanded.
-        spare: What the nearest pairs have beyond it at the start or the goal, whichever is less
-            [m]; the key is the two full names in sorted order.
+        margins: Required margins.
+        spare: Signed margins of the nearest pairs at the start or the goal, whichever is less [m];
+            the key is the two full names in sorted order.
     """
 
     margins: PairMargins
@@ -56,7 +56,7 @@ class DistanceBuffers(Value):
     def between(
         cls, world: World, margins: PairMargins, ends: Float64[np.ndarray, "m num_positions"]
     ) -> "DistanceBuffers":
-        """Measure at full configurations, those of the start and the goal."""
+        """Return the buffers for full configurations of the start and the goal."""
         probe = world.distance_probe(margins)
         spare: dict[tuple[str, str], float] = {}
         for full in ends:
@@ -71,20 +71,20 @@ class DistanceBuffers(Value):
         return self.spare.keys() | self.margins.by_pair.keys()
 
     def demanded(self, body_a: str, body_b: str) -> float:
-        """Return the distance that the optimiser keeps between two bodies [m]."""
+        """Return the required distance between two bodies: margin plus buffer [m]."""
         low, high = sorted((body_a, body_b))
         margin = self.margins.of(low, high)
         spare = self.spare.get((low, high), np.inf)
         if self.margins.are_of_one_robot(low, high):
-            # Links that all but touch may do so wherever the robot is. The optimiser would give
-            # up over them; the audit looks at them all the same.
+            # Links that almost touch may do so in any configuration. The optimiser would fail at
+            # them; the audit checks them all the same.
             wish = _WISH_WITHIN_ROBOT
             return margin + (wish if spare > 2 * wish else spare - 2 * wish)
         return margin + min(_WISH, spare / 2)
 
     @property
     def audited(self) -> PairMargins:
-        """What every pair must keep at every sample of a delivered curve."""
+        """Margins that the audit requires at every sample of a curve."""
         near = {
             pair: self.margins.of(*pair) + _AUDITED * min(_WISH, spare / 2)
             for pair, spare in self.spare.items()

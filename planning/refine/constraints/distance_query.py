@@ -1,4 +1,4 @@
-"""Which pairs are near one another along a curve, and how their distances change with q."""
+"""DistanceQuery: signed margins of near pairs of bodies along a curve, with gradients by q."""
 
 from dataclasses import dataclass
 from typing import Any, Protocol, runtime_checkable
@@ -23,11 +23,11 @@ type Indices = np.ndarray[Any, np.dtype[np.intp]]
 
 @dataclass(frozen=True)
 class DistanceRows:
-    """Pairs that are near, one a row.
+    """Near pairs, one per row.
 
     Attributes:
-        at: In which of the configurations, shape (m,).
-        spare: Distance beyond what is demanded [m], shape (m,).
+        at: Index of the configuration, shape (m,).
+        spare: Signed margin: distance minus required distance [m], shape (m,).
         gradient: Of the distance with respect to the group's v, shape (m, nv).
     """
 
@@ -38,15 +38,15 @@ class DistanceRows:
 
 @runtime_checkable
 class DistanceQuery(Protocol):
-    """Measures pairs whose distance the group can change."""
+    """Distances of pairs that the group moves relative to each other."""
 
     def within(self, qs: Float64[np.ndarray, "m nq"], reach: float) -> DistanceRows:
-        """Return the pairs with less than `reach` [m] beyond what is demanded."""
+        """Return the pairs with a signed margin below `reach` [m]."""
         ...
 
 
 class KernelNearness:
-    """All pairs of all configurations in one call of the native code."""
+    """Distance query by the native kernel: all pairs of all configurations in one call."""
 
     def __init__(
         self,
@@ -56,7 +56,7 @@ class KernelNearness:
         state: Float64[np.ndarray, " num_positions"],
         demands: PairThresholds,
     ) -> None:
-        """Prepare."""
+        """Prepare for a group; other joints are at `state`."""
         module: Any = native()
         self._native = module.Nearness(
             scene.native,
@@ -67,7 +67,7 @@ class KernelNearness:
         self._demanded = scene.by_pair(demands.demanded, demands.exceptions)
 
     def within(self, qs: Float64[np.ndarray, "m nq"], reach: float) -> DistanceRows:
-        """Return the pairs with less than `reach` [m] beyond what is demanded."""
+        """Return the pairs with a signed margin below `reach` [m]."""
         at, pairs, distances, _, gradients = self._native.within(
             np.ascontiguousarray(qs), self._demanded + reach
         )
@@ -75,9 +75,9 @@ class KernelNearness:
 
 
 class DrakeNearness:
-    """The same by Drake's checker, one configuration after another.
+    """Distance query by Drake's collision checker, one configuration after another.
 
-    Half spaces are not Drake's to measure.
+    Pairs with half spaces are computed separately: Drake's checker has no distances for them.
     """
 
     def __init__(
@@ -87,7 +87,7 @@ class DrakeNearness:
         state: Float64[np.ndarray, " num_positions"],
         demands: PairThresholds,
     ) -> None:
-        """Prepare."""
+        """Prepare for a group; other joints are at `state`."""
         self._checker = group_checker(model, group, demands)
         self._model = model
         self._group = group
@@ -101,7 +101,7 @@ class DrakeNearness:
         self._heights = HalfSpaceHeights(model) if self._is_raised.any() else None
 
     def within(self, qs: Float64[np.ndarray, "m nq"], reach: float) -> DistanceRows:
-        """Return the pairs with less than `reach` [m] beyond what is demanded."""
+        """Return the pairs with a signed margin below `reach` [m]."""
         at, spare, gradients = [], [], []
         for i, full in enumerate(self._model.embed(self._group, qs, self._state)):
             clearance: Any = self._checker.CalcRobotClearance(full, reach)
@@ -117,7 +117,7 @@ class DrakeNearness:
     def _above(
         self, full: Float64[np.ndarray, " num_positions"], reach: float
     ) -> tuple[Array, Array]:
-        """Return what heights over half spaces have to spare, and their gradients by q."""
+        """Return signed margins of heights over half spaces, and their gradients by q."""
         if self._heights is None:
             return np.zeros(0), np.zeros((0, len(full)))
         rows, heights, slopes = self._heights.at(full, self._demanded + reach)
@@ -125,7 +125,7 @@ class DrakeNearness:
         return (heights - self._demanded[rows])[kept], slopes[kept]
 
     def _rates(self, full: Float64[np.ndarray, " num_positions"]) -> Array:
-        """Return what the plant's positions change with the group's v, which Drake knows by q."""
+        """Return the derivative of the plant's positions by the group's v; gradients are by q."""
         plant = self._model.plant
         plant.SetPositions(self._context, full)
         rates: Any = plant.MakeVelocityToQDotMap(self._context)
@@ -136,7 +136,7 @@ class DrakeNearness:
 
 
 def nearness_of(world: World, group: JointGroup, demands: PairThresholds) -> DistanceQuery:
-    """Return the kernel's measure, or Drake's where there is no kernel."""
+    """Return the kernel's distance query, or Drake's where there is no kernel."""
     scene = kernel_scene_of(world.drake)
     if scene is None:
         return DrakeNearness(world.drake, group, world.state, demands)

@@ -1,7 +1,7 @@
-"""Load: what a motion asks of a robot besides the rates of its joints, over what is allowed.
+"""Load: a quantity of a motion over its limit, besides joint rates: torques, and speeds of frames.
 
-Torques, and how fast frames move. Along a curve r(s) with b = (ds/dt)^2 and u = d2s/dt2 the
-motion has v = r' sqrt(b) and vdot = r'' b + r' u.
+Along a curve r(s) with b = (ds/dt)^2 and u = d2s/dt2 the motion has v = r' sqrt(b) and vdot = r'' b
++ r' u.
 """
 
 from collections.abc import Callable
@@ -12,23 +12,26 @@ from jaxtyping import Float64
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
-# Of what a joint can do, what holding still may take: nothing is timed that cannot be stopped.
+# Largest static load ratio: above it too little of a limit is left to stop a motion.
 MOST_HELD = 0.98
-# Of a difference quotient, relative to 1 + |x|.
+# Step of a difference quotient, relative to 1 + |x|.
 _STEP = 1e-6
 
 
 @runtime_checkable
 class Load(Protocol):
-    """Vectors no longer than 1, some of each motion; of groups whose joints do not float.
+    """Vectors of load ratios (quantity over limit) whose norms must not exceed 1.
+
+    Only for groups whose joints do not float.
 
     Attributes:
-        parts: Into how many parts the intervals of the pace's grid are cut to look at it.
+        parts: Number of parts per interval of the path velocity's grid at whose ends it is
+            evaluated.
     """
 
     @property
     def parts(self) -> int:
-        """How finely it is looked at: 1 for what changes little from one point to the next."""
+        """Parts per grid interval: 1 for loads that change little between grid points."""
         ...
 
     def vectors(
@@ -37,7 +40,7 @@ class Load(Protocol):
         v: Float64[np.ndarray, "m nq"],
         vdot: Float64[np.ndarray, "m nq"],
     ) -> Float64[np.ndarray, "m balls dims"]:
-        """Return what a motion asks for over what is allowed."""
+        """Return the load ratios of a motion."""
         ...
 
     def slopes(
@@ -46,7 +49,7 @@ class Load(Protocol):
         v: Float64[np.ndarray, "m nq"],
         vdot: Float64[np.ndarray, "m nq"],
     ) -> Float64[np.ndarray, "3 m balls dims nq"]:
-        """Return their derivatives with respect to q, v and vdot."""
+        """Return the derivatives of the ratios with respect to q, v and vdot."""
         ...
 
     def pace_rows(
@@ -55,7 +58,7 @@ class Load(Protocol):
         rate: Float64[np.ndarray, "m nq"],
         curvature: Float64[np.ndarray, "m nq"],
     ) -> tuple[Float64[np.ndarray, "m k"], Float64[np.ndarray, "m k"]]:
-        """Return ahead and bend of inequalities ahead u + bend b <= 1 that keep the vectors so.
+        """Return coefficients ahead, bend of rows ahead u + bend b <= 1 that imply the limits.
 
         Args:
             q: r(s).
@@ -65,14 +68,14 @@ class Load(Protocol):
         ...
 
     def held(self, q: Float64[np.ndarray, "m nq"]) -> Float64[np.ndarray, "m k"]:
-        """Return what standing still asks for over what is allowed, if it asks for anything.
+        """Return the static load ratios, at rest; no columns if the load has none.
 
-        What of this is beyond `MOST_HELD` no pace changes: it is not in the vectors.
+        Their part beyond `MOST_HELD` does not depend on the path velocity: it is not in `vectors`.
         """
         ...
 
     def least_duration(self, ends: Float64[np.ndarray, "2 nq"]) -> float:
-        """Return a time that no motion between two rests beats [s]; 0 is always one."""
+        """Return a lower bound of the duration from rest to rest [s]; 0 is always valid."""
         ...
 
 
@@ -83,7 +86,7 @@ def difference_quotients(
 
     Args:
         function: Of arrays of shape (m, nq), row by row; returns shape (m, *out).
-        at: Where.
+        at: Arguments at which the derivatives are taken.
     """
     m, nq = at[0].shape
     size = len(at)
@@ -91,7 +94,7 @@ def difference_quotients(
     moved = np.broadcast_to(state[:, None, None], (size, size, nq, m, nq)).copy()
     each, columns = np.arange(size)[:, None], np.arange(nq)
     moved[each, each, columns, :, columns] += (_STEP * (1 + np.abs(state))).transpose(0, 2, 1)
-    # Of the steps only what floating point took of them counts.
+    # The effective steps after rounding.
     taken = moved[each, each, columns, :, columns] - state.transpose(0, 2, 1)
     now = function(*at)
     changes = function(*moved.reshape(size, -1, nq)).reshape(size, nq, *now.shape) - now

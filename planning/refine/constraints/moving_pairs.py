@@ -1,4 +1,4 @@
-"""A Drake collision checker that measures what a group's motion can change."""
+"""Drake collision checker restricted to pairs whose distance a group's motion changes."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -17,11 +17,11 @@ from planning.world.drake_model import DrakeModel
 def group_checker(
     model: DrakeModel, group: JointGroup, demands: PairThresholds
 ) -> SceneGraphCollisionChecker:
-    """Return a checker whose clearances are zero where a pair is at its demanded distance.
+    """Return a checker whose clearances are zero where a pair is at its required distance.
 
-    Demands enter as Drake's padding, so that one bound (zero) serves all pairs. Pairs whose
-    distance does not depend on the group's q are left out: the optimiser can do nothing about
-    them, and a robot that stands near a wall would stop it for ever.
+    Required distances enter as Drake's padding, so that one bound (zero) serves all pairs. Pairs
+    whose distance does not depend on the group's q are left out: the optimiser cannot change them,
+    and a robot that stands near a wall would make every problem infeasible.
     """
     plant = model.plant
     instances = {
@@ -57,7 +57,7 @@ def moved_pairs(
 
 
 def _carriers(model: DrakeModel, group: JointGroup) -> dict[BodyIndex, JointIndex | None]:
-    """Return for every body the last joint on its way from the world that moves with the group.
+    """Return for every body the last of the group's moving joints on the chain from the world.
 
     Two bodies with the same one keep their relative pose, whatever the group does.
     """

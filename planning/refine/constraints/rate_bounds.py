@@ -1,4 +1,4 @@
-"""RateBounds: what limits the pace along a curve."""
+"""RateBounds: bounds on velocity, acceleration and jerk of coordinates, and on loads."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -11,9 +11,10 @@ from planning.refine.constraints.load import Load
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
-# An infinite bound would make numbers that are none.
+# Finite substitutes of infinite bounds, which would lead to NaN.
 _UNBOUNDED_RATE, _UNBOUNDED_JERK = 1e3, 1e6
-# Of the jerk, what the curve itself may have: changes of pace need the rest. Found by measurement.
+# Share of the jerk limit for the curve's third derivative: changes of path velocity need the rest.
+# Found by measurement.
 _JERK_SHARE = 0.1
 
 
@@ -26,8 +27,8 @@ class RateBounds:
         acceleration: The larger of the bounds of either sign [rad/s^2 or m/s^2].
         jerk: [rad/s^3 or m/s^3]; None if it is not bounded.
         signed: Lowest and highest acceleration over `acceleration`, shape (2, nq): -1 and 1 where
-            it has no sign.
-        loads: What else bounds the pace.
+            both signs have the same bound.
+        loads: Other quantities that bound the path velocity.
     """
 
     velocity: Array
@@ -45,14 +46,14 @@ class RateBounds:
         signed: Float64[np.ndarray, "2 nv"] | None = None,
         loads: tuple[Load, ...] = (),
     ) -> "RateBounds":
-        """Return the bounds that imply a group's limits.
+        """Return the bounds per coordinate that imply a group's limits.
 
         Args:
             limits: Of the group.
             jerk: Whether jerk is limited.
-            signed: Lowest and highest accelerations besides these [rad/s^2 or m/s^2], infinite
-                where there are none.
-            loads: What else bounds the pace.
+            signed: Lowest and highest accelerations in addition [rad/s^2 or m/s^2], infinite where
+                there are none.
+            loads: Other quantities that bound the path velocity.
         """
         velocity, acceleration, jerks = (
             np.minimum(limits.per_coordinate(rates), most)
@@ -66,7 +67,7 @@ class RateBounds:
         if signed is not None:
             either = np.minimum(either, np.abs(signed))
         if jerk:
-            # With jerk bounds a coordinate comes to speed in v / a + a / j, or 2 sqrt(v / j).
+            # With jerk bounds a coordinate reaches its velocity in v / a + a / j, or 2 sqrt(v / j).
             ramp = np.where(
                 either**2 < velocity * jerks,
                 velocity / either + either / jerks,

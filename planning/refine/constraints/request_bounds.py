@@ -1,4 +1,4 @@
-"""The bounds that a request makes for the optimiser, besides rates of joints those of loads."""
+"""request_bounds(): bounds of a request for the trajectory optimisation: joint rates and loads."""
 
 from typing import Any
 
@@ -22,7 +22,7 @@ type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 
 def request_bounds(world: World, request: RefineRequest) -> RateBounds:
-    """Return the bounds.
+    """Return the bounds of a request on joint rates and loads.
 
     Raises:
         UnknownName: A frame does not exist.
@@ -30,7 +30,7 @@ def request_bounds(world: World, request: RefineRequest) -> RateBounds:
     """
     signed = signed_accelerations(request.path.group, request.others.acceleration_bounds)
     if signed is not None and request.jerk:
-        # Retimers that bound jerk know but one bound for both signs.
+        # Retimers with jerk bounds have one acceleration bound for both signs.
         signed = np.abs(signed).min(axis=0) * np.array([[-1.0], [1.0]])
     loads = _loads(world, request)
     return RateBounds.of(request.limits, jerk=request.jerk, signed=signed, loads=loads)
@@ -39,7 +39,7 @@ def request_bounds(world: World, request: RefineRequest) -> RateBounds:
 def signed_accelerations(
     group: JointGroup, bounds: AccelerationBounds
 ) -> Float64[np.ndarray, "2 nv"] | None:
-    """Return the lowest and highest acceleration of every coordinate, infinite without; or None."""
+    """Return lowest and highest accelerations by coordinate, infinite if unbounded, or None."""
     if not bounds:
         return None
     found = np.array([[-np.inf], [np.inf]]) * np.ones(group.num_velocities)
@@ -50,7 +50,7 @@ def signed_accelerations(
 
 
 def _loads(world: World, request: RefineRequest) -> tuple[Load, ...]:
-    """Return the loads; none of a group with a joint that floats, whose coordinates are no v."""
+    """Return the loads; none for groups with a floating joint, where rates of q are not v."""
     group, others = request.path.group, request.others
     if not Manifold(group.joints).is_flat:
         return ()

@@ -1,8 +1,8 @@
-"""ToolLoad: how fast the origin of a frame moves, over its limits.
+"""ToolLoad: velocity and acceleration of a frame's origin, over their limits.
 
-Along a curve the origin's way is p(s): p' = J r', p'' = J r'' + J' r'. Its speed |p'| sqrt(b)
+Along a curve the origin's path is p(s): p' = J r', p'' = J r'' + J' r'. Its speed |p'| sqrt(b)
 bounds b alone. Its acceleration p'' b + p' u is in the half plane on one side of p', as b is not
-negative: there the disc is replaced by half a polygon within it.
+negative: there the disc of admissible accelerations is replaced by half a polygon inside it.
 """
 
 from dataclasses import dataclass
@@ -17,10 +17,11 @@ from planning.world.mechanics.tool_kinematics import ToolKinematics
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
-# Of the difference quotient for J', as a way of the joints [rad or m].
+# Step of the difference quotient for J', as a displacement of the joints [rad or m].
 _STEP = 1e-4
-# Sides of half the polygon. It lacks 1 - cos(pi / 96), 0.05 %, of the disc's radius: what more it
-# lacked the model, which knows the disc, would promise again and again and never bring.
+# Sides of half the polygon. Its apothem is 1 - cos(pi / 96), 0.05 %, less than the disc's radius:
+# with a larger difference the model, which has the disc, would predict a gain that no step
+# achieves.
 _SIDES = 48
 _ANGLES = (np.arange(_SIDES) + 0.5) * np.pi / _SIDES
 _APOTHEM = float(np.cos(np.pi / (2 * _SIDES)))
@@ -29,11 +30,11 @@ _TINY = 1e-300
 
 @dataclass(frozen=True)
 class ToolLoad:
-    """Speed and acceleration of one frame, whichever are limited.
+    """Speed and acceleration limits of one frame; at least one of them is set.
 
     Attributes:
         kinematics: Of the frame.
-        limit: One of its two at least.
+        limit: Limits on speed [m/s] and acceleration [m/s^2].
     """
 
     kinematics: ToolKinematics
@@ -41,11 +42,11 @@ class ToolLoad:
 
     @property
     def parts(self) -> int:
-        """The ends of intervals are enough."""
+        """One part per grid interval."""
         return 1
 
     def vectors(self, q: Array, v: Array, vdot: Array) -> Array:
-        """Return velocity and acceleration over their limits, whichever are limited."""
+        """Return velocity and acceleration over their limits, those that are limited."""
         if self.limit.acceleration is None:
             return (self.kinematics.velocities(q, v) / self._speed)[:, None]
         velocity, acceleration = self._rates(q, v, vdot)
@@ -55,7 +56,7 @@ class ToolLoad:
         return np.stack([velocity / self._speed, pushed], axis=1)
 
     def pace_rows(self, q: Array, rate: Array, curvature: Array) -> tuple[Array, Array]:
-        """Return one row for the speed, and those of the polygon for the acceleration."""
+        """Return one row for the speed, and the polygon's rows for the acceleration."""
         if self.limit.acceleration is None:
             way = self.kinematics.velocities(q, rate)
             steady = (_lengths(way) / self._speed) ** 2
@@ -73,11 +74,11 @@ class ToolLoad:
         )
 
     def slopes(self, q: Array, v: Array, vdot: Array) -> Array:
-        """Return the vectors' derivatives.
+        """Return the derivatives of the load ratios.
 
-        J is the derivative of the origin's position, so that J' v grows with v by 2 d(J v)/dq.
+        J is the derivative of the origin's position, so that d(J' v)/dv = 2 d(J v)/dq.
         """
-        # Both sides of a point of the grid differ in vdot alone.
+        # The two rows of a grid point differ in vdot alone.
         is_new = np.append(True, ((q[1:] != q[:-1]) | (v[1:] != v[:-1])).any(axis=1))[: len(q)]
         places, own = np.flatnonzero(is_new), np.cumsum(is_new) - 1
         swept = v[places]
@@ -95,11 +96,11 @@ class ToolLoad:
         return np.stack([by_velocity, by_acceleration], axis=2)
 
     def held(self, q: Array) -> Array:
-        """Return nothing."""
+        """Return no columns: a frame at rest has no load."""
         return np.zeros((len(q), 0))
 
     def least_duration(self, ends: Array) -> float:
-        """Return what the straight way in space takes."""
+        """Return the duration of the straight line in space between the end positions [s]."""
         _, p_wt = self.kinematics.poses(ends)
         way = float(np.linalg.norm(p_wt[1] - p_wt[0]))
         return float(rest_to_rest(np.array([way]), self._speed, self._acceleration)[0])
@@ -113,7 +114,7 @@ class ToolLoad:
         return np.inf if self.limit.acceleration is None else self.limit.acceleration
 
     def _swept(self, q: Array, v: Array) -> Array:
-        """Return J and, if accelerations count, J' v beside it; rows of v repeat.
+        """Return J, with J' v as another column if accelerations count; rows of v repeat.
 
         Shape (m, 3, nq) or (m, 3, nq + 1).
         """
@@ -138,7 +139,7 @@ class ToolLoad:
 
 
 def repeated(rows: Array, count: int) -> Array:
-    """Return rows that come again and again, so many in all."""
+    """Return rows repeated as a block, `count` in total."""
     return np.tile(rows, (count // max(len(rows), 1), 1))
 
 

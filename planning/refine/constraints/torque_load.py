@@ -1,8 +1,9 @@
-"""TorqueLoad: torques and forces of joints, over their limits.
+"""TorqueLoad: joint torques and forces, over their effort limits.
 
-Along a curve tau = ahead u + bend b + held: what holds the robot still does not slow down with it.
-Of a limit only what gravity leaves is left to the motion; where gravity takes more than it may,
-what it takes at most leaves. That is too little to go on, but tells a better way from a worse one.
+Along a curve tau = ahead u + bend b + held: the static part `held` does not shrink with the path
+velocity. So the motion may use only what gravity leaves of a limit; where gravity takes more than
+the largest static load, the motion gets what that load would leave. Such a curve is not feasible,
+but its cost still distinguishes better curves from worse ones.
 """
 
 from dataclasses import dataclass
@@ -21,11 +22,11 @@ type Indices = np.ndarray[Any, np.dtype[np.intp]]
 
 @dataclass(frozen=True)
 class TorqueLoad:
-    """Of the joints whose effort is limited. What damping takes is not in it.
+    """Effort limits of joints. Torques of damping are left out.
 
     Attributes:
-        dynamics: What a motion takes.
-        columns: Coordinates that are limited, shape (k,).
+        dynamics: Inverse dynamics of the group.
+        columns: Coordinates with a limit, shape (k,).
         efforts: Their limits [N m or N], shape (k,).
     """
 
@@ -35,14 +36,14 @@ class TorqueLoad:
 
     @classmethod
     def of(cls, dynamics: GroupDynamics, limits: JointLimits) -> "TorqueLoad":
-        """Return the bounds that imply a group's limits."""
+        """Return the load for the finite effort limits of a group."""
         efforts = limits.per_coordinate(limits.effort)
         columns = np.flatnonzero(np.isfinite(efforts) & (efforts > 0))
         return cls(dynamics, columns, efforts[columns])
 
     @property
     def parts(self) -> int:
-        """The ends of intervals are enough."""
+        """One part per grid interval."""
         return 1
 
     def vectors(self, q: Array, v: Array, vdot: Array) -> Array:
@@ -52,7 +53,7 @@ class TorqueLoad:
         return (self._ratios(q, v, vdot) - beyond)[:, :, None]
 
     def slopes(self, q: Array, v: Array, vdot: Array) -> Array:
-        """Return their derivatives by differences."""
+        """Return the derivatives of the load ratios by difference quotients."""
         found = difference_quotients(self._ratios, q, v, vdot)
         is_beyond = np.abs(self.held(q)) > MOST_HELD
         some = np.flatnonzero(is_beyond.any(axis=1))
@@ -61,7 +62,7 @@ class TorqueLoad:
         return found[:, :, :, None]
 
     def pace_rows(self, q: Array, rate: Array, curvature: Array) -> tuple[Array, Array]:
-        """Return two rows for every joint, in units of what gravity leaves."""
+        """Return two rows for every joint, in units of what gravity leaves of the limit."""
         found = self.dynamics.along(q, rate, curvature)
         ahead, bend, held = (
             part[:, self.columns] / self.efforts for part in (found.ahead, found.bend, found.held)
@@ -73,12 +74,12 @@ class TorqueLoad:
         )
 
     def held(self, q: Array) -> Array:
-        """Return what gravity takes."""
+        """Return the static load ratios: torques of gravity over limits."""
         still = np.zeros_like(q)
         return self._ratios(q, still, still)
 
     def least_duration(self, ends: Array) -> float:  # noqa: ARG002  (none is known)
-        """Return 0."""
+        """Return 0: no other bound is known."""
         return 0.0
 
     def _ratios(self, q: Array, v: Array, vdot: Array) -> Array:

@@ -1,8 +1,8 @@
-"""ZoneLoad: how fast the origin of a frame moves in a box, over the box's speed.
+"""ZoneLoad: velocity of a frame's origin inside a box (speed zone), over the zone's speed limit.
 
-Whether a point is in a box has no slope. Here it is so by a share that rises from 0 to 1 over two
-centimetres about the faces, so that a curve that shortens its way in the box, or leaves it, finds
-that it gains.
+The indicator of a box has no gradient. It is replaced by a smooth weight that rises from 0 to 1
+over two centimetres across the faces, so that the cost decreases for a curve that shortens its path
+in the box or leaves it.
 """
 
 from dataclasses import dataclass
@@ -20,23 +20,23 @@ from planning.world.world import World
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
-# How far before a face, and behind it, a point is partly in [m]. With as much on both sides a
-# motion would win more behind it than it loses before it, where it brakes anyway: durations come
-# out within 2 % so.
+# Ranges before and behind a face over which the weight rises [m]. If they were equal, a motion
+# would gain more behind the face than it loses before it, where it brakes anyway: with these values
+# durations agree within 2 %.
 _BEFORE, _BEHIND = 0.015, 0.005
-# In a box with half a side shorter than this they are as much less [m].
+# Half side of a box below which these ranges shrink in proportion [m].
 _THICK = 0.02
-# Into which the intervals of the pace's grid are cut.
+# Parts per interval of the path velocity's grid.
 _PARTS = 4
 
 
 @dataclass(frozen=True)
 class ZoneLoad:
-    """One zone.
+    """Speed limit of one zone.
 
     Attributes:
-        box: Tells how far out of it the origin is.
-        speed: At most, in it [m/s].
+        box: Box constraint, with the signed margin of the origin outside it.
+        speed: Speed limit inside [m/s].
     """
 
     box: BoxConstraint
@@ -44,36 +44,36 @@ class ZoneLoad:
 
     @classmethod
     def of(cls, world: World, group: JointGroup, zone: SpeedZone) -> "ZoneLoad":
-        """Prepare for a zone in world."""
+        """Return the load for a zone in world coordinates."""
         return cls(box_of(world, group, zone), zone.speed)
 
     @property
     def parts(self) -> int:
-        """A curve must not find a way through between two looks."""
+        """Parts per grid interval, so that no visit of a zone falls between two samples."""
         return _PARTS
 
     def vectors(self, q: Array, v: Array, vdot: Array) -> Array:  # noqa: ARG002  (speed alone)
-        """Return the velocity over the speed, by the share that is in."""
+        """Return the velocity over the speed limit, times the weight of the zone."""
         return self._ratios(q, v)[:, None]
 
     def slopes(self, q: Array, v: Array, vdot: Array) -> Array:  # noqa: ARG002
-        """Return the vectors' derivatives."""
+        """Return the derivatives of the load ratios."""
         (by_q,) = difference_quotients(lambda at: self._ratios(at, repeated(v, len(at))), q)
         jacobian = self.box.motion.by_v(q)[:, 3:]
         by_v = jacobian * (self._slowness(q) / self.speed)[:, None, None]
         return np.stack([by_q, by_v, np.zeros_like(by_v)])[:, :, None]
 
     def pace_rows(self, q: Array, rate: Array, curvature: Array) -> tuple[Array, Array]:  # noqa: ARG002
-        """Return one row: the square of the speed."""
+        """Return one row: the square of the speed over the limit."""
         steady = np.sum(self._ratios(q, rate) ** 2, axis=1, keepdims=True)
         return np.zeros_like(steady), steady
 
     def held(self, q: Array) -> Array:
-        """Return nothing."""
+        """Return no columns: a frame at rest has no load."""
         return np.zeros((len(q), 0))
 
     def least_duration(self, ends: Array) -> float:  # noqa: ARG002  (there may be a way around)
-        """Return 0."""
+        """Return 0: there may be a path around the zone."""
         return 0.0
 
     def _ratios(self, q: Array, v: Array) -> Array:
@@ -81,7 +81,7 @@ class ZoneLoad:
         return velocities * (self._slowness(q) / self.speed)[:, None]
 
     def _slowness(self, q: Array) -> Array:
-        """Return by which share each row is in: smooth."""
+        """Return the smooth weight of the zone in each row, 0 outside to 1 inside."""
         scale = min(1.0, float(self.box.half.min()) / _THICK)
         deep = _BEFORE * scale - self.box.spares(q)
         share = np.clip(deep / ((_BEFORE + _BEHIND) * scale), 0.0, 1.0)
@@ -89,7 +89,7 @@ class ZoneLoad:
 
 
 def box_of(world: World, group: JointGroup, zone: SpeedZone) -> BoxConstraint:
-    """Return a zone in world as a box to keep out of."""
+    """Return a zone in world coordinates as a box to keep out of."""
     kinematics = ToolKinematics(world, group, zone.frame)
     half = zone.box.size / 2
     return BoxConstraint(zone.name, kinematics, zone.box.pose, half, is_inside=False)

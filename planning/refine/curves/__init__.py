@@ -1,1 +1,1 @@
-"""Curves and their derivatives: splines, charts, path velocity."""
+"""Curves of the trajectory optimisation: splines, charts, samples, path velocity."""

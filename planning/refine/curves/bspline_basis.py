@@ -1,4 +1,4 @@
-"""Clamped uniform cubic B-splines, their values and derivatives as a few weights of control points.
+"""B-spline basis: clamped uniform cubic splines as weights of control points, with derivatives.
 
 r(s) = sum_k w_k(s) P[first(s) + k], k = 0..3, and likewise with other weights for its derivatives.
 """
@@ -15,18 +15,18 @@ from pydrake.trajectories import BsplineTrajectory
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 type Indices = np.ndarray[Any, np.dtype[np.intp]]
 
-# Cubic pieces: the acceleration is continuous, which is what both retimers need.
+# Order 4 is cubic pieces: acceleration is continuous, as both retimers require.
 ORDER = 4
-# Within a span of knots, so that derivatives that jump at knots are those of the span.
+# Offset into a span of knots, so that derivatives that jump at knots are those of the span.
 _INSIDE = 1e-12
 
 
 @dataclass(frozen=True)
 class Weights:
-    """The weights of control points at some instants.
+    """Weights of control points at some instants.
 
     Attributes:
-        owners: The control points that matter at each instant, shape (m, 4).
+        owners: Indices of the control points with nonzero weight at each instant, shape (m, 4).
         local: Their weights, shape (m, 4).
     """
 
@@ -39,7 +39,7 @@ class Weights:
 
 
 def num_spans(count: int) -> int:
-    """Return how many spans of knots `count` control points have."""
+    """Return the number of knot spans of a spline with `count` control points."""
     return count - ORDER + 1
 
 
@@ -49,13 +49,13 @@ def weights_at(
     order: int = 0,
     spans: Int[np.ndarray, " m"] | None = None,
 ) -> Weights:
-    """Return the weights of `count` control points for the order-th derivative.
+    """Return the weights of `count` control points for the derivative of the given order.
 
     Args:
-        count: How many there are.
+        count: Number of control points.
         s: Instants in [0, 1].
         order: Of the derivative.
-        spans: The span of knots that each instant is taken to belong to; None for its own.
+        spans: The span of knots from which each instant is evaluated; None for its own.
     """
     if spans is None:
         spans = np.clip((s * num_spans(count)).astype(np.intp), 0, num_spans(count) - 1)
@@ -77,7 +77,7 @@ def spline_of(
 
 
 def centres(count: int) -> Array:
-    """Return the instant that each control point belongs to (Greville's abscissae)."""
+    """Return the Greville abscissa of each control point, its instant on the curve."""
     inner = np.linspace(0.0, 1.0, num_spans(count) + 1)
     knots = np.concatenate([np.zeros(ORDER - 1), inner, np.ones(ORDER - 1)])
     return np.array([knots[k + 1 : k + ORDER].mean() for k in range(count)])

@@ -1,13 +1,13 @@
-"""Charts: coordinates in R^n of the configurations along a path.
+"""Charts: coordinates in R^n of the configurations along a path, for the optimiser.
 
-The optimiser's control points are coordinates. Where joints do not float, positions are their own
-coordinates, without jumps by whole turns. Else they are tangents at one configuration in the middle
-of the way, q = base [+] delta, in which |delta'| bounds every rate (`domain/curves/curve.py`).
+Control points are in these coordinates. Where joints do not float, positions are their own
+coordinates, without jumps by full turns. Else they are tangents at one configuration in the middle
+of the path, q = base [+] delta, in which |delta'| bounds every rate (`domain/curves/curve.py`).
 
 The shortest tangents jump where a rotation is half a turn from the base, but they need not be the
-shortest: delta is followed along the way, and q is smooth in it and turns with it in every
-direction as long as it is shorter than a whole turn. The longer it is, the farther |delta'| is
-above the rate across it, by theta / (2 sin(theta / 2)): so the base is where the longest is short.
+shortest: delta is continued along the path, and q(delta) is smooth and regular as long as delta is
+shorter than a full turn. The longer it is, the more |delta'| exceeds the rate across it, by theta /
+(2 sin(theta / 2)): so the base is chosen where the longest tangent is short.
 """
 
 from dataclasses import dataclass, replace
@@ -28,19 +28,19 @@ from planning.refine.curves.unwrapped_tangents import tangents_along, turns_of
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
-# With tangents no longer than this one base is as good as another [rad].
+# Longest tangent up to which the middle configuration serves as the base [rad].
 _LONG = 2.2
-# With longer ones than this none is good: rates across them seem to be three times what they are.
+# Longest tangent for a chart: beyond, rates across it are overestimated by a factor of three [rad].
 _LONGEST = 4.5
-# Bases that are tried.
+# Number of bases that are tried.
 _MOST_BASES = 33
-# Geodesics between waypoints are no straight lines in a chart: they are followed in such steps.
+# Step along geodesics between waypoints, which are no straight lines in a chart.
 _APART = 0.05
 
 
 @runtime_checkable
 class Chart(Protocol):
-    """Coordinates along one path.
+    """Coordinates of configurations along one path.
 
     Attributes:
         waypoints: Of the path, no two consecutive ones the same, shape (n, nv).
@@ -48,49 +48,49 @@ class Chart(Protocol):
 
     @property
     def waypoints(self) -> Array:
-        """The path's, shape (n, nv)."""
+        """Waypoints of the path in these coordinates, shape (n, nv)."""
         ...
 
     @property
     def winds(self) -> bool:
-        """Whether the path turns so far that the shortest way between its ends is quite another."""
+        """Whether the path turns so far that the shortest path between its ends is another one."""
         ...
 
     def positions(self, deltas: Float64[np.ndarray, "m nv"]) -> Float64[np.ndarray, "m nq"]:
-        """Return the configurations at coordinates."""
+        """Return the configurations with given coordinates."""
         ...
 
     def box(self, limits: JointLimits) -> JointLimits:
-        """Return limits whose positions are coordinates."""
+        """Return limits with position bounds in these coordinates."""
         ...
 
     def measured(self, nearness: DistanceQuery) -> DistanceQuery:
-        """Return a measure of coordinates, gradients included."""
+        """Return a distance query in these coordinates, gradients included."""
         ...
 
     def curve(self, points: Float64[np.ndarray, "k nv"]) -> JointSpline:
-        """Return the curve with such control points."""
+        """Return the curve with these control points."""
         ...
 
 
 @dataclass(frozen=True)
 class FlatChart:
-    """Positions as they are."""
+    """Positions themselves as coordinates, for joints that do not float."""
 
     path: JointPath
 
     @property
     def waypoints(self) -> Array:
-        """The path's, without jumps by whole turns."""
+        """Waypoints of the path, without jumps by full turns."""
         return unwrapped(self.path)
 
     @property
     def winds(self) -> bool:
-        """No: an angle goes the way that the search has found."""
+        """False: angles keep the direction that the search has chosen."""
         return False
 
     def positions(self, deltas: Float64[np.ndarray, "m nv"]) -> Float64[np.ndarray, "m nq"]:
-        """Return the same numbers."""
+        """Return the coordinates themselves."""
         return deltas
 
     def box(self, limits: JointLimits) -> JointLimits:
@@ -98,20 +98,20 @@ class FlatChart:
         return limits
 
     def measured(self, nearness: DistanceQuery) -> DistanceQuery:
-        """Return the same measure: rates of positions are their derivatives."""
+        """Return the same distance query: v is the derivative of positions."""
         return nearness
 
     def curve(self, points: Float64[np.ndarray, "k nv"]) -> JointSpline:
-        """Return the curve with such control points."""
+        """Return the curve with these control points."""
         return joint_spline(self.path.group.joints, spline_of(points))
 
 
 @dataclass(frozen=True)
 class TangentChart:
-    """Tangents at one configuration.
+    """Tangents at one configuration as coordinates.
 
     Attributes:
-        path: Whose neighbourhood this is.
+        path: Path that the chart covers.
         base: The configuration, shape (nq,).
         waypoints: Of the path, in small steps.
     """
@@ -122,7 +122,7 @@ class TangentChart:
 
     @property
     def winds(self) -> bool:
-        """Whether some joint turns farther from the base than half the shortest way can be."""
+        """Whether a joint turns farther from the base than half of any shortest path does."""
         return bool(turns_of(self.path.group, self.waypoints).max() > _LONG)
 
     def positions(self, deltas: Float64[np.ndarray, "m nv"]) -> Float64[np.ndarray, "m nq"]:
@@ -130,7 +130,7 @@ class TangentChart:
         return self._manifold.plus(self.base, deltas)
 
     def box(self, limits: JointLimits) -> JointLimits:
-        """Return limits about the base; rotations have none."""
+        """Return position limits relative to the base; rotations have none."""
         group = self.path.group
         names = group.velocity_names
         shared = [name for name in group.position_names if name in names]
@@ -142,11 +142,11 @@ class TangentChart:
         return replace(limits, lower=lower, upper=upper)
 
     def measured(self, nearness: DistanceQuery) -> DistanceQuery:
-        """Return a measure whose gradients are with respect to delta."""
+        """Return a distance query with gradients with respect to delta."""
         return _TangentNearness(nearness, self)
 
     def rates(self, deltas: Float64[np.ndarray, "m nv"]) -> Float64[np.ndarray, "m nv nv"]:
-        """Return Drake's v for a unit rate of each coordinate, the last axis."""
+        """Return Drake's v per unit rate of each coordinate, along the last axis."""
         q = self.positions(deltas)
         units = np.eye(deltas.shape[1])
         columns = [
@@ -156,7 +156,7 @@ class TangentChart:
         return np.stack(columns, axis=2)
 
     def curve(self, points: Float64[np.ndarray, "k nv"]) -> JointSpline:
-        """Return the curve with such control points."""
+        """Return the curve with these control points."""
         flat = joint_spline(self.path.group.joints, spline_of(points))
         coefficients = flat.coefficients.copy()
         coefficients[:, 0] += flat.bases
@@ -174,17 +174,17 @@ class _TangentNearness:
     chart: TangentChart
 
     def within(self, qs: Float64[np.ndarray, "m nv"], reach: float) -> DistanceRows:
-        """Return the pairs with less than `reach` [m] beyond what is demanded."""
+        """Return the pairs with a signed margin below `reach` [m]."""
         near = self.inner.within(self.chart.positions(qs), reach)
         rates = self.chart.rates(qs)[near.at]
         return DistanceRows(near.at, near.spare, np.einsum("mi,mij->mj", near.gradient, rates))
 
 
 def chart_of(path: JointPath) -> FlatChart | TangentChart:
-    """Return coordinates for a path.
+    """Return the chart of a path.
 
-    Where it turns too far for those of one tangent space, the waypoints are those of the shortest
-    way between its ends instead.
+    If the path turns too far for one tangent space, it is the chart of the straight path between
+    its ends instead.
     """
     manifold = Manifold(path.group.joints)
     if manifold.is_flat:
@@ -208,7 +208,7 @@ def _dense(path: JointPath) -> Array:
 
 
 def _charted(path: JointPath, dense: Array, anchors: Any) -> tuple[Array, Array, float]:
-    """Return the best base of some, the tangents there, and the longest turn among them [rad]."""
+    """Return the best of several bases, the tangents there, and their longest turn [rad]."""
     tangents = tangents_along(path.group, dense, anchors)
     turns = turns_of(path.group, tangents).max(axis=(0, 2))
     best = int(turns.argmin())

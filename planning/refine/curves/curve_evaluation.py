@@ -1,4 +1,4 @@
-"""CurveEvaluation: what is known of one curve."""
+"""CurveEvaluation: cost, path velocity, distances and loads of one curve."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -13,25 +13,25 @@ from planning.refine.model.load_linearization import LoadLinearization
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
-# What a metre less than demanded costs at every instant and pair [s/m].
+# Penalty of a metre less than the required distance, per instant and pair [s/m].
 DISTANCE_PRICE = 20.0
 
 
 @dataclass(frozen=True)
 class CurveEvaluation:
-    """What is known of one curve.
+    """Cost terms and linearization data of one curve.
 
     Attributes:
         points: Its control points, shape (k, nq).
-        rates: Its derivatives.
-        pace: The fastest, b at the grid, shape (n + 1,).
-        duration: Of that pace [s].
-        near: Pairs that are near at the instants.
-        wished: Pairs that are near enough for the wish, or None.
-        worth: Duration and what falling short of the wish costs [s].
-        felt: What loads do, if there are any.
-        cost: The worth, and the price of distances that are too short and of torques that are too
-            large without any motion [s].
+        rates: Its derivatives over the rate bounds.
+        pace: Minimum-time squared path velocity b [1/s^2] at the grid, shape (n + 1,).
+        duration: At that path velocity [s].
+        near: Distances of near pairs at the instants.
+        wished: Distances of pairs within reach of the clearance objective, or None.
+        worth: Duration plus cost of the clearance objective [s].
+        felt: Load evaluation, or None without loads.
+        cost: Merit: `worth` plus the penalties of distances that are too short and of static loads
+            that are too large [s].
     """
 
     points: Array
@@ -45,11 +45,11 @@ class CurveEvaluation:
 
     @cached_property
     def strains(self) -> tuple[LoadLinearization, ...]:
-        """Loads at that pace."""
+        """Load linearizations at that path velocity."""
         return () if self.felt is None else self.felt.strains(self.pace, self.duration)
 
     @cached_property
     def cost(self) -> float:
-        """What is minimised [s]."""
+        """Merit of the curve, which the optimisation minimises [s]."""
         held = 0.0 if self.felt is None else self.felt.cost
         return self.worth + held + DISTANCE_PRICE * float(np.maximum(-self.near.spare, 0.0).sum())

@@ -1,9 +1,12 @@
-"""CurveSamples: a motion along a curve at some places on every interval of the pace's grid.
+"""CurveSamples: q, v and vdot of a motion at sample points of every interval of the velocity grid.
 
-Intervals are cut into parts that are alike, the ends of which are these places. There
-v = r' sqrt(b) and vdot = r'' b + r' u, where r and its derivatives are weighted sums of control
-points and u of an interval is (b_high - b_low) / (2 h): by the chain rule, slopes with respect to
-q, v and vdot are slopes with respect to control points and pace.
+Every interval is cut into equal parts, and the samples are the ends of these parts. There
+
+    v = r' sqrt(b),  vdot = r'' b + r' u,
+
+where r and its derivatives are weighted sums of control points and u of an interval is (b_high -
+b_low) / (2 h): by the chain rule, derivatives with respect to q, v and vdot give those with respect
+to control points and path velocity.
 """
 
 from dataclasses import dataclass
@@ -22,10 +25,10 @@ type Indices = np.ndarray[Any, np.dtype[np.intp]]
 
 @dataclass(frozen=True)
 class GridWeights:
-    """How r, r' and r'' at the ends of parts of the grid's intervals depend on control points.
+    """Weights of control points for r, r' and r'' at the ends of parts of the grid's intervals.
 
     Attributes:
-        owners: The control points that matter, shape (n parts + 1, 4).
+        owners: Indices of the control points with nonzero weight, shape (n parts + 1, 4).
         local: Their weights, shape (3, n parts + 1, 4).
     """
 
@@ -35,7 +38,7 @@ class GridWeights:
 
 @lru_cache(maxsize=16)
 def grid_weights(count: int, parts: int = 1) -> GridWeights:
-    """Return the weights of a number of control points."""
+    """Return the weights for a number of control points, at `parts` parts per grid interval."""
     n = len(grid_of(count).owners) * parts
     found = [weights_at(count, np.arange(n + 1) / n, order) for order in range(3)]
     return GridWeights(found[0].owners, np.stack([weights.local for weights in found]))
@@ -43,16 +46,16 @@ def grid_weights(count: int, parts: int = 1) -> GridWeights:
 
 @dataclass(frozen=True)
 class CurveSamples:
-    """Some places on some intervals.
+    """Samples of a motion, each on one interval of the grid.
 
     Attributes:
         step: Width of an interval.
         weights: Of control points.
         places: Rows of these weights, shape (m,).
-        intervals: Of which u is, shape (m,).
-        shares: Of the interval, what is before the place, shape (m,).
-        states: r, r' and r'' there, shape (3, m, nq).
-        b: There, shape (m,).
+        intervals: Index of each sample's interval, which has its u, shape (m,).
+        shares: Fraction of the interval before the sample, shape (m,).
+        states: r, r' and r'' at the samples, shape (3, m, nq).
+        b: Squared path velocity at the samples, shape (m,).
         around: b at both ends of the interval, shape (m, 2).
     """
 
@@ -76,10 +79,10 @@ class CurveSamples:
         """Return both ends of every part of every interval.
 
         Args:
-            count: How many control points there are.
+            count: Number of control points.
             states: r, r' and r'' at the ends of parts, m = n parts + 1.
-            b: The pace at the grid.
-            parts: Of an interval.
+            b: Squared path velocity at the grid.
+            parts: Number of parts of an interval.
         """
         n = len(b) - 1
         intervals = np.repeat(np.arange(n), parts + 1)
@@ -98,7 +101,7 @@ class CurveSamples:
         )
 
     def taken(self, which: Indices) -> "CurveSamples":
-        """Return those only."""
+        """Return the selected samples."""
         return CurveSamples(
             self.step,
             self.weights,
@@ -112,16 +115,16 @@ class CurveSamples:
 
     @property
     def motion(self) -> tuple[Array, Array, Array]:
-        """q, v and vdot, each of shape (m, nq)."""
+        """Configuration q, velocity v and acceleration vdot, each of shape (m, nq)."""
         q, rate, curvature = self.states
         b, u = self.b[:, None], self._u[:, None]
         return q, rate * np.sqrt(b), curvature * b + rate * u
 
     def by_point(self, by_q: Array, by_v: Array, by_vdot: Array) -> Array:
-        """Return slopes by coordinates of 4 control points, shape (m, rows, 4, nq).
+        """Return derivatives by coordinates of 4 control points, shape (m, rows, 4, nq).
 
         Args:
-            by_q: Slopes by q, shape (m, rows, nq).
+            by_q: Derivatives by q, shape (m, rows, nq).
             by_v: By v, likewise.
             by_vdot: By vdot, likewise.
         """
@@ -131,7 +134,7 @@ class CurveSamples:
         return (local * by_state[:, :, :, None]).sum(axis=0)
 
     def by_pace(self, by_v: Array, by_vdot: Array) -> Array:
-        """Return slopes by b at both ends of the interval, relative to it, shape (m, rows, 2)."""
+        """Return derivatives by b at both ends of the interval, times b, shape (m, rows, 2)."""
         _, rate, curvature = self.states
         own = np.einsum("mrj,mj->mr", by_v, rate * np.sqrt(self.b)[:, None] / 2)
         own += np.einsum("mrj,mj->mr", by_vdot, curvature * self.b[:, None])
@@ -143,7 +146,7 @@ class CurveSamples:
 
     @property
     def owners(self) -> Indices:
-        """The control points that matter at each, shape (m, 4)."""
+        """Indices of the control points with nonzero weight at each sample, shape (m, 4)."""
         return self.weights.owners[self.places]
 
     @property

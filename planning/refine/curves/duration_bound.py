@@ -1,4 +1,4 @@
-"""A bound on durations that no motion beats, whatever its way."""
+"""Lower bound on the duration of any motion from rest to rest between two configurations."""
 
 from typing import Any
 
@@ -18,18 +18,18 @@ def least_duration(
     jerk: bool,
     signed: Float64[np.ndarray, "2 nv"] | None = None,
 ) -> float:
-    """Return the time that no motion from rest to rest beats [s].
+    """Return a lower bound of the duration from rest to rest [s].
 
-    Every block of coordinates by itself: full acceleration, full speed, full deceleration, straight
-    ahead. That the norm of a block's displacement is at most what it covers holds for rotations,
-    too.
+    It is the largest over blocks of coordinates, each by itself along a straight line: full
+    acceleration, full speed, full deceleration. A block's path is at least as long as the norm of
+    its displacement, for rotations too.
 
     Args:
         limits: Of the group.
-        moved: From start to goal [rad or m].
+        moved: Displacement from start to goal [rad or m].
         jerk: Whether jerk is limited.
-        signed: Lowest and highest accelerations besides [rad/s^2 or m/s^2], infinite where there
-            are none: of blocks of one coordinate.
+        signed: Lowest and highest accelerations in addition [rad/s^2 or m/s^2], infinite where
+            there are none; only for blocks of one coordinate.
     """
     ways = np.array([np.linalg.norm(moved[list(block)]) for block in limits.blocks])
     alone = JointLimits(
@@ -44,19 +44,19 @@ def least_duration(
     firsts = [block[0] for block in limits.blocks]
     bounds = RateBounds.of(alone, jerk=jerk, signed=None if signed is None else signed[:, firsts])
     v, a = bounds.velocity, bounds.acceleration
-    # Speeding up and slowing down take v / up + v / down; only the sum matters, not the way.
+    # Speeding up and slowing down take v / up + v / down; only the sum matters, not the distance.
     down, up = np.abs(bounds.signed)
     a = np.where(down == up, a, a * 2 * up * down / (up + down))
     return float(rest_to_rest(ways, v, a).max())
 
 
 def rest_to_rest(ways: Array, speed: Any, acceleration: Any) -> Array:
-    """Return the least times for ways straight ahead from rest to rest [s].
+    """Return the least durations of straight motions from rest to rest [s].
 
     Args:
-        ways: [rad or m], not negative.
-        speed: At most; infinite for any.
-        acceleration: Likewise, one of both finite.
+        ways: Lengths [rad or m], not negative.
+        speed: Bound on speed, infinite for none.
+        acceleration: Bound on acceleration, likewise; one of both is finite.
     """
     with np.errstate(invalid="ignore"):
         is_short = ways * acceleration < speed * speed

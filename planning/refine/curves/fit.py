@@ -1,4 +1,4 @@
-"""Fit a B-spline to a path: the optimiser's initial guess."""
+"""Least-squares fit of a B-spline to a path: the optimiser's initial guess."""
 
 from functools import lru_cache
 from typing import Any
@@ -12,13 +12,13 @@ from planning.refine.curves.bspline_basis import weights_at
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
-# More control points make a quicker motion and a slower optimiser; past 14 little is gained.
+# More control points make a quicker motion and a slower optimiser; beyond 14 the gain is small.
 _COUNTS = (14, 17, 22, 28)
 _NUM_SAMPLES = 161
 
 
 def unwrapped(path: JointPath) -> Array:
-    """Return the waypoints with angles that never jump by whole turns, shape (n, nq).
+    """Return the waypoints with angles that never jump by full turns, shape (n, nq).
 
     Consecutive waypoints that are the same are merged. The first waypoint is kept as it is.
     """
@@ -34,13 +34,13 @@ def fit_control_points(
 ) -> Float64[np.ndarray, "num_control_points nq"]:
     """Return the control points of a clamped cubic B-spline near a polyline, by least squares.
 
-    The polyline is followed at the pace of its slowest joint. The ends are met exactly.
+    The polyline is traversed at the velocity limit of its slowest joint. The ends are met exactly.
 
     Args:
         waypoints: No two consecutive ones the same [rad or m], at least two.
         speeds: Velocity limit of every coordinate [rad/s or m/s].
-        closeness: Control points are added until the fit strays less from the path than this
-            [rad or m], or there are as many as allowed.
+        closeness: Control points are added until the fit's largest distance from the path is less
+            than this [rad or m], or there are as many as allowed.
     """
     times = np.max(np.abs(np.diff(waypoints, axis=0)) / speeds, axis=1)
     instants = np.concatenate([[0.0], np.cumsum(times)])

@@ -1,10 +1,10 @@
-"""How fast a curve can be followed from rest to rest: b = (ds/dt)^2 at the points of a grid.
+"""Minimum-time path velocity of a curve, rest to rest: b = (ds/dt)^2 [1/s^2] at points of a grid.
 
-On each of its intervals d2s/dt2 is constant, u_i = (b_{i+1} - b_i) / (2 h). At both ends of every
-interval velocity r' sqrt(b) and acceleration r'' b + r' u are bounded: time-optimal path
-parametrisation (Verscheure et al., "Time-optimal path tracking for robots", 2009), which is what
-the retimer does afterwards, on a finer grid. Of the jerk only r''' b^(3/2) is bounded, what the
-curve itself has at constant ds/dt; ends and changes of pace are the retimer's.
+On each interval of the grid d2s/dt2 is constant, u_i = (b_{i+1} - b_i) / (2 h). At both ends of
+every interval velocity r' sqrt(b) and acceleration r'' b + r' u are bounded: time-optimal path
+parametrisation (Verscheure et al., "Time-optimal path tracking for robots", 2009), which the
+retimer repeats later on a finer grid. Of the jerk only r''' b^(3/2) is bounded, the curve's own
+part at constant ds/dt; the retimer bounds the rest.
 """
 
 from dataclasses import dataclass
@@ -27,24 +27,24 @@ type Array = np.ndarray[Any, np.dtype[np.float64]]
 type Indices = np.ndarray[Any, np.dtype[np.intp]]
 
 _PER_SPAN = 4
-# Of more rows than this the solver sees a few at first, one in so many.
+# Number of rows above which the solver begins with a subset of them, and that subset's stride.
 _MANY, _EVERY = 1500, 6
-# Rows are broken if they lack more than this of their bound.
+# Violation above which a row counts as broken, as a share of its bound.
 _DUST = 1e-6
-# Of its cap, so that the pace rests nowhere on the way.
+# Least b as a share of its cap, so that the motion stops nowhere between its ends.
 _SLOWEST = 1e-9
 
 
 @dataclass(frozen=True)
 class PathGrid:
-    """n intervals, each within a span of knots; how derivatives at their ends depend on points.
+    """Grid of n intervals, each within a span of knots, with weights of derivatives at their ends.
 
     Attributes:
         step: Width of an interval.
-        owners: The control points that matter on each, shape (n, 4).
+        owners: Indices of the control points with nonzero weight on each interval, shape (n, 4).
         first: Weights of r' at both ends of each, shape (n, 2, 4).
-        second: Of r'', likewise.
-        third: Of r''', shape (n, 4).
+        second: Weights of r'', likewise.
+        third: Weights of r''', shape (n, 4).
     """
 
     step: float
@@ -70,7 +70,7 @@ def grid_of(count: int) -> PathGrid:
 
 @dataclass(frozen=True)
 class NormalizedDerivatives:
-    """The derivatives of a curve over its bounds.
+    """Derivatives of a curve by s, over the bounds on rates.
 
     Attributes:
         speed: r' over velocity, shape (n, 2, nq).
@@ -90,7 +90,7 @@ class NormalizedDerivatives:
     def of(
         cls, grid: PathGrid, points: Float64[np.ndarray, "k nq"], bounds: RateBounds
     ) -> "NormalizedDerivatives":
-        """Return those of the curve with these control points."""
+        """Return the derivatives of the curve with these control points."""
         owned = points[grid.owners]
         first, second = grid.first @ owned, grid.second @ owned
         swing = np.zeros_like(first[:, 0])
@@ -105,7 +105,7 @@ class NormalizedDerivatives:
         )
 
     def caps(self) -> Array:
-        """Return what velocity and jerk allow of b at every grid point but the ends."""
+        """Return bounds on b from velocity and jerk at every grid point but the ends [1/s^2]."""
         fastest = np.abs(self.speed[1:, 0]).max(axis=1)
         swing = np.abs(self.swing).max(axis=1)
         wildest = np.maximum(swing[1:], swing[:-1])
@@ -117,11 +117,11 @@ class NormalizedDerivatives:
         return self.bend * both_ends(b)[..., None] + self.pull * u[:, None, None]
 
     def worst(self, grid: PathGrid, b: Float64[np.ndarray, " n_plus_1"]) -> float:
-        """Return the largest acceleration over the bound of its sign."""
+        """Return the largest acceleration over the bound of its sign, 1 at the bound."""
         return float((self.accelerations(grid, b)[..., None, :] / self.signed).max())
 
     def slopes(self, grid: PathGrid) -> tuple[Array, Array]:
-        """Return how those depend on b at the low and at the high end of their interval."""
+        """Return the derivatives of accelerations by b at the low and high ends of intervals."""
         a = self.pull / (2 * grid.step)
         at_low, at_high = -a, a.copy()
         at_low[:, 0] += self.bend[:, 0]
@@ -130,14 +130,14 @@ class NormalizedDerivatives:
 
 
 def both_ends(b: Any) -> Any:
-    """Return what belongs to grid points for both ends of every interval, shape (n, 2)."""
+    """Return values at grid points for both ends of every interval, shape (n, 2)."""
     return np.stack([b[:-1], b[1:]], axis=1)
 
 
 def minimum_time_path_velocity(
     grid: PathGrid, rates: NormalizedDerivatives, others: PathVelocityConstraints | None = None
 ) -> Float64[np.ndarray, " n_plus_1"]:
-    """Return the largest b.
+    """Return the largest admissible squared path velocity b [1/s^2] at the grid.
 
     It is the largest at every grid point at once (Pham and Pham, "A new approach to time-optimal
     path parameterization based on reachability analysis", 2018), so that maximising a sum gives it.
@@ -157,15 +157,17 @@ def minimum_time_path_velocity(
     extra = None if others is None else others.rows(caps, both_ends(number))
     b = np.zeros(n + 1)
     b[1:-1] = np.clip(_most(n - 1, rows, extra), _SLOWEST, 1.0) * caps[1:-1]
-    # The solver keeps rows to its tolerance; the whole pace is slowed down by the worst.
+    # The solver satisfies rows to its tolerance; b is scaled down as a whole by the worst
+    # violation.
     worst = rates.worst(grid, b)
     return b / max(1.0, worst if others is None else max(worst, others.worst(b)))
 
 
 def _most(size: int, rows: PenaltyRows, extra: PenaltyRows | None) -> Array:
-    """Return the largest x in [0, 1]^size that keeps rows, each near 1 where nothing binds.
+    """Return the largest x in [0, 1]^size that satisfies rows, each near 1 where nothing binds.
 
-    Of many others most bind nowhere: some are kept at first, then those that turn out to be broken.
+    Most rows of a large `extra` bind nowhere: a subset is used at first, then violated rows are
+    added.
     """
     flat = np.full(size, -1 / size), np.zeros(size), np.zeros(size), np.ones(size)
     if extra is None:
@@ -181,13 +183,13 @@ def _most(size: int, rows: PenaltyRows, extra: PenaltyRows | None) -> Array:
 
 
 def duration_of(grid: PathGrid, b: Float64[np.ndarray, " n_plus_1"]) -> float:
-    """Return the time that a pace takes."""
+    """Return the duration at a squared path velocity b [s]."""
     root = np.sqrt(b)
     return float((2 * grid.step / (root[1:] + root[:-1])).sum())
 
 
 def duration_gradient(grid: PathGrid, b: Float64[np.ndarray, " n_plus_1"]) -> Array:
-    """Return by how much the time falls with b, relative to b, at every grid point."""
+    """Return the decrease of the duration per relative increase of b at every grid point [s]."""
     root = np.sqrt(b)
     spent = grid.step / (root[1:] + root[:-1]) ** 2
     return root * (np.append(0.0, spent) + np.append(spent, 0.0))

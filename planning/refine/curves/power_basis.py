@@ -1,4 +1,4 @@
-"""The exact power basis of Drake's B-splines."""
+"""Power basis: exact conversion of Drake's B-splines to polynomial pieces."""
 
 from math import factorial
 
@@ -16,7 +16,7 @@ def joint_spline(joints: tuple[Joint, ...], spline: BsplineTrajectory) -> JointS
     r(s) = sum_k r^(k)(s_i) / k! (s - s_i)^k. Exact but for rounding.
 
     Args:
-        joints: Flat ones, whose coordinates the rows of the spline are.
+        joints: Joints that do not float; their coordinates are the rows of the spline.
         spline: On any interval, with one column.
     """
     knots = np.unique(np.array(spline.basis().knots()))

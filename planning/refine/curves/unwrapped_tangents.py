@@ -1,6 +1,6 @@
-"""Tangents at a base along a way, without the jumps of the shortest ones.
+"""Unwrapped tangents: coordinates at a base along a path, without jumps at half a turn.
 
-exp(phi) is the same rotation for phi and (1 + 2 pi k / |phi|) phi, whole turns apart.
+exp(phi) is the same rotation for phi and (1 + 2 pi k / |phi|) phi, full turns apart.
 """
 
 from typing import Any
@@ -20,7 +20,7 @@ _TINY = 1e-12
 def turns_of(
     group: JointGroup, deltas: Float64[np.ndarray, "*n nv"]
 ) -> Float64[np.ndarray, "*n k"]:
-    """Return by how much each floating joint turns [rad]."""
+    """Return the rotation angle of each floating joint [rad]."""
     spins = [deltas[..., i : i + 3] for i in _spins(group)]
     return np.stack([np.linalg.norm(spin, axis=-1) for spin in spins], axis=-1)
 
@@ -28,12 +28,12 @@ def turns_of(
 def tangents_along(
     group: JointGroup, qs: Float64[np.ndarray, "n nq"], anchors: Int[np.ndarray, " b"]
 ) -> Float64[np.ndarray, "n b nv"]:
-    """Return delta with qs[anchor] [+] delta = q all along, zero at each anchor.
+    """Return continuous delta with qs[anchor] [+] delta = q along a path, zero at each anchor.
 
     Args:
-        group: Whose configurations these are.
-        qs: Along a way, the next near the last.
-        anchors: Which of them are bases.
+        group: The joints.
+        qs: Configurations along a path, consecutive ones near each other.
+        anchors: Rows of those that are bases.
     """
     found = Manifold(group.joints).minus(qs[:, None], qs[anchors][None])
     for i in range(1, len(qs)):
@@ -46,7 +46,7 @@ def tangents_along(
 
 
 def _nearest(group: JointGroup, deltas: Array, others: Array) -> Array:
-    """Return those of the same configurations that are nearest to others."""
+    """Return the tangents of the same configurations that are nearest to others."""
     near = np.array(deltas)
     circle = list(Manifold(group.joints).wraps)
     near[:, circle] += _TURN * np.round((others - deltas)[:, circle] / _TURN)
@@ -60,5 +60,5 @@ def _nearest(group: JointGroup, deltas: Array, others: Array) -> Array:
 
 
 def _spins(group: JointGroup) -> list[int]:
-    """Return where in v the rotation of each floating joint begins."""
+    """Return the index in v of the rotation of each floating joint."""
     return [iv for _, iv in offsets_of(group.joints, lambda j: j.type is JointType.FLOATING)]

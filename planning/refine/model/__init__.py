@@ -1,1 +1,1 @@
-"""The convex model of a curve nearby: variables, rows and the program that is solved."""
+"""Convex model of a curve's neighbourhood: variables, rows, and the quadratic program."""

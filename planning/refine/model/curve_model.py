@@ -1,10 +1,11 @@
-"""The optimisation problem: control points and pace of a curve, and its linear model nearby.
+"""CurveModel: cost of a curve by its control points, and its local convex model (a QP).
 
-The duration is that of the fastest pace b along the curve, which depends on the control points P
-through bounds that are bilinear in (P, b). They are linearised in both, distances in P, and the
-duration to second order in b. The model's minimiser within a box around P is the next curve; its
-own fastest pace says what it is truly worth. Distances are kept for a price, not at any price;
-those that are only wished for have a variable at every instant: what the nearest pair lacks there.
+The duration is that of the minimum-time squared path velocity b along the curve, which depends on
+the control points P through bounds that are bilinear in (P, b). They are linearised in both,
+distances in P, and the duration is expanded to second order in b. The model's minimiser within a
+box around P is the next curve, whose own minimum-time path velocity gives its true cost. Distances
+are penalised (exact penalty), not strict; the clearance objective has a variable at every instant:
+the shortfall of the nearest pair there.
 """
 
 from dataclasses import replace
@@ -28,23 +29,24 @@ from planning.refine.model.variable_layout import numbering_of
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 type Indices = np.ndarray[Any, np.dtype[np.intp]]
 
-# Pairs that are this much farther than demanded count for nothing [m].
+# Signed margin above which pairs are ignored [m].
 _REACH = 0.1
-# Beside durations, moving one control point by the box's half side costs this: ways to write down
-# the same motion are many, and the nearest is as good as any.
+# Proximal weight: cost of moving one control point by half of the box's side, in durations. Many
+# sets of control points describe the same motion; the nearest one is chosen.
 _RELUCTANCE = 1e-4
-# How far b may go within one step, relative to itself.
+# Largest relative decrease and increase of b within one step.
 _SLOWER, _FASTER = 0.7, 1.5
-# Rates that are nearer their bounds than this are looked at.
+# Rates below these shares of their bounds have no row.
 _ACCELERATION_SEEN, _SPEED_SEEN = 0.3, 0.4
-# Than lacking a wished distance, lacking more than what is said to be lacking: so that it is said.
+# Ratio of the penalty of a shortfall beyond the shortfall variable to the cost of that variable: it
+# must exceed 1 for the variable to be used.
 _DEARER = 2.0
-# A box has an inside, even where the position limits leave none.
+# Least width of the box, even where the position limits leave none.
 _SLIT = 1e-6
 
 
 class CurveModel:
-    """Curves of one number of control points, with distances kept at some instants."""
+    """Cost and convex model of curves of one number of control points, with distances kept."""
 
     def __init__(
         self,
@@ -55,7 +57,7 @@ class CurveModel:
         num_instants: int,
         wish: ClearanceObjective | None = None,
     ) -> None:
-        """Pose the problem, with distances at instants evenly in (0, 1)."""
+        """Build the model, with distances at instants evenly in (0, 1)."""
         self._nearness = nearness
         self._wish = wish
         self._limits = limits
@@ -69,12 +71,12 @@ class CurveModel:
         self._wishing = self._weights
 
     def keep_distance_at(self, instants: Float64[np.ndarray, " m"]) -> None:
-        """Demand distances at more instants from now on; what was looked at is to be seen again."""
+        """Add instants at which distances are kept; earlier evaluations are outdated then."""
         self.instants = np.concatenate([self.instants, instants])
         self._weights = weights_at(self._count, self.instants)
 
     def look(self, points: Float64[np.ndarray, "k nq"]) -> CurveEvaluation:
-        """Return what a curve is worth."""
+        """Return the evaluation of a curve."""
         rates, pace, felt = path_velocity_along(points, self._bounds)
         duration = duration_of(self._grid, pace)
         near = self._nearness.within(self._weights.of(points), _REACH)
@@ -86,12 +88,12 @@ class CurveModel:
         return CurveEvaluation(points, rates, pace, duration, near, wished, worth, felt)
 
     def step(self, seen: CurveEvaluation, seconds: float) -> tuple[Array, float]:
-        """Return the control points of the model's best curve, and what it promises to save [s].
+        """Return the control points of the model's minimiser, and the predicted decrease [s].
 
         Args:
-            seen: Around which curve.
-            seconds: Half of the sides of the box around every control point, as the time to cross
-                it at the velocity limit.
+            seen: Evaluation of the curve around which the model is.
+            seconds: Half of the box's sides around every control point, as the time to cross it at
+                the velocity limit.
         """
         side = seconds * self._bounds.velocity
         program = self._program(seen, side)
@@ -106,12 +108,12 @@ class CurveModel:
         return points, promised * seen.duration
 
     def _program(self, seen: CurveEvaluation, side: Array) -> PenaltyQp:
-        """Return the model in units of the duration, of the box, and of b itself."""
+        """Return the QP, in units of the duration, of the box, and of b itself."""
         points, pace = self._numbers.points[1:-1], self._numbers.pace[1:-1]
         c, q = np.zeros(self._numbers.count), np.full(self._numbers.count, _RELUCTANCE)
         lower, upper = -np.ones_like(c), np.ones_like(c)
         haste = duration_gradient(self._grid, seen.pace)[1:-1] / seen.duration
-        # Of a time that goes with b^(-1/2).
+        # First and second derivative of a duration proportional to b^(-1/2).
         c[pace], q[pace] = -haste, 1.5 * haste
         lower[pace], upper[pace] = -_SLOWER, _FASTER
         lower[points] = np.maximum((self._limits.lower - seen.points[1:-1]) / side, -1.0)
@@ -134,7 +136,7 @@ class CurveModel:
         return PenaltyQp(c, q, lower, upper, tuple(rows))
 
     def _acceleration_rows(self, seen: CurveEvaluation, side: Array) -> PenaltyRows:
-        """Bound r'' b + r' u both ways; of every interval, coordinate and end."""
+        """Return rows that bound r'' b + r' u in both signs, by interval, coordinate and end."""
         grid, b = self._grid, seen.pace
         u = np.diff(b) / (2 * grid.step)
         weights = grid.second * both_ends(b)[..., None] + grid.first * u[:, None, None]
@@ -148,7 +150,7 @@ class CurveModel:
         return rows.taken(rows.least > _ACCELERATION_SEEN - 1)
 
     def _speed_rows(self, seen: CurveEvaluation, side: Array) -> PenaltyRows:
-        """Bound |r'| sqrt(b) at the low end of every interval but the first."""
+        """Return rows that bound |r'| sqrt(b) at the low end of every interval but the first."""
         root = np.sqrt(seen.pace[1:-1])
         now = seen.rates.speed[1:, 0] * root[:, None]
         ways = np.sign(now)
@@ -163,7 +165,7 @@ class CurveModel:
         )
 
     def _swing_rows(self, seen: CurveEvaluation, side: Array, jerk: Array) -> PenaltyRows:
-        """Bound |r'''| b^(3/2) at both ends of every interval."""
+        """Return rows that bound |r'''| b^(3/2) at both ends of every interval."""
         b = both_ends(seen.pace) ** 1.5
         now = seen.rates.swing[:, :, None] * b[:, None]
         ways = np.sign(now)
@@ -179,7 +181,7 @@ class CurveModel:
         )
 
     def _columns(self, num_paces: int) -> Indices:
-        """Return 4 points of a coordinate and the pace at one or both ends of every interval.
+        """Return columns of 4 control points and of b at one or both ends of every interval.
 
         Shape (n, nq, 2, 4 + num_paces), the same for both ends.
         """
@@ -192,7 +194,7 @@ class CurveModel:
     def _distance_rows(
         self, near: DistanceRows, weights: Weights, side: Array, price: float
     ) -> PenaltyRows:
-        """Keep distances that a step within the box could make too short."""
+        """Return rows of distances that a step within the box could make too short."""
         some = np.flatnonzero(near.spare < np.abs(near.gradient * side).sum(axis=1))
         at, slopes = near.at[some], near.gradient[some] * side
         values = weights.local[at][:, :, None] * slopes[:, None]
@@ -203,7 +205,7 @@ class CurveModel:
     def _wish_rows(
         self, near: DistanceRows, distance: float, side: Array, price: float
     ) -> PenaltyRows:
-        """Keep wished distances but for what the nearest pair lacks, in units of the distance."""
+        """Return rows of target distances minus the shortfall variables, over the distance."""
         rows = self._distance_rows(near, self._wishing, side, price)
         some = np.flatnonzero(near.spare < np.abs(near.gradient * side).sum(axis=1))
         lacks = self._numbers.lacks[near.at[some]]

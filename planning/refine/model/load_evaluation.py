@@ -1,4 +1,4 @@
-"""LoadEvaluation: loads along one curve, as rows of the path velocity's program and the model's."""
+"""LoadEvaluation: loads along one curve, as rows for the path velocity and for the convex model."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -20,22 +20,21 @@ from planning.refine.model.path_velocity_rows import PathVelocityConstraints
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
-# What each limit of torque costs, beyond what may be spent on standing still, at every grid point
-# [s].
+# Penalty of static load beyond its largest value, per limit and grid point [s].
 _EXCESS_PRICE = 10.0
 
 
 @dataclass(frozen=True)
 class LoadEvaluation:
-    """What loads do along a curve.
+    """Loads along one curve.
 
     Attributes:
-        count: Of the control points.
-        loads: One at least.
+        count: Number of control points.
+        loads: At least one.
         states: r, r' and r'' at the ends of parts of the grid's intervals, by the number of these
             parts, shape (3, n parts + 1, nq) each.
-        pace_rows: Of all loads.
-        excess: What standing still at the grid's points asks for beyond `MOST_HELD`, summed up.
+        pace_rows: Constraints of all loads on the path velocity.
+        excess: Static load beyond `MOST_HELD`, summed over the samples.
     """
 
     count: int
@@ -46,7 +45,7 @@ class LoadEvaluation:
 
     @classmethod
     def of(cls, points: Float64[np.ndarray, "k nq"], loads: tuple[Load, ...]) -> "LoadEvaluation":
-        """Look at the curve with these control points."""
+        """Evaluate the loads of the curve with these control points."""
         states = {load.parts: _states(points, load.parts) for load in loads}
         step = grid_of(len(points)).step
         found = [
@@ -58,13 +57,13 @@ class LoadEvaluation:
 
     @property
     def cost(self) -> float:
-        """What that excess costs [s]."""
+        """Penalty of that excess [s]."""
         return _EXCESS_PRICE * self.excess
 
     def strains(
         self, b: Float64[np.ndarray, " n_plus_1"], duration: float
     ) -> tuple[LoadLinearization, ...]:
-        """Return the strains at a pace that takes so long, and those without motion."""
+        """Return the linearizations of loads at a path velocity b, and those of static loads."""
         moments = {
             parts: CurveSamples.of(self.count, states, b, parts)
             for parts, states in self.states.items()
@@ -87,7 +86,7 @@ def _excess(held: Float64[np.ndarray, "m k"]) -> float:
 def path_velocity_along(
     points: Float64[np.ndarray, "k nq"], bounds: RateBounds
 ) -> tuple[NormalizedDerivatives, Float64[np.ndarray, " n_plus_1"], LoadEvaluation | None]:
-    """Return a curve's rates, its fastest pace, and what loads do along it, if there are any."""
+    """Return a curve's derivatives, its minimum-time path velocity, and its loads if any."""
     grid = grid_of(len(points))
     rates = NormalizedDerivatives.of(grid, points, bounds)
     if not bounds.loads:

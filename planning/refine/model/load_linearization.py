@@ -15,33 +15,33 @@ type Array = np.ndarray[Any, np.dtype[np.float64]]
 type Indices = np.ndarray[Any, np.dtype[np.intp]]
 type Flags = np.ndarray[Any, np.dtype[np.bool_]]
 
-# Ratios that are nearer their bounds than this are looked at.
+# Load ratios below this have no row.
 _SEEN = 0.5
-# The same of what holding still takes, which changes with the way alone.
+# The same for static loads, which change with the curve alone.
 _HELD_SEEN = 0.75
-# How far a step may change what a row sums up, in units of its entries: b may grow by half.
+# Largest change of a row's sum by a step, in units of its entries: b may grow by half.
 _REACH = 1.5
-# Of the planes about a vector, from its own [rad].
+# Angles between the normals of tangent planes and the vector itself [rad].
 _TILTS = (0.2, 0.5)
-# A plane that touches a ball has but one side; of what has one component the other counts as well.
+# A tangent plane bounds a ball on one side; a scalar is bounded on both.
 _ABOVE, _EITHER = (1.0,), (1.0, -1.0)
 
 
 @dataclass(frozen=True)
 class LoadLinearization:
-    """One load's ratios at places on every interval of the grid, where they are large.
+    """Large ratios of one load at samples on every interval of the grid, with derivatives.
 
     Attributes:
-        places: Which of all, shape (m,).
-        owners: The control points that matter there, shape (m, 4).
-        intervals: Of which u is, shape (m,).
-        now: The ratios, shape (m, rows).
-        by_point: Their slopes by coordinates of control points, shape (m, rows, 4, nq).
-        by_pace: By b at both ends of the interval, relative to it, shape (m, rows, 2).
-        is_told: Which of the rows are to be kept, shape (m, rows).
-        sides: On which ratios are bounded: above, or above and below.
+        places: Indices of the samples, shape (m,).
+        owners: Indices of the control points with nonzero weight there, shape (m, 4).
+        intervals: Index of each sample's interval, which has its u, shape (m,).
+        now: Load ratios, shape (m, rows).
+        by_point: Their derivatives by coordinates of control points, shape (m, rows, 4, nq).
+        by_pace: By b at both ends of the interval, times b, shape (m, rows, 2).
+        is_told: Mask of the rows to use, without duplicates, shape (m, rows).
+        sides: Signs with a bound: above, or above and below.
         bound: Of the ratios.
-        price: Of exceeding the bound by its own size, in durations.
+        price: Penalty of exceeding the bound by its own size, in durations.
     """
 
     places: Indices
@@ -57,7 +57,7 @@ class LoadLinearization:
 
     @classmethod
     def of(cls, load: Load, moments: CurveSamples) -> "LoadLinearization":
-        """Look at the load in the course of a motion."""
+        """Linearize the load of a motion."""
         vectors = load.vectors(*moments.motion)
         seen = np.flatnonzero((np.linalg.norm(vectors, axis=2) > _SEEN).any(axis=1))
         vectors, moments = vectors[seen], moments.taken(seen)
@@ -74,14 +74,14 @@ class LoadLinearization:
             np.einsum("mbrd,mbd->mbr", normals, vectors).reshape(rows),
             moments.by_point(by_q, by_v, by_vdot),
             moments.by_pace(by_v, by_vdot),
-            # What u does not change is the same before a point of the grid as behind it.
+            # Rows that do not depend on u are equal on both sides of a grid point.
             by_vdot.any(axis=2) | (moments.shares < 1)[:, None],
             _EITHER if vectors.shape[2] == 1 else _ABOVE,
         )
 
     @classmethod
     def still(cls, load: Load, moments: CurveSamples, price: float) -> "LoadLinearization":
-        """Look at what the load asks for without any motion."""
+        """Linearize the static load."""
         moments = moments.taken(np.flatnonzero(moments.shares == 1))
         held = load.held(moments.states[0])
         seen = np.flatnonzero((np.abs(held) > _HELD_SEEN).any(axis=1))
@@ -94,12 +94,12 @@ class LoadLinearization:
         return cls(*ends, held[seen], by_point, by_pace, told, _EITHER, MOST_HELD, price)
 
     def rows(self, points: Indices, pace: Indices, side: Array) -> PenaltyRows:
-        """Return the rows that a step can make bind.
+        """Return the rows that can bind within a step.
 
         Args:
             points: Columns of the control points' coordinates, shape (k, nq).
             pace: Columns of b, shape (n + 1,).
-            side: Of the box around control points, shape (nq,).
+            side: Half of the box's sides around control points, shape (nq,).
         """
         m, rows = self.now.shape
         by_point = (self.by_point * side).reshape(m, rows, 4 * len(side))
@@ -121,10 +121,10 @@ class LoadLinearization:
 
 
 def _normals(vectors: Float64[np.ndarray, "m balls dims"]) -> Float64[np.ndarray, "m balls k dims"]:
-    """Return outward normals of planes that touch the unit ball near where vectors point.
+    """Return outward normals of planes tangent to the unit ball near the vectors' directions.
 
-    One says how a vector's length changes; those around it keep a step from going far along the
-    plane of the first, where it would leave the ball.
+    The first is along the vector and linearizes its length; those around it keep a step from moving
+    far along the first plane, where it would leave the ball.
     """
     if vectors.shape[2] == 1:
         return np.ones((*vectors.shape, 1))

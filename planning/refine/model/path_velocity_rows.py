@@ -11,9 +11,9 @@ from planning.refine.model.penalty_qp import PenaltyRows
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 type Indices = np.ndarray[Any, np.dtype[np.intp]]
 
-# What exceeding a limit by its own size costs, in durations.
+# Penalty of exceeding a limit by its own size, in durations.
 RATE_PENALTY = 10.0
-# Where nothing moves the pace is bounded by nothing but this, in units of 1 / s^2.
+# Least coefficient of b in its bounds, so that b stays bounded where nothing moves [s^2].
 STANDSTILL = 1e-12
 
 
@@ -22,8 +22,8 @@ class PathVelocityConstraints:
     """Rows low b_i + high b_{i+1} <= 1 on every interval i of the grid.
 
     Attributes:
-        low: Shape (n, rows).
-        high: Likewise.
+        low: Coefficients of b_i, shape (n, rows).
+        high: Coefficients of b_{i+1}, likewise.
     """
 
     low: Array
@@ -39,13 +39,13 @@ class PathVelocityConstraints:
     ) -> "PathVelocityConstraints":
         """Return ahead u + bend b <= 1 at both ends of every part of every interval.
 
-        Within an interval u is the same everywhere and b between those at its ends.
+        Within an interval u is constant and b is linear between its ends.
 
         Args:
             step: Width of an interval.
-            ahead: At the ends of all parts, m = n parts + 1.
-            bend: Likewise.
-            parts: Of an interval.
+            ahead: Coefficients of u at the ends of all parts, m = n parts + 1.
+            bend: Coefficients of b, likewise.
+            parts: Number of parts of an interval.
         """
         places = np.arange((len(ahead) - 1) // parts)[:, None] * parts + np.arange(parts + 1)
         share = (np.arange(parts + 1) / parts)[:, None]
@@ -55,12 +55,12 @@ class PathVelocityConstraints:
 
     @classmethod
     def joined(cls, parts: "list[PathVelocityConstraints]") -> "PathVelocityConstraints":
-        """Return the rows of all."""
+        """Return the rows of several constraints."""
         lows, highs = [part.low for part in parts], [part.high for part in parts]
         return cls(np.concatenate(lows, axis=1), np.concatenate(highs, axis=1))
 
     def caps(self) -> Array:
-        """Return bounds on b at every grid point but the ends, by rows that know no other."""
+        """Return bounds on b at every grid point but the ends, from rows in that variable alone."""
         low = np.where(self.high == 0, self.low, 0.0).max(axis=1, initial=0.0)
         high = np.where(self.low == 0, self.high, 0.0).max(axis=1, initial=0.0)
         return 1 / np.maximum(np.maximum(low[1:], high[:-1]), STANDSTILL)
@@ -71,10 +71,10 @@ class PathVelocityConstraints:
         return float(values.max(initial=0.0))
 
     def rows(self, caps: Float64[np.ndarray, " n_plus_1"], columns: Indices) -> PenaltyRows:
-        """Return those that can bind, in units of caps at the grid.
+        """Return the rows that can bind, with b in units of `caps`.
 
         Args:
-            caps: Of b.
+            caps: Upper bounds of b at the grid.
             columns: Of b at both ends of every interval, shape (n, 2).
         """
         values = -np.stack([self.low * caps[:-1, None], self.high * caps[1:, None]], axis=-1)

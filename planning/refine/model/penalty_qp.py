@@ -1,8 +1,8 @@
-"""Convex programs in a box whose rows may be broken for a price.
+"""PenaltyQp: convex quadratic program in a box, with linear rows under an exact (L1) penalty.
 
-minimise  c . x + 1/2 sum_i q_i x_i^2 + sum_k price_k max(0, least_k - a_k . x),  |x_i| <= box_i
+minimise  c . x + 1/2 sum_i q_i x_i^2 + sum_k price_k max(0, least_k - a_k . x), lower <= x <= upper
 
-The native kernel has a solver for them; without it, Clarabel answers the same question.
+The native kernel has an interior-point solver for it; without the kernel Clarabel solves it.
 """
 
 from dataclasses import dataclass
@@ -18,19 +18,19 @@ type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 _TOLERANCE = 1e-7
 _MAX_STEPS = 40
-# Drake takes dense blocks of rows: few together, or most of a block is zeros.
+# Rows per block: Drake takes dense blocks, which are mostly zeros if they are large.
 _AT_ONCE = 64
 
 
 @dataclass(frozen=True)
 class PenaltyRows:
-    """Some rows a_k . x >= least_k, all with as many entries.
+    """Rows a_k . x >= least_k, all with the same number of entries.
 
     Attributes:
         columns: Of the entries; -1 for none, shape (m, entries).
         values: Shape (m, entries).
         least: Shape (m,).
-        price: Of lacking one, each.
+        price: Penalty per unit of violation, for each row.
     """
 
     columns: Int[np.ndarray, "m entries"]
@@ -49,8 +49,8 @@ class PenaltyRows:
     ) -> "PenaltyRows":
         """Return rows that keep now + values . x between two bounds, a pair for each.
 
-        In units of the bounds, the first of which is negative and the second positive; their other
-        axes are those of `now`, or wide 1.
+        The rows are in units of the bounds, the first of which is negative and the second positive;
+        the other axes of `bounds` are those of `now`, or have length 1.
         """
         low, high = bounds
         entries = columns.shape[-1]
@@ -61,7 +61,7 @@ class PenaltyRows:
 
     @classmethod
     def stacked(cls, parts: "list[PenaltyRows]") -> "PenaltyRows":
-        """Return all rows of some, of one price."""
+        """Return the rows of several parts of equal price."""
         columns, values, least = (
             np.concatenate(arrays)
             for arrays in zip(*((p.columns, p.values, p.least) for p in parts), strict=True)
@@ -69,21 +69,21 @@ class PenaltyRows:
         return cls(columns, values, least, parts[0].price)
 
     def taken(self, which: Any) -> "PenaltyRows":
-        """Return those rows only."""
+        """Return the selected rows."""
         return PenaltyRows(self.columns[which], self.values[which], self.least[which], self.price)
 
     def cost(self, x: Float64[np.ndarray, " n"]) -> float:
-        """Return what the rows cost at x."""
+        """Return the penalty at x."""
         return self.price * float(np.maximum(self.lacks(x), 0.0).sum())
 
     def lacks(self, x: Float64[np.ndarray, " n"]) -> Float64[np.ndarray, " m"]:
-        """Return what each row lacks at x, negative where it has more than it must."""
+        """Return the violation of each row at x, negative where it is satisfied with a margin."""
         return self.least - (self.values * np.append(x, 0.0)[self.columns]).sum(axis=1)
 
 
 @dataclass(frozen=True)
 class PenaltyQp:
-    """See above; c, q and box have shape (n,)."""
+    """Penalty QP of the module's docstring; c, q, lower and upper have shape (n,)."""
 
     c: Float64[np.ndarray, " n"]
     q: Float64[np.ndarray, " n"]
@@ -139,5 +139,5 @@ class PenaltyQp:
 
 
 def solver_name() -> str:
-    """Return who solves the programs."""
+    """Return the name of the solver in use."""
     return "Clarabel" if native() is None else "interior point"

@@ -1,6 +1,6 @@
-"""VariableLayout: which variable of a convex program stands for what.
+"""VariableLayout: indices of the variables of a curve's convex program.
 
-What belongs to near instants has near numbers, which the solver likes.
+Variables of near instants have near indices, which keeps the solver's Cholesky skyline narrow.
 """
 
 from dataclasses import dataclass
@@ -17,13 +17,13 @@ type Indices = np.ndarray[Any, np.dtype[np.intp]]
 
 @dataclass(frozen=True)
 class VariableLayout:
-    """Variables, where -1 is none.
+    """Indices of variables; -1 for none.
 
     Attributes:
-        points: Of control points, of which the first and last are none, shape (k, nq).
-        pace: Of b at the grid, of which the first and last are none, shape (n + 1,).
-        lacks: Of what is lacking of a wish at every instant, shape (m,).
-        count: Of all.
+        points: Of control points, where the first and last have none, shape (k, nq).
+        pace: Of b at the grid, where the first and last have none, shape (n + 1,).
+        lacks: Of the clearance objective's shortfall at every instant, shape (m,).
+        count: Number of variables.
     """
 
     points: Indices
@@ -34,7 +34,7 @@ class VariableLayout:
 
 @lru_cache(maxsize=8)
 def numbering_of(count: int, num_coordinates: int, num_lacks: int = 0) -> VariableLayout:
-    """Return the numbering for a number of control points, of coordinates, of even instants."""
+    """Return the layout for numbers of control points, of coordinates and of even instants."""
     n = len(grid_of(count).owners)
     inner = (count - 2) * num_coordinates
     at = np.concatenate([

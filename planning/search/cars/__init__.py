@@ -1,1 +1,1 @@
-"""Steering: Dubins and Reeds-Shepp curves as edges of a search."""
+"""Steering for cars: Dubins and Reeds-Shepp curves as edges of a search."""

@@ -1,11 +1,12 @@
-"""Shortcuts of a drive: parts of it replaced by the car's shortest curves, where these are free.
+"""Shortcuts of a car's path: parts of it replaced by free Dubins or Reeds-Shepp curves.
 
-A straight line between two of its configurations is none that a car could follow. So the path is
-cut into points, and of all ways along them in order, each step a drive from one point to a later
-one, the shortest whose steps are all free is looked for. It is guessed as if all that seem free at
-a glance were, and guessed again without those that turn out blocked (Dellin and Srinivasa, "A
-unifying formalism for shortest path problems with expensive edge evaluations via lazy best-first
-search", ICAPS 2016). Nothing is random, and of what is delivered every step was checked.
+A car cannot follow a straight line between two of its configurations. So the path is cut into
+points, and the shortest free path along some of them in order is computed, where each step is a
+steering path from one point to a later one. It is LazySP: the shortest path under the assumption
+that all steps whose coarse samples are free are free; then again without the steps that prove to be
+blocked (Dellin and Srinivasa, "A unifying formalism for shortest path problems with expensive edge
+evaluations via lazy best-first search", ICAPS 2016). The result is deterministic, and every step of
+it was checked.
 """
 
 from collections.abc import Callable
@@ -21,31 +22,31 @@ from planning.search.shortcut.polyline import path_measure, points_on
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
-# Points of a path, about, and pieces that an edge is cut into at most.
+# Approximate number of points of a path; most pieces that an edge is cut into.
 _POINTS, _PIECES = 48, 8
 _MOST_POINTS = 64
 _MOST_ROUNDS = 4
-# Rounds go on while they gain this share of the length.
+# Least gain of a round, as a share of the length, for another round to follow.
 _LEAST_GAIN = 1e-3
-# What a step costs beyond its length, so that of equal ways the one of fewest steps is taken.
+# Cost of a step beyond its length, so that of equal paths the one of fewest steps is chosen.
 _PER_STEP = 1e-6
 
 
 def shortened_drive(
     waypoints: Float64[np.ndarray, "n nq"], edges: SteeringEdgeChecker, is_over: Callable[[], bool]
 ) -> Array | None:
-    """Return a drive that is no longer, with the same ends, shape (m, nq), every step free.
+    """Return a path that is no longer, with the same ends, shape (m, nq), every step free.
 
     None if the given one is blocked and its waypoints lead to no other.
 
     Args:
-        waypoints: Of the drive, from start to goal, shape (n, nq).
-        edges: Checks drives, as closely as what is delivered.
-        is_over: Asked now and then; an early end leaves a drive that is as good as the others.
+        waypoints: Of the path, from start to goal, shape (n, nq).
+        edges: Checker of steering paths at the fine resolution.
+        is_over: Called at intervals; after an early end the path is as valid as otherwise.
 
     Raises:
-        Canceled: The end was asked for.
-        DeadlineExceeded: The time has run out before anything was found free.
+        Canceled: The request was canceled.
+        DeadlineExceeded: The time has run out before any free path was found.
     """
     path = _best_chain(waypoints, edges, is_over)
     try:
@@ -68,9 +69,9 @@ def shortened_drive(
 def _best_chain(
     points: Array, edges: SteeringEdgeChecker, is_over: Callable[[], bool]
 ) -> Array | None:
-    """Return the waypoints of the shortest free way along some of the points, in their order."""
+    """Return the waypoints of the shortest free path along some of the points, in their order."""
     begins, ends = np.triu_indices(len(points), 1)
-    # Of very many points every one is tried from the one before, but not from all before.
+    # With very many points, each has a step from the point before it, but not from all before it.
     stride = -(-len(points) // _MOST_POINTS)
     is_next = ends == begins + 1
     tried = is_next | ((begins % stride == 0) & (ends % stride == 0))
@@ -104,7 +105,7 @@ def _best_chain(
 
 
 def _cheapest(costs: Array) -> list[int] | None:
-    """Return the cheapest way from the first to the last row of an upper triangle of costs."""
+    """Return the cheapest path from the first to the last row of an upper triangle of costs."""
     count = len(costs)
     best, came = np.full(count, np.inf), np.zeros(count, dtype=int)
     best[0] = 0.0

@@ -1,8 +1,8 @@
-"""PathWords: ways of a car as a few arcs and lines, and the shortest of many.
+"""PathWords: paths of a car as words of a few segments (arcs and lines), and the shortest of many.
 
-A car of turning radius 1 starts at x = y = yaw = 0. Each letter of a word is a signed length, of an
-arc that is its angle too, negative for backwards, and a turn: 1 to the left, -1 to the right, 0 for
-straight ahead.
+A car of turning radius 1 starts at x = y = yaw = 0. Each segment (letter of the word) has a signed
+length, negative for backwards, which for an arc is its angle too, and a turn: 1 to the left, -1 to
+the right, 0 for straight ahead.
 """
 
 from dataclasses import dataclass
@@ -13,21 +13,21 @@ from jaxtyping import Float64
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
-# A formula that misses its goal by more is not for it: they divide by what may vanish [radii].
+# Largest miss of the goal by a formula: formulas divide by values that may vanish [radii].
 _MISS = 1e-9
-# Lengths that differ by less are equal, so that rounding does not choose [radii].
+# Lengths that differ by less count as equal, so that rounding does not decide [radii].
 _EQUAL = 1e-9
-# Squares that are less than zero by so much are zero [radii^2].
+# Squares that are negative by no more than this count as zero [radii^2].
 _ROUNDED = 1e-12
 
 
 @dataclass(frozen=True)
 class PathWords:
-    """One word for each of several goals.
+    """One path word for each of several goals.
 
     Attributes:
-        lengths: Of each letter [radii], shape (m, k).
-        turns: Of each letter, shape (m, k).
+        lengths: Signed lengths of the segments [radii], shape (m, k).
+        turns: Turns of the segments: 1 left, -1 right, 0 straight, shape (m, k).
     """
 
     lengths: Float64[np.ndarray, "m k"]
@@ -39,11 +39,11 @@ def shortest(
     turns: Float64[np.ndarray, "w k"],
     goals: Float64[np.ndarray, "m 3"],
 ) -> PathWords:
-    """Return the shortest word to each goal of those that lead there, the first of equals.
+    """Return the shortest word for each goal, of those that end there; the first of equal ones.
 
     Args:
-        lengths: Of w words to each goal, infinite where a word is none [radii].
-        turns: Of the letters of each of the w.
+        lengths: Of w words for each goal, infinite where a word does not exist [radii].
+        turns: Turns of the segments of each of the w words.
         goals: x, y [radii] and yaw.
     """
     totals = np.abs(lengths).sum(axis=2)
@@ -62,12 +62,12 @@ def shortest(
 
 
 def root(square: Array) -> Array:
-    """Return the square root, of what rounding has made negative too; NaN of the rest."""
+    """Return the square root, zero where rounding has made the square negative; NaN below that."""
     return np.sqrt(np.where(square > -_ROUNDED, np.maximum(square, 0.0), np.nan))
 
 
 def end_of(lengths: Array, turns: Array) -> tuple[Array, Array, Array]:
-    """Return x, y [radii] and yaw where words end, whose letters are along the last axis."""
+    """Return x, y [radii] and yaw at the ends of words whose segments are along the last axis."""
     after = np.cumsum(lengths * turns, axis=-1)
     before = after - lengths * turns
     is_arc = turns != 0

@@ -1,11 +1,12 @@
-"""Reeds-Shepp curves: the shortest ways of a car that drives forwards and backwards.
+"""Reeds-Shepp curves: the shortest paths of a car that drives forwards and backwards.
 
-Each is one of 48 words of up to five letters (Reeds and Shepp, "Optimal paths for a car that goes
-both forwards and backwards", Pacific Journal of Mathematics 145:2, 1990; the numbers of formulas in
-section 8 are named below; those of OMPL are the same, with the misprints of the paper corrected).
-A formula for one word gives four by symmetry: driven backwards (x, yaw -> -x, -yaw), mirrored
-(y, yaw -> -y, -yaw), and both. Some give four more by being driven from the goal to the start. In
-the names p and m are forwards and backwards, and a word without either has both cases.
+Each is one of 48 words of up to five segments (Reeds and Shepp, "Optimal paths for a car that goes
+both forwards and backwards", Pacific Journal of Mathematics 145:2, 1990; docstrings below give the
+numbers of the formulas in section 8; OMPL uses the same ones, with the misprints of the paper
+corrected). A formula for one word gives four by symmetry: driven backwards (x, yaw -> -x, -yaw),
+mirrored (y, yaw -> -y, -yaw), and both. Some give four more by being driven from the goal to the
+start. In the names p and m stand for forwards and backwards, and a segment without either has both
+cases.
 """
 
 from collections.abc import Callable
@@ -20,13 +21,13 @@ type Array = np.ndarray[Any, np.dtype[np.float64]]
 type Formula = Callable[[Array, Array, Array], tuple[list[Array], Any]]
 
 _QUARTER = np.pi / 2
-# Lengths that are less than zero by so much are zero.
+# Lengths that are negative by no more than this count as zero.
 _NOTHING = 1e-11
 _L, _S, _R = 1, 0, -1
 
 
 def reeds_shepp_words(goals: Float64[np.ndarray, "m 3"]) -> PathWords:
-    """Return the shortest word to each goal: x, y [radii] and yaw, as the start sees them."""
+    """Return the shortest word to each goal: x, y [radii] and yaw in the frame of the start."""
     x, y, yaw = goals.T
     # All four symmetric goals, one after another.
     seen = (
@@ -48,14 +49,14 @@ def reeds_shepp_words(goals: Float64[np.ndarray, "m 3"]) -> PathWords:
 
 
 def _lp_sp_lp(x: Array, y: Array, yaw: Array) -> tuple[list[Array], Any]:
-    """8.1."""
+    """Return the word L+ S+ L+ by formula 8.1, and where it exists."""
     u, t = _polar(x - np.sin(yaw), y - 1 + np.cos(yaw))
     v = _half(yaw - t)
     return [t, u, v], _least(t) & _least(v)
 
 
 def _lp_sp_rp(x: Array, y: Array, yaw: Array) -> tuple[list[Array], Any]:
-    """8.2."""
+    """Return the word L+ S+ R+ by formula 8.2, and where it exists."""
     rho, course = _polar(x + np.sin(yaw), y - 1 - np.cos(yaw))
     u = root(rho**2 - 4)
     t = _half(course + np.arctan2(2.0, u))
@@ -64,7 +65,7 @@ def _lp_sp_rp(x: Array, y: Array, yaw: Array) -> tuple[list[Array], Any]:
 
 
 def _lp_rm_l(x: Array, y: Array, yaw: Array) -> tuple[list[Array], Any]:
-    """8.3 and 8.4, which has a misprint in the paper."""
+    """Return the word L+ R- L by formulas 8.3 and 8.4 (a misprint in the paper is corrected)."""
     rho, course = _polar(x - np.sin(yaw), y - 1 + np.cos(yaw))
     u = -2 * np.arcsin(rho / 4)
     t = _half(course + u / 2 + np.pi)
@@ -73,7 +74,7 @@ def _lp_rm_l(x: Array, y: Array, yaw: Array) -> tuple[list[Array], Any]:
 
 
 def _lp_rup_lum_rm(x: Array, y: Array, yaw: Array) -> tuple[list[Array], Any]:
-    """8.7."""
+    """Return the word L+ R+ L- R- with equal middle arcs by formula 8.7, and where it exists."""
     xi, eta = x + np.sin(yaw), y - 1 - np.cos(yaw)
     rho = (2 + np.hypot(xi, eta)) / 4
     u = np.arccos(rho)
@@ -82,7 +83,7 @@ def _lp_rup_lum_rm(x: Array, y: Array, yaw: Array) -> tuple[list[Array], Any]:
 
 
 def _lp_rum_lum_rp(x: Array, y: Array, yaw: Array) -> tuple[list[Array], Any]:
-    """8.8."""
+    """Return the word L+ R- L- R+ with equal middle arcs by formula 8.8, and where it exists."""
     xi, eta = x + np.sin(yaw), y - 1 - np.cos(yaw)
     rho = (20 - xi**2 - eta**2) / 16
     u = -np.arccos(rho)
@@ -91,7 +92,7 @@ def _lp_rum_lum_rp(x: Array, y: Array, yaw: Array) -> tuple[list[Array], Any]:
 
 
 def _lp_rm_sm_lm(x: Array, y: Array, yaw: Array) -> tuple[list[Array], Any]:
-    """8.9."""
+    """Return the word L+ R- S- L- by formula 8.9, and where it exists."""
     rho, course = _polar(x - np.sin(yaw), y - 1 + np.cos(yaw))
     r = root(rho**2 - 4)
     t = _half(course + np.arctan2(r, -2.0))
@@ -100,14 +101,14 @@ def _lp_rm_sm_lm(x: Array, y: Array, yaw: Array) -> tuple[list[Array], Any]:
 
 
 def _lp_rm_sm_rm(x: Array, y: Array, yaw: Array) -> tuple[list[Array], Any]:
-    """8.10."""
+    """Return the word L+ R- S- R- by formula 8.10, and where it exists."""
     rho, t = _polar(1 + np.cos(yaw) - y, x + np.sin(yaw))
     v = _half(t + _QUARTER - yaw)
     return [t, _back(t), 2 - rho, v], (rho >= 2) & _least(t) & _least(-v)
 
 
 def _lp_rm_s_lm_rp(x: Array, y: Array, yaw: Array) -> tuple[list[Array], Any]:
-    """8.11, which has a misprint in the paper."""
+    """Return the word L+ R- S- L- R+ by formula 8.11 (a misprint in the paper is corrected)."""
     xi, eta = x + np.sin(yaw), y - 1 - np.cos(yaw)
     u = 4 - root(np.hypot(xi, eta) ** 2 - 4)
     t = _half(np.arctan2((4 - u) * xi - 2 * eta, -2 * xi + (u - 4) * eta))
@@ -115,7 +116,7 @@ def _lp_rm_s_lm_rp(x: Array, y: Array, yaw: Array) -> tuple[list[Array], Any]:
     return [t, _back(t), u, _back(t), v], _least(-u) & _least(t) & _least(v)
 
 
-# Each formula, its turns, and whether it is driven from the goal to the start.
+# Formula, turns of its segments, and whether the word is driven from the goal to the start.
 _WORDS: tuple[tuple[Formula, tuple[int, ...], bool], ...] = (
     (_lp_sp_lp, (_L, _S, _L), False),
     (_lp_sp_rp, (_L, _S, _R), False),
@@ -129,7 +130,7 @@ _WORDS: tuple[tuple[Formula, tuple[int, ...], bool], ...] = (
     (_lp_rm_sm_rm, (_R, _S, _R, _L), True),
     (_lp_rm_s_lm_rp, (_L, _R, _S, _L, _R), False),
 )
-# Of the four symmetric goals: which way their words are driven, and to which side they turn.
+# Signs of the four symmetric goals: direction of driving, and side of the turns.
 _DRIVEN = np.array([1.0, -1.0, 1.0, -1.0])
 _TURNED = np.array([1.0, 1.0, -1.0, -1.0])
 _PADDED = np.array([[*turns, *[_S] * (5 - len(turns))] for _, turns, _ in _WORDS], dtype=float)
@@ -137,7 +138,7 @@ _TURNS = (_TURNED[:, None] * _PADDED[:, None]).reshape(-1, 5)
 
 
 def _tau_omega(u: Array, v: Array, goal: tuple[Array, Array, Array]) -> tuple[Array, Array]:
-    """Return the first and the last turn of four (8.7 and 8.8), given the ones between."""
+    """Return the first and the last of four arcs (8.7 and 8.8), given the two between."""
     xi, eta, yaw = goal
     delta = _half(u - v)
     a, b = np.sin(u) - np.sin(delta), np.cos(u) - np.cos(delta) - 1

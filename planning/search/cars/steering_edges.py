@@ -1,4 +1,4 @@
-"""SteeringEdgeChecker: edges of a group with a car in it, which are steering paths, not lines."""
+"""SteeringEdgeChecker: validity of edges of a group with a car, which are steering paths."""
 
 from collections.abc import Callable
 from itertools import islice
@@ -14,17 +14,17 @@ from planning.search.edges import EdgeChecker
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
-# What a bound may be passed by [m]; the certifier forgives more.
+# Tolerance on bounds of x and y [m]; the certifier's is larger.
 _DUST = 1e-9
-# At how many places a glance looks at each arc or line.
+# Number of samples per arc or line in the coarse check of `at_a_glance`.
 _LOOKS = 5
 
 
 class SteeringEdgeChecker(EdgeChecker):
-    """Checks drives against an oracle, and against the bounds of x and y.
+    """Checker of steering paths against an oracle, and against the bounds of x and y.
 
-    Bounds hold on the whole way: an arc goes farthest where it heads along an axis, so these
-    places are looked at. Of obstacles nothing is promised between two samples.
+    Bounds are checked for the whole path: the extremes of an arc are where it heads along an axis,
+    so these points are checked. Against obstacles nothing is promised between two samples.
     """
 
     def __init__(
@@ -35,7 +35,7 @@ class SteeringEdgeChecker(EdgeChecker):
         norm: Callable[[Array], Array],
         bounds: tuple[Float64[np.ndarray, " nq"], Float64[np.ndarray, " nq"]],
     ) -> None:
-        """Make a checker that has checked nothing yet; `bounds` are those of q."""
+        """Make a checker with its counter at zero; `bounds` are the lower and upper ones of q."""
         super().__init__(drives.manifold, oracle, resolution, norm)
         self._drives = drives
         self._oracle = oracle
@@ -44,14 +44,14 @@ class SteeringEdgeChecker(EdgeChecker):
 
     @override
     def way(self, q0: Float64[np.ndarray, " nq"], q1: Float64[np.ndarray, " nq"]) -> Array:
-        """Return the waypoints of the drive, shape (k, nq)."""
+        """Return the waypoints of the steering path from q0 to q1, shape (k, nq)."""
         return self._drives.way(q0, q1).waypoints
 
     @override
     def is_free(self, q0: Float64[np.ndarray, " nq"], q1: Float64[np.ndarray, " nq"]) -> bool:
-        """Return whether all samples of the drive are free, q1's included, q0's not."""
+        """Return whether all samples of the steering path are free, q1's included, q0's not."""
         self.num_motions += 1
-        # Most motions that are blocked are so at their end, and to look there takes no drive.
+        # Most blocked motions are blocked at their end, whose check takes no steering path.
         if not self._oracle.is_free(q1):
             return False
         return self._is_clear(self._drives.way(q0, q1))
@@ -62,7 +62,7 @@ class SteeringEdgeChecker(EdgeChecker):
         q1: Float64[np.ndarray, " nq"],
         tangents: Float64[np.ndarray, "k nv"],
     ) -> Array | None:
-        """Return the waypoints of the drive whose arcs and lines have given tangents.
+        """Return the waypoints of the steering path whose segments have the given tangents.
 
         None if one of its samples, q1's included, q0's not, is not free.
         """
@@ -72,7 +72,7 @@ class SteeringEdgeChecker(EdgeChecker):
         return way.waypoints if is_free else None
 
     def _is_clear(self, way: SteeringPath) -> bool:
-        """Return whether all samples of a way are free but for its ends."""
+        """Return whether all samples of a steering path between its ends are free."""
         if not self._stays_inside(way):
             return False
         samples = self._samples(way)
@@ -85,7 +85,7 @@ class SteeringEdgeChecker(EdgeChecker):
 
     @override
     def is_whole_edge_free(self, q0: list[float], q1: list[float]) -> bool:
-        """Return whether all samples of the drive are free, both ends included."""
+        """Return whether all samples of the steering path are free, both ends included."""
         begin = np.array(q0)
         return self._oracle.is_free(begin) and self.is_free(begin, np.array(q1))
 
@@ -93,14 +93,14 @@ class SteeringEdgeChecker(EdgeChecker):
     def are_free(
         self, q0s: Float64[np.ndarray, "m nq"], q1s: Float64[np.ndarray, "m nq"]
     ) -> Bool[np.ndarray, " m"]:
-        """Return the same as `is_free` for each pair of rows."""
+        """Return whether each steering path is free as by `is_free`, for pairs of rows."""
         return np.array([self.is_free(q0, q1) for q0, q1 in zip(q0s, q1s, strict=True)], dtype=bool)
 
     @override
     def lengths(
         self, q0s: Float64[np.ndarray, "*#m nq"], q1s: Float64[np.ndarray, "*#m nq"]
     ) -> Float64[np.ndarray, "*m"]:
-        """Return the measures of the drives between rows, by `norm`."""
+        """Return the lengths by `norm` of the steering paths between rows."""
         q0s, q1s = np.broadcast_arrays(q0s, q1s)
         nq = q0s.shape[-1]
         tangents = self._drives.tangents(q0s.reshape(-1, nq), q1s.reshape(-1, nq))
@@ -109,9 +109,9 @@ class SteeringEdgeChecker(EdgeChecker):
     def at_a_glance(
         self, q0s: Float64[np.ndarray, "m nq"], q1s: Float64[np.ndarray, "m nq"]
     ) -> tuple[Float64[np.ndarray, "m k nv"], Bool[np.ndarray, " m"]]:
-        """Return the tangents of the drives between rows, and which drives seem to be free.
+        """Return the tangents of the steering paths between rows, and which pass a coarse check.
 
-        Those are looked at at a few places of every arc and line of theirs.
+        The coarse check is at `_LOOKS` samples of every arc and line.
         """
         tangents = self._drives.tangents(q0s, q1s)
         looks: list[Array] = []
@@ -125,7 +125,7 @@ class SteeringEdgeChecker(EdgeChecker):
         return tangents, free.reshape(len(looks), -1).all(axis=0)
 
     def _samples(self, way: SteeringPath) -> Array:
-        """Return configurations on a way that are near enough to one another, but its first."""
+        """Return configurations along a steering path at the resolution, without its first one."""
         steps = steps_of(way.deltas, self.resolution)
         edge = np.repeat(np.arange(len(steps)), steps)
         place = np.arange(len(edge)) - np.repeat(np.cumsum(steps) - steps, steps) + 1
@@ -136,7 +136,7 @@ class SteeringEdgeChecker(EdgeChecker):
         begins, deltas = way.waypoints[:-1], way.deltas
         yaw, turn = begins[:, self._drives.iq + 2], deltas[:, self._drives.iv + 2]
         spots = way.waypoints[:, self._drives.iq : self._drives.iq + 2]
-        # An arc is no farther from its chord than its length times an eighth of its turn.
+        # The distance of an arc from its chord is at most its length times an eighth of its angle.
         aside = np.abs(deltas[:, self._drives.iv] * turn).max() / 8 + _DUST
         if ((spots >= self._lower + aside) & (spots <= self._upper - aside)).all():
             return True

@@ -1,7 +1,8 @@
-"""SteeringPaths: the ways of a group with a car in it, from any configuration to any other.
+"""SteeringPaths: steering function of a group with a car, from any configuration to any other.
 
-The car follows its shortest curve, the other joints go straight, each as far along as the car is.
-A drive is waypoints joined by arcs and lines of constant velocity (`SteeredManifold`).
+The car follows its shortest curve (Dubins or Reeds-Shepp); the other joints move along straight
+lines, in proportion to the distance that the car has covered. A steering path is waypoints joined
+by arcs and lines of constant velocity (`SteeredManifold`).
 """
 
 from dataclasses import dataclass
@@ -20,20 +21,20 @@ from planning.search.cars.reeds_shepp import reeds_shepp_words
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
-# How far one arc turns at most, well below half a turn, at which it could be one to either side.
+# Largest angle of one arc [rad], well below half a turn, where its direction would be ambiguous.
 _MOST_TURN = 2.0
-# What an arc may slip, and be tighter, as a share of its length: rounding.
+# Tolerance on lateral slip and curvature of an arc, as a share of its length: rounding.
 _ROUNDING = 1e-7
-# Letters that are no longer do not count [radii].
+# Segments of at most this length do not count [radii].
 _NOTHING = 1e-10
 
 
 @dataclass(frozen=True)
 class SteeringPath:
-    """How to get from one configuration to another.
+    """Path of arcs and lines from one configuration to another.
 
     Attributes:
-        waypoints: Both included, shape (k + 1, nq), k >= 1.
+        waypoints: Both ends included, shape (k + 1, nq), k >= 1.
         deltas: The arcs and lines between them, as tangents, shape (k, nv).
     """
 
@@ -42,20 +43,20 @@ class SteeringPath:
 
 
 class SteeringPaths:
-    """How one group drives.
+    """Steering function of one group with a car.
 
     Attributes:
-        manifold: Its geodesics are arcs.
-        steering: Of the car.
-        iq: Where the car's coordinates begin in q.
-        iv: And in v.
+        manifold: Manifold whose geodesics are the car's arcs and lines.
+        steering: Turning radius and directions of the car.
+        iq: Index of the car's first coordinate in q.
+        iv: Index of the car's first coordinate in v.
     """
 
     def __init__(self, group: JointGroup) -> None:
-        """Drive a group with one car.
+        """Prepare for a group with one car.
 
         Raises:
-            ProblemInvalid: It has several.
+            ProblemInvalid: The group has several cars.
         """
         cars = steering_of(group)
         if len(cars) > 1:
@@ -66,10 +67,10 @@ class SteeringPaths:
         self.iq, self.iv = self.manifold.offsets[0]
 
     def way(self, q0: Float64[np.ndarray, " nq"], q1: Float64[np.ndarray, " nq"]) -> SteeringPath:
-        """Return the way from q0 to q1.
+        """Return the steering path from q0 to q1.
 
-        That is the arc through both if the car can drive it, or else its shortest curve. Where it
-        may drive backwards, the way back is the same.
+        It is the single arc through both if the car can drive it, or else the car's shortest curve.
+        For a car that may drive backwards, the path from q1 to q0 is the same one reversed.
         """
         if self.steering.reverse and q1.tolist() < q0.tolist():
             back = self._way(q1, q0)
@@ -77,14 +78,14 @@ class SteeringPaths:
         return self._way(q0, q1)
 
     def threaded(self, waypoints: Float64[np.ndarray, "n nq"]) -> Array:
-        """Return the waypoints of all ways between given ones, the given ones among them."""
+        """Return the waypoints of the steering paths between given ones, these included."""
         ways = [self.way(q0, q1).waypoints[1:] for q0, q1 in pairwise(waypoints)]
         return np.concatenate([waypoints[:1], *ways])
 
     def tangents(
         self, q0s: Float64[np.ndarray, "m nq"], q1s: Float64[np.ndarray, "m nq"]
     ) -> Float64[np.ndarray, "m k nv"]:
-        """Return the tangents of the arcs and lines, one after another, of ways between rows."""
+        """Return the tangents of the segments, in order, of the steering paths between rows."""
         deltas = self.manifold.minus(q1s, q0s)
         is_arc = self._are_arcs(deltas)
         found = self._letters(q0s, q1s, deltas)
@@ -98,7 +99,7 @@ class SteeringPaths:
         q1: Float64[np.ndarray, " nq"],
         letters: Float64[np.ndarray, "k nv"],
     ) -> SteeringPath:
-        """Return the way from q0 to q1 whose arcs and lines have given tangents."""
+        """Return the path from q0 to q1 whose segments have given tangents; long arcs are cut."""
         letters = letters[np.abs(letters).max(axis=1) > _NOTHING]
         counts = np.ceil(np.abs(letters[:, self.iv + 2]) / _MOST_TURN).astype(int)
         counts = np.maximum(counts, 1)
@@ -115,7 +116,7 @@ class SteeringPaths:
         return self.along(q0, q1, self._letters(q0[None], q1[None], delta)[0])
 
     def _are_arcs(self, deltas: Float64[np.ndarray, "m nv"]) -> Bool[np.ndarray, " m"]:
-        """Return which tangents are arcs that the car can drive."""
+        """Return which tangents are single arcs (or lines) that the car can drive."""
         ahead, aside, turn = (deltas[:, self.iv + i] for i in range(3))
         size = np.abs(ahead) + _NOTHING
         return (
@@ -126,7 +127,7 @@ class SteeringPaths:
         )
 
     def _letters(self, q0s: Array, q1s: Array, deltas: Array) -> Array:
-        """Return the tangents of all letters of the shortest curves, shape (m, k, nv)."""
+        """Return the tangents of all segments of the shortest curves, shape (m, k, nv)."""
         words = self._words(q0s, q1s)
         sizes = np.abs(words.lengths)
         shares = sizes / np.maximum(sizes.sum(axis=1, keepdims=True), _NOTHING)

@@ -1,1 +1,1 @@
-"""OMPL: spaces, planners and callbacks. Nothing else imports it."""
+"""OMPL: state spaces, planners and callbacks. No other package imports the library."""

@@ -1,4 +1,4 @@
-"""The nearest that a planner came to a goal: never a solution, but told to whoever asks."""
+"""Approximate solution: the free path that ends nearest to a goal; evidence of a failure only."""
 
 from typing import Any
 
@@ -13,7 +13,7 @@ from planning.search.ompl.spaces import SearchSpace
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
-# What looking for it may take, after the time of the search is up [s].
+# Time budget after the search has run out of time [s].
 _GRACE = 0.15
 
 
@@ -25,22 +25,22 @@ def approximate_solution(
     oracle: WatchedOracle,
     deadline: Deadline,
 ) -> dict[str, Any] | None:
-    """Return where a planner came nearest to a goal from the start, None if nowhere.
+    """Return the reachable configuration nearest to a goal, or None if there is none.
 
-    Every edge is checked again, since some planners check late; what lies beyond a blocked one is
-    left out.
+    Every edge is checked again, since some planners check late; the path ends before the first
+    blocked edge.
 
     Args:
-        graph: What the planner explored.
-        space: Where.
+        graph: Graph that the planner explored.
+        space: State space of the search.
         goals: Shape (n, nq).
-        checker: Checks edges finely, by the oracle.
+        checker: Checker of edges at the fine resolution, by the oracle.
         oracle: Its oracle.
         deadline: Of the plan; it may be over.
 
     Returns:
-        `positions` there, the `path` to them, and the `goal` that is `goal_distance` away
-        (joint-space length).
+        `positions` of that configuration, the `path` to it, and the `goal` at the distance
+            `goal_distance` (joint-space length).
     """
     grace = Deadline.after(_GRACE, deadline.clock, deadline.is_canceled)
     came_from: dict[int, int] = {}

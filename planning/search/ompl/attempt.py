@@ -1,4 +1,4 @@
-"""One solution by an OMPL planner, from a fresh start."""
+"""Attempt: one run of an OMPL planner, from an empty graph."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -28,25 +28,25 @@ from planning.search.shortcut.polyline import unrolled
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
-# A path that ends this near a goal ends there: the planner copies the goal's state.
+# Largest distance of a path's end from a goal: the planner copies the goal's state.
 _SAME = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
 class Attempt(Value):
-    """What a planner did.
+    """Result of one run of a planner.
 
     Attributes:
-        status: OMPL's word for how it ended; "setup" if there was no time to begin.
-        waypoints: From the start to a goal, shape (n, nq); n = 0 if it found no exact solution.
-        goal_row: Which goal, or -1.
-        growth: Of its trees or roadmap `num_vertices` and `num_edges`, and `goal_distance`, the
-            least distance to a goal in OMPL's metric; None where it does not tell. Where they were
-            asked for, `approximate` and `graph`. Nothing if it found a solution; if setting it up
-            took too long, `reason`, `during`, `budget` and `spent` [s].
-        graph: What it explored, if that was asked for and it found a solution.
-        is_spent: Whether it gave up for having checked as many states as it may.
-        improves: Whether its path is an improved one, and as close to obstacles as that gets.
+        status: OMPL's status string; "setup" if the setup took all of its time.
+        waypoints: From the start to a goal, shape (n, nq); n = 0 without an exact solution.
+        goal_row: Row of that goal, or -1.
+        growth: Evidence of a failure: `num_vertices` and `num_edges` of its trees or roadmap, and
+            `goal_distance`, the least distance to a goal in OMPL's metric, None where the planner
+            has no such value. `approximate` and `graph` on request. After a setup that took too
+            long: `reason`, `during`, `budget` and `spent` [s]. Empty with a solution.
+        graph: Explored graph, on request and with a solution.
+        is_spent: Whether it gave up after the allowed number of checked states.
+        improves: Whether the planner optimises its path, which then is close to obstacles.
     """
 
     status: str
@@ -59,18 +59,18 @@ class Attempt(Value):
 
 
 def attempt(query: Query, edges: EdgeChecker, fine: EdgeChecker, seed: int) -> Attempt:
-    """Let the planner look for a path; the same seed gives the same path.
+    """Run the planner once; the same seed gives the same path.
 
     OMPL's random numbers are global to the process: one search at a time.
 
     Args:
-        query: What to search.
-        edges: How motions are checked.
-        fine: How closely what is told of a failure is checked.
+        query: Search problem.
+        edges: Checker of the planner's motions.
+        fine: Checker of the paths in the evidence of a failure.
         seed: Of OMPL's random numbers, 1 to 2^32 - 1.
 
     Raises:
-        Canceled: The end was asked for.
+        Canceled: The request was canceled.
         DeadlineExceeded: The time has run out.
     """
     ou.RNG.setSeed(seed)
@@ -104,9 +104,9 @@ def attempt(query: Query, edges: EdgeChecker, fine: EdgeChecker, seed: int) -> A
 
 
 def _set_up(query: Query, edges: EdgeChecker) -> tuple[Any, Any, float]:
-    """Return OMPL's space information, a planner that is ready, and what that took [s].
+    """Return OMPL's space information, a planner after its setup, and the setup's duration [s].
 
-    OMPL cannot be interrupted meanwhile.
+    OMPL cannot be interrupted during the setup.
     """
     clock = query.deadline.clock
     began = clock()
@@ -126,7 +126,7 @@ def _not_begun(query: Query, budget: float, spent: float) -> Attempt:
 
 
 def _solve(planner: Any, query: Query, stopping: TerminationCondition) -> tuple[str, Array | None]:
-    """Return OMPL's word for how it ended, and the waypoints if there is an exact solution."""
+    """Return OMPL's status string, and the waypoints if there is an exact solution."""
     if is_roadmap_planner(planner):
         costs = query.objective.edge_costs
         found = solve_by_roadmap(planner, query.space, stopping, len(query.goals), costs)
@@ -149,7 +149,7 @@ def _define(information: Any, query: Query) -> Any:
 
 
 def _solution(definition: Any, space: SearchSpace) -> Array | None:
-    """Return the waypoints if there is an exact solution; an approximate one is none."""
+    """Return the waypoints of an exact solution; None for an approximate one."""
     if not definition.hasExactSolution():
         return None
     return np.array([space.read(state) for state in definition.getSolutionPath().getStates()])
@@ -182,7 +182,7 @@ def _graph(planner: Any, query: Query) -> Graph:
 
 
 def _growth(planner: Any, query: Query, fine: EdgeChecker) -> dict[str, Any]:
-    """Return how far the planner got."""
+    """Return the evidence of a failure: size of the explored graph and distance to the goals."""
     definition = planner.getProblemDefinition()
     is_near = definition.hasApproximateSolution()
     growth: dict[str, Any] = {

@@ -1,4 +1,4 @@
-"""CarSpace: the search space of a group with a car in it."""
+"""CarSpace: OMPL state space of a group with a car in it."""
 
 from collections.abc import Callable
 from typing import Any, override
@@ -16,14 +16,14 @@ type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 
 class CarSpace(SearchSpace):
-    """A space whose states are joined by drives.
+    """State space whose motions are steering paths.
 
-    OMPL grows its trees along Reeds and Shepp's curves, for a car that drives forwards only as
-    well: its wheel binds no space of Dubins' curves. That decides only where states are tried; the
-    motions between them are ours, and every one is a drive in the direction of the motion.
+    OMPL extends its trees along Reeds-Shepp curves, for a car that drives forwards only as well.
+    That decides only where states are tried; motions between states are computed here, each a
+    steering path in the direction of the motion.
 
     Attributes:
-        drives: The ways between states.
+        drives: Steering function between states.
     """
 
     def __init__(
@@ -33,7 +33,7 @@ class CarSpace(SearchSpace):
         anchors: Float64[np.ndarray, "m nq"],
         weights: Float64[np.ndarray, " num_blocks"],
     ) -> None:
-        """Build the space; the arguments are those of a plain one.
+        """Build the space; the arguments are those of `SearchSpace`.
 
         Raises:
             ProblemInvalid: The group has several cars.
@@ -45,5 +45,5 @@ class CarSpace(SearchSpace):
     def checker(
         self, oracle: WatchedOracle, resolution: float, norm: Callable[[Array], Array]
     ) -> SteeringEdgeChecker:
-        """Return what checks drives at a resolution."""
+        """Return a checker of steering paths at a resolution."""
         return SteeringEdgeChecker(self.drives, oracle, resolution, norm, (self.lower, self.upper))

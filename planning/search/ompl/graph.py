@@ -1,4 +1,4 @@
-"""What a planner has explored, as numbers."""
+"""Graph: a planner's explored graph as arrays, and shortest paths in it (Dijkstra)."""
 
 import heapq
 import math
@@ -16,10 +16,10 @@ from planning.search.ompl.spaces import SearchSpace
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 type Costs = Callable[[Array, Array], Array]
-# What the ways from a row to its neighbours cost, in their order.
+# Costs of the edges from a row to its neighbours, in their order.
 type Steps = Callable[[int, list[int]], Array | list[float]]
 
-# What is kept of a graph for people: more is neither drawn nor sent.
+# Limits on a graph for display: more is neither drawn nor sent.
 _MOST_VERTICES = 2_000
 _MOST_EDGES = 10_000
 _SAME = 1e-9
@@ -27,13 +27,13 @@ _SAME = 1e-9
 
 @dataclass(frozen=True)
 class Graph:
-    """A planner's own graph; an edge leads from where a tree began to where it grew.
+    """Planner's explored graph; an edge points from the root of a tree outwards.
 
     Attributes:
         qs: Vertices, shape (n, nq).
         starts: Rows of starts.
         goals: Rows of goals.
-        neighbours: Returns the rows that edges lead to from a row.
+        neighbours: Returns the rows that edges from a row lead to.
     """
 
     qs: Float64[np.ndarray, "n nq"]
@@ -43,9 +43,9 @@ class Graph:
 
 
 def has_graph(planner: Any) -> bool:
-    """Return whether a planner may be asked for its graph.
+    """Return whether a planner's graph can be read.
 
-    BITstar then keeps the whole space information in memory for ever, AORRTC tells nothing (2.0.1).
+    Reading BITstar's leaks the whole space information; AORRTC's is empty (OMPL 2.0.1).
     """
     return not isinstance(planner, og.BITstar | og.AORRTC)
 
@@ -65,10 +65,10 @@ def read_graph(planner: Any, information: Any, space: SearchSpace) -> Graph:
 
 
 def between(graph: Graph, start: Array, goals: Array, space: SearchSpace) -> Graph:
-    """Return the same graph from a start to goals, with edges that lead both ways.
+    """Return the same graph with its start and goals found by position, and undirected edges.
 
-    FMT calls every vertex without a parent a start, BFMT tells none (2.0.1), and trees differ in
-    which way their edges lead.
+    FMT reports every vertex without a parent as a start, BFMT reports none (OMPL 2.0.1), and
+    planners differ in the direction of edges.
     """
     if not len(graph.qs):
         return graph
@@ -85,14 +85,14 @@ def between(graph: Graph, start: Array, goals: Array, space: SearchSpace) -> Gra
 
 
 def measured(graph: Graph, costs: Costs) -> Callable[[int, list[int]], Array]:
-    """Return the costs of a graph's edges, each computed when it is asked for."""
+    """Return the costs of a graph's edges, computed on demand."""
     return lambda here, there: costs(graph.qs[there], graph.qs[here])
 
 
 def cheapest_ways(graph: Graph, steps: Steps) -> Iterator[tuple[int, dict[int, int]]]:
-    """Yield what can be reached from the first start, cheapest first (Dijkstra).
+    """Yield vertices reachable from the first start, cheapest first (Dijkstra's algorithm).
 
-    With each row comes the table of rows from which others are reached; a start is its own.
+    With each row comes the table of predecessors by row; a start is its own predecessor.
     """
     if not graph.starts:
         return
@@ -116,7 +116,7 @@ def cheapest_ways(graph: Graph, steps: Steps) -> Iterator[tuple[int, dict[int, i
 
 
 def traced(came_from: dict[int, int], end: int) -> list[int]:
-    """Return the rows from the start to `end`."""
+    """Return the rows from the start to `end`, by the table of predecessors."""
     chain = [end]
     while came_from[chain[-1]] != chain[-1]:
         chain.append(came_from[chain[-1]])
@@ -126,13 +126,13 @@ def traced(came_from: dict[int, int], end: int) -> list[int]:
 def exported(
     name: str, graph: Graph, space: SearchSpace, solution: Float64[np.ndarray, "m nq"]
 ) -> PlannerGraph:
-    """Return a graph for people, the solution, the starts and the goals in it whatever is left out.
+    """Return a graph for display, which always contains the solution, the starts and the goals.
 
     Args:
         name: Of the planner.
-        graph: What it explored.
-        space: Where.
-        solution: What it found, shape (m, nq); m = 0 for nothing.
+        graph: Explored graph.
+        space: State space of the search.
+        solution: Path of the planner, shape (m, nq); m = 0 for none.
     """
     rows = [_row_of(q, graph, space) for q in solution] if len(graph.qs) else []
     path = [row for row in rows if row is not None]
@@ -156,7 +156,7 @@ def exported(
 
 
 def line_graph(waypoints: Float64[np.ndarray, "2 nq"]) -> PlannerGraph:
-    """Return the graph of a straight line that was free: no planner was asked."""
+    """Return the graph of a free straight line, for which no planner was used."""
     return PlannerGraph("", waypoints, ((0, 1),), (0,), (1,), (0, 1), 2, 1)
 
 

@@ -1,14 +1,14 @@
-"""Objective: by what paths are compared, and improved by planners that improve them.
+"""Objective: the cost by which paths are compared, and minimised by optimising planners.
 
     length           sum of |delta|, radians and metres weighing the same
     weighted_length  sum of |W delta|, W the request's weights
     duration         sum of max_b |delta_b| / v_b over the blocks b of joints: the least time that
                      the velocity limits v allow [s]; acceleration is left out
-    clearance        sum of |delta| / (d + 0.01 m), d the mean of both ends' distances to what is
-                     not the robot: a path near obstacles costs up to 100 times its length
+    clearance        sum of |delta| / (d + 0.01 m), d the mean of the distances of both ends to
+                     obstacles: a path near them costs up to 100 times its length
 
-The first three are norms of tangents, so a geodesic is never dearer than a way around in it, and
-shortcuts are measured by them too.
+The first three are norms of tangents, so a geodesic never costs more than a detour, and shortcuts
+are measured by them too.
 """
 
 import math
@@ -29,16 +29,16 @@ type Array = np.ndarray[Any, np.dtype[np.float64]]
 type Name = Literal["length", "weighted_length", "clearance", "duration"]
 type Clearances = Callable[[Array], Array]
 
-# What is added to a distance before it divides: how near is as bad as contact [m].
+# Distance added before the division, so that costs are finite in contact [m].
 _NEAR = 0.01
-# Along an edge distances are measured this far apart (joint-space length).
+# Spacing of distance evaluations along an edge (joint-space length).
 _STEP = 0.1
 _MOST_REMEMBERED = 50_000
 _WANT_A_METRIC = ("FMT", "BFMT")
 
 
 class Objective:
-    """Measures tangents, edges and paths.
+    """Cost of tangents, edges and paths.
 
     Attributes:
         name: As in the search options.
@@ -53,21 +53,21 @@ class Objective:
         weights: Float64[np.ndarray, " num_blocks"],
         clearances: Clearances | None = None,
     ) -> None:
-        """Measure the motions of a group.
+        """Prepare for the motions of a group.
 
         Args:
             name: As in the search options.
             group: The joints.
             limits: Their velocity limits count for "duration".
             weights: Of the group's blocks, for "weighted_length".
-            clearances: Returns distances [m] of configurations, for "clearance".
+            clearances: Returns distances [m] of configurations to obstacles, for "clearance".
         """
         self.name = name
         self.is_length = name == "length"
         self._manifold = manifold_of(group)
         self._blocks = [list(block) for block in limits.blocks]
         self._velocity = limits.velocity
-        # Of a vector every block is one coordinate.
+        # For a vector space every block is one coordinate.
         self._slowness = (1 / limits.velocity).tolist()
         self._weights = np.empty(group.num_velocities)
         for block, weight in zip(self._blocks, weights, strict=True):
@@ -75,11 +75,11 @@ class Objective:
         self._factors = self._weights.tolist()
         self._clearances = clearances or _nothing_is_near
         self._remembered: dict[bytes, float] = {}
-        # OMPL measures in its weighted space, so there plain lengths are not its own.
+        # With weights OMPL's own length is the weighted one, not the plain one.
         self._is_of_ompl = name == "weighted_length" or (self.is_length and (weights == 1).all())
 
     def norm(self, delta: Float64[np.ndarray, "*n nv"]) -> Array:
-        """Return the measure of tangents, shape (...); of "clearance" it is the length."""
+        """Return the norm of tangents, shape (...); for "clearance" it is the length."""
         match self.name:
             case "weighted_length":
                 return np.asarray(np.linalg.norm(delta * self._weights, axis=-1))
@@ -95,7 +95,7 @@ class Objective:
     def edge_costs(
         self, q0s: Float64[np.ndarray, "*#m nq"], q1s: Float64[np.ndarray, "*#m nq"]
     ) -> Array:
-        """Return the costs of geodesics as planners see them, by their ends alone, shape (m,)."""
+        """Return the costs of geodesics by their ends alone, as planners use them, shape (m,)."""
         if self.is_length:
             return self._manifold.distance(q1s, q0s)
         norms = self.norm(self._manifold.minus(q1s, q0s))
@@ -106,7 +106,7 @@ class Objective:
         return norms / (np.array(near) / 2 + _NEAR)
 
     def between(self, q0: list[float], q1: list[float]) -> float:
-        """Return the same for one edge; planners ask this a hundred thousand times."""
+        """Return the cost of one edge as `edge_costs` does, faster: planners call it very often."""
         if not self._manifold.is_vector:
             return float(self.edge_costs(np.array(q0)[None], np.array(q1)[None])[0])
         match self.name:
@@ -133,8 +133,8 @@ class Objective:
     def of_ompl(self, information: Any, space: SearchSpace, planner: str) -> Any | None:
         """Return the objective for OMPL, or None for OMPL's own, which is length in its space.
 
-        FMT and BFMT look for neighbours by cost, which must be a metric: for clearance, which is
-        none, they get the length.
+        FMT and BFMT select neighbours by cost, which must be a metric: in place of clearance, which
+        is no metric, they get the length.
         """
         is_metric_wanted = planner in _WANT_A_METRIC and self.name == "clearance"
         if not (self._is_of_ompl or is_metric_wanted):
@@ -157,17 +157,17 @@ class Objective:
 
 
 class _MotionCost(ob.OptimizationObjective):
-    """Tells OMPL what a motion costs."""
+    """OMPL objective by the cost of motions."""
 
     def __init__(self, information: Any, space: SearchSpace, objective: Objective) -> None:
-        """Measure the motions of an OMPL space information."""
+        """Prepare for an OMPL space information."""
         super().__init__(information)
         self._numbers = space.numbers
         self._measure = objective.between
 
     @override
     def stateCost(self, state: Any) -> Any:
-        """Return nothing: only motions cost."""
+        """Return zero: only motions have a cost."""
         return ob.Cost(0.0)
 
     @override
@@ -177,10 +177,10 @@ class _MotionCost(ob.OptimizationObjective):
 
 
 def _length(information: Any) -> Any:
-    """Return the length of a path as an objective that planners can use in a compound space.
+    """Return the path length as an objective that planners can use in a compound space.
 
-    For OMPL's own they sample where a path could still get shorter, and that sampler refuses
-    compounds; wrapped, it lets them sample everywhere and reject.
+    For OMPL's own length objective planners use an informed sampler, which does not support
+    compound spaces; wrapped, the objective makes them sample uniformly and reject.
     """
     length = ob.MultiOptimizationObjective(information)
     length.addObjective(ob.PathLengthOptimizationObjective(information), 1.0)

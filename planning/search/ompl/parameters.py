@@ -1,8 +1,8 @@
-"""Parameters of OMPL's planners, by OMPL's names.
+"""Planner parameters by OMPL's names: their types, ranges and setters.
 
-The wheel does not bind `ParamSet`, but a planner prints the parameters it declares, with their
-values, and its setters are bound. A declared `goal_bias` belongs to `setGoalBias`; the few names
-that differ are in a table. Ranges are those that OMPL's `declareParam` suggests.
+OMPL's wheel does not bind `ParamSet`, but a planner prints its declared parameters with their
+values, and its setters are bound. A declared `goal_bias` belongs to `setGoalBias`; a table has the
+few names that differ. Ranges are those that OMPL's `declareParam` suggests.
 """
 
 import math
@@ -14,7 +14,7 @@ from planning.errors import ProblemInvalid, UnknownName
 type Scalar = str | float | int | bool
 type Number = bool | int | float
 
-# Setters whose names are not those of their parameters.
+# Setters whose names do not follow from those of their parameters.
 _SETTERS = {
     "cache_cc": ("CacheCC",),
     "delay_collision_checking": ("DelayCC",),
@@ -51,11 +51,11 @@ _RANGES: dict[str, tuple[float, float]] = {
 }
 _LEAST = (0.0, math.inf)
 
-# What is declared but not offered (2.0.1).
+# Declared parameters that are not offered (OMPL 2.0.1).
 _LEFT_OUT = {
-    # sampling on after a failure crashes the process where there is no solution
+    # further sampling after a failure crashes the process if there is no solution
     ("BFMT", "extended_fmt"),
-    # these have no effect any more, says OMPL
+    # without effect any more, by OMPL's documentation
     ("BITstar", "delay_rewiring_to_first_solution"),
     ("BITstar", "use_strict_queue_ordering"),
 }
@@ -77,7 +77,7 @@ def declared(planner: Any) -> dict[str, str]:
 
 
 def value_of(planner: Any, setter: str) -> Number:
-    """Return what a parameter is now."""
+    """Return the present value of a parameter."""
     return getattr(planner, f"get{setter}")()
 
 
@@ -89,7 +89,7 @@ def kind_of(value: Number) -> Literal["boolean", "integer", "number"]:
 
 
 def range_of(name: str, value: Number) -> tuple[float | None, float | None]:
-    """Return the least and the greatest value that a parameter may have, None for no bound."""
+    """Return the least and the greatest value of a parameter, None for no bound."""
     if isinstance(value, bool):
         return None, None
     low, high = _RANGES.get(name, _LEAST)
@@ -97,7 +97,7 @@ def range_of(name: str, value: Number) -> tuple[float | None, float | None]:
 
 
 def describe_range(name: str, value: Number) -> str:
-    """Return the values that a parameter may have, for a person."""
+    """Return the admissible values of a parameter as text."""
     kind = kind_of(value)
     if kind == "boolean":
         return "true or false"
@@ -120,7 +120,7 @@ def set_parameters(planner: Any, parameters: Mapping[str, Scalar]) -> None:
         now = value_of(planner, setter)
         value = _converted(given, now)
         if value is not None and value == now:
-            # A default may lie outside of the range, where it means that the planner chooses.
+            # A default may lie outside of the range, where it stands for the planner's own choice.
             continue
         if value is None or not _admits(name, value):
             raise ProblemInvalid(
@@ -141,16 +141,16 @@ def set_parameters(planner: Any, parameters: Mapping[str, Scalar]) -> None:
 
 
 def _accepts(planner: Any, setter: str, value: Number) -> bool:
-    """Return whether OMPL takes the value; what it cannot combine it refuses, loudly or not."""
+    """Return whether OMPL takes the value; it may reject a combination by an error or silently."""
     try:
         getattr(planner, f"set{setter}")(value)
-    except RuntimeError:  # what OMPL's exceptions become
+    except RuntimeError:  # the binding's translation of OMPL's exceptions
         return False
     return value_of(planner, setter) == value
 
 
 def _setter(planner: Any, name: str) -> str | None:
-    """Return X of the pair setX and getX that a declared parameter belongs to."""
+    """Return X for a declared parameter with the setter setX and the getter getX."""
     regular = "".join(word.capitalize() for word in name.split("_"))
     for candidate in (regular, *_SETTERS.get(name, ())):
         if hasattr(planner, f"set{candidate}") and hasattr(planner, f"get{candidate}"):
@@ -159,7 +159,7 @@ def _setter(planner: Any, name: str) -> str | None:
 
 
 def _undeclared(planner: Any) -> dict[str, str | None]:
-    """Return what a planner that declares nothing lets us set all the same."""
+    """Return settable parameters of a planner that declares none."""
     found: dict[str, str | None] = {}
     for method in dir(planner):
         setter = method.removeprefix("set")
@@ -175,7 +175,7 @@ def _undeclared(planner: Any) -> dict[str, str | None]:
 
 
 def _converted(given: Scalar, like: Number) -> Number | None:
-    """Return the given value in the type of the present one, or None if it has no meaning there."""
+    """Return the given value in the type of the present one, or None if that is impossible."""
     if isinstance(like, bool):
         return given if isinstance(given, bool) else _WORDS.get(str(given).lower())
     if isinstance(given, bool):

@@ -1,6 +1,6 @@
-"""The planners that OMPL's wheel binds, found in the module, so that new ones appear by themselves.
+"""Planner list: the geometric planners that OMPL's wheel binds, found by inspection of the module.
 
-Which of them end how is told in `stopping` and `roadmap`.
+See `termination` and `prm` for how each of them ends.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -24,13 +24,13 @@ from planning.search.ompl.parameters import (
     value_of,
 )
 
-# The longest step of RRTConnect where none is asked for, unless OMPL chooses a shorter one. OMPL's
-# choice, a fifth of the space's diagonal, is about 2.6 rad for an arm of seven joints: most motions
-# of that length are blocked, in narrow places nearly all. On MotionBenchMaker's Panda problems 0.5
-# took a sixth of the checks, 0.3 and 0.8 a few more than 0.5.
+# Default `range` of RRTConnect (joint-space length), unless OMPL chooses a shorter one. OMPL's
+# default, a fifth of the space's diagonal, is about 2.6 rad for an arm of seven joints: most
+# motions of that length are blocked, in narrow places nearly all. On MotionBenchMaker's Panda
+# problems 0.5 took a sixth of the checks, 0.3 and 0.8 a few more than 0.5.
 _RANGE = 0.5
 
-# OMPL logs to the terminal by default; what it has to say is in our reports and errors.
+# OMPL logs to the terminal by default; our reports and errors contain what matters of it.
 ou.setLogLevel(ou.LogLevel.LOG_NONE)
 
 
@@ -45,7 +45,7 @@ def _planner_names() -> tuple[str, ...]:
 
 
 def check_planners(names: Sequence[str], parameters: Mapping[str, Scalar]) -> None:
-    """Return if there are such planners, and each parameter is one of at least one of them.
+    """Check that all planners exist, and that each parameter belongs to at least one of them.
 
     Raises:
         UnknownName: No such planner, or a parameter that none of these has.
@@ -66,7 +66,7 @@ def check_planners(names: Sequence[str], parameters: Mapping[str, Scalar]) -> No
 
 
 def own_parameters(name: str, parameters: Mapping[str, Scalar]) -> dict[str, Scalar]:
-    """Return those parameters that a planner has."""
+    """Return those of the parameters that a planner has."""
     own = _own(name)
     return {parameter: value for parameter, value in parameters.items() if parameter in own}
 
@@ -77,19 +77,19 @@ def _own(name: str) -> frozenset[str]:
 
 
 def check_planner(name: str, parameters: Mapping[str, Scalar]) -> None:
-    """Return if there is such a planner and it takes such parameters.
+    """Check that a planner exists and takes these parameters.
 
     Raises:
         UnknownName: No planner, or no parameter of this one, has such a name.
         ProblemInvalid: A parameter's value has the wrong type or lies outside its range.
     """
-    # True is 1 is 1.0 to a cache, but not to a planner.
+    # True, 1 and 1.0 are equal keys of a cache, but different values to a planner.
     _check(name, tuple((key, type(given), given) for key, given in sorted(parameters.items())))
 
 
 @lru_cache(maxsize=256)
 def _check(name: str, parameters: tuple[tuple[str, type, Scalar], ...]) -> None:
-    """Make such a planner; what it raises is not remembered, only that it raised nothing."""
+    """Make such a planner; only success is cached, errors are raised anew each time."""
     make_planner(_nowhere(), name, {key: given for key, _, given in parameters})
 
 
@@ -110,12 +110,12 @@ def make_planner(information: Any, name: str, parameters: Mapping[str, Scalar]) 
         raise unknown_planner(name, planner_names())
     planner = getattr(og, name)(information)
     if name == "BFMT":
-        # See `parameters`: it would crash the process.
+        # Its extension crashes the process (see `parameters`).
         planner.setExtendedFMT(False)
     try:
         set_parameters(planner, parameters)
     finally:
-        # An AORRTC that was never set up crashes the process when it is thrown away (2.0.1).
+        # AORRTC crashes the process if it is destroyed without a setup (OMPL 2.0.1).
         planner.setup()
     if name == "RRTConnect" and not float(parameters.get("range", 0)):
         planner.setRange(min(_RANGE, planner.getRange()))
@@ -127,7 +127,7 @@ def _is_planner(item: Any) -> bool:
 
 
 def _nowhere() -> Any:
-    """Return the least that a planner can be made for."""
+    """Return a minimal space information for which planners can be made."""
     space = ob.RealVectorStateSpace(2)
     space.setBounds(0.0, 1.0)
     information = ob.SpaceInformation(space)

@@ -1,10 +1,10 @@
-"""Roadmap planners (PRM, PRMstar), grown by counts on one thread.
+"""PRM and PRMstar, grown by counts on one thread; queries by Dijkstra's algorithm.
 
 OMPL's own `PRM::solve` looks for solutions on a second thread while the first one grows the
-roadmap, and changes its way of growing by the clock. With checks in Python the two threads wait
-for each other for ever, and without them the result would depend on the scheduler. So OMPL
-connects the start, the goals and the samples, and the cheapest way through them is looked for here,
-by Dijkstra's algorithm, each time the roadmap has grown by half.
+roadmap, and changes its growth strategy by the clock. With checks in Python the two threads
+deadlock, and without them the result would depend on the scheduler. So OMPL connects the start, the
+goals and the samples, and this module computes the cheapest path through them by Dijkstra's
+algorithm, each time the roadmap has grown by half.
 """
 
 from collections.abc import Callable
@@ -28,11 +28,11 @@ def solve_by_roadmap(
 ) -> Array | None:
     """Return the waypoints of a path, shape (n, nq), or None if `stopping` came first.
 
-    PRMstar, which is asked for good paths, grows its first successful roadmap to twice its size.
+    For PRMstar, an optimising planner, the first roadmap with a path is grown to twice its size.
     """
     information = planner.getSpaceInformation()
     definition = planner.getProblemDefinition()
-    # Each call that must end at once connects one more goal, and the first one the start.
+    # Each call with an immediate end connects one more goal, and the first call also the start.
     for _ in range(num_goals):
         planner.solve(ob.plannerAlwaysTerminatingCondition())
     definition.clearSolutionPaths()
@@ -51,12 +51,12 @@ def solve_by_roadmap(
 
 
 def is_roadmap_planner(planner: Any) -> bool:
-    """Return whether a planner has to be driven from here."""
+    """Return whether a planner is one of those that this module runs."""
     return hasattr(planner, "growRoadmapPtc")
 
 
 def _grow(planner: Any, stopping: TerminationCondition, count: int) -> None:
-    """Sample until OMPL has asked `count` times whether to stop."""
+    """Add samples until OMPL has queried the termination condition `count` times."""
     planner.growRoadmapPtc(ob.PlannerTerminationCondition(_after(count, stopping)))
 
 

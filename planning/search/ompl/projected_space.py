@@ -1,10 +1,10 @@
-"""ProjectedSpace: a search space whose samples are brought onto a thin set by projection.
+"""ProjectedSpace: a constrained state space whose samples are projected onto a thin set.
 
 OMPL's constrained state spaces (Kingston, Moll, Kavraki, "Exploring implicit spaces for constrained
 sampling-based planning", IJRR 38:10, 2019): a sample is projected by Newton's method onto the zero
 set of a residual, and a motion is a chain of short steps, each projected. Here the residual
-vanishes on a set with an inside (a cone, a box) and measures how far outside a state is, so what is
-inside moves freely. It is R^n only: joints that neither wrap nor float.
+vanishes on a set with an interior (a cone, a box) and measures how far outside a state is, so
+states in the interior move freely. Only for R^n: joints that neither wrap nor float.
 """
 
 from typing import Any, Protocol, override, runtime_checkable
@@ -20,7 +20,7 @@ from planning.search.ompl.spaces import SearchSpace
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
-# Length of a step along the set [rad or m], and how near to it is on it.
+# Length of a step along the set, and residual norm at which a state is on it [rad or m].
 STEP = 0.1
 ON = 1e-5
 MOST_ITERATIONS = 20
@@ -28,27 +28,27 @@ MOST_ITERATIONS = 20
 
 @runtime_checkable
 class Residual(Protocol):
-    """By how much a configuration misses a set; zero on it."""
+    """Violation of a constraint by a configuration; zero where the constraint holds."""
 
     @property
     def size(self) -> int:
-        """How many numbers it has."""
+        """Number of components."""
         ...
 
     def residual(self, q: Float64[np.ndarray, " nq"]) -> Float64[np.ndarray, " size"]:
-        """Return it at q, shape (nq,)."""
+        """Return the residual at q, shape (nq,)."""
         ...
 
     def jacobian(self, q: Float64[np.ndarray, " nq"]) -> Float64[np.ndarray, "size nv"]:
-        """Return its derivative; zero in rows that vanish."""
+        """Return its derivative with respect to v; zero in rows whose residual is zero."""
         ...
 
 
 class ProjectedSpace(SearchSpace):
-    """A space of a group of bounded joints, within which a residual vanishes.
+    """Constrained state space of a group of bounded joints: the zero set of a residual.
 
     Attributes:
-        residual: What vanishes.
+        residual: Constraint residual.
     """
 
     def __init__(
@@ -64,12 +64,12 @@ class ProjectedSpace(SearchSpace):
             group: The joints, none of which wraps or floats.
             limits: Their position limits.
             anchors: Configurations that must lie inside, shape (m, nq).
-            residual: What shall vanish.
+            residual: Constraint residual.
         """
         super().__init__(group, limits, anchors)
         self.residual = residual
         self._count = group.num_positions
-        # OMPL keeps no reference of its own to what Python made.
+        # OMPL keeps no reference of its own to Python objects.
         self._constraint = _Residual(residual, self._count)
         self._ambient = self.ompl
         self.ompl: Any = ob.ProjectedStateSpace(self._ambient, self._constraint)
@@ -83,7 +83,7 @@ class ProjectedSpace(SearchSpace):
         return state
 
     def information(self, oracle: WatchedOracle) -> Any:
-        """Return OMPL's space information, ready to plan with."""
+        """Return OMPL's space information after its setup."""
         read, is_free = self.read, oracle.is_free
         information = ob.ConstrainedSpaceInformation(self.ompl)
         self.ompl.setDelta(STEP)
@@ -92,7 +92,7 @@ class ProjectedSpace(SearchSpace):
         return information
 
     def threaded(self, information: Any, waypoints: Float64[np.ndarray, "n nq"]) -> Array:
-        """Return every step of the motions between waypoints, which are no straight lines."""
+        """Return all states of the projected motions between waypoints, shape (m, nq)."""
         path = og.PathGeometric(information)
         for q in waypoints:
             path.append(self.write(q))
@@ -104,23 +104,24 @@ class ProjectedSpace(SearchSpace):
 
 
 class _Residual(ob.Constraint):
-    """A residual as OMPL asks for it."""
+    """Residual as an OMPL constraint."""
 
     def __init__(self, residual: Residual, count: int) -> None:
-        # OMPL demands fewer equations than dimensions; ours mostly vanish, so a sum may do.
+        # OMPL requires fewer equations than dimensions; otherwise the norm of the residual replaces
+        # it.
         self._is_stacked = residual.size < count
         super().__init__(count, residual.size if self._is_stacked else 1, ON)
         self.setMaxIterations(MOST_ITERATIONS)
         self._residual = residual
 
     def function(self, state: Any, out: Any) -> None:
-        """Write the residual at a state, of which OMPL gives the numbers."""
+        """Write the residual at a state, given as its numbers."""
         found = self._residual.residual(np.array(state))
         out[:] = found if self._is_stacked else np.linalg.norm(found)
 
     @override
     def jacobian(self, x: Any, out: Any) -> None:  # pyright: ignore[reportIncompatibleMethodOverride]  (its overloads disagree on the name)
-        """Write its derivative there."""
+        """Write the residual's derivative at a state."""
         q = np.array(x)
         slopes = self._residual.jacobian(q)
         if self._is_stacked:

@@ -1,4 +1,4 @@
-"""The parts of a group's search space: one vector, and a part per circle and body."""
+"""SpacePart: a component of a group's compound state space: a vector, a circle or a body's pose."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -14,13 +14,14 @@ _SE3_FROM_Q = (4, 5, 6, 1, 2, 3, 0)
 
 @dataclass(frozen=True)
 class SpacePart:
-    """A part of the space.
+    """Component of the state space.
 
     Attributes:
-        kind: Revolute for a vector of whatever is measured by numbers.
-        indices: Into q, of its values, in OMPL's order.
-        weights: Of each value of a vector, of a circle, of the shift and the turn of a body.
-        turning_radius: Of a car [m]; 0 of anything else.
+        kind: Joint type; REVOLUTE stands for the vector of all scalar coordinates.
+        indices: Indices into q of its values, in OMPL's order.
+        weights: Of each value of a vector, of a circle, of the translation and the rotation of a
+            body.
+        turning_radius: Of a car [m]; 0 for all others.
     """
 
     kind: JointType
@@ -30,7 +31,7 @@ class SpacePart:
 
     @property
     def weight(self) -> float:
-        """What its distances are weighted by from outside; most weigh their own values."""
+        """Weight of its distances in the compound; most components weight their values instead."""
         is_whole = self.turning_radius > 0 or self.kind is JointType.CONTINUOUS
         return self.weights[0] if is_whole else 1.0
 
@@ -38,7 +39,7 @@ class SpacePart:
 def space_parts(
     group: JointGroup, weights: Float64[np.ndarray, " num_blocks"], held: Sequence[int]
 ) -> list[SpacePart]:
-    """Return each part; a body whose rotation is held is three, or two, numbers of the vector."""
+    """Return the components; a body with a held rotation adds its free numbers to the vector."""
     vector, others = SpacePart(JointType.REVOLUTE, [], []), list[SpacePart]()
     iq = 0
     remaining = iter(weights.tolist())
@@ -72,13 +73,13 @@ def _value_order(joint: Joint, iq: int) -> list[int]:
 
 
 def scales_of(part: SpacePart) -> list[float]:
-    """Return what each of a part's values is q times."""
+    """Return the factors between q and a component's values in OMPL's state."""
     is_vector = part.kind is JointType.REVOLUTE
     return part.weights if is_vector else [1.0] * len(part.indices)
 
 
 def circles(parts: list[SpacePart]) -> list[bool]:
-    """Return whether each value of the space goes around in a circle."""
+    """Return which values of the space are angles on a circle."""
     flags: list[bool] = []
     for part in parts:
         wraps = {JointType.CONTINUOUS: [True], JointType.PLANAR: [False, False, True]}

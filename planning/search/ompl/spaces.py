@@ -1,12 +1,12 @@
-"""SearchSpace: the OMPL state space of a group, and the way between its states and q.
+"""SearchSpace: the OMPL state space of a group, and the conversion between its states and q.
 
-Joints of one coordinate and limits are a vector; continuous joints are SO(2), planar joints SE(2),
-or the space of Reeds and Shepp's curves if they are steered, floating joints SE(3); a group that
-mixes them is a compound. OMPL measures a compound by the sum of its parts' distances,
-`Manifold.distance` by the root of their squares: the two agree within the square root of the number
-of parts, and exactly for a group of bounded joints. Where a request weighs joints, OMPL's distances
-are weighted and ours are not: a vector's state is q times the weights, other parts are weighted by
-their compound. A rotation that is held is no part of a state.
+Joints of one coordinate and limits form a vector; continuous joints are SO(2), planar joints SE(2),
+or a Reeds-Shepp space if they are steered, floating joints SE(3); a group that mixes them is a
+compound. OMPL's distance in a compound is the sum of its parts' distances, `Manifold.distance` the
+root of the sum of their squares: the two agree within the square root of the number of parts, and
+exactly for a group of bounded joints. Where a request weighs joints, OMPL's distances are weighted
+and ours are not: a vector's state is q times the weights, other parts are weighted by their
+compound. A held rotation is no part of a state.
 """
 
 from collections.abc import Callable, Sequence
@@ -25,26 +25,26 @@ from planning.search.ompl.space_parts import SpacePart, circles, scales_of, spac
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
-# Where a translation has no limits, this is how far from the world's origin is searched [m] ...
+# Search bounds of translations without limits: distance from the world's origin [m] ...
 _REACH = 10.0
-# ... or so far beyond the start and the goals, if they lie outside [m].
+# ... or distance beyond the start and the goals, if these lie outside [m].
 _SURROUNDINGS = 1.0
-# OMPL wants each range to have a width.
+# OMPL requires each range to have a width.
 _LEAST_WIDTH = 1e-9
 
 _SAME = 1e-6
 
 
 class SearchSpace:
-    """A state space with a fixed order of its values.
+    """State space with a fixed order of its values.
 
     Attributes:
         manifold: The same set with our metric.
         ompl: OMPL's state space; it never leaves `planning.search`.
-        lower: Search bounds, finite but for circles and quaternions, shape (nq,).
-        upper: And above, shape (nq,).
-        is_mixed: Whether it is a compound that OMPL has no name for.
-        numbers: Returns the q of an OMPL state as a list, which is what OMPL gives.
+        lower: Lower search bounds, finite but for circles and quaternions, shape (nq,).
+        upper: Upper search bounds, likewise, shape (nq,).
+        is_mixed: Whether it is a compound for which OMPL has no class.
+        numbers: Returns the q of an OMPL state as a list, OMPL's own type.
     """
 
     def __init__(
@@ -70,7 +70,7 @@ class SearchSpace:
         self._rest = anchors[0]
         given = np.ones(len(group.blocks)) if weights is None else weights
         parts = space_parts(group, given, self._held)
-        # A circle alone becomes a compound as well: `setup` of SO2StateSpace is not bound.
+        # A single circle becomes a compound as well: `setup` of SO2StateSpace is not bound.
         is_lone_circle = parts[0].kind is JointType.CONTINUOUS
         self.is_mixed = len(parts) > 1 or is_lone_circle or parts[0].weight != 1
         self._from_q = [i for part in parts for i in part.indices]
@@ -96,7 +96,7 @@ class SearchSpace:
         return [value(state, i) for i in self._to_q]
 
     def _rescaled(self, *, is_vector: bool) -> Callable[[Any], list[float]]:
-        """Return a reader of states whose values are scaled, or are not all of q."""
+        """Return a reader of states whose values are scaled or do not cover all of q."""
         count = len(self._from_q)
         rest = self._rest.tolist()
         lower, upper = self.lower[self._from_q].tolist(), self.upper[self._from_q].tolist()
@@ -108,7 +108,7 @@ class SearchSpace:
             values = state[whole] if is_vector else [value(state, i) for i in range(count)]
             q = rest.copy()
             for x, (i, scale, low, high) in zip(values, places, strict=True):
-                # Scaled and back, a limit may be off by a rounding error.
+                # Scaling and its inverse may move a limit by a rounding error.
                 q[i] = min(max(x / scale, low), high)
             return q
 
@@ -123,7 +123,7 @@ class SearchSpace:
         return state
 
     def at_rest(self, qs: Float64[np.ndarray, "m nq"]) -> Array:
-        """Return configurations with the held coordinates as they are at the start."""
+        """Return configurations, shape (m, nq), with held coordinates at their start values."""
         resting = qs.copy()
         resting[:, self._held] = self._rest[self._held]
         return resting
@@ -131,11 +131,11 @@ class SearchSpace:
     def checker(
         self, oracle: WatchedOracle, resolution: float, norm: Callable[[Array], Array]
     ) -> EdgeChecker:
-        """Return what checks the edges between configurations at a resolution."""
+        """Return a checker of edges between configurations at a resolution."""
         return EdgeChecker(self.manifold, oracle, resolution, norm)
 
     def contains(self, q: Float64[np.ndarray, " nq"]) -> bool:
-        """Return whether q, shape (nq,), lies in the searched box, with every held rotation."""
+        """Return whether q, shape (nq,), is inside the search bounds, with all held rotations."""
         if self._held:
             turned = np.array(q)
             turned[self._held] = self._rest[self._held]
@@ -149,7 +149,7 @@ class SearchSpace:
             return spaces[0]
         compound = ob.CompoundStateSpace(spaces, [part.weight for part in parts])
         compound.lock()
-        # What KPIECE and its kin spread over: the first part, which has the most to say.
+        # Projection for KPIECE and similar planners: the first part, which usually matters most.
         compound.registerDefaultProjection(ob.SubspaceProjectionEvaluator(compound, 0))
         return compound
 
@@ -187,7 +187,7 @@ class SearchSpace:
 
 
 def _search_bounds(group: JointGroup, limits: JointLimits, anchors: Array) -> tuple[Array, Array]:
-    """Return finite bounds wherever OMPL needs them."""
+    """Return position bounds, finite wherever OMPL requires that."""
     nearest = np.minimum(-_REACH, anchors.min(axis=0) - _SURROUNDINGS)
     furthest = np.maximum(_REACH, anchors.max(axis=0) + _SURROUNDINGS)
     lower = np.where(np.isfinite(limits.lower), limits.lower, nearest)

@@ -1,13 +1,14 @@
-"""TerminationCondition: when a running planner shall end, by counts and never by the clock.
+"""TerminationCondition: end of a running planner, by counts of work rather than by the clock.
 
-Planners that only look for a path end with it. Those that improve it (RRTstar and its kin, BITstar,
-AORRTC, PRMstar) would use up any time that they are given, and what they deliver would depend on
-how fast the machine is. They get as much work again as their first solution took, and no less than
-a fixed least; work is counted in checked states and in questions to this condition.
+Planners that only look for a path end with it. Planners that improve it (RRTstar and similar ones,
+BITstar, AORRTC, PRMstar) would use up any time, and their result would depend on the speed of the
+machine. They may do as much work again as their first solution took, and no less than a fixed
+minimum; work is counted in checked states and in evaluations of this condition. The deadline still
+ends all.
 
-OMPL hands a solution over when the planner ends, and not if an error ends it. So from the first
-solution on, what the planner asks is answered although it is to end, which it hears when it asks
-next.
+OMPL returns a solution when the planner ends, and not if an exception ends it. So from the first
+solution on, the oracle keeps answering after the deadline until the planner evaluates this
+condition and ends.
 """
 
 import math
@@ -19,20 +20,20 @@ from planning.search.collision_oracle import WatchedOracle
 
 _LEAST_STATES = 4_000
 _LEAST_QUESTIONS = 20_000
-# A planner that may check so many states may ask so many times as often whether to end.
+# Evaluations of this condition allowed per allowed state.
 _QUESTIONS_PER_STATE = 10
-# Of the time that is left with the first solution, what improving it may take.
+# Share of the remaining time that may go into improving the first solution.
 _IMPROVING_SHARE = 0.7
-# Between two reports of a better solution [s].
+# Least interval between two reports of a better solution [s].
 _QUIET = 0.25
 
 
 class TerminationCondition:
-    """OMPL's termination condition; the deadline cuts all.
+    """OMPL's termination condition; the deadline ends all planners.
 
     Attributes:
-        questions: How often the planner asked.
-        is_spent: Whether it was ended because it had checked as many states as it may.
+        questions: Number of evaluations by the planner.
+        is_spent: Whether the planner was ended after the allowed number of checked states.
     """
 
     def __init__(
@@ -44,15 +45,15 @@ class TerminationCondition:
         most_states: float = math.inf,
         on_better: Callable[[float], None] | None = None,
     ) -> None:
-        """Watch a planner's best cost, if it tells one, and the oracle's counter.
+        """Observe a planner's best cost, if it has one, and the oracle's counter.
 
         Args:
-            planner: OMPL's.
-            oracle: What it asks.
-            deadline: Cuts all.
-            patience: Until when the oracle answers a planner that has a solution.
-            most_states: How many states it may check until it has a solution.
-            on_better: Told the best cost, now and then, once there is one.
+            planner: OMPL's planner.
+            oracle: Collision oracle of the planner.
+            deadline: End of the planner.
+            patience: Deadline of the oracle for a planner that has a solution.
+            most_states: States that it may check until it has a solution.
+            on_better: Callback with the best cost, at intervals, once there is one.
         """
         self.questions = 0
         self.is_spent = False
@@ -69,7 +70,7 @@ class TerminationCondition:
         self._last_questions = math.inf
 
     def __call__(self) -> bool:
-        """Return whether to end."""
+        """Return whether the planner is to end."""
         self.questions += 1
         if self._deadline.is_over:
             return True
@@ -90,13 +91,13 @@ class TerminationCondition:
         )
 
     def let_go(self) -> None:
-        """Forget the planner; one that keeps its condition would else live for ever with it."""
+        """Release the planner, which may keep this condition: a reference cycle otherwise."""
         self._best_cost = None
 
     def note_solution(self) -> None:
         """Set the amount of work that may still be spent on improving the first solution.
 
-        If there is less time than that, some of it is left for what is done with the solution.
+        If less time than that remains, a share of it is kept for the processing of the solution.
         """
         self._deadline = self._deadline.share(_IMPROVING_SHARE)
         spent = self._oracle.num_states - self._states_before
@@ -104,7 +105,7 @@ class TerminationCondition:
         self._last_questions = self.questions + max(self.questions, _LEAST_QUESTIONS)
 
     def keep_solution(self) -> None:
-        """Let no error end the planner before it has handed its solution over."""
+        """Extend the oracle's deadline, so that no exception ends a planner that has a solution."""
         self._oracle.heed(self._patience)
 
     def _tell_better(self, cost: float, tell: Callable[[float], None]) -> None:

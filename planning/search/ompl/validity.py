@@ -1,4 +1,4 @@
-"""What OMPL calls back: the validity of a state and of a motion."""
+"""Validity callbacks of OMPL: state validity checker and motion validators."""
 
 from collections.abc import Callable
 from typing import Any, override
@@ -12,7 +12,7 @@ from planning.search.ompl.spaces import SearchSpace
 
 
 class EdgeMotionValidator(ob.MotionValidator):
-    """Checks a motion as an edge; what the oracle raises passes through the planner to us."""
+    """Motion validator by edges; the oracle's exceptions pass through the planner to the caller."""
 
     def __init__(self, ompl: Any, space: SearchSpace, edges: EdgeChecker) -> None:
         """Validate motions of an OMPL space information."""
@@ -22,12 +22,12 @@ class EdgeMotionValidator(ob.MotionValidator):
 
     @override
     def checkMotion(self, arg0: Any, arg1: Any, /) -> bool:
-        """Return whether the geodesic is free, its first state taken for granted."""
+        """Return whether the geodesic is free; its first state is assumed to be."""
         return self._is_free(self._read(arg0), self._read(arg1))
 
 
 class WholeEdgeValidator(ob.MotionValidator):
-    """Checks a motion with both of its ends, so that nobody need ask about states."""
+    """Motion validator that includes both ends, so that no state needs a check of its own."""
 
     def __init__(self, ompl: Any, space: SearchSpace, edges: EdgeChecker) -> None:
         """Validate motions of an OMPL space information."""
@@ -42,10 +42,10 @@ class WholeEdgeValidator(ob.MotionValidator):
 
 
 def state_validity(space: SearchSpace, oracle: WatchedOracle) -> Callable[[Any], bool]:
-    """Return OMPL's question about one state.
+    """Return OMPL's state validity callback.
 
     It is a function and not a subclass of `ob.StateValidityChecker`: that one and its space
-    information keep each other alive, and a worker that plans for days would grow.
+    information keep each other alive, and the memory of a long-lived worker would grow.
     """
     read, is_free = space.read, oracle.is_free
 
@@ -58,9 +58,9 @@ def state_validity(space: SearchSpace, oracle: WatchedOracle) -> Callable[[Any],
 def space_information(
     space: SearchSpace, oracle: WatchedOracle, edges: EdgeChecker, planner: str
 ) -> Any:
-    """Return OMPL's space information, ready to plan with.
+    """Return OMPL's space information after its setup.
 
-    RRTConnect adds no state but by a motion: checked with both ends, that is one question for two.
+    RRTConnect adds states by motions only: checked with both ends, one call replaces two.
     """
     if isinstance(space, ProjectedSpace):
         return space.information(oracle)

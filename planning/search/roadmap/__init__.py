@@ -1,1 +1,1 @@
-"""Roadmaps for many queries: built once, then asked."""
+"""Roadmaps for many queries: built once, then queried."""

@@ -1,9 +1,9 @@
-"""A roadmap, grown: samples, their nearest neighbours, and the ways between them that are free.
+"""Roadmap construction (PRM): free samples, their nearest neighbours, and the free edges between.
 
 Kavraki, Svestka, Latombe, Overmars, "Probabilistic roadmaps for path planning in high-dimensional
-configuration spaces" (1996). It is a function of a recipe and of what is free, and of nothing else:
-of no query, and of the clock only whether there is time for it. OMPL's spaces lend their bounds and
-metrics; none of its planners is asked.
+configuration spaces" (1996). The result is a function of the build request and of the world alone:
+not of a query, and not of the clock, which can only end the construction. OMPL's spaces provide
+bounds and metrics; none of its planners is used.
 """
 
 from dataclasses import dataclass
@@ -36,26 +36,26 @@ from planning.search.verified_path import FINER
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 type Rows = np.ndarray[Any, np.dtype[np.intp]]
 
-# Samples for each state that is wanted, at most: where next to nothing is free, states are fewer.
+# Most samples per requested state: where next to nothing is free, there are fewer states.
 _MOST_TRIES = 100
-# Of a car so many times as many neighbours are looked at as are wanted.
+# For a car, candidates per requested neighbour, of which the nearest by steering path are kept.
 _CANDIDATES = 5
-# Distances that are computed at once.
+# Number of distances in one batch.
 _AT_ONCE = 50_000
 
 
 @dataclass(frozen=True, eq=False)
 class RoadmapBuildRequest(Value):
-    """All that decides a roadmap but for what is free.
+    """Inputs of a roadmap's construction besides the world.
 
     Attributes:
-        group: Whose joints move.
+        group: The joints that move.
         limits: The box to sample, with the bounds of the search.
-        weights: Of the group's blocks, for which states are neighbours, shape (num_blocks,).
+        weights: Metric weights of the group's blocks, for neighbours, shape (num_blocks,).
         held: Coordinates of q that are the same in every state.
         rest: Their values; zeros elsewhere, shape (nq,).
         resolution: Largest distance between two checked states of an edge.
-        options: States, neighbours and seed.
+        options: Number of states and neighbours, and seed.
     """
 
     group: JointGroup
@@ -74,14 +74,7 @@ class RoadmapBuildRequest(Value):
         start: Float64[np.ndarray, " nq"],
         options: SearchOptions,
     ) -> "RoadmapBuildRequest":
-        """Build the recipe that a search asks for; of the start only held rotations count.
-
-        Edges are checked as finely as what is delivered.
-
-        Raises:
-            UnknownName: The options name a joint, block or coordinate that does not exist.
-            ProblemInvalid: Weights or bounds make no sense.
-        """
+        """Return the build request for a search's options; of the start held rotations count."""
         held = held_rotations(group, options.spaces)
         rest = np.zeros(group.num_positions)
         rest[held] = start[held]
@@ -97,12 +90,12 @@ class RoadmapBuildRequest(Value):
 
     @property
     def metric(self) -> Objective:
-        """How far apart states are."""
+        """Metric of the distance between states."""
         return Objective("weighted_length", self.group, self.limits, self.weights)
 
     @property
     def space(self) -> SearchSpace:
-        """Where states lie; made anew each time."""
+        """Search space of the states, made anew at each access."""
         if steering_of(self.group):
             return CarSpace(self.group, self.limits, self.rest[None], self.weights)
         return SearchSpace(self.group, self.limits, self.rest[None], self.weights, self.held)
@@ -115,20 +108,20 @@ def grow_roadmap(
     deadline: Deadline,
     residual: Residual | None = None,
 ) -> Roadmap:
-    """Return the roadmap of a recipe in a world.
+    """Return the roadmap of a build request in a world.
 
     Not promised: that all states are connected, or freedom between the checked samples of an edge.
 
     Args:
-        recipe: What to grow.
-        oracle: What is free.
-        key: What the roadmap shall be known by.
-        deadline: When to give up.
-        residual: What vanishes on a set that is too thin to be sampled; states are projected onto
-            it, and ways along it bend: where they do there are more states.
+        recipe: Build request.
+        oracle: Collision oracle.
+        key: Key of the roadmap; equal keys, equal roadmaps.
+        deadline: End of the construction.
+        residual: Constraint residual of a set that is too thin to be sampled; states are projected
+            onto it, and edges along it bend: where they do there are more states.
 
     Raises:
-        Canceled: The end was asked for.
+        Canceled: The request was canceled.
         DeadlineExceeded: The time has run out.
     """
     watched = WatchedOracle(oracle, recipe.group, recipe.limits, deadline)
@@ -147,7 +140,7 @@ def _roadmap(
     between: list[Array | None],
     num_states_checked: int,
 ) -> Roadmap:
-    """Return the roadmap of joined states, with what lies between them as states as well."""
+    """Return the roadmap of states and edges; waypoints of bent edges become states as well."""
     rows, joined, count = [states], list[list[int]](), len(states)
     for (i, j), way in zip(pairs.tolist(), between, strict=True):
         if way is None:
@@ -181,7 +174,7 @@ def _free_states(
 
 
 def _on_set(samples: Array, space: SearchSpace, residual: Residual, deadline: Deadline) -> Array:
-    """Return the samples that have a place nearby on the set and in the box, there."""
+    """Return the projections of samples onto the set, without failures and those off the box."""
     found: list[Array] = []
     for sample in samples:
         deadline.check("search")
@@ -194,11 +187,12 @@ def _on_set(samples: Array, space: SearchSpace, residual: Residual, deadline: De
 def _nearest_pairs(
     recipe: RoadmapBuildRequest, edges: EdgeChecker, states: Array, deadline: Deadline
 ) -> Int32[np.ndarray, "m 2"]:
-    """Return each state with each of its nearest neighbours, every pair once, sorted."""
+    """Return pairs of each state and its nearest neighbours, every pair once, sorted."""
     count, manifold = len(states), edges.manifold
     is_driven = isinstance(edges, SteeringEdgeChecker)
     if is_driven:
-        # How far it is by drive is told of those that are near as the crow flies.
+        # Lengths of steering paths are computed only for states that are near in the joint-space
+        # metric.
         manifold = Manifold(recipe.group.joints)
     neighbours = recipe.options.neighbours
     wanted = min(_CANDIDATES * neighbours if is_driven else neighbours, count - 1)
@@ -219,7 +213,7 @@ def _nearest_pairs(
 
 
 def _nearest_driven(edges: EdgeChecker, states: Array, rows: Rows, near: Rows, wanted: int) -> Rows:
-    """Return of the near ones of each row, shape (m, k), those that the shortest drives lead to."""
+    """Return the neighbours of each row by length of steering path, of the near ones, (m, k)."""
     ends = np.repeat(rows, near.shape[1])
     lengths = edges.lengths(states[ends], states[near.ravel()]).reshape(near.shape)
     order = np.argsort(lengths, axis=1, kind="stable")[:, :wanted]

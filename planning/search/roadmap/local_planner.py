@@ -1,8 +1,8 @@
-"""LocalPlanner: how two states of a roadmap are joined, on every kind of space.
+"""LocalPlanner: the connection of two states of a roadmap, on every kind of space.
 
-Where joints are free a way is straight. Where a car is among them it is a drive, and near and far
-are told by how long drives are. Where constraints leave only a thin set, a straight way leaves it,
-and short projected steps follow it.
+For free joints it is a straight edge. For a group with a car it is a steering path, and neighbours
+are near by the length of such paths. Under constraints that leave only a thin set it is a chain of
+short projected steps along that set, where the straight edge leaves it.
 """
 
 from typing import Any
@@ -20,20 +20,21 @@ type Rows = np.ndarray[Any, np.dtype[np.intp]]
 
 
 class LocalPlanner:
-    """Looks for free ways."""
+    """Local planner of a roadmap: neighbours of a state and free connections to them."""
 
     def __init__(self, edges: EdgeChecker, residual: Residual | None = None) -> None:
-        """Join by edges, and along the set on which a residual vanishes if there is one."""
+        """Connect by edges, and along the zero set of a residual if there is one."""
         self._edges = edges
         self._residual = residual
 
     def nearest(
         self, states: Float64[np.ndarray, "m nq"], q: Float64[np.ndarray, " nq"], count: int
     ) -> Rows:
-        """Return the rows of states near q, the nearest first, at most so many.
+        """Return the rows of the `count` states nearest to q, the nearest first.
 
-        Along a thin set states are close to one another where ways bend: of those that are within a
-        step of another one only that one is told, for where it cannot be reached they hardly can.
+        Along a thin set the states of a bent edge are close to one another: of states within one
+        step of each other only the nearest is returned, for if it cannot be reached, the others
+        hardly can.
         """
         if isinstance(self._edges, SteeringEdgeChecker):
             distances = self._edges.lengths(q[None], states)
@@ -54,12 +55,12 @@ class LocalPlanner:
     def between(
         self, q0s: Float64[np.ndarray, "m nq"], q1s: Float64[np.ndarray, "m nq"]
     ) -> list[Array | None]:
-        """Return for each pair of rows the waypoints between them, shape (k, nq), mostly none.
+        """Return for each pair of rows the waypoints strictly between, shape (k, nq), mostly k = 0.
 
-        None where no free way was found.
+        None where no free connection was found.
 
         Raises:
-            Canceled: The end was asked for.
+            Canceled: The request was canceled.
             DeadlineExceeded: The time has run out.
         """
         nothing = np.empty((0, q0s.shape[1]))

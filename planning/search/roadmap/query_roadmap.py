@@ -1,4 +1,4 @@
-"""A path by a roadmap, before any planner is asked."""
+"""query_roadmap(): a verified path by a roadmap, before any planner is used."""
 
 from planning.domain.planner.roadmap import Roadmap
 from planning.domain.report.search_report import RoadmapReport
@@ -15,10 +15,10 @@ NAME = "roadmap"
 def query_roadmap(
     roadmap: Roadmap, query: Query, closeness: CheckResolution, tally: SearchStatistics
 ) -> None:
-    """Put the roadmap's path into the tally, if it has a better one than there is, and what it did.
+    """Record the roadmap's path if it is better than the best so far, and the query's report.
 
     Raises:
-        Canceled: The end was asked for.
+        Canceled: The request was canceled.
         DeadlineExceeded: The time has run out.
     """
     tally.roadmap = report_of(roadmap, "interrupted")
@@ -35,7 +35,7 @@ def query_roadmap(
 
 
 def report_of(roadmap: Roadmap, reason: str) -> RoadmapReport:
-    """Return what a roadmap is, and why it was of no use; "" if it was."""
+    """Return a roadmap's report with the reason why it was not used; "" if it was."""
     return RoadmapReport(
         digest=roadmap.digest,
         num_states=len(roadmap.states),

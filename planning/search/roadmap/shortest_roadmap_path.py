@@ -1,7 +1,7 @@
-"""A way through a roadmap that is there already: start and goals are joined to it for one query.
+"""Shortest path through an existing roadmap; start and goals are connected to it for one query.
 
-The cheapest way by the objective is found by A*, which is Dijkstra's algorithm on costs reduced by
-what is left to the goals at least (Hart, Nilsson, Raphael 1968). The roadmap stays as it is.
+The cheapest path by the objective is found by A*: Dijkstra's algorithm on costs reduced by a lower
+bound of the remaining cost (Hart, Nilsson, Raphael 1968). The roadmap itself is not changed.
 """
 
 from dataclasses import dataclass
@@ -22,24 +22,25 @@ from planning.search.shortcut.polyline import unrolled
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
-# Ends are joined to near states, some at a time and the nearest first, until there are enough ways.
+# The start and each goal are connected to near states, a batch at a time and the nearest first:
+# batch size, sufficient number of connections, and most states tried.
 _AT_ONCE = 5
 _ENOUGH = 3
 _MOST_TRIED = 30
-# Goals are joined in portions, the nearest to the start first; further ones if there is no way yet.
+# Goals are connected in batches, the nearest to the start first; more of them if there is no path.
 _FIRST_PORTION = 3
 _PORTION = 8
 
 
 @dataclass(frozen=True)
 class RoadmapPath:
-    """What a roadmap says to a query.
+    """Result of a roadmap query.
 
     Attributes:
-        reason: Why there is no way, or "".
-        graph: The roadmap with the start and the goals that were joined.
-        waypoints: From the start to a goal, shape (n, nq); n = 0 without a way.
-        goal_row: Which goal, or -1.
+        reason: Why there is no path, or "".
+        graph: The roadmap with the start and the goals that were connected.
+        waypoints: From the start to a goal, shape (n, nq); n = 0 without a path.
+        goal_row: Row of that goal, or -1.
     """
 
     reason: str
@@ -50,11 +51,11 @@ class RoadmapPath:
 
 @dataclass(frozen=True)
 class _Ends:
-    """How the start and some goals are joined to a roadmap.
+    """Connections of the start and of some goals to a roadmap.
 
     Attributes:
-        out: By rows of the roadmap, the waypoints between the start and that state.
-        into: The same of goals, by their rows among the goals.
+        out: Waypoints between the start and a state, by the state's row in the roadmap.
+        into: Goal connections likewise, by the goal's row among the goals.
     """
 
     out: dict[int, Array]
@@ -62,15 +63,15 @@ class _Ends:
 
 
 def shortest_roadmap_path(roadmap: Roadmap, query: Query, edges: EdgeChecker) -> RoadmapPath:
-    """Return the cheapest way from the start to one of the nearest goals that can be joined.
+    """Return the cheapest path from the start to one of the nearest goals that can be connected.
 
     Args:
         roadmap: Of the query's group and world.
-        query: Where from and where to, and what is free.
-        edges: Checks the ways from the ends into the roadmap.
+        query: Start, goals and collision oracle.
+        edges: Checker of the connections to the roadmap.
 
     Raises:
-        Canceled: The end was asked for.
+        Canceled: The request was canceled.
         DeadlineExceeded: The time has run out.
     """
     space = query.space
@@ -94,7 +95,7 @@ def shortest_roadmap_path(roadmap: Roadmap, query: Query, edges: EdgeChecker) ->
 
 
 def _links(roadmap: Roadmap, q: Array, joining: LocalPlanner) -> dict[int, Array]:
-    """Return the rows of near states to which a way is free, and the waypoints between."""
+    """Return the rows of near states with a free connection, and the waypoints between."""
     near = joining.nearest(roadmap.states, q, _MOST_TRIED)
     found: dict[int, Array] = {}
     for rows in np.split(near, range(_AT_ONCE, len(near), _AT_ONCE)):
@@ -139,20 +140,20 @@ def _cheapest(graph: Graph, query: Query, ends: _Ends, edges: EdgeChecker) -> Ro
 
 
 def _whole(graph: Graph, rows: list[int], out: dict[int, Array], into: dict[int, Array]) -> Array:
-    """Return the waypoints of a way, those on which its ends are joined among them."""
+    """Return the waypoints of a path, with those of the connections at both ends."""
     first, last = out[rows[1]], into[rows[-2]][::-1]
     parts = [graph.qs[rows[:1]], first, graph.qs[rows[1:-1]], last, graph.qs[rows[-1:]]]
     return np.concatenate(parts)
 
 
 def _steps(graph: Graph, query: Query, edges: EdgeChecker) -> Steps:
-    """Return the costs of edges, less by how much nearer they lead to the nearest goal."""
+    """Return the costs of edges, reduced by the decrease of the lower bound to the nearest goal."""
     objective, manifold = query.objective, query.space.manifold
     if isinstance(edges, SteeringEdgeChecker):
-        # Of drives nothing is known of what is left but to measure it, which takes longer.
+        # For steering paths a lower bound takes longer to compute than it saves.
         return measured(graph, edges.lengths)
     costs = measured(graph, objective.edge_costs)
-    if objective.name == "clearance":  # where nothing is near, it is less than the length
+    if objective.name == "clearance":  # can be less than the length: no lower bound
         return costs
     left = objective.norm(manifold.minus(graph.qs[graph.goals][:, None], graph.qs)).min(axis=0)
 

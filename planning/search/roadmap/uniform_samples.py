@@ -1,4 +1,4 @@
-"""Uniform samples of a search space, without OMPL and its global random numbers."""
+"""Uniform samples of a search space, independent of OMPL and its global random numbers."""
 
 from typing import Any
 
@@ -14,9 +14,9 @@ type Array = np.ndarray[Any, np.dtype[np.float64]]
 def uniform_samples(
     group: JointGroup, space: SearchSpace, count: int, rng: np.random.Generator
 ) -> Float64[np.ndarray, "count nq"]:
-    """Return configurations within the space's bounds: whole circles, rotations by Haar measure.
+    """Return uniform configurations in the space's bounds; full circles, rotations by Haar measure.
 
-    Coordinates that the space holds are at rest, as it has them.
+    Held coordinates of the space have their start values.
     """
     lower = np.where(np.isfinite(space.lower), space.lower, -np.pi)
     upper = np.where(np.isfinite(space.upper), space.upper, np.pi)

@@ -1,1 +1,1 @@
-"""Paths made shorter and safer once there is one."""
+"""Post-processing of a path: shortcuts, relaxation, repair and resampling."""

@@ -1,4 +1,4 @@
-"""Retreat: back toward a path that is known to be free, as far as a closer look demands."""
+"""Backtracking: a relaxed path moved back toward a free one until a finer check finds it free."""
 
 from typing import Any
 
@@ -16,15 +16,15 @@ _LIMIT = 0.75
 def backtrack(
     bold: Float64[np.ndarray, "n nq"], sound: Float64[np.ndarray, "n nq"], fine: EdgeChecker
 ) -> Array:
-    """Return a path of free edges, as near to `bold` as a few tries find one.
+    """Return a path of free edges, as near to `bold` as a few attempts find one.
 
-    The waypoints at a blocked edge go a tenth of the way back, then a fifth, and so on; all the way
-    at last, where the edges are free.
+    The waypoints at a blocked edge move a tenth of the way back, then a fifth, and so on; all the
+    way in the end, where the edges are free.
 
     Args:
-        bold: The path that is wished for, shape (n, nq).
-        sound: One with the same ends whose edges are free.
-        fine: Says which are.
+        bold: The desired path, shape (n, nq).
+        sound: A path with the same ends and number of waypoints, whose edges are free.
+        fine: Checker of edges.
     """
     path = bold.copy()
     back = fine.manifold.minus(sound, bold)

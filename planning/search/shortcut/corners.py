@@ -1,4 +1,4 @@
-"""Corners that are cut: one waypoint becomes two where that makes a path much shorter."""
+"""Corner cutting: one waypoint becomes two where that makes a path much shorter."""
 
 from typing import Any
 
@@ -11,19 +11,19 @@ from planning.search.shortcut.polyline import distinct, path_measure
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
-# How much of the edges at a corner is cut off; half of an edge is for its other corner.
+# Shares of the edges at a corner that are cut off; an edge has a corner at each end.
 _SHARES = np.array([0.5, 0.25, 0.125])
-# What a waypoint more must gain, as a share of the length.
+# Least gain of an additional waypoint, as a share of the length.
 _LEAST_GAIN = 5e-3
 
 
 def cut_corners(waypoints: Float64[np.ndarray, "n nq"], edges: EdgeChecker) -> Array | None:
-    """Return a shorter path of free edges, from one of free edges, or None if nothing is gained.
+    """Return a shorter path of free edges, from one of free edges, or None without a gain.
 
     Args:
         waypoints: From start to goal, shape (n, nq).
-        edges: Checks what is new; an edge is cut only where it was checked, so that what is left of
-            it need not be (see `polyline.points_on`).
+        edges: Checker of new edges; an edge is cut only at its checked samples, so that the rest of
+            it needs no check (see `polyline.points_on`).
     """
     if len(waypoints) < 3:
         return None
@@ -50,7 +50,7 @@ def cut_corners(waypoints: Float64[np.ndarray, "n nq"], edges: EdgeChecker) -> A
 
 
 def _cut(waypoints: Array, p: Array, q: Array, gains: Array) -> Array:
-    """Return the path with the most gainful cut of each corner."""
+    """Return the path with the cut of largest gain at each corner."""
     pieces = [waypoints[:1]]
     for k, best in enumerate(gains.argmax(axis=1)):
         is_cut = gains[k, best] > 0

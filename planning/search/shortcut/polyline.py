@@ -1,4 +1,4 @@
-"""Polyline: waypoints joined by geodesics."""
+"""Polyline: waypoints joined by geodesics; lengths, subdivision and unwrapping."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -14,7 +14,7 @@ type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 
 def path_measure(waypoints: Float64[np.ndarray, "n nq"], edges: EdgeChecker) -> float:
-    """Return the sum of the edges' measures."""
+    """Return the sum of the edges' lengths by the checker's norm."""
     return float(edges.lengths(waypoints[:-1], waypoints[1:]).sum())
 
 
@@ -30,9 +30,9 @@ def distinct(waypoints: Float64[np.ndarray, "n nq"]) -> Array:
 
 
 def unrolled(waypoints: Float64[np.ndarray, "n nq"], manifold: Manifold) -> Array:
-    """Return the path without jumps of whole turns, and without changes of a quaternion's sign.
+    """Return the path without jumps by full turns and without sign changes of a quaternion.
 
-    The ends stay as they are: the last may lie whole turns from the waypoint before it.
+    The ends stay as they are: the last one may differ by full turns from the waypoint before it.
     """
     path = waypoints.copy()
     if not manifold.is_vector:
@@ -43,7 +43,7 @@ def unrolled(waypoints: Float64[np.ndarray, "n nq"], manifold: Manifold) -> Arra
 
 @dataclass(frozen=True)
 class Points:
-    """Points on a path, in order, its waypoints among them.
+    """Points on a polyline, in order, its waypoints among them.
 
     Attributes:
         qs: Shape (m, nq).
@@ -57,20 +57,20 @@ class Points:
 
     @property
     def backwards(self) -> "Points":
-        """The same points of the path that leads the other way."""
+        """The same points in reverse order."""
         return Points(self.qs[::-1], -self.last[::-1], -self.first[::-1])
 
     def share_edge(self, i: int, j: int) -> bool:
-        """Return whether the path is straight from point i to a later point j."""
+        """Return whether point i and a later point j lie on one edge."""
         return bool(self.first[j] <= self.last[i])
 
 
 def points_on(waypoints: Float64[np.ndarray, "n nq"], edges: EdgeChecker, pieces: int) -> Points:
-    """Return the waypoints and the points that cut every edge into about equal pieces.
+    """Return the waypoints, and points that cut every edge into about equal pieces.
 
-    Where an edge is cut is where it was checked: what is left of a free edge is made of the same
-    samples, so it is free as well (n steps of an edge are the least number that is short enough;
-    then so are k steps for every k of them, but for rounding).
+    Edges are cut at their checked samples: each piece of a free edge consists of the same samples,
+    so it is free as well (n steps of an edge are the least number that is short enough; then so are
+    k steps for every k of them, but for rounding).
     """
     delta = edges.manifold.minus(waypoints[1:], waypoints[:-1])
     steps = steps_of(delta, edges.resolution)

@@ -1,13 +1,13 @@
-"""Relaxation: waypoints give way toward the chords of their neighbours.
+"""Relaxation: waypoints move toward the chords of their neighbours, which shortens the path.
 
 A waypoint v between a and b makes the path |a v| + |v b| - |a b| longer than it need be. Where it
-cannot be left out it may still give way: as a whole, or in the coordinates of one block only, which
-takes useless turns out of a motion whose other coordinates are needed as they are (compare the
+cannot be left out it may still move: as a whole, or in the coordinates of one block only, which
+removes useless rotations from a motion whose other coordinates are needed as they are (compare the
 partial shortcuts of Geraerts and Overmars, "Creating high-quality paths for motion planning",
-2007). In one sweep every waypoint tries every block and the whole at once; then all that is free is
-done together if that is free, and else one waypoint at a time. What was free reaches further in the
-next sweep, what was blocked less far, and what would gain too little is not tried any more: so it
-ends by itself, with as many waypoints as before.
+2007). In one sweep every block and the whole are tried for every waypoint at once; then all free
+moves are made together if the result is free, and else one waypoint at a time. The step length
+grows in the next sweep where a move was free and shrinks where it was blocked; moves of too little
+gain are not tried any more. So it ends by itself, with as many waypoints as before.
 """
 
 from collections.abc import Callable
@@ -24,9 +24,9 @@ from planning.search.shortcut.polyline import path_measure
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 _MOST_SWEEPS = 4
-# Trying what would gain less than this share of the length is not worth a check.
+# Least gain of a move for which a check is worthwhile, as a share of the length.
 _LEAST_GAIN = 3e-3
-# All the way to the chord would be leaving the waypoint out.
+# Largest share of the way to the chord; 1 would mean to leave the waypoint out.
 _FURTHEST_WHOLE = 0.8
 _FIRST_WHOLE = 0.5
 _FURTHER, _NEARER = 2.0, 0.4
@@ -34,12 +34,12 @@ _FURTHER, _NEARER = 2.0, 0.4
 
 @dataclass(frozen=True)
 class _Tries:
-    """What a sweep tries, by waypoint and by what gives way (the whole, then each block).
+    """Candidate moves of one sweep, by waypoint and moved coordinates (the whole, each block).
 
     Attributes:
         steps: Tangents at the waypoints, shape (m, k, nv).
-        qs: Where they lead, shape (m, k, nq).
-        gains: By how much the path would be shorter, shape (m, k).
+        qs: Moved waypoints, shape (m, k, nq).
+        gains: Decrease of the path's length, shape (m, k).
     """
 
     steps: Float64[np.ndarray, "m k nv"]
@@ -50,12 +50,12 @@ class _Tries:
 def relaxed(
     waypoints: Float64[np.ndarray, "n nq"], edges: EdgeChecker, is_over: Callable[[], bool]
 ) -> Array:
-    """Return a path that is no longer, of as many waypoints, the same ends and free edges.
+    """Return a path that is no longer, of as many waypoints, with the same ends and free edges.
 
     Args:
         waypoints: From start to goal, shape (n, nq); its edges are free.
-        edges: Checks the new ones.
-        is_over: Asked before each sweep.
+        edges: Checker of the new edges.
+        is_over: Called before each sweep.
     """
     path = waypoints
     parts = _parts(edges.manifold)
@@ -80,7 +80,7 @@ def relaxed(
 
 
 def _parts(manifold: Manifold) -> Array:
-    """Return which coordinates of a tangent give way: all, and each block, shape (k, nv)."""
+    """Return masks of the coordinates that move: all, and each block, shape (k, nv)."""
     rows = [np.ones(manifold.num_velocities)]
     offset = 0
     for joint in manifold.joints:
@@ -105,13 +105,13 @@ def _tries(path: Array, reach: Array, parts: Array, edges: EdgeChecker) -> _Trie
 
 
 def _fit(path: Array, rows: Any, qs: Array, edges: EdgeChecker) -> Any:
-    """Return whether each q is free to see the neighbours of an inner waypoint."""
+    """Return whether the edges from each q to the neighbours of an inner waypoint are free."""
     free = edges.are_free(np.concatenate([path[rows], qs]), np.concatenate([qs, path[rows + 2]]))
     return free[: len(rows)] & free[len(rows) :]
 
 
 def _given_way(path: Array, tries: _Tries, gains: Array, edges: EdgeChecker) -> Array:
-    """Return the path with what is free and gains done: together, or one waypoint at a time."""
+    """Return the path after the free moves with a gain: all together, or one waypoint at a time."""
     rows = np.flatnonzero(gains.max(axis=1) > 0)
     if not len(rows):
         return path
@@ -135,7 +135,7 @@ def _given_way(path: Array, tries: _Tries, gains: Array, edges: EdgeChecker) -> 
 def _one_by_one(
     path: Array, rows: Any, together: Array, single: Array, edges: EdgeChecker
 ) -> Array:
-    """Return the path with waypoints moved whose neighbours stay, the most gainful first."""
+    """Return the path with waypoints moved whose neighbours stay, those of largest gain first."""
     a, b = path[rows], path[rows + 2]
     is_free = _fit(path, rows, together, edges)
     qs = np.where(is_free[:, None], together, single)

@@ -1,9 +1,9 @@
-"""Mending: a way around what a closer look finds on a path that is worth keeping.
+"""Repair of a path: its blocked edges are replaced by local searches between their ends.
 
-Usually a planner whose path collides on a closer look starts anew and looks as closely itself. Once
-a cancel has ended the search there is no time for that; and improved paths run so close to
-obstacles that looking closely hardly helps. But most of the path is free: its edges that are not
-are replaced, each by what RRTConnect finds between their ends.
+Usually a planner whose path collides at the fine resolution starts anew with a finer one. After a
+cancel there is no time for that; and optimised paths are so close to obstacles that a finer
+resolution hardly helps. But most of such a path is free: only its blocked edges are replaced, each
+by a path of RRTConnect between their ends.
 """
 
 from dataclasses import replace
@@ -20,23 +20,23 @@ from planning.search.query import Query
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
-# How long it may take after a cancel, all edges together [s].
+# Time budget after a cancel, all edges together [s].
 _BRIEF = 0.3
-# What may be checked for each edge: counts and not seconds decide, as long as nobody is in a hurry.
+# Checked states per edge: counts and not seconds decide, unless the request was canceled.
 _MOST_STATES = 4_000
 
 
 def repair_path(
     query: Query, waypoints: Float64[np.ndarray, "n nq"], edges: EdgeChecker, seed: int
 ) -> Array | None:
-    """Return a path of free edges with the same ends, shape (m, nq), if one is found soon.
+    """Return a path of free edges with the same ends, shape (m, nq), or None if there is none soon.
 
-    Not of cars, whose waypoints are too close to one another to be driven around.
+    None for cars, whose waypoints are too close to one another for a detour between them.
 
     Args:
-        query: What was searched.
+        query: Search problem.
         waypoints: From start to goal.
-        edges: Say what is free, as closely as what is delivered.
+        edges: Checker of edges at the fine resolution.
         seed: Of OMPL's random numbers.
 
     Raises:
@@ -60,7 +60,7 @@ def repair_path(
 
 
 def _between(query: Query, ends: Array, seconds: float) -> Query:
-    """Return the query for a way between two waypoints."""
+    """Return the search problem from one waypoint to the next."""
     return replace(
         query,
         start=ends[0],

@@ -1,4 +1,4 @@
-"""More waypoints on the same path."""
+"""Resampling: more waypoints on the same path."""
 
 from typing import Any
 
@@ -11,26 +11,26 @@ from planning.search.query import Query
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
-# Between two looks at a budget so many edges are checked.
+# Edges checked between two checks of the time budget.
 _AT_ONCE = 256
 
 
 def interpolated(
     query: Query, edges: EdgeChecker, waypoints: Float64[np.ndarray, "n nq"], num_states: int
 ) -> tuple[Array, bool] | None:
-    """Return at least `num_states` waypoints, and True, or the given ones, and False if it is late.
+    """Return at least `num_states` waypoints and True, or the given ones and False if time is up.
 
-    None if what is between the given ones proves to be blocked: cut elsewhere than it was checked,
-    an edge has other samples.
+    None if an edge between the given ones proves to be blocked: cut at other points than its
+    checked samples, an edge has other samples.
 
     Args:
-        query: Says how long it may take.
-        edges: Know how waypoints are joined, and what is free.
+        query: Its options have the time budget.
+        edges: Interpolates and checks edges.
         waypoints: Of a path whose edges are free, shape (n, nq).
-        num_states: How many are wanted.
+        num_states: Requested number of waypoints.
 
     Raises:
-        Canceled: The end was asked for.
+        Canceled: The request was canceled.
         DeadlineExceeded: The time has run out, and there was no other budget.
     """
     budget = query.options.interpolate_time
@@ -53,9 +53,9 @@ def resample(edges: EdgeChecker, waypoints: Float64[np.ndarray, "n nq"], num_sta
     """Return at least `num_states` waypoints, the given ones among them, evenly spread.
 
     Args:
-        edges: Knows how waypoints are joined.
+        edges: Interpolates edges.
         waypoints: Shape (n, nq).
-        num_states: How many are wanted.
+        num_states: Requested number of waypoints.
     """
     lengths = edges.manifold.distance(waypoints[1:], waypoints[:-1])
     if len(waypoints) >= num_states or not lengths.any():
@@ -73,10 +73,10 @@ def resample(edges: EdgeChecker, waypoints: Float64[np.ndarray, "n nq"], num_sta
 
 
 def _are_free(edges: EdgeChecker, path: Array) -> bool:
-    """Return whether all edges are free; all are checked, and count, as they are without a budget.
+    """Return whether all edges are free; all are checked and counted, as without a budget.
 
     Raises:
-        DeadlineExceeded: It is late.
+        DeadlineExceeded: The time has run out.
     """
     begins = range(0, len(path) - 1, _AT_ONCE)
     verdicts = [

@@ -1,16 +1,17 @@
-"""Shortcuts: a shorter polyline of geodesics between the same ends, every edge checked.
+"""Shortcutting: a shorter polyline of geodesics between the same ends, every edge checked.
 
 OMPL's simplifier may leave the valid set and stops by the clock. Here
 
-    skip      from the start: the furthest waypoint in sight comes next,
-    pull      from the goal: the same with points on the edges, as a rope is pulled around corners,
-    relax     waypoints give way toward the chords of their neighbours,
-    cut       corners that still cost much become two,
+    skip      from the start: the furthest waypoint that a free edge reaches comes next,
+    tighten   from the goal: the same with points on the edges, like a rope pulled around corners,
+    relax     waypoints move toward the chords of their neighbours,
+    cut       corners that still cost much become two waypoints,
 
-and the last two are done again. Nothing is random. Relaxing looks no closer than the planner does,
-since most of what it tries is superseded; then it steps back where a closer look says so. All the
-rest is checked at the fine resolution at once, and what is left of a checked edge is not checked
-again: so the path that is delivered is free at the fine resolution, and was all along.
+and the last two are repeated. The result is deterministic. Relaxation checks at the planner's
+resolution only, since most of its moves are superseded; then it is taken back where a check at the
+fine resolution finds a collision. All the rest is checked at the fine resolution at once, and
+pieces of a checked edge are not checked again: so the path is free at the fine resolution after
+every stage.
 """
 
 from collections.abc import Callable
@@ -28,7 +29,7 @@ from planning.search.shortcut.vertex_skipping import skip_vertices, tighten
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
-# How often corners are cut.
+# Number of rounds of relaxation and corner cutting.
 _MOST_CUTS = 3
 
 
@@ -40,17 +41,17 @@ def shortcut(
 ) -> Array | None:
     """Return a path that is no longer, with the same ends, shape (m, nq), free by `fine`.
 
-    None if `fine` blocks the given path and finds no way between its waypoints.
+    None if the given path is blocked at `fine` and no free edges join its waypoints.
 
     Args:
         waypoints: From start to goal, shape (n, nq).
-        coarse: Checks what is tried.
-        fine: Checks what is delivered.
-        is_over: Asked now and then; an early end leaves a path that is as good as the others.
+        coarse: Checker of intermediate moves.
+        fine: Checker of the result.
+        is_over: Called at intervals; after an early end the path is as valid as otherwise.
 
     Raises:
-        Canceled: The end was asked for.
-        DeadlineExceeded: The time has run out before anything was found free.
+        Canceled: The request was canceled.
+        DeadlineExceeded: The time has run out before any free path was found.
     """
     path = skip_vertices(waypoints, fine, is_over)
     if path is None:
@@ -66,7 +67,7 @@ def shortcut(
                 break
             path = shorter
     except DeadlineExceeded:
-        # What there is by now is free; the rest of the time would have made it shorter.
+        # The path is free after every stage; more time would only have made it shorter.
         return path
     return path
 

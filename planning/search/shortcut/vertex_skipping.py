@@ -1,8 +1,8 @@
-"""The furthest that can be seen: waypoints that can be left out of a path.
+"""Vertex skipping: waypoints left out of a path by the furthest free edges.
 
-From one waypoint on, the last one of all that can be reached by a free edge comes next. Far ends
-are tried first: an edge that is blocked is found out soon, one that is free is looked at from end
-to end, and of those only few are needed that way.
+After one waypoint comes the last one that a free edge reaches. Far ends are tried first: a blocked
+edge is detected early, a free one is checked from end to end, and this order needs only few free
+ones.
 """
 
 from collections.abc import Callable
@@ -24,13 +24,13 @@ def skip_vertices(
 ) -> Array | None:
     """Return some of the waypoints, both ends among them, joined by edges that are checked.
 
-    Of the given path nothing is taken for granted. If no way leads on from a waypoint another way
-    is taken to those after it; None if no edges between waypoints lead from end to end.
+    No edge of the given path is assumed to be free. If no edge leads on from a waypoint, another
+    chain to those after it is tried; None if no edges between waypoints lead from end to end.
 
     Args:
         waypoints: From start to goal, shape (n, nq).
-        edges: Checks them all.
-        is_over: Whether there is no time for more than the given path's own edges.
+        edges: Checker of all edges.
+        is_over: Whether there is time only for the given path's own edges.
     """
     last = len(waypoints) - 1
     chain, untried = [0], [last]
@@ -55,10 +55,10 @@ def skip_vertices(
 
 
 def tighten(waypoints: Float64[np.ndarray, "n nq"], edges: EdgeChecker) -> Array:
-    """Return a path of free edges that is no longer, from one of free edges; goal to start.
+    """Return a path of free edges that is no longer, from one of free edges; from goal to start.
 
-    It leaves the given path at points on its edges too, as a rope does that is pulled around a
-    corner from the goal's side: `skip_vertices` comes from the start's.
+    It may leave the given path at points on its edges too, like a rope pulled around a corner from
+    the goal's side; `skip_vertices` starts at the other end.
     """
     points = points_on(waypoints, edges, _PIECES).backwards
     chain = [0]
