@@ -27,7 +27,7 @@ type Flags = np.ndarray[Any, np.dtype[np.bool_]]
 
 
 class PredicateSolver:
-    """Pose solver whose solutions are seeds, or the goal's own draws, that the predicate accepts."""
+    """Pose solver whose solutions are seeds, or draws of the goal, that the predicate accepts."""
 
     num_at_once = 1
 

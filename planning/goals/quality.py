@@ -17,12 +17,12 @@ from planning.world.world import World
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
-# Search radii for the nearest body pair, tried in turn: a small one is faster and mostly enough [m].
+# Search radii for the nearest body pair, tried in turn: a small one is faster, mostly enough [m].
 _HORIZONS = (0.1, 10.0)
 
 
 class QualityProbe:
-    """Evaluator of the quality of a group's configurations; for one thread, as it owns a context."""
+    """Evaluator of the quality of a group's configurations; it owns a context, so one thread."""
 
     def __init__(self, world: World, group: JointGroup, frame: str, metric: JointMetric) -> None:
         """Prepare for the manipulability of `frame` and for distances by `metric`."""

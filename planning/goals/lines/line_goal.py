@@ -1,4 +1,4 @@
-"""From a line goal to the motions along its lines, or why there are none."""
+"""Line goals: linear moves through the goal's targets, or the reason why a line is blocked."""
 
 from planning.domain.goals.goal import LineGoal
 from planning.domain.goals.line import LinearMove, ToolLine
@@ -14,7 +14,7 @@ from planning.world.world import World
 def follow_lines(
     world: World, query: GoalQuery, goal: LineGoal, deadline: Deadline
 ) -> tuple[LinearMove, ...]:
-    """Return a leg to each of the goal's targets, each beginning where the one before ended.
+    """Return a linear move to each of the goal's targets, each from the end of the one before.
 
     Raises:
         LineBlocked: A line cannot be followed to its end.
