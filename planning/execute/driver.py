@@ -53,7 +53,7 @@ class Driver(Protocol):
     """Interface to a robot's controller, with a clock of its own [s] that starts at 0."""
 
     def send(self, setpoint: Setpoint) -> None:
-        """Follow `setpoint` from its time on, until the next one."""
+        """Send a setpoint, which the robot follows from its time on until the next one."""
         ...
 
     def read(self, time: float) -> Measurement:
@@ -95,7 +95,7 @@ class SimulatedDriver:
     simulation: SimulatedGroup
 
     def send(self, setpoint: Setpoint) -> None:
-        """Follow `setpoint` from the simulation's present on."""
+        """Follow `setpoint` from the present time of the simulation on."""
         self.simulation.command(setpoint.q, setpoint.v, setpoint.vdot)
 
     def read(self, time: float) -> Measurement:

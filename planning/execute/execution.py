@@ -65,7 +65,7 @@ class Execution(Value):
         Raises:
             IllegalTransition: The execution has begun before.
         """
-        # The trajectory starts at rest, so full rate at once is no jump.
+        # The trajectory starts at rest, so the full rate at once is continuous in velocity.
         state = advance(self.state, ExecutionEvent.START)
         return replace(self, state=state, rate=self.speed, still_since=None)
 
@@ -222,7 +222,7 @@ class Execution(Value):
         steepest = 1.0 / self.tolerances.ramp_time
         change = np.clip(self._target - self.rate, -steepest * period, steepest * period)
         ahead = min(self.time + self.rate * period, self.trajectory.duration)
-        # The limits are to hold at the end of the period too, whatever the rate is by then.
+        # The limits must hold at the end of the period too, for the least and the largest rate.
         times = np.array([self.time, ahead, ahead])
         rates = np.array([self.rate, self.rate, self.rate + change])
         least, largest = ramp_bounds(self.trajectory, self.limits, times, rates)

@@ -53,7 +53,7 @@ def ramp_bounds(
 
 
 def _roots(b: Array, c: Array, squared_bound: Array) -> tuple[float, float]:
-    """Return the x for which |b x + c|^2 <= squared_bound in every row, as an interval."""
+    """Return the interval of all x with |b x + c|^2 <= squared_bound in every row."""
     bb, bc = np.sum(b * b, axis=1), np.sum(b * c, axis=1)
     moving = bb > _STILL**2
     if not moving.any():

@@ -65,7 +65,7 @@ def clip_rounding(
 
 
 def within_limits(limits: JointLimits, q: Float64[np.ndarray, "n nq"]) -> Bool[np.ndarray, " n"]:
-    """Return whether each row keeps the position limits."""
+    """Return whether each row is within the position limits."""
     return ((q >= limits.lower) & (q <= limits.upper)).all(axis=1)
 
 

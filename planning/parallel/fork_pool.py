@@ -76,8 +76,8 @@ class ForkPool:
         """Yield (number, outcome) of tasks 0 to count - 1 as they complete.
 
         The outcome is the value of `work`, or the `WayproofError` that it raised. Not promised:
-        every task. Missing are tasks of a child that died, tasks after the deadline, and all tasks
-        if no core is free or this process has several threads.
+        every task. Missing are tasks of a child that died, tasks after the deadline, tasks beyond
+        `_MOST_PIECES`, and all tasks if no core is free or this process has several threads.
 
         Raises:
             Canceled: Cancellation was requested.

@@ -100,6 +100,8 @@ def grow(request: GrowRequest, deadline: Deadline, on_region: Callable[[Growth],
 
 
 class _RegionGrower:
+    """One run of region growth: its random streams, the coverage samples and the result so far."""
+
     def __init__(
         self, request: GrowRequest, deadline: Deadline, on_region: Callable[[Growth], None]
     ) -> None:
@@ -129,6 +131,7 @@ class _RegionGrower:
         return self._growth
 
     def _cover_path(self, path: Array) -> None:
+        """Grow a region at every vertex of a path that no region contains yet."""
         for q in path:
             if self._is_done:
                 return
@@ -136,6 +139,7 @@ class _RegionGrower:
                 self._plant(q)
 
     def _cover_rest(self) -> None:
+        """Grow regions at cliques of uncovered free samples until done, or none are left."""
         fruitless = 0
         while not self._is_done and fruitless < _FRUITLESS:
             self._deadline.check("regions")
@@ -161,6 +165,7 @@ class _RegionGrower:
                 return
 
     def _plant(self, seed: Array) -> None:
+        """Grow a region around a free configuration and add it with its portals, if any results."""
         region = self._inflater.inflate(seed)
         if region is None:
             return

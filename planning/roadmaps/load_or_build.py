@@ -33,7 +33,7 @@ def build_roadmap(problem: PlanningProblem, world: World, *, deadline: Deadline)
     Raises:
         InputError: The problem has an unknown name or invalid numbers.
         DeadlineExceeded: The time has run out.
-        Canceled: The end was asked for.
+        Canceled: Cancellation was requested.
     """
     group = resolve_space(world.group(problem.group), problem.search.spaces)
     given = world.positions(group) if problem.start is None else problem.start
@@ -69,7 +69,7 @@ def load_or_build(
 
     Raises:
         DeadlineExceeded: The time has run out.
-        Canceled: The end was asked for.
+        Canceled: Cancellation was requested.
     """
     found = None if store is None else store.get(ground.key)
     if found is not None:

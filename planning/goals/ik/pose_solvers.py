@@ -70,7 +70,7 @@ class DrakePoseSolver:
         targets: Int64[np.ndarray, " n"],
         enough: int,
     ) -> tuple[Flags, Array]:
-        """As PoseSolver says."""
+        """Solve as specified by `PoseSolver.solve`."""
         found: list[Array | None] = []
         for seed, target in zip(seeds, targets, strict=True):
             if enough <= sum(q is not None for q in found) or self._deadline.is_over:
@@ -113,7 +113,7 @@ class KernelPoseSolver:
         targets: Int64[np.ndarray, " n"],
         enough: int,
     ) -> tuple[Flags, Array]:
-        """As PoseSolver says."""
+        """Solve as specified by `PoseSolver.solve`."""
         if not len(seeds):
             return np.zeros(0, dtype=bool), seeds
         converged, q, _ = self._chain.solve(

@@ -20,7 +20,7 @@ def follow_lines(
         LineBlocked: A line cannot be followed to its end.
         UnknownName: A frame does not exist.
         DeadlineExceeded: Time ran out.
-        Canceled: The end was asked for.
+        Canceled: Cancellation was requested.
     """
     tool = goal.frame or query.group.tool_frames[0]
     fineness = TraceResolution(goal.max_shift, goal.max_turn)

@@ -20,7 +20,7 @@ _GROWTH = 1.6
 
 
 class TraceStop(IntEnum):
-    """Reason against a step: no convergence (STUCK), a joint limit or a collision."""
+    """Reason against a step; STUCK: no convergence, or too large a deviation from the line."""
 
     NONE = 0
     STUCK = 1

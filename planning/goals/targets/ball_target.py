@@ -14,7 +14,7 @@ from planning.goals.targets.workspace_bound import WorkspaceBound
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
-# Wide enough for any arm; solvers take no infinite box [m].
+# Finite bound for the solvers, which accept no infinite box; larger than any arm [m].
 _WIDE = 1e3
 
 
@@ -40,7 +40,7 @@ class BallTarget(Value):
     axes: Float64[np.ndarray, "4"]
 
     def distances(self, reached: Float64[np.ndarray, "n 4 4"]) -> Float64[np.ndarray, " n"]:
-        """Return d of each X_WT."""
+        """Return the weighted distance d of each X_WT to the center."""
         shift = (reached[:, :3, 3] - self.pose.position) @ rotation.matrix(self.axes)
         # |R_1 - R_2| = sqrt(8) sin(angle / 2).
         change = reached[:, :3, :3] - self.pose.matrix[:3, :3]

@@ -15,7 +15,7 @@ from planning.goals.targets.tool_target import ToolTarget, axes_of, relative_tar
 from planning.goals.targets.workspace_bound import workspace_bound
 from planning.world.world import World
 
-# Wide enough for any arm; solvers take no infinite box [m].
+# Finite bound for the solvers, which accept no infinite box; larger than any arm [m].
 _WIDE = 1e3
 
 
