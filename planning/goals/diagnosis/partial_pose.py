@@ -49,7 +49,7 @@ class PartialPoseResult:
 
 
 class PartialPoseSearch:
-    """Search by random poses at growing distance until one is feasible, then at shrinking distance."""
+    """Search by random poses: at growing distance until one is feasible, then nearer than it."""
 
     def __init__(self, tries: PoseAttempts, goal: Pose, freedom: Freedom) -> None:
         """Prepare for a goal X_WG; the other part of the pose is kept to the solvers' accuracy."""
