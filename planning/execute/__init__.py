@@ -1,1 +1,1 @@
-"""Execute: follow a timed trajectory with a driver, decide what happens, say how it goes."""
+"""Execution of timed trajectories on a robot or a simulation: state machine, driver and status."""

@@ -1,4 +1,4 @@
-"""Driver: what moves a robot and reads it back; and the one over our simulation."""
+"""Driver: interface that sends setpoints to a robot and reads measurements; one for simulation."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -15,7 +15,7 @@ type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 @dataclass(frozen=True, eq=False)
 class Setpoint(Value):
-    """What a group should do from `time` on: vdot stays as it is until the next setpoint.
+    """Setpoint of a joint group: desired motion from `time` on, vdot constant until the next one.
 
     Attributes:
         time: On the driver's clock [s].
@@ -32,14 +32,14 @@ class Setpoint(Value):
 
 @dataclass(frozen=True, eq=False)
 class Measurement(Value):
-    """What a group does.
+    """Measured motion of a joint group.
 
     Attributes:
         time: On the driver's clock [s].
         q: Positions [rad or m], shape (nq,).
         v: Drake's generalized velocities, shape (nv,).
-        contacts: Bodies that have touched since the reading before, deepest first; `distance` is
-            negative.
+        contacts: Body pairs in contact since the previous measurement, deepest first; `distance`
+            is negative.
     """
 
     time: float
@@ -50,20 +50,20 @@ class Measurement(Value):
 
 @runtime_checkable
 class Driver(Protocol):
-    """What moves a robot. It has a clock of its own, in seconds from when it began."""
+    """Interface to a robot's controller, with a clock of its own [s] that starts at 0."""
 
     def send(self, setpoint: Setpoint) -> None:
-        """Follow `setpoint` from its time on, until the next one."""
+        """Send a setpoint, which the robot follows from its time on until the next one."""
         ...
 
     def read(self, time: float) -> Measurement:
-        """Return what the robot does at `time`; times never decrease."""
+        """Return the measurement at `time` [s]; times of successive calls never decrease."""
         ...
 
 
 @runtime_checkable
 class SimulatedGroup(Protocol):
-    """What `SimulatedDriver` needs of `planning.world.mechanics.simulation.Simulation`."""
+    """Interface of `planning.world.mechanics.simulation.Simulation` that `SimulatedDriver` uses."""
 
     @property
     def q(self) -> Array:
@@ -80,25 +80,25 @@ class SimulatedGroup(Protocol):
         ...
 
     def advance_to(self, time: float) -> Sequence[BodyPair]:
-        """Simulate until `time` [s] and return what touched on the way."""
+        """Simulate until `time` [s] and return the body pairs in contact on the way."""
         ...
 
 
 @dataclass(frozen=True, eq=False)
 class SimulatedDriver:
-    """Moves a simulated robot; its clock stands still but for `read`.
+    """Driver of a simulated robot; its clock advances only in `read`.
 
     Attributes:
-        simulation: Where the robot is.
+        simulation: Simulated joint group.
     """
 
     simulation: SimulatedGroup
 
     def send(self, setpoint: Setpoint) -> None:
-        """Follow `setpoint` from the simulation's present on."""
+        """Follow `setpoint` from the present time of the simulation on."""
         self.simulation.command(setpoint.q, setpoint.v, setpoint.vdot)
 
     def read(self, time: float) -> Measurement:
-        """Simulate until `time` and return what the robot does then."""
+        """Simulate until `time` [s] and return the measurement then."""
         contacts = tuple(self.simulation.advance_to(time))
         return Measurement(time, self.simulation.q, self.simulation.v, contacts)

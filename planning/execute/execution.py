@@ -1,4 +1,7 @@
-"""Execution: what to do next, decided apart from doing it."""
+"""Execution: state of a running trajectory and pure functions from measurements to setpoints.
+
+No input or output happens here: `Runner` reads measurements and sends setpoints.
+"""
 
 from dataclasses import dataclass, field, replace
 from typing import Any
@@ -17,30 +20,31 @@ from planning.execute.tolerances import Tolerances
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
-# Rates nearer than this are the same: rounding must not keep a robot from standing still.
+# Rates nearer than this are equal: rounding must not keep a robot from coming to rest.
 _SAME_RATE = 1e-12
 
 
 @dataclass(frozen=True, eq=False)
 class Execution(Value):
-    """A trajectory on its way through a robot; every method returns what comes after.
+    """Immutable state of the execution of one trajectory; every method returns the next state.
 
-    The robot is never told to jump: pausing, canceling and changes of speed move along the
-    trajectory's own path, with a rate that changes as quickly as the acceleration limits allow
-    (see `time_scaling`). Only an abort gives up the path: the robot holds where it is.
+    Setpoints are continuous: pausing, canceling and changes of speed move along the trajectory's
+    own path, with a rate that changes as quickly as the acceleration limits allow (see
+    `time_scaling`). Only an abort leaves the path: the robot holds its measured position.
 
     Attributes:
-        trajectory: What to follow.
-        limits: Of the group; the accelerations are kept while the rate changes.
-        tolerances: When it has arrived, and when it is lost.
-        state: Where it stands.
-        speed: The rate that it is to have when it moves freely, in (0, 1].
-        time: Along the trajectory [s].
-        rate: Seconds of trajectory per second, at present.
-        ramp: Change of the rate until the next step [1/s].
-        clock: When it was last stepped, on the driver's clock [s].
-        still_since: When the last moving setpoint was sent, on the driver's clock [s], or None.
-        failure: Why it was aborted, or None.
+        trajectory: Trajectory to follow.
+        limits: Joint limits of the group; its accelerations are kept while the rate changes.
+        tolerances: Bounds on the tracking error and the conditions of arrival.
+        state: State of the state machine.
+        speed: Desired rate while executing, in (0, 1].
+        time: Time along the trajectory [s].
+        rate: Present rate: seconds of trajectory per second of the driver's clock.
+        ramp: Derivative of the rate until the next step [1/s].
+        clock: Time of the last step, on the driver's clock [s].
+        still_since: Time from which setpoints are at rest, on the driver's clock [s]; None while
+            they move.
+        failure: Reason of an abort, or None.
     """
 
     trajectory: TimedTrajectory
@@ -59,9 +63,9 @@ class Execution(Value):
         """Begin to move.
 
         Raises:
-            IllegalTransition: It began before.
+            IllegalTransition: The execution has begun before.
         """
-        # The trajectory starts at rest, so full rate at once is no jump.
+        # The trajectory starts at rest, so the full rate at once is continuous in velocity.
         state = advance(self.state, ExecutionEvent.START)
         return replace(self, state=state, rate=self.speed, still_since=None)
 
@@ -69,33 +73,33 @@ class Execution(Value):
         """Come to rest on the path, until `resume`.
 
         Raises:
-            IllegalTransition: It does not move, or is to end.
+            IllegalTransition: The execution has not begun, is being canceled or has ended.
         """
         return replace(self, state=advance(self.state, ExecutionEvent.PAUSE))
 
     def resume(self) -> "Execution":
-        """Move on.
+        """Continue a paused motion.
 
         Raises:
-            IllegalTransition: It is not paused and does not move.
+            IllegalTransition: The execution is neither paused nor executing.
         """
         state = advance(self.state, ExecutionEvent.RESUME)
         return replace(self, state=state, still_since=None)
 
     def cancel(self) -> "Execution":
-        """Come to rest on the path and end.
+        """Come to rest on the path and end as canceled.
 
         Raises:
-            IllegalTransition: It has ended.
+            IllegalTransition: The execution has ended.
         """
         return replace(self, state=advance(self.state, ExecutionEvent.CANCEL), still_since=None)
 
     def with_speed(self, speed: float) -> "Execution":
-        """Change the rate at which it moves.
+        """Change the desired rate along the trajectory.
 
         Raises:
             ProblemInvalid: `speed` is not in (0, 1]: beyond 1 the limits would not hold.
-            IllegalTransition: It has ended or is to end.
+            IllegalTransition: The execution has ended or is being canceled.
         """
         if not 0 < speed <= 1:
             message = f"speed must be above 0 and at most 1, got {speed}"
@@ -103,23 +107,24 @@ class Execution(Value):
         return replace(self, state=advance(self.state, ExecutionEvent.SET_SPEED), speed=speed)
 
     def fail(self, failure: ExecutionFailure) -> "Execution":
-        """Give up.
+        """Abort with a failure.
 
         Raises:
-            IllegalTransition: It has ended.
+            IllegalTransition: The execution has ended.
         """
         state = advance(self.state, ExecutionEvent.FAIL)
         return replace(self, state=state, failure=failure, rate=0.0, ramp=0.0)
 
     def step(self, measured: Measurement, period: float) -> tuple["Execution", Setpoint]:
-        """Judge what the robot does and decide what it does during the next `period` [s].
+        """Check a measurement and compute the setpoint of the next `period` [s].
 
         Args:
-            measured: What the robot does now; its time is now.
-            period: Until the next step [s], positive.
+            measured: Present measurement.
+            period: Time until the next step [s], positive.
 
         Returns:
-            The execution after that, and what to send; a terminal execution holds the robot.
+            The execution one period later and the setpoint to send; a terminal execution holds
+            the robot.
         """
         judged = replace(self._judged(measured), clock=measured.time)
         if judged.state is ExecutionState.ABORTED:
@@ -129,7 +134,7 @@ class Execution(Value):
         return judged._moved(period)  # noqa: SLF001  (its own class)
 
     def status(self, measured: Measurement) -> ExecutionStatus:
-        """Return how it goes, given what the robot does."""
+        """Return the status of the execution, given a measurement."""
         duration = self.trajectory.duration
         return ExecutionStatus(
             state=self.state,
@@ -146,15 +151,15 @@ class Execution(Value):
 
     @property
     def desired(self) -> Array:
-        """Where the group should be, shape (nq,)."""
+        """Desired position of the group [rad or m], shape (nq,)."""
         return self.trajectory.positions(np.array([self.time]))[0]
 
     def tracking_error(self, q: Array) -> float:
-        """Return the largest coordinate of `q [-] desired` [rad or m]."""
+        """Return the tracking error: the largest coordinate of `q [-] desired` [rad or m]."""
         return float(np.max(np.abs(self.trajectory.manifold.minus(q, self.desired))))
 
     def _judged(self, measured: Measurement) -> "Execution":
-        """Return the same, after what the measurement says has happened."""
+        """Return the execution after the events of a measurement: contact, lost tracking, rest."""
         if self.state.is_terminal:
             return self
         if measured.contacts:
@@ -167,7 +172,7 @@ class Execution(Value):
         return self._settled(error, measured)
 
     def _settled(self, error: float, measured: Measurement) -> "Execution":
-        """Return the same after the last moving setpoint: arrived, still on its way, or lost."""
+        """Return the execution while setpoints are at rest: arrived, still settling, or aborted."""
         bounds = self.tolerances
         is_at_rest = bool(np.max(np.abs(measured.v)) <= bounds.rest)
         is_there = self.state is ExecutionState.CANCELING or error <= bounds.goal
@@ -211,13 +216,13 @@ class Execution(Value):
         return Setpoint(self.clock, self.desired, slope * rate, vdot)
 
     def _ramp(self, period: float) -> float:
-        """Return the change of rate [1/s] during the next period."""
+        """Return the derivative of the rate [1/s] during the next period."""
         if self.rate == self._target:
             return 0.0
         steepest = 1.0 / self.tolerances.ramp_time
         change = np.clip(self._target - self.rate, -steepest * period, steepest * period)
         ahead = min(self.time + self.rate * period, self.trajectory.duration)
-        # The limits are to hold at the end of the period too, whatever the rate is by then.
+        # The limits must hold at the end of the period too, for the least and the largest rate.
         times = np.array([self.time, ahead, ahead])
         rates = np.array([self.rate, self.rate, self.rate + change])
         least, largest = ramp_bounds(self.trajectory, self.limits, times, rates)

@@ -1,4 +1,4 @@
-"""Runner: an execution and a driver, moved on by whoever has the clock."""
+"""Runner: control loop of an execution and a driver, stepped by the caller's clock."""
 
 from collections.abc import Callable
 
@@ -15,15 +15,16 @@ def _always() -> bool:
 
 
 class Runner:
-    """Does what an `Execution` decides. It has no clock and no thread: call `tick(now)` often.
+    """Control loop that reads the driver, steps the `Execution` and sends its setpoints.
 
-    `speed` up to 1 slows the motion itself down along its path. Beyond 1 the motion stays as it
-    is and the driver's clock runs `speed` times as fast as the caller's, which only a simulation
-    can do; either way the trajectory advances `speed` times as fast as real time.
+    It has no clock and no thread: call `tick(now)` often. `speed` up to 1 slows the motion itself
+    down along its path. Beyond 1 the motion stays as it is and the driver's clock runs `speed`
+    times as fast as the caller's, which only a simulation can do; either way the trajectory
+    advances `speed` times as fast as real time.
 
     Attributes:
-        execution: As it stands.
-        status: As of the last tick.
+        execution: Present state of the execution.
+        status: Status as of the last tick or command.
     """
 
     def __init__(
@@ -35,15 +36,15 @@ class Runner:
         max_catch_up: float = 0.25,
         max_pace: float = MAX_PACE,
     ) -> None:
-        """Take an accepted execution and the driver that will move.
+        """Connect an accepted execution to a driver.
 
         Args:
-            execution: What to do.
-            driver: What does it; its clock stands at 0.
-            period: Between setpoints, on the driver's clock [s].
-            max_catch_up: What a late tick makes up for at most, on the driver's clock [s] times
-                the pace; the rest of a longer gap is dropped, so a tick never works for long.
-            max_pace: How much faster than the caller's clock the driver's may run; 1 for a robot.
+            execution: Execution to run, in state accepted.
+            driver: Driver of the robot; its clock is at 0.
+            period: Time between setpoints, on the driver's clock [s].
+            max_catch_up: Longest gap that a late tick makes up for, on the caller's clock [s]; the
+                rest of a longer gap is dropped, which bounds the steps of one tick.
+            max_pace: Largest ratio of the driver's clock to the caller's; 1 for a real robot.
         """
         self.execution = execution
         self._driver = driver
@@ -65,7 +66,7 @@ class Runner:
         """Begin to move at `now` [s].
 
         Raises:
-            IllegalTransition: It began before.
+            IllegalTransition: The execution has begun before.
         """
         self.execution = self.execution.start()
         self._last_tick = now
@@ -77,7 +78,7 @@ class Runner:
         return self._report()
 
     def resume(self) -> ExecutionStatus:
-        """Move on; raises as `Execution.resume`."""
+        """Continue a paused motion; raises as `Execution.resume`."""
         self.execution = self.execution.resume()
         return self._report()
 
@@ -90,7 +91,8 @@ class Runner:
         """Advance the trajectory `speed` times as fast as real time.
 
         Raises:
-            ProblemInvalid: `speed` is not above 0, or beyond what the driver can do.
+            ProblemInvalid: `speed` is not above 0, or exceeds `max_pace`.
+            IllegalTransition: The execution has ended or is being canceled.
         """
         if not 0 < speed <= self._max_pace:
             message = f"speed must be above 0 and at most {self._max_pace:g}, got {speed}"
@@ -100,13 +102,13 @@ class Runner:
         return self._report()
 
     def tick(self, now: float, has_time: Callable[[], bool] = _always) -> ExecutionStatus:
-        """Do what is due by `now` [s] on the caller's clock, and return how it goes.
+        """Run all control periods that are due by `now` [s], and return the status.
 
         Args:
-            now: On the caller's clock [s].
-            has_time: Asked after every step; if not, what is left is done at the next tick. At a
-                high speed a simulation needs seconds for what is due, and the caller has to look
-                meanwhile whether it is to stop.
+            now: Time on the caller's clock [s].
+            has_time: Called after every period; if it returns False, the periods that are left run
+                at the next tick. At a high speed a simulation needs seconds for what is due, and
+                the caller has to check meanwhile whether to stop.
         """
         elapsed = 0.0 if self._last_tick is None else max(0.0, now - self._last_tick)
         self._last_tick = now

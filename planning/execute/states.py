@@ -1,8 +1,8 @@
-"""The states of an execution, as a table.
+"""ExecutionState: the state machine of an execution, as a transition table.
 
 The states are those of a ROS 2 action goal (design.ros2.org/articles/actions.html), and `paused`:
-a ROS 2 client should see it as executing. It is a state of its own because what may be asked next
-differs: a paused motion can be resumed, and it never succeeds.
+a ROS 2 client should see it as executing. It is a state of its own because its legal events differ:
+a paused motion can be resumed, and it never succeeds.
 
     accepted --start--> executing --succeed--> succeeded
         |                |  ^   |
@@ -13,9 +13,9 @@ differs: a paused motion can be resumed, and it never succeeds.
         +-----cancel-------+---> canceling --stopped--> canceled
     any of these --fail--> aborted; all but canceling --set_speed--> themselves
 
-Asking again for what is already so changes nothing, so a client may repeat a request. Beyond
-ROS 2, `accepted` may abort: the robot may be found elsewhere than at the start. A motion that
-happens to reach its goal while it is being canceled ends as `canceled`, which is what was asked.
+Pause, resume and cancel are idempotent, so a client may repeat a request. Beyond ROS 2, `accepted`
+may abort: the robot may be elsewhere than at the start. A motion that happens to reach its goal
+while it is being canceled ends as `canceled`, as requested.
 """
 
 from enum import StrEnum
@@ -24,7 +24,7 @@ from planning.errors import IllegalTransition
 
 
 class ExecutionState(StrEnum):
-    """Where an execution stands."""
+    """State of an execution."""
 
     ACCEPTED = "accepted"
     EXECUTING = "executing"
@@ -36,12 +36,12 @@ class ExecutionState(StrEnum):
 
     @property
     def is_terminal(self) -> bool:
-        """Whether nothing can happen any more."""
+        """Whether the state allows no further event."""
         return not legal_events(self)
 
 
 class ExecutionEvent(StrEnum):
-    """What can happen to an execution; the first five are asked for, the others are found."""
+    """Event of an execution; the first five are commands, the others results of measurements."""
 
     START = "start"
     PAUSE = "pause"

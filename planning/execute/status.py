@@ -1,4 +1,4 @@
-"""ExecutionStatus: how an execution goes, at one instant."""
+"""ExecutionStatus: state, progress and tracking error of an execution at one instant."""
 
 from dataclasses import dataclass
 
@@ -13,19 +13,19 @@ from planning.execute.states import ExecutionState
 
 @dataclass(frozen=True, eq=False)
 class ExecutionStatus(Value):
-    """How an execution goes, at one instant.
+    """State, progress and tracking error of an execution at one instant.
 
     Attributes:
-        state: Where it stands.
+        state: State of the state machine.
         progress: Time along the trajectory over its duration, 0 to 1.
-        time: Along the trajectory [s].
-        clock: On the driver's clock, since the start [s].
+        time: Time along the trajectory [s].
+        clock: Time on the driver's clock, since the start [s].
         rate: Seconds of trajectory per second of the driver's clock, at this instant.
         measured: Positions of the group, shape (nq,).
-        desired: Positions that the group should have, shape (nq,).
+        desired: Desired positions of the group, shape (nq,).
         tracking_error: Largest coordinate of `measured [-] desired` [rad or m].
-        contacts: What has touched since the status before.
-        failure: Why it was aborted, or None.
+        contacts: Body pairs in contact since the previous measurement.
+        failure: Reason of an abort, or None.
     """
 
     state: ExecutionState

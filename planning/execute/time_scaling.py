@@ -1,4 +1,4 @@
-r"""Time scaling: how quickly a trajectory may be slowed down or sped up along its own path.
+r"""Time scaling: slowing a trajectory down or speeding it up along its path within its limits.
 
 A trajectory q(t) that is followed at t = s(clock) has, in tangent coordinates,
 
@@ -7,7 +7,7 @@ A trajectory q(t) that is followed at t = s(clock) has, in tangent coordinates,
 (Siciliano et al., Robotics: Modelling, Planning and Control, section 4.2.2). `rate` is s' and
 `ramp` is s''. A block of joints keeps its bound a if |q'' s'^2 + q' s''| <= a, a quadratic
 inequality in s''. For 0 <= s' <= 1, s'' = 0 always satisfies it where the trajectory itself keeps
-the bound, so what is decided step by step never runs into a dead end.
+the bound, so step-by-step choices always leave a feasible next step.
 """
 
 from typing import Any
@@ -30,15 +30,15 @@ def ramp_bounds(
     times: Float64[np.ndarray, " m"],
     rates: Float64[np.ndarray, " m"],
 ) -> tuple[float, float]:
-    """Return the least and the largest s'' [1/s] that keep the acceleration limits everywhere.
+    """Return the least and the largest s'' [1/s] that keep the acceleration limits at all `times`.
 
     Where the trajectory's own acceleration is beyond a limit, that acceleration is the bound.
-    The set is convex in s'' and s'^2: what holds at two rates holds at those between. Nothing is
-    promised between the `times`, nor of jerk.
+    The feasible set is convex in s'' and s'^2: an s'' that is feasible at two rates is feasible at
+    the rates between them. Not promised: the limits between the `times`, and jerk limits.
 
     Args:
-        trajectory: What is followed.
-        limits: Whose `acceleration` holds, per block.
+        trajectory: Trajectory that is followed.
+        limits: Joint limits; only `acceleration` is used, per block.
         times: Instants along the trajectory [s], shape (m,).
         rates: s' at each of them, in [0, 1], shape (m,).
     """
@@ -53,7 +53,7 @@ def ramp_bounds(
 
 
 def _roots(b: Array, c: Array, squared_bound: Array) -> tuple[float, float]:
-    """Return the x for which |b x + c|^2 <= squared_bound in every row, as an interval."""
+    """Return the interval of all x with |b x + c|^2 <= squared_bound in every row."""
     bb, bc = np.sum(b * b, axis=1), np.sum(b * c, axis=1)
     moving = bb > _STILL**2
     if not moving.any():

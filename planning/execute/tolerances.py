@@ -1,4 +1,4 @@
-"""Tolerances: how far a robot may be from what it should do, before and after the end."""
+"""Tolerances: bounds on the tracking error and on the time to settle at the goal."""
 
 from dataclasses import dataclass
 
@@ -7,16 +7,17 @@ from planning.domain.value import Value
 
 @dataclass(frozen=True, eq=False)
 class Tolerances(Value):
-    """How far a robot may be from what it should do; coordinates of tangents [rad or m].
+    """Bounds on the tracking error of an execution, in tangent coordinates [rad or m].
 
     Attributes:
-        tracking: Largest coordinate of `measured [-] desired` while it moves; beyond it the
+        tracking: Largest allowed coordinate of `measured [-] desired` [rad or m]; beyond it the
             execution is aborted.
-        goal: The same, to have arrived.
-        rest: Largest coordinate of v to count as standing still [rad/s or m/s].
-        settle_time: How long after its last setpoint the robot may take to arrive or stand [s].
-        ramp_time: The least time from full speed to rest and back [s]; joint accelerations may
-            need longer.
+        goal: Largest such coordinate that counts as arrived [rad or m].
+        rest: Largest coordinate of v that counts as at rest [rad/s or m/s].
+        settle_time: Longest time after the last moving setpoint until the robot has arrived or is
+            at rest [s].
+        ramp_time: Shortest time from full speed to rest and back [s]; joint accelerations may need
+            longer.
     """
 
     tracking: float = 0.1

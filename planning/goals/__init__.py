@@ -1,1 +1,1 @@
-"""From a goal to goal configurations."""
+"""Goal configurations: inverse kinematics, ranking, tool lines and diagnosis of goal failures."""

@@ -1,4 +1,4 @@
-"""The branch of a six-joint arm: shoulder, elbow and wrist, as its Jacobian's determinant splits.
+"""ArmBranch of a six-joint arm: shoulder, elbow and wrist signs (the IK solution's branch).
 
 Number the joint axes 1 to 6, with unit direction z_i through p_i. Take an arm whose axes 2 and 3
 are parallel, and
@@ -14,15 +14,15 @@ Then the determinant of the tool's Jacobian is, up to sign, the product of three
     wrist    = (z_4 x z_5) . z_6                 the wrist does not lose an axis
 
 For the spherical wrist write the twists about P: the last three are pure rotations, so the
-determinant is that of the velocities of P, times the wrist's; columns 2 and 3 are square to z_2, so
-their part is the elbow's, and what is left of column 1 is its component along z_2. For the other
-kind axes 2, 3, 4 span the planar motions square to z_2, which is the elbow's part; modulo those,
+determinant is that of the velocities of P, times the wrist's; columns 2 and 3 are orthogonal to
+z_2, so they give the elbow factor, and column 1 contributes its component along z_2. For the other
+kind axes 2, 3, 4 span the planar motions orthogonal to z_2, the elbow factor; modulo those,
 axes 5 and 6 only turn and axis 1 alone moves P along z_2. (Compare Pieper, "The Kinematics of
 Manipulators under Computer Control", 1968, and Hawkins, "Analytic Inverse Kinematics for the
 Universal Robots UR-5/UR-10 Arms", 2013, whose eight solutions these three signs tell apart.)
 
-Each sign changes only where that factor is zero, which is a singularity. It says which of two ways
-an arm bends, not which of them people call left or up.
+Each sign changes only where that factor is zero, which is a singularity. A sign distinguishes the
+two ways in which an arm bends; it is not tied to the names left/right, up/down or flip.
 """
 
 from typing import Any
@@ -34,16 +34,16 @@ from planning.domain.goals.configuration_quality import ArmBranch
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
-# Axes are parallel, or meet, to within this [rad, m].
+# Tolerance within which axes are parallel, or meet [rad, m].
 _EXACT = 1e-4
-# A factor smaller than this is a singularity: it has no sign [m, m^2, 1].
+# Factors smaller than this count as singular, with sign 0 [m, m^2, 1].
 _SINGULAR = 1e-9
 
 
 def branch_of(
     directions: Float64[np.ndarray, "6 3"], points: Float64[np.ndarray, "6 3"]
 ) -> ArmBranch | None:
-    """Return the branch of an arm, None if its axes are not as above.
+    """Return the branch of an arm; None if its axes are of neither kind (see module docstring).
 
     Args:
         directions: z_i of the joints from base to tool, unit vectors in world.
@@ -74,7 +74,7 @@ def _are_parallel(a: Array, b: Array) -> bool:
 
 
 def _meeting(z_a: Array, p_a: Array, z_b: Array, p_b: Array) -> Array | None:
-    """Return the point in which two lines meet, None if they are parallel or pass each other."""
+    """Return the intersection point of two lines; None if they are parallel or skew."""
     normal = np.cross(z_a, z_b)
     square = float(normal @ normal)
     gap = p_b - p_a

@@ -1,4 +1,4 @@
-"""Configurations that were asked for by their numbers or by a name."""
+"""Explicit goal configurations (joint goals): given by joint positions or by name, checked."""
 
 from typing import Any
 
@@ -33,9 +33,9 @@ from planning.world.world import World
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 type GivenGoal = JointGoal | ConfigurationGoal
 
-# Of so many of the given ones it is asked what is near, and what would do.
+# Largest number of given configurations in the search for suggestions.
 _MOST = 64
-# Of what remains of the time for goals, what the search for the nearest may take.
+# Share of the remaining time for goals that the search for the nearest configuration may take.
 _SHARE = 0.5
 
 
@@ -46,13 +46,13 @@ def given_configurations(
     rng: np.random.Generator,
     deadline: Deadline,
 ) -> GoalConfigurations:
-    """Return those of the given configurations that are within limits and free, nearest first.
+    """Return the given configurations that are within limits and free, nearest to the start first.
 
     Raises:
-        GoalOutOfLimits: Every one violates position limits.
-        GoalInCollision: Bodies overlap in every one within limits.
-        GoalTooNear: In one they do not, but it breaks a margin, and none is better.
-        ProblemInvalid: One has the wrong count.
+        GoalOutOfLimits: Every configuration violates position limits.
+        GoalInCollision: Bodies overlap in every configuration within limits.
+        GoalTooNear: None is free, and at least one violates only margins.
+        ProblemInvalid: A configuration has the wrong number of positions.
         UnknownName: There is no configuration of that name.
     """
     group, limits = query.group, world.limits(query.group)
@@ -74,7 +74,7 @@ def given_configurations(
         violations = world.violations(group, rows[inside[k]], query.margins)
         is_free[k] = not violations
         if not pairs or (overlap(pairs) and not overlap(violations)):
-            pairs = violations  # of one that only breaks margins, if there is one
+            pairs = violations  # of a configuration that only violates margins, if there is one
         tally.add(violations, query.margins)
     free = inside[is_free]
     counts = len(rows), len(rows), len(inside), len(free), len(free)
@@ -96,10 +96,10 @@ def given_configurations(
 
 
 def given_rows(world: World, query: GoalQuery, goal: GivenGoal) -> Float64[np.ndarray, "n nq"]:
-    """Return the configurations as they were given.
+    """Return the configurations of a goal, unchecked against limits.
 
     Raises:
-        ProblemInvalid: One has the wrong count.
+        ProblemInvalid: A configuration has the wrong number of positions.
         UnknownName: There is no configuration of that name.
     """
     if isinstance(goal, ConfigurationGoal):
@@ -117,10 +117,10 @@ def suggest_joints(
     rng: np.random.Generator,
     deadline: Deadline,
 ) -> tuple[dict[str, Any], str]:
-    """Return the nearest feasible configuration and the relaxations, of given ones that are not.
+    """Return the feasible configuration nearest to infeasible given ones, and relaxations.
 
     Returns:
-        `nearest` and `relaxation` as evidence, and the same as words for a message.
+        `nearest` and `relaxation` as evidence, and the nearest as text for a message.
     """
     group = query.group
     rows = clip_rounding(

@@ -1,4 +1,4 @@
-"""Feasibility: which of some configurations are allowed, whatever they reach."""
+"""Feasibility: batch check of configurations for limits, collisions and path constraints."""
 
 from typing import Any
 
@@ -11,21 +11,24 @@ from planning.world.world import World
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
-# Configurations that are judged at once.
+# Configurations per batch.
 _AT_ONCE = 64
 
 
 class Feasibility:
-    """Judges configurations by the world's limits, its bodies, and the query's rules."""
+    """Check of configurations against joint limits, collisions and the query's path constraints.
+
+    The goal itself is not checked.
+    """
 
     def __init__(self, world: World, query: GoalQuery) -> None:
-        """Judge for the query's group, with its margins."""
+        """Prepare for the query's group, margins and path constraints."""
         self._limits = world.limits(query.group)
         self._oracle = world.collision_oracle(query.group, query.margins)
         self._rules = query.rules
 
     def are_met(self, rows: Float64[np.ndarray, "n nq"]) -> Bool[np.ndarray, " n"]:
-        """Return which rows are within limits and free, and keep the rules."""
+        """Return which rows are within limits, collision-free and satisfy the path constraints."""
         feasible = within_limits(self._limits, rows)
         feasible[feasible] = self._oracle.are_free(rows[feasible])
         if self._rules is not None:
@@ -33,9 +36,9 @@ class Feasibility:
         return feasible
 
     def first(self, rows: Float64[np.ndarray, "n nq"]) -> int | None:
-        """Return the index of the first row that is feasible, None if none is.
+        """Return the index of the first feasible row; None if none is.
 
-        No more of them are judged than it takes.
+        Rows are checked in batches, up to the batch of the result.
         """
         for begin in range(0, len(rows), _AT_ONCE):
             kept = np.flatnonzero(self.are_met(rows[begin : begin + _AT_ONCE]))

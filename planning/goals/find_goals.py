@@ -1,4 +1,4 @@
-"""Goal configurations of a goal: the stage's one entry, shared by plans and by /ik."""
+"""Goal configurations of a goal: the single entry of the goals stage, used by plans and by /ik."""
 
 from dataclasses import replace
 from typing import Any
@@ -32,26 +32,28 @@ from planning.world.world import World
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
-# Of the time for goals under rules, what the search for those that keep them may take.
+# Share of the time for goals that the search under path constraints may take.
 _RULED_SHARE = 0.5
-# So many solutions are looked for though fewer may be wanted: those are to be the nearest.
+# Least number of solutions to find, even if fewer are requested: the nearest of them are returned.
 _LEAST = 100
 
 
 def find_goals(
     world: World, query: GoalQuery, rng: np.random.Generator, deadline: Deadline
 ) -> GoalConfigurations:
-    """Return every distinct, in-limit, free goal configuration, nearest to the start first.
+    """Return distinct, in-limit, collision-free goal configurations, nearest to the start first.
 
     Raises:
         GoalOutOfLimits: Every given configuration violates position limits.
         GoalInCollision: Configurations exist and all of them collide.
-        GoalTooNear: They break margins, and not all collide.
+        GoalTooNear: All violate margins, and not all collide.
         GoalUnreachable: No configuration reaches a target pose.
-        ProblemInvalid: A given configuration has the wrong count.
+        ApproachBlocked: No free configuration has a free approach and retreat.
+        ProblemInvalid: A given configuration has the wrong number of positions, or the goal is a
+            line goal.
         UnknownName: A frame or named configuration does not exist.
         DeadlineExceeded: Time ran out before a configuration was found.
-        Canceled: The end was asked for.
+        Canceled: Cancellation was requested.
     """
     deadline = _limited(deadline, query.options.time_limit)
     match query.goal:
@@ -67,7 +69,7 @@ def find_goals(
 
 
 def _limited(deadline: Deadline, seconds: float | None) -> Deadline:
-    """Return the earlier deadline; where a limit for goals alone is, the limit is what is told."""
+    """Return the earlier of the deadline and the goals' own time limit, which errors then name."""
     within = deadline.within(seconds)
     if seconds is None or within.at >= deadline.at:
         return deadline
@@ -77,10 +79,11 @@ def _limited(deadline: Deadline, seconds: float | None) -> Deadline:
 def _reaching(
     world: World, query: GoalQuery, rng: np.random.Generator, deadline: Deadline
 ) -> GoalConfigurations:
-    """Sample configurations that reach a pose.
+    """Sample configurations that reach a tool goal.
 
-    Under rules those that keep them are looked for first, within the limits that the rules leave.
-    If there is none, the answer is that without rules, so that it can be said what they violate.
+    Under path constraints, configurations that satisfy them are searched for first, within the
+    joint limits that the constraints leave. If none is found, configurations without the
+    constraints are returned, so that a diagnosis can name the violated constraints.
     """
     tight, plain = world, query
     if query.rules is not None:
@@ -105,7 +108,7 @@ def _widely(query: GoalQuery) -> GoalQuery:
 def _ranked(
     world: World, query: GoalQuery, search: PoseSearch, deadline: Deadline
 ) -> GoalConfigurations:
-    """Return what was found, whole turns included, nearest first."""
+    """Return the solutions and their equivalents by full turns, nearest to the start first."""
     group, options = query.group, query.options
     metric = JointMetric.from_names(group, options.joint_weights)
     tally = count_collisions(world, query, search.colliding[: query.num_measured], deadline)

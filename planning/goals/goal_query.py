@@ -1,4 +1,4 @@
-"""GoalQuery: what the goals stage is asked."""
+"""GoalQuery: input of the goals stage: group, goal, start, margins, options and constraints."""
 
 from dataclasses import dataclass
 
@@ -14,17 +14,17 @@ from planning.world.constraints.path_constraints import PathConstraints
 
 @dataclass(frozen=True)
 class GoalQuery:
-    """What the stage is asked.
+    """Input of the goals stage.
 
     Attributes:
-        group: Whose configurations are wanted.
-        goal: What they shall reach.
-        start: The group's q, shape (nq,); nearness is measured from here.
-        margins: The distances to keep.
-        options: How hard to look.
-        num_measured: Of so many of the solutions that collide it is measured with what, and how
-            deep. That takes longer than finding them: plans do with few.
-        rules: Path constraints that configurations which reach a pose shall keep; None for none.
+        group: Joint group of the configurations.
+        goal: Goal that they reach.
+        start: Start configuration, shape (nq,); results are ordered by the distance from it.
+        margins: Required distance of every body pair [m].
+        options: Limits of the search: trials, number of configurations, time.
+        num_measured: Number of colliding solutions whose colliding pairs and depths are measured.
+            That takes longer than finding the solutions: plans use few.
+        rules: Path constraints that configurations of a tool goal satisfy; None for none.
     """
 
     group: JointGroup

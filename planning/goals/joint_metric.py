@@ -1,4 +1,4 @@
-"""JointMetric: how far configurations are from a start, with a weight per joint."""
+"""JointMetric: weighted joint-space distance of configurations, with a weight per joint."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -19,8 +19,8 @@ class JointMetric:
     """d(q) = |w * (q [-] start)|: the Euclidean length of the weighted geodesic.
 
     Attributes:
-        manifold: Of the group.
-        weights: A factor per velocity coordinate, shape (nv,); None if all are 1.
+        manifold: Configuration manifold of the group.
+        weights: Weight per velocity coordinate, shape (nv,); None if all are 1.
     """
 
     manifold: Manifold
@@ -28,7 +28,7 @@ class JointMetric:
 
     @classmethod
     def from_names(cls, group: JointGroup, by_joint: Mapping[str, float]) -> "JointMetric":
-        """Build from weights by full joint name; joints that are not named weigh 1.
+        """Build from weights by full joint name; joints that are not named have weight 1.
 
         Raises:
             UnknownName: The group has no such joint.
@@ -53,7 +53,7 @@ class JointMetric:
     def distance(
         self, rows: Float64[np.ndarray, "n nq"], start: Float64[np.ndarray, " nq"]
     ) -> Array:
-        """Return the distance of each row from the start (radians and metres weigh the same)."""
+        """Return the weighted distance of each row from the start; radians and metres are mixed."""
         if self.weights is None:
             return self.manifold.distance(rows, start[None])
         delta = self.manifold.minus(rows, start[None])

@@ -1,4 +1,4 @@
-"""Goal configurations that a function of the library's user accepts."""
+"""Predicate goals: goal configurations that a user-supplied function accepts."""
 
 from dataclasses import replace
 from typing import Any
@@ -27,12 +27,12 @@ type Flags = np.ndarray[Any, np.dtype[np.bool_]]
 
 
 class PredicateSolver:
-    """Takes a seed, or what the goal draws instead, for a solution if the predicate accepts it."""
+    """Pose solver whose solutions are seeds, or draws of the goal, that the predicate accepts."""
 
     num_at_once = 1
 
     def __init__(self, query: GoalQuery, goal: GoalPredicate, rng: np.random.Generator) -> None:
-        """Ask the goal."""
+        """Prepare for a predicate goal; `rng` feeds its `draw` function."""
         self._query = query
         self._goal = goal
         self._rng = rng
@@ -43,7 +43,7 @@ class PredicateSolver:
         targets: Int64[np.ndarray, " n"],
         enough: int,
     ) -> tuple[Flags, Array]:
-        """As PoseSolver says."""
+        """Return as `PoseSolver.solve` whether the predicate accepts each row, and the rows."""
         del targets, enough
         draw = self._goal.draw
         rows = seeds if draw is None else np.stack([self._checked(draw(self._rng)) for _ in seeds])
@@ -61,18 +61,19 @@ def accepted_by(
     rng: np.random.Generator,
     deadline: Deadline,
 ) -> GoalConfigurations:
-    """Return free configurations that the predicate accepts, nearest first.
+    """Return free configurations that the predicate accepts, nearest to the start first.
 
-    What the predicate accepts is what the funnel calls converged. If none of what is free keeps the
-    query's rules, the answer is that without rules, so that it can be said what they violate.
+    The funnel counts accepted configurations as converged. If no free one satisfies the query's
+    path constraints, free ones without the constraints are returned, so that a diagnosis can name
+    the violated constraints.
 
     Raises:
-        GoalUnreachable: It accepts none, or none within limits, of `max_trials`.
-        GoalInCollision: All that it accepts collide.
-        GoalTooNear: All that it accepts break margins, and not all collide.
-        ProblemInvalid: `draw` makes no configuration of the group.
+        GoalUnreachable: The predicate accepts none, or none within limits, of `max_trials`.
+        GoalInCollision: All accepted configurations collide.
+        GoalTooNear: All accepted configurations violate margins, and not all collide.
+        ProblemInvalid: `draw` returns no configuration of the group.
         DeadlineExceeded: Time ran out before a configuration was found.
-        Canceled: The end was asked for.
+        Canceled: Cancellation was requested.
     """
     options = query.options
     metric = JointMetric.from_names(query.group, options.joint_weights)

@@ -1,4 +1,4 @@
-"""How good configurations are: manipulability, clearance, limit margin, distance and branch."""
+"""QualityProbe: manipulability, clearance, limit margin, distance and branch of configurations."""
 
 from typing import Any
 
@@ -17,15 +17,15 @@ from planning.world.world import World
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
-# How far to look for the nearest pair: most often it is near, and looking far takes longer [m].
+# Search radii for the nearest body pair, tried in turn: a small one is faster, mostly enough [m].
 _HORIZONS = (0.1, 10.0)
 
 
 class QualityProbe:
-    """Measures configurations of a group; one context, one thread."""
+    """Evaluator of the quality of a group's configurations; it owns a context, so one thread."""
 
     def __init__(self, world: World, group: JointGroup, frame: str, metric: JointMetric) -> None:
-        """Measure the mobility of `frame`, and distances by `metric`."""
+        """Prepare for the manipulability of `frame` and for distances by `metric`."""
         self._world = world
         self._group = group
         self._metric = metric
@@ -40,7 +40,7 @@ class QualityProbe:
     def of(
         self, q: Float64[np.ndarray, " nq"], start: Float64[np.ndarray, " nq"]
     ) -> ConfigurationQuality:
-        """Return what there is to say of q, as seen from a start."""
+        """Return the quality of q; its `distance` is measured from `start`."""
         full = self._world.embed(self._group, q)
         self._plant.SetPositions(self._context, full)
         nearest = self._nearest(full)
@@ -94,7 +94,7 @@ def limit_margin(limits: JointLimits, q: Float64[np.ndarray, " nq"]) -> float | 
 
 
 def _arm_axes(world: World, group: JointGroup) -> list[Any] | None:
-    """Return the six joints of a group that is a chain of six revolute joints, from the base."""
+    """Return the joints, base to tool, of a serial chain of six revolute joints; None otherwise."""
     plant, tree = world.drake.plant, link_tree(world.drake)
     joints: list[Any] = [plant.get_joint(world.drake.joint_indices[j.name]) for j in group.joints]
     if tree is None or len(joints) != 6:

@@ -1,4 +1,4 @@
-"""Which configurations are distinct, which whole turns they have, and which come first."""
+"""Ranking of IK solutions: removal of duplicates, equivalents by full turns, nearest first."""
 
 from typing import Any
 
@@ -13,16 +13,21 @@ type Array = np.ndarray[Any, np.dtype[np.float64]]
 type Flags = np.ndarray[Any, np.dtype[np.bool_]]
 type Indices = np.ndarray[Any, np.dtype[np.int64]]
 
-# Two configurations nearer than this in every joint are one and the same [rad or m].
+# Two configurations nearer than this in every joint are duplicates [rad or m].
 SAME = 1e-3
 _MAX_EQUIVALENTS = 4096
 
 
 class UniqueSolutions:
-    """Solutions that differ, whole turns aside, from all others of the same target."""
+    """Set of solutions without duplicates (modulo full turns) among those of the same target.
+
+    Attributes:
+        rows: Configurations, shape (n, nq).
+        targets: Index of the target that each reaches, shape (n,).
+    """
 
     def __init__(self, group: JointGroup, manifold: Manifold) -> None:
-        """Begin with none."""
+        """Create an empty set."""
         self._manifold = manifold
         self._turns = np.array(_turning(group), dtype=bool)
         self._keyed = np.array(
@@ -38,18 +43,18 @@ class UniqueSolutions:
         self.targets: Indices = np.zeros(0, dtype=np.int64)
 
     def __len__(self) -> int:
-        """How many there are."""
+        """Return the number of solutions."""
         return len(self.rows)
 
     def add(self, rows: Float64[np.ndarray, "n nq"], targets: Int64[np.ndarray, " n"]) -> None:
-        """Add solutions that are known to be new."""
+        """Add solutions that `are_new`; this is not checked again."""
         self.rows = np.concatenate([self.rows, rows])
         self.targets = np.concatenate([self.targets, targets])
 
     def are_new(
         self, rows: Float64[np.ndarray, "n nq"], targets: Int64[np.ndarray, " n"]
     ) -> Bool[np.ndarray, " n"]:
-        """Return whether each row differs from all here and from the new ones before it."""
+        """Return whether each row differs from all in the set and from the rows before it."""
         every = np.concatenate([self.rows, rows])
         labels = self._alike(every, np.concatenate([self.targets, targets]))
         first = np.unique(labels, return_index=True)[1]
@@ -60,16 +65,16 @@ class UniqueSolutions:
     def contains(
         self, rows: Float64[np.ndarray, "n nq"], targets: Int64[np.ndarray, " n"]
     ) -> Bool[np.ndarray, " n"]:
-        """Return whether each row is the same as one of those here."""
+        """Return whether each row is a duplicate of one in the set."""
         every = np.concatenate([self.rows, rows])
         labels = self._alike(every, np.concatenate([self.targets, targets]))
         return np.isin(labels[len(self.rows) :], labels[: len(self.rows)])
 
     def _alike(self, rows: Array, targets: Indices) -> Indices:
-        """Return labels, the same number for rows that are the same (or joined by such rows).
+        """Return cluster labels: duplicates, or rows linked by a chain of them, share a number.
 
         Sums of cosines and of sines change by at most the sum of the changes of their angles, so
-        only rows whose sums are close can be the same.
+        only rows whose sums are close can be duplicates.
         """
         angles, close = rows[:, self._keyed] + self._phases, SAME * len(self._phases) + 1e-9
         keys, others = np.cos(angles).sum(axis=1), np.sin(angles).sum(axis=1)
@@ -78,7 +83,7 @@ class UniqueSolutions:
         for step in range(1, len(keys)):
             near = keys[step:] - keys[:-step] <= close
             a = np.flatnonzero(near & (labels[step:] != labels[:-step]))
-            # Of rows further apart, none are the same whose labels do not say so already.
+            # Any duplicates farther apart in this order share a label already.
             if not len(a):
                 break
             a = a[np.abs(others[a + step] - others[a]) <= close]
@@ -101,13 +106,14 @@ class UniqueSolutions:
 def equivalents(
     group: JointGroup, limits: JointLimits, rows: Float64[np.ndarray, "m nq"]
 ) -> tuple[Float64[np.ndarray, "n nq"], Int64[np.ndarray, " n"]]:
-    """Return each row with whole turns added to its revolute joints in every way within limits.
+    """Return each row with full turns added to its revolute joints in every way within limits.
 
-    Continuous joints have none: a whole turn of theirs is the same point of the manifold. Nor have
-    joints that are followed by less: what follows is elsewhere after a turn.
+    Continuous joints get no turns: a full turn of theirs is the same point of the manifold. Nor do
+    leaders of mimic joints in `group.winding`: their followers are elsewhere after a full turn.
 
     Returns:
-        The rows, each followed by no other row's, and which of the given ones each is.
+        The rows, all equivalents of one given row in sequence, and the index of the given row of
+        each.
     """
     turning = np.array(
         [
@@ -149,7 +155,7 @@ def nearest_first(
 
 
 def _turning(group: JointGroup) -> list[bool]:
-    """Return which velocity coordinates may differ by whole turns and mean the same pose."""
+    """Return which velocity coordinates are angles that give the same pose after a full turn."""
     flags: list[bool] = []
     for joint in group.joints:
         match joint.type:

@@ -1,4 +1,4 @@
-"""Admit a start, or say what is wrong with it."""
+"""Validation of a start configuration: joint limits, collisions and margins, with evidence."""
 
 from typing import Any
 
@@ -15,21 +15,21 @@ from planning.world.world import World
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
-# A violation of limits up to this much is numeric dust: it is clipped and reported [rad or m].
+# Limit violations up to this are rounding errors: they are clipped and reported [rad or m].
 ROUNDING = 1e-6
-# A distance of less is what rounding makes of 0 [m].
+# Distances below this are 0 up to rounding [m].
 _TOUCH = 1e-9
 
 
 def validate_start(
     world: World, group: JointGroup, q: Float64[np.ndarray, " nq"], margins: PairMargins
 ) -> tuple[Array, Array]:
-    """Return the start inside its limits, and by how much it was moved, both shape (nq,).
+    """Return the start clipped to its limits, and the correction, both shape (nq,).
 
     Raises:
-        StartOutOfLimits: A joint is outside by more than dust.
+        StartOutOfLimits: A joint is outside its limits by more than `ROUNDING`.
         StartInCollision: A pair of bodies overlaps.
-        StartTooNear: None does, but a pair is nearer than its margin.
+        StartTooNear: No pair overlaps, but a pair is nearer than its margin.
     """
     limits = world.limits(group)
     start = clip_rounding(limits, Manifold.of(group.joints), q)
@@ -58,14 +58,14 @@ def validate_start(
 def clip_rounding(
     limits: JointLimits, manifold: Manifold, q: Float64[np.ndarray, "*n nq"]
 ) -> Array:
-    """Return q with unit quaternions, and with limits that it misses by dust kept."""
+    """Return q with unit quaternions, and clipped to limits violated by at most `ROUNDING`."""
     unit = manifold.normalized(q)
     clipped = np.clip(unit, limits.lower, limits.upper)
     return np.where(np.abs(clipped - unit) <= ROUNDING, clipped, unit)
 
 
 def within_limits(limits: JointLimits, q: Float64[np.ndarray, "n nq"]) -> Bool[np.ndarray, " n"]:
-    """Return whether each row keeps the position limits."""
+    """Return whether each row is within the position limits."""
     return ((q >= limits.lower) & (q <= limits.upper)).all(axis=1)
 
 
@@ -87,7 +87,7 @@ def limit_violations(
 
 
 def pair_evidence(pairs: tuple[BodyPair, ...], margins: PairMargins) -> list[dict[str, Any]]:
-    """Return violating pairs as evidence, `depth` [m] being what is missing to the `margin`."""
+    """Return violating pairs as evidence; `depth` [m] is the margin minus the distance."""
     return [
         {
             "bodies": list(pair.bodies),
@@ -101,7 +101,7 @@ def pair_evidence(pairs: tuple[BodyPair, ...], margins: PairMargins) -> list[dic
 
 
 def describe_pairs(pairs: tuple[BodyPair, ...], margins: PairMargins) -> str:
-    """Return the worst pairs as words: by how much they overlap, or how near they are."""
+    """Return the first three pairs as text: by how much they overlap, or how near they are."""
     words = [_describe_pair(pair, margins.of(*pair.bodies)) for pair in pairs[:3]]
     more = f" and {len(pairs) - 3} more" if len(pairs) > 3 else ""
     return ", ".join(words) + more
@@ -117,5 +117,5 @@ def _describe_pair(pair: BodyPair, margin: float) -> str:
 
 
 def overlap(pairs: tuple[BodyPair, ...]) -> bool:
-    """Return whether any of the pairs is a collision, not just nearer than its margin."""
+    """Return whether any of the pairs overlaps, rather than only violating its margin."""
     return any(pair.distance < 0 for pair in pairs)

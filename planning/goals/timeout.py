@@ -1,4 +1,4 @@
-"""What there is to say once the time for goals has run out and nothing is found."""
+"""Timeout of the goals stage without a result: the error and its evidence, the search funnel."""
 
 from planning.domain.goals.funnel import funnel_evidence
 from planning.domain.request.deadline import Deadline
@@ -10,11 +10,11 @@ from planning.world.world import World
 
 
 def check_time(world: World, query: GoalQuery, search: PoseSearch, deadline: Deadline) -> None:
-    """Go on only if there is time to say why a search found nothing.
+    """Check that time is left to diagnose why a search found nothing.
 
     Raises:
-        DeadlineExceeded: There is none; evidence has the funnel so far.
-        Canceled: The end was asked for.
+        DeadlineExceeded: The time ran out; the evidence has the funnel so far.
+        Canceled: Cancellation was requested.
     """
     try:
         deadline.check("goals")

@@ -1,1 +1,1 @@
-"""Processes side by side: forked attempts, shared cores, files that are written whole."""
+"""Parallel execution: a pool of forked processes, CPU core leases and atomic file writes."""

@@ -1,4 +1,4 @@
-"""Files that other processes see either whole or not at all, and not for ever."""
+"""Atomic file writes (temporary file, then rename) and eviction of the oldest files of a folder."""
 
 import os
 import tempfile
@@ -7,10 +7,12 @@ from pathlib import Path
 
 
 def write_atomically(target: Path, text: str) -> None:
-    """Write a text file in one step; its folder is created if needed.
+    """Write a text file atomically: readers see the old or the new content, never a part.
+
+    Its folder is created if needed. The file is not synced to disk (see `write_durably`).
 
     Raises:
-        OSError: It cannot be written.
+        OSError: The file cannot be written.
     """
     target.parent.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(dir=target.parent, prefix=".part") as part:
@@ -20,10 +22,12 @@ def write_atomically(target: Path, text: str) -> None:
 
 
 def write_durably(target: Path, content: bytes) -> None:
-    """Write a file in one step, so that it survives a power cut; its folder is created if needed.
+    """Write a file atomically and sync it (fsync(2)), so that it survives a power cut.
+
+    Its folder is created if needed.
 
     Raises:
-        OSError: It cannot be written.
+        OSError: The file cannot be written.
     """
     target.parent.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(dir=target.parent, prefix=".part") as part:
@@ -43,16 +47,16 @@ def write_durably(target: Path, content: bytes) -> None:
 def evict_oldest(
     folder: Path, most_bytes: int, pattern: str = "*.json", in_use: float = 0.0
 ) -> None:
-    """Remove the files of a folder that were not touched for longest, if there is too much.
+    """Remove the least recently used files of a folder until its size is within a limit.
 
     Args:
-        folder: Whose files whoever uses them touches, so that they stay.
-        most_bytes: Of all together; the last one that was touched stays whatever its size.
-        pattern: Of their names.
-        in_use: Those that were touched so shortly before the last one stay [s].
+        folder: Folder of the files; every use of a file updates its modification time (touch).
+        most_bytes: Limit of the total size [bytes]; the newest file stays whatever its size.
+        pattern: Glob pattern of the file names.
+        in_use: Files at most this much older than the newest one stay [s].
 
     Raises:
-        OSError: One cannot be removed; one that is gone already is no fault.
+        OSError: A file cannot be removed; a file that is already gone is no error.
     """
     found: list[tuple[float, int, Path]] = []
     for file in folder.glob(pattern):

@@ -1,7 +1,7 @@
-"""CoreLeases: cores that several processes take and give back, whatever becomes of them.
+"""CoreLeases: CPU cores that several processes lease from a shared pool by file locks.
 
-A core is a file that a process holds a lock on (flock(2)). The kernel lets go of it when the last
-process that has it open ends, so nothing is lost when one is killed.
+A core is a file with an exclusive lock (flock(2)). The operating system releases the lock when the
+last process that has the file open ends, so a killed process leaks no core.
 """
 
 import fcntl
@@ -12,16 +12,16 @@ from pathlib import Path
 
 
 class CoreLeases:
-    """Lends cores to all processes that know the folder."""
+    """Pool of CPU cores, shared by all processes that use the same folder of lock files."""
 
     def __init__(self, folder: Path, count: int) -> None:
-        """Share `count` cores through files in a folder, which is created if needed."""
+        """Share `count` cores through lock files in a folder, which is created if needed."""
         self._folder = folder
         self._count = count
 
     @contextmanager
     def lent(self, wanted: int) -> Generator[int]:
-        """Lend at most `wanted` cores, as many as nobody has now; perhaps none."""
+        """Lease up to `wanted` cores that are free now, possibly 0; yield their number."""
         with ExitStack() as held:
             lent = 0
             for k in range(self._count):
@@ -30,7 +30,7 @@ class CoreLeases:
             yield lent
 
     def _take(self, k: int, held: ExitStack) -> bool:
-        """Return whether core k is ours now."""
+        """Try to lock core k until `held` closes; return whether that succeeded."""
         try:
             self._folder.mkdir(parents=True, exist_ok=True)
             file = os.open(self._folder / f"{k}", os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o600)

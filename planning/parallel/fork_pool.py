@@ -1,9 +1,9 @@
-"""ForkPool: attempts in forked processes, which have the loaded world from their parent.
+"""ForkPool: process pool of forked children, which inherit the loaded world from their parent.
 
-OMPL's random numbers are global to a process, and a world lives in one: so attempts that run at
-once are processes, and forking gives each the world, the oracle and the constraints without loading
-or sending anything. The parent waits, hands out nothing but numbers, and takes back values. A child
-dies with its parent (prctl(2): PR_SET_PDEATHSIG), and every way out of `each` ends all children.
+OMPL's random numbers are global to a process, and a world cannot be shared between processes. So
+parallel attempts run in forked processes: each inherits the world, the oracle and the constraints
+without loading or sending anything. The parent sends task numbers only and receives values. A child
+dies with its parent (prctl(2): PR_SET_PDEATHSIG), and every exit from `each` ends all children.
 """
 
 import ctypes
@@ -23,11 +23,11 @@ from planning.errors import WayproofError
 
 _NUMBER = struct.Struct("=I")
 _LENGTH = struct.Struct("=Q")
-# Numbers that certainly fit into a pipe before anybody reads; the caller does the others.
+# Task numbers that certainly fit into an unread pipe; the caller runs the remaining tasks.
 _MOST_PIECES = 1_000
-# How soon a cancel is seen [s].
+# Polling interval for cancellation [s].
 _POLL = 0.02
-# What ends by its own deadline is given so much longer to say so [s].
+# Extra time after the deadline in which children report that they met it [s].
 _GRACE = 0.5
 _READ = 1 << 16
 _PR_SET_PDEATHSIG = 1
@@ -37,45 +37,50 @@ type Work = Callable[[int], Any]
 
 @runtime_checkable
 class Cores(Protocol):
-    """Who says how many processes may work at once."""
+    """Interface of a pool of CPU cores that limits the number of parallel processes."""
 
     def lent(self, wanted: int) -> Any:
-        """Return a context within which so many cores, at most `wanted`, are the asker's."""
+        """Return a context manager that leases up to `wanted` cores and yields their number."""
         ...
 
 
 class OwnCores:
-    """A fixed number of cores, nobody else's."""
+    """Fixed number of cores that belong to one process alone."""
 
     def __init__(self, count: int) -> None:
-        """Lend up to `count`."""
+        """Provide up to `count` cores."""
         self._count = count
 
     @contextmanager
     def lent(self, wanted: int) -> Generator[int]:
-        """Lend as many as there are."""
+        """Yield the smaller of `wanted` and the number of cores."""
         yield max(0, min(self._count, wanted))
 
 
 class ForkPool:
-    """Forks a child for every core that it is lent besides its own, and one for that.
+    """Pool with one forked child for every leased core, and one for the caller's own core.
 
     Only a process with one Python thread is forked; with more, the caller does the work itself.
     """
 
     def __init__(self, processes: int | Cores) -> None:
-        """Use so many processes, or as many as somebody says.
+        """Create a pool of a fixed or of a leased number of processes.
 
         Args:
-            processes: How many may work at once; or who lends cores, beside the asker's own.
+            processes: Number of parallel processes; or the pool of cores to lease from, in
+                addition to the caller's own core.
         """
         self._cores: Cores = OwnCores(processes - 1) if isinstance(processes, int) else processes
 
     def each(self, work: Work, count: int, deadline: Deadline) -> Generator[tuple[int, Any]]:
-        """Yield number and outcome of pieces as they are done; those of a child that died are not.
+        """Yield (number, outcome) of tasks 0 to count - 1 as they complete.
+
+        The outcome is the value of `work`, or the `WayproofError` that it raised. Not promised:
+        every task. Missing are tasks of a child that died, tasks after the deadline, tasks beyond
+        `_MOST_PIECES`, and all tasks if no core is free or this process has several threads.
 
         Raises:
-            Canceled: The end was asked for.
+            Canceled: Cancellation was requested.
         """
         count = min(count, _MOST_PIECES)
         if count < 2 or threading.active_count() > 1:
@@ -88,7 +93,7 @@ class ForkPool:
 
 @contextmanager
 def _children(work: Work, count: int, processes: int) -> Generator[list[int]]:
-    """Fork children that share the numbers below `count`; give the pipes that they write to."""
+    """Fork children that share the task numbers below `count`; yield the pipes of their results."""
     queue, end = os.pipe()
     os.write(end, b"".join(_NUMBER.pack(k) for k in range(count)))
     os.close(end)
@@ -96,7 +101,7 @@ def _children(work: Work, count: int, processes: int) -> Generator[list[int]]:
     with ExitStack() as cleanup:
         cleanup.callback(os.close, queue)
         pipes: list[int] = []
-        with suppress(OSError):  # no more processes: those that there are do it
+        with suppress(OSError):  # no more processes available: continue with the ones forked so far
             for _ in range(processes):
                 near, far = os.pipe()
                 cleanup.callback(os.close, near)
@@ -120,12 +125,12 @@ def fork() -> int:
 
 
 def die_with_parent() -> None:
-    """Have this process, a fork, end when the one that forked it does."""
+    """Make this forked process end when its parent ends (prctl(2): PR_SET_PDEATHSIG)."""
     ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
 
 
 def end_fork(child: int) -> int:
-    """End a forked process, and return how it ended (waitpid(2)); 0 if that is not known."""
+    """Kill a forked process and return its wait status (waitpid(2)); 0 if that is unknown."""
     with suppress(ProcessLookupError):
         os.kill(child, signal.SIGKILL)
     with suppress(ChildProcessError):
@@ -134,7 +139,7 @@ def end_fork(child: int) -> int:
 
 
 def _serve(work: Work, queue: int, far: int, parent: int) -> None:
-    """Do pieces until none is left; never return."""
+    """Run tasks from the queue until it is empty, then exit the process; never return."""
     try:
         die_with_parent()
         while os.getppid() == parent and (number := os.read(queue, _NUMBER.size)):
@@ -144,7 +149,7 @@ def _serve(work: Work, queue: int, far: int, parent: int) -> None:
             except WayproofError as error:
                 outcome = error
             _send(far, pickle.dumps((k, outcome)))
-    except BaseException:  # noqa: BLE001, S110  (the parent does what is not done, and says why)
+    except BaseException:  # noqa: BLE001, S110  (the parent repeats missing tasks and reports errors)
         pass
     finally:
         os._exit(0)
@@ -157,7 +162,7 @@ def _send(far: int, body: bytes) -> None:
 
 
 def _arrivals(pipes: list[int], deadline: Deadline) -> Generator[tuple[int, Any]]:
-    """Yield what comes until all pipes are closed, or it is late."""
+    """Yield results until all pipes are closed or the deadline, plus its grace time, is over."""
     with selectors.DefaultSelector() as selector:
         received: dict[int, bytearray] = {pipe: bytearray() for pipe in pipes}
         for pipe in pipes:
@@ -179,7 +184,7 @@ def _arrivals(pipes: list[int], deadline: Deadline) -> Generator[tuple[int, Any]
 
 
 def _whole(received: bytearray) -> Generator[tuple[int, Any]]:
-    """Yield the messages that have come in full, and take them out."""
+    """Yield the complete messages of a receive buffer and remove them from it."""
     while len(received) >= _LENGTH.size:
         end = _LENGTH.size + _LENGTH.unpack_from(received)[0]
         if len(received) < end:

@@ -1,1 +1,1 @@
-"""Regions: convex sets of free configurations, grown beforehand, and shortest paths inside them."""
+"""Regions: collision-free convex sets (IRIS-ZO), and shortest paths through them (GCS)."""

@@ -1,4 +1,4 @@
-"""Sets of configurations that all see one another: where one region may cover much.
+"""Clique cover of a visibility graph: sets of mutually visible configurations, seeds of regions.
 
 Werner et al. (2024), "Approximating robot configuration spaces with few convex sets using clique
 covers of visibility graphs".
@@ -15,12 +15,17 @@ from planning.regions.free_space import FreeSpace
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 type Flags = np.ndarray[Any, np.dtype[np.bool_]]
 
-# How finely lines of sight are looked at [rad or m]: a hint, not a proof.
+# Sample spacing of visibility checks [rad or m]: a heuristic, not a proof.
 _RESOLUTION = 0.1
 
 
 def cliques(space: FreeSpace, qs: Float64[np.ndarray, "k n"]) -> Iterator[Array]:
-    """Yield disjoint sets of rows that see one another, the largest first, as found greedily."""
+    """Yield disjoint sets of mutually visible rows, by greedy cliques, about the largest first.
+
+    Args:
+        space: Checks whether configurations and motions are free.
+        qs: Free configurations.
+    """
     seen = _visibility(space, qs)
     left = np.ones(len(qs), dtype=bool)
     while left.any():
@@ -30,7 +35,7 @@ def cliques(space: FreeSpace, qs: Float64[np.ndarray, "k n"]) -> Iterator[Array]
 
 
 def _clique(seen: Flags, left: Flags) -> list[int]:
-    """Return rows that see one another: always the one that sees the most of what may come."""
+    """Return a clique of the visibility graph, by greedy choice of the highest remaining degree."""
     candidates, chosen = left.copy(), list[int]()
     while candidates.any():
         degrees = np.where(candidates, (seen & candidates).sum(axis=1), -1)

@@ -1,8 +1,8 @@
-"""Which regions a shortest path may pass: those on some short way from portal to portal.
+"""Corridor: the subset of the regions that the graph-of-convex-sets program considers.
 
-All regions at once make a program that takes seconds. So short ways are looked for first, by
-A* from one portal's middle to the next one's; each that is found makes its regions dearer,
-so that the next one differs.
+A program over all regions takes seconds. So several short paths over the portal centers (portal:
+overlap of two regions) are found first, by A*; each path raises the cost of its regions, so that
+the next path differs. The corridor is the union of their regions.
 """
 
 from collections.abc import Sequence
@@ -16,20 +16,20 @@ from planning.domain.planner.regions import Regions
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
-# By how much a region that lies on a way is dearer for the next one.
+# Factor on the cost of a region for each path through it.
 _DEARER = 1.5
-# So many ways are looked for at most.
+# Largest number of paths.
 _MOST_WAYS = 12
 
 
 @dataclass(frozen=True)
 class Corridor:
-    """Where to look for a path.
+    """Subset of the regions in which a path is searched.
 
     Attributes:
-        rows: Of the regions, in order of their rows.
-        pairs: Those of them that overlap, as places in `rows`.
-        goals: Which goals can be reached, nearest by the first way, as rows of the goals.
+        rows: Rows of the regions, ascending.
+        pairs: Pairs of them that overlap, as indices into `rows`.
+        goals: Rows of the goals that the paths reach, in the order of the paths.
     """
 
     rows: tuple[int, ...]
@@ -40,13 +40,13 @@ class Corridor:
 def corridor(
     regions: Regions, start: Array, goals: Sequence[tuple[int, Array]], most: int
 ) -> Corridor | None:
-    """Return at most so many regions that lead to goals, None if none do.
+    """Return regions that connect the start to goals; None if no goal is connected.
 
     Args:
-        regions: All there are.
-        start: In a region, shape (nq,).
-        goals: Rows and configurations, each in a region.
-        most: Regions; a single way that needs more gets them.
+        regions: All regions and their portals.
+        start: Start configuration, in a region, shape (nq,).
+        goals: Rows and configurations of the goals, each in a region.
+        most: Largest number of regions; the first path is taken whole even if it needs more.
     """
     prices, ways = np.ones(len(regions.regions)), _Ways(regions, start, goals)
     rows: set[int] = set()
@@ -72,7 +72,7 @@ def corridor(
 
 
 class _Ways:
-    """Ways from portal to portal; a portal that is passed in one direction is a door.
+    """Directed graph of the portals, for A*: a vertex (door) is a portal passed in one direction.
 
     Doors 2 p and 2 p + 1 lead through portal p, into its second and its first region; the doors
     after those are goals.
@@ -96,9 +96,10 @@ class _Ways:
         self._ahead = np.linalg.norm(to_goals, axis=2).min(axis=1)
 
     def shortest(self, prices: Array) -> tuple[list[int], int] | None:
-        """Return the regions on the shortest way to a goal, and which goal (A*).
+        """Return the regions on the shortest path to a goal, and the goal's row (A*).
 
-        A length within a region is multiplied by the region's price, at least 1.
+        Lengths within a region are multiplied by the region's price, which is at least 1. None if
+        no goal is connected.
         """
         best = np.full(len(self._places), np.inf)
         before: dict[int, tuple[int, int]] = {}
@@ -125,7 +126,7 @@ class _Ways:
 
 
 def _traced(before: dict[int, tuple[int, int]], door: int) -> list[int]:
-    """Return the regions that were passed on the way to a door."""
+    """Return the rows of the regions along the path to a door, from A*'s predecessors."""
     way: list[int] = []
     while door >= 0:
         row, door = before[door]

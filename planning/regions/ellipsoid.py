@@ -1,4 +1,4 @@
-"""Ellipsoids that lead the growth of a region."""
+"""GrowthEllipsoid: the metric of IRIS-ZO, inscribed in the region that grows."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -13,7 +13,7 @@ type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 @dataclass(frozen=True)
 class GrowthEllipsoid:
-    """The set of center + shape u with |u| <= 1.
+    """GrowthEllipsoid: the set of center + shape u with |u| <= 1.
 
     Attributes:
         center: Shape (n,).
@@ -25,24 +25,24 @@ class GrowthEllipsoid:
 
     @classmethod
     def ball(cls, center: Float64[np.ndarray, " n"], radius: float = 0.01) -> "GrowthEllipsoid":
-        """Return a small ball."""
+        """Return a ball of a radius [rad or m]."""
         return cls(center, radius * np.eye(len(center)))
 
     @classmethod
     def inscribed(
         cls, normals: Float64[np.ndarray, "m n"], offsets: Float64[np.ndarray, " m"]
     ) -> "GrowthEllipsoid":
-        """Return the largest ellipsoid in a bounded polytope (John's)."""
+        """Return the inscribed ellipsoid of maximum volume (John's) of a bounded polytope."""
         found = HPolyhedron(normals, offsets).MaximumVolumeInscribedEllipsoid()
         return cls(np.array(found.center()), np.linalg.inv(found.A()))
 
     @property
     def log_volume(self) -> float:
-        """The logarithm of its volume, but for a constant."""
+        """Logarithm of the volume, up to an additive constant."""
         return float(np.linalg.slogdet(self.shape)[1])
 
     def distances(self, qs: Float64[np.ndarray, "k n"]) -> Float64[np.ndarray, " k"]:
-        """Return by how much it must be scaled to reach each row."""
+        """Return the scale factor at which the ellipsoid's surface reaches each row."""
         return np.asarray(np.linalg.norm(np.linalg.solve(self.shape, (qs - self.center).T), axis=0))
 
     def normals(self, qs: Sequence[Any] | Array) -> Array:

@@ -1,8 +1,9 @@
-"""The shortest polyline from a start to a goal inside regions, by Drake's graph of convex sets.
+"""GcsPath: shortest polyline from a start to a goal inside regions, by graph of convex sets (GCS).
 
-Marcucci et al. (2023), "Motion planning around obstacles with convex optimization": a path visits
-regions that overlap, and has one straight piece in each. Which regions is a shortest-path problem
-whose convex relaxation is rounded; the polyline through those is then optimal.
+Marcucci et al. (2023), "Motion planning around obstacles with convex optimization", as implemented
+by Drake: a path visits regions that overlap, and has one straight piece in each. The choice of the
+regions is a shortest-path problem whose convex relaxation is rounded; the polyline through the
+chosen regions is then optimal.
 """
 
 from dataclasses import dataclass
@@ -19,19 +20,19 @@ from planning.regions.corridor import Corridor, corridor
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
-# Waypoints that differ by less are one [rad or m].
+# Waypoints that differ by less are duplicates [rad or m].
 _SAME = 1e-6
 
 
 @dataclass(frozen=True)
 class GcsPath:
-    """A path inside regions, or why there is none.
+    """Polyline inside regions, or the reason why there is none.
 
     Attributes:
-        waypoints: From the start to a goal, shape (n, nq); n = 0 for none.
-        goal_row: Which goal, or -1.
-        rows: The regions that were considered.
-        reason: Why there is none, or "".
+        waypoints: Vertices from the start to a goal, shape (n, nq); n = 0 without a path.
+        goal_row: Row of the goal that is reached, or -1.
+        rows: Rows of the regions in the program.
+        reason: Reason why there is no path, or "".
     """
 
     waypoints: Array
@@ -48,17 +49,17 @@ def shortest_inside(
     max_regions: int,
     max_rounded_paths: int,
 ) -> GcsPath:
-    """Return the shortest path that the relaxation gives, or why there is none.
+    """Return the shortest path of the rounded relaxation, or the reason why there is none.
 
-    The same arguments give the same bytes. Not promised: the shortest of all; only regions on short
-    ways from portal to portal are considered, and rounding may miss.
+    The same arguments give the same bytes. Not promised: the shortest path of all; only regions of
+    the corridor are considered, and rounding may miss the optimum.
 
     Args:
-        regions: Where the path may be.
-        start: Shape (nq,).
-        goals: Where it may end, shape (n, nq).
-        max_regions: At most so many are considered together.
-        max_rounded_paths: So many ways that the relaxation proposes are compared.
+        regions: Regions and their portals.
+        start: Start configuration, shape (nq,).
+        goals: Goal configurations, shape (n, nq).
+        max_regions: Largest number of regions in one program.
+        max_rounded_paths: Number of paths sampled from the relaxation and compared.
     """
     if not regions.containing(start):
         return _none("the start is outside of all regions")
@@ -113,7 +114,7 @@ def _holding(regions: Regions, where: Corridor, q: Array) -> list[int]:
 
 
 def _tidied(waypoints: Array, start: Array, goal: Array) -> Array:
-    """Return the path with its very ends and no waypoint twice."""
+    """Return the path with the exact start and goal and without duplicate waypoints."""
     inner = [q for q in waypoints if min(np.abs(q - start).max(), np.abs(q - goal).max()) > _SAME]
     kept = [start]
     kept += [q for q, before in zip(inner, [start, *inner], strict=False) if _differ(q, before)]

@@ -1,8 +1,8 @@
-"""grow(): regions along given paths, then a cover of what is left.
+"""Region growth: IRIS-ZO regions along given paths, then a clique cover of the rest of free space.
 
-Along a path every configuration that no region holds yet gets one of its own, so that regions
-overlap from one end to the other. What is left is covered by cliques of configurations that see
-one another, the largest first, until enough is covered.
+Along a path every vertex that no region contains yet seeds a region, which links regions along the
+path. The rest is covered by regions seeded at cliques of mutually visible configurations, the
+largest first (Werner et al. 2024, see `cliques`), until the coverage suffices.
 """
 
 from collections.abc import Callable, Sequence
@@ -23,29 +23,28 @@ from planning.regions.overlap import portals_of, without_redundant_faces
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
-# Free configurations by which coverage is measured; no region is grown for them.
+# Free samples by which coverage is estimated; they seed no region.
 _AUDIENCE = 2000
-# Uncovered configurations among which cliques are looked for, and how many are drawn in search of
-# them.
+# Uncovered free samples of one visibility graph, and the most samples drawn to find them.
 _CROWD = 120
 _MOST_DRAWN = 20_000
-# Regions that are grown for one crowd: the largest cliques.
+# Regions grown from one visibility graph: its largest cliques.
 _CLIQUES = 3
-# Rounds of cliques without a new region after which there are no more.
+# Rounds without a new region after which growth ends.
 _FRUITLESS = 3
 
 
 @dataclass(frozen=True)
 class GrowRequest:
-    """What to grow.
+    """Inputs of region growth.
 
     Attributes:
-        judge: Says what keeps its distances.
-        lower: Lowest configuration of the domain, shape (nq,).
-        upper: And highest.
+        judge: Collision checker.
+        lower: Lower bounds of the sampling domain, shape (nq,).
+        upper: Upper bounds of the sampling domain, shape (nq,).
         paths: Free polylines, each shape (n, nq), or single configurations.
-        options: How many, and until when.
-        seed: Of all randomness.
+        options: Number of regions, desired coverage and effort per region.
+        seed: Random seed.
     """
 
     judge: FreeSpace
@@ -58,13 +57,13 @@ class GrowRequest:
 
 @dataclass
 class Growth:
-    """What has grown so far.
+    """Regions grown so far.
 
     Attributes:
-        regions: In order.
-        portals: Where they overlap.
-        is_covered: Which of the audience are covered.
-        stopped_by: Why it ended.
+        regions: Regions, in order of growth.
+        portals: Overlaps of pairs of regions.
+        is_covered: Whether each coverage sample is in a region.
+        stopped_by: Reason of the end: "coverage", "num_regions", "deadline" or "exhausted".
     """
 
     is_covered: np.ndarray[Any, np.dtype[np.bool_]]
@@ -74,28 +73,35 @@ class Growth:
 
     @property
     def coverage(self) -> float:
-        """Share of the audience that is covered; 0 where nothing is free."""
+        """Estimated share of the free space that is covered; 0 where nothing is free."""
         return float(self.is_covered.mean()) if len(self.is_covered) else 0.0
 
     @property
     def coverage_error(self) -> float:
-        """Its standard error."""
+        """Standard error of `coverage`."""
         share = self.coverage
         return float(np.sqrt(share * (1 - share) / max(1, len(self.is_covered))))
 
 
 def grow(request: GrowRequest, deadline: Deadline, on_region: Callable[[Growth], None]) -> Growth:
-    """Grow regions until enough is covered, or there are enough, or time is up.
+    """Grow regions until the coverage or the number of regions suffices, or the time runs out.
 
-    The same request gives the same bytes, as long as the deadline cuts nothing.
+    The same request gives the same bytes, unless the deadline ends growth.
+
+    Args:
+        request: Inputs of the growth.
+        deadline: Time limit; after it the regions so far are returned.
+        on_region: Called with the growth so far after every new region.
 
     Raises:
-        Canceled: The end was asked for.
+        Canceled: Cancellation was requested.
     """
     return _RegionGrower(request, deadline, on_region).grow()
 
 
 class _RegionGrower:
+    """One run of region growth: its random streams, the coverage samples and the result so far."""
+
     def __init__(
         self, request: GrowRequest, deadline: Deadline, on_region: Callable[[Growth], None]
     ) -> None:
@@ -125,6 +131,7 @@ class _RegionGrower:
         return self._growth
 
     def _cover_path(self, path: Array) -> None:
+        """Grow a region at every vertex of a path that no region contains yet."""
         for q in path:
             if self._is_done:
                 return
@@ -132,6 +139,7 @@ class _RegionGrower:
                 self._plant(q)
 
     def _cover_rest(self) -> None:
+        """Grow regions at cliques of uncovered free samples until done, or none are left."""
         fruitless = 0
         while not self._is_done and fruitless < _FRUITLESS:
             self._deadline.check("regions")
@@ -147,13 +155,17 @@ class _RegionGrower:
             fruitless = fruitless + 1 if len(self._growth.regions) == before else 0
 
     def _plant_clique(self, clique: Array) -> None:
-        """Grow a region in the midst of a clique, or where one of it is that sees the most."""
+        """Grow a region at the mean of a clique, or else at its vertex of highest degree.
+
+        None is grown where that seed is in collision or already covered.
+        """
         for q in (clique.mean(axis=0), clique[0]):
             if self._request.judge.are_free(q[None])[0] and not self._covered(q[None])[0]:
                 self._plant(q)
                 return
 
     def _plant(self, seed: Array) -> None:
+        """Grow a region around a free configuration and add it with its portals, if any results."""
         region = self._inflater.inflate(seed)
         if region is None:
             return
@@ -183,7 +195,7 @@ class _RegionGrower:
     def _free_ones(
         self, generator: np.random.Generator, count: int, *, is_uncovered: bool = False
     ) -> Array:
-        """Return random free configurations of the domain, fewer if they are rare."""
+        """Return up to `count` uniform free samples of the domain; fewer if they are rare."""
         request = self._request
         found: list[Array] = []
         for _ in range(_MOST_DRAWN // _AUDIENCE):

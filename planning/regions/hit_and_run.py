@@ -1,4 +1,4 @@
-"""Random walks in a polytope whose steady state is uniform: hit and run (Smith 1984)."""
+"""Hit-and-run sampling of a polytope: random walks with uniform steady state (Smith 1984)."""
 
 from typing import Any
 
@@ -15,14 +15,14 @@ def hit_and_run(
     num_steps: int,
     generator: np.random.Generator,
 ) -> Array:
-    """Return where walkers are after some steps, shape (k, n).
+    """Return the points of k hit-and-run walks after some steps, shape (k, n).
 
     Args:
-        qs: Where they start, inside.
+        qs: Start points, inside the polytope.
         faces: Normals and offsets of a bounded polytope.
-        shape: Directions are drawn from its image of the unit ball.
-        num_steps: Each goes to a random place on a random line through the walker.
-        generator: Of all randomness.
+        shape: Linear map of the normally distributed step directions.
+        num_steps: Number of steps, each to a uniform point on a random chord through the walker.
+        generator: Random number generator.
     """
     normals, offsets = faces
     qs = np.array(qs)

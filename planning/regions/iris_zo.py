@@ -1,10 +1,10 @@
-"""A region around a configuration, by IRIS-ZO.
+"""IrisZo: grows a collision-free convex region around a configuration, by the IRIS-ZO algorithm.
 
 Werner et al. (2024), "Faster algorithms for growing collision-free convex polytopes in robot
-configuration space": random configurations of the polytope that collide are moved toward the
-center of an ellipsoid until they are about to be free; there the polytope gets a face that is
-tangent to the ellipsoid, scaled. What is left is tested again. Then the ellipsoid becomes the
-largest one inside. It asks for nothing but verdicts on configurations, many at a time.
+configuration space": random samples of the polytope that collide are moved toward the center of an
+ellipsoid by bisection to the boundary of the obstacle; there the polytope gets a face tangent to
+the scaled ellipsoid. The smaller polytope is sampled again. Then the ellipsoid becomes the largest
+one inscribed. The method is zero-order: it needs only batched collision checks, no derivatives.
 """
 
 from dataclasses import dataclass
@@ -22,42 +22,42 @@ from planning.regions.hit_and_run import hit_and_run
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 type Faces = tuple[Array, Array]
 
-# How many configurations are looked at together.
+# Samples per batch of collision checks.
 _BATCH = 1000
-# While a region takes shape, this share of them may collide.
+# Share of the samples that may collide in the iterations before the last.
 _ROUGHLY = 0.01
-# Steps of each walker between two looks, and before the first.
+# Hit-and-run steps of each walker between two batches, and before the first.
 _STEPS = 8
 _FIRST_STEPS = 40
-# Halvings of the way from the center to what collides.
+# Bisection steps from the center to a colliding sample.
 _HALVINGS = 8
-# How far faces stand back from what collides [rad or m]; every so many rounds twice as far, so
-# that growth ends where an obstacle is too round for few faces.
+# Distance of a face from the colliding point that it excludes [rad or m]; doubled every _PATIENCE
+# rounds, so that growth ends where an obstacle is too round for few faces.
 _RETREAT = 0.02
 _PATIENCE = 15
 _MOST_ROUNDS = 150
-# Of a polytope with more faces than this for each dimension, a face is moved, instead of a new one
-# made, if that takes no more than a share of its way to the center.
+# In a polytope with more faces per dimension than _PLENTY, an existing face is moved instead of
+# adding a new one if it moves by no more than the share _SHIFT of its distance to the center.
 _PLENTY = 8
 _SHIFT = 0.2
-# Faces at most, by round.
+# Largest number of new faces per round.
 _MOST_FACES = 40
-# An ellipsoid that grew by less than this factor has grown enough.
+# Growth factor of the ellipsoid's volume below which the iteration ends.
 _GROWTH = 1.1
 
 
 @dataclass(frozen=True)
 class IrisZo:
-    """Grows one region at a time.
+    """IRIS-ZO with its parameters; `inflate` grows one region.
 
     Attributes:
-        judge: Says what is free.
-        lower: Lowest configuration of the domain, shape (n,).
-        upper: And highest.
-        num_free: How many random configurations must be free, one after another.
-        iterations: How often the ellipsoid is made anew.
-        generator: Of all randomness.
-        deadline: Asked in every round.
+        judge: Collision checker.
+        lower: Lower bounds of the domain, shape (n,).
+        upper: Upper bounds of the domain, shape (n,).
+        num_free: Number of consecutive free samples that ends the growth of a region.
+        iterations: Largest number of updates of the ellipsoid.
+        generator: Random number generator.
+        deadline: Time limit, checked in every round.
     """
 
     judge: FreeSpace
@@ -69,12 +69,12 @@ class IrisZo:
     deadline: Deadline
 
     def inflate(self, seed: Float64[np.ndarray, " n"]) -> Region | None:
-        """Return a region around a free configuration, shape (n,); None if it comes to nothing.
+        """Return a region around a free configuration, shape (n,); None if growth does not end.
 
-        It contains the configuration unless that lies near the last faces.
+        The region contains the configuration, except where the last faces pass close to it.
 
         Raises:
-            Canceled: The end was asked for.
+            Canceled: Cancellation was requested.
             DeadlineExceeded: The time ran out.
         """
         ellipsoid, rough = GrowthEllipsoid.ball(seed), None
@@ -101,7 +101,18 @@ class IrisZo:
     def _cut(
         self, faces: Faces, ellipsoid: GrowthEllipsoid, needed: int, tolerated: float
     ) -> tuple[Faces, int] | None:
-        """Return fewer configurations, and how many in a row were free; None if it never ends."""
+        """Return a polytope with faces that exclude colliding samples, and its count of free ones.
+
+        Args:
+            faces: Normals and offsets of the polytope to begin with.
+            ellipsoid: Metric in which colliding samples are ordered and faces are tangent.
+            needed: Number of consecutive free samples that ends the cutting.
+            tolerated: Share of a batch that may collide.
+
+        Returns:
+            Normals and offsets, and the number of consecutive free samples; None if that number
+            is not reached within `_MOST_ROUNDS`.
+        """
         origin = np.repeat(ellipsoid.center[None], _BATCH, axis=0)
         qs = hit_and_run(origin, faces, ellipsoid.shape, _FIRST_STEPS, self.generator)
         num_free = 0
@@ -123,7 +134,7 @@ class IrisZo:
     def _separated(
         self, faces: Faces, ellipsoid: GrowthEllipsoid, blocked: Array, retreat: float
     ) -> Faces:
-        """Return faces that keep out what is blocked: old ones moved a little, and new ones."""
+        """Return faces that exclude colliding samples: old ones moved a little, and new ones."""
         walls = self._walls(ellipsoid.center, blocked)
         if len(faces[0]) > _PLENTY * len(self.lower):
             faces, walls = _moved(faces, ellipsoid.center, walls, retreat)
@@ -144,7 +155,7 @@ class IrisZo:
         )
 
     def _walls(self, center: Array, blocked: Array) -> Array:
-        """Return what is blocked nearest to the center, on the way there, shape (k, n)."""
+        """Return colliding points near the obstacle's boundary, by bisection, shape (k, n)."""
         near, far = np.zeros(len(blocked)), np.ones(len(blocked))
         for _ in range(_HALVINGS):
             middle = 0.5 * (near + far)
@@ -153,16 +164,17 @@ class IrisZo:
         return center + far[:, None] * (blocked - center)
 
     def _inside(self, qs: Array, faces: Faces, ellipsoid: GrowthEllipsoid) -> Array:
-        """Return as many walkers, all inside: those that are, again and again, or the center."""
+        """Return as many walkers, all inside: repeats of those inside, or of the center."""
         kept = qs[_contains(faces, qs)]
         kept = kept if len(kept) else ellipsoid.center[None]
         return kept[np.arange(len(qs)) % len(kept)]
 
 
 def _moved(faces: Faces, center: Array, walls: Array, retreat: float) -> tuple[Faces, Array]:
-    """Return the faces, those moved that need not go far to keep a wall out, and the other walls.
+    """Return the faces, some moved inward to exclude points, and the points left for new faces.
 
-    In many dimensions a round obstacle would need a great many faces; a little volume is cheaper.
+    A face moves only if it needs no more than the share `_SHIFT` of its distance to the center. In
+    many dimensions a round obstacle would need many faces; the lost volume costs less.
     """
     normals, offsets = faces
     heights = walls @ normals.T

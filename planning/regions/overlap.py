@@ -1,4 +1,4 @@
-"""Where regions overlap, and which of their faces matter."""
+"""Portals (overlaps of two regions) and the removal of redundant faces."""
 
 from collections.abc import Sequence
 
@@ -8,25 +8,28 @@ from pydrake.solvers import ClpSolver, MathematicalProgram
 
 from planning.domain.planner.regions import Portal, Region
 
-# Regions that share no ball of this radius do not overlap [rad or m].
+# Smallest radius of a ball in the intersection that counts as an overlap [rad or m].
 _LEAST = 1e-3
 
 
 def without_redundant_faces(region: Region) -> Region:
-    """Return the region without the faces that say nothing."""
+    """Return the region without its redundant faces."""
     whole = HPolyhedron(region.normals, region.offsets)
     said = sorted(set(range(len(region.offsets))) - whole.FindRedundant())
     return Region(region.normals[said], region.offsets[said], region.center, region.num_free)
 
 
 def portals_of(regions: Sequence[Region], newest: int) -> tuple[Portal, ...]:
-    """Return where the region of row `newest` overlaps those before it."""
+    """Return the portals between the region of row `newest` and all regions before it."""
     found = (_portal(regions, row, newest) for row in range(newest))
     return tuple(portal for portal in found if portal is not None)
 
 
 def _portal(regions: Sequence[Region], first: int, second: int) -> Portal | None:
-    """Return the largest ball in two regions, by a linear program (Chebyshev's center)."""
+    """Return the Chebyshev center and radius of the intersection, by linear programming.
+
+    None if the radius is at most `_LEAST`.
+    """
     pair = regions[first], regions[second]
     normals = np.concatenate([region.normals for region in pair])
     offsets = np.concatenate([region.offsets for region in pair])

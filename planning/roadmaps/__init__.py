@@ -1,1 +1,1 @@
-"""Roadmaps of worlds: what identifies one, and where it is kept between plans."""
+"""Probabilistic roadmaps (PRM) of worlds: their cache key, construction and reuse by plans."""

@@ -1,4 +1,4 @@
-"""Roadmaps of worlds: what they are known by, and where they come from."""
+"""Roadmaps (PRM) of worlds: loaded from the roadmap cache by key, or built when not cached."""
 
 from planning.domain.goals.goal import LineGoal
 from planning.domain.planner.roadmap import Roadmap
@@ -18,22 +18,22 @@ from planning.world.world import World
 
 
 def build_roadmap(problem: PlanningProblem, world: World, *, deadline: Deadline) -> Roadmap:
-    """Return the roadmap that a plan of this problem asks for, as `problem.search.roadmap` says.
+    """Return the roadmap that a plan of this problem uses, with options `problem.search.roadmap`.
 
-    Other problems of the same group under the same path constraints in the same world ask for the
-    same one, whatever their goal and seed, and whatever their start but for what is held or locked
-    there; it keeps a millimetre more distance than is demanded, so that what is found in it
-    can be proven soon.
+    All problems of the same group under the same path constraints in the same world share one
+    roadmap: it is independent of goal and seed, and of the start except for the values of fixed or
+    locked joints. The roadmap keeps one millimetre more than the required margins, so that paths
+    through it are quick to verify.
 
     Args:
         problem: Group, margin and options of the search; its goal does not matter.
-        world: The scene, loaded.
-        deadline: When to give up.
+        world: Loaded scene.
+        deadline: Time limit of the construction.
 
     Raises:
-        InputError: The problem names what does not exist, or its numbers make no sense.
+        InputError: The problem has an unknown name or invalid numbers.
         DeadlineExceeded: The time has run out.
-        Canceled: The end was asked for.
+        Canceled: Cancellation was requested.
     """
     group = resolve_space(world.group(problem.group), problem.search.spaces)
     given = world.positions(group) if problem.start is None else problem.start
@@ -46,10 +46,10 @@ def build_roadmap(problem: PlanningProblem, world: World, *, deadline: Deadline)
 
 
 def validate_search(problem: PlanningProblem) -> None:
-    """Go on only if a problem that asks for a roadmap can have one.
+    """Check that a problem whose search options have a roadmap is compatible with roadmaps.
 
     Raises:
-        ProblemInvalid: Its goal is lines, or a path constraint is a predicate.
+        ProblemInvalid: The goal is a line goal, or a path constraint is a predicate.
     """
     if problem.search.roadmap is None:
         return
@@ -65,11 +65,11 @@ def validate_search(problem: PlanningProblem) -> None:
 def load_or_build(
     ground: RoadmapContext, store: RoadmapStore | None, deadline: Deadline, watch: Stopwatch
 ) -> Roadmap:
-    """Return the roadmap of a ground: the store's, or else a new one, which the store gets.
+    """Return the roadmap of a roadmap context: from the store, or else built and stored.
 
     Raises:
         DeadlineExceeded: The time has run out.
-        Canceled: The end was asked for.
+        Canceled: Cancellation was requested.
     """
     found = None if store is None else store.get(ground.key)
     if found is not None:

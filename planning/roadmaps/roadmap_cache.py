@@ -1,4 +1,4 @@
-"""RoadmapCache: roadmaps that were built, kept in memory and, if wanted, in files."""
+"""RoadmapCache: least-recently-used (LRU) cache of roadmaps in memory and, optionally, in files."""
 
 import base64
 import json
@@ -20,23 +20,22 @@ _STATE, _ROW = "<f8", "<i4"
 
 @runtime_checkable
 class RoadmapStore(Protocol):
-    """Where plans look for roadmaps, and leave those that they had to build."""
+    """Interface of a roadmap cache: lookup by key before a plan, storage after a construction."""
 
     def get(self, key: str) -> Roadmap | None:
-        """Return the roadmap of that key, if it is there."""
+        """Return the roadmap of that key; None if it is not stored."""
         ...
 
     def put(self, roadmap: Roadmap) -> None:
-        """Keep a roadmap; what does not work out is no error."""
+        """Store a roadmap; a failure to store is no error."""
         ...
 
 
 class RoadmapCache:
-    """Keeps the roadmaps that were used last, by their keys.
+    """Cache of the most recently used roadmaps, by `Roadmap.key`.
 
-    Whether a roadmap was here changes no answer: it is what would be built. Files are written in
-    one step, several processes may share a folder, and a file that is not what was written is as
-    good as none.
+    A cache hit changes no result: a cached roadmap equals the one that would be built. Files are
+    written atomically, several processes may share a folder, and a damaged file counts as a miss.
     """
 
     def __init__(
@@ -47,13 +46,14 @@ class RoadmapCache:
         most_bytes: int = 2**27,
         most_bytes_on_disk: int = 2**29,
     ) -> None:
-        """Begin with some roadmaps.
+        """Create a cache.
 
         Args:
-            roadmaps: In memory from the start.
-            folder: Of files, which outlive the process; None for none.
-            most_bytes: Of arrays in memory; the last one is kept whatever its size.
-            most_bytes_on_disk: Of files; those that were not read for longest go first.
+            roadmaps: Initial content in memory.
+            folder: Folder of the cache files, which outlive the process; None for memory only.
+            most_bytes: Limit of all arrays in memory [bytes]; the most recently used roadmap stays
+                whatever its size.
+            most_bytes_on_disk: Limit of all files [bytes]; least recently read files go first.
         """
         self._folder = folder
         self._most_bytes = most_bytes
@@ -66,7 +66,7 @@ class RoadmapCache:
         """Return the roadmap of that key, from memory or from its file; None if it is in neither.
 
         Args:
-            key: As `Roadmap.key`.
+            key: `Roadmap.key`.
         """
         found = self._kept.get(key) or self._read(key)
         if found is not None:
@@ -74,7 +74,7 @@ class RoadmapCache:
         return found
 
     def put(self, roadmap: Roadmap) -> None:
-        """Keep a roadmap, in its file too; a full disk is no reason to fail."""
+        """Store a roadmap in memory and in its file; errors of the file system are ignored."""
         self._keep(roadmap)
         if self._folder is not None:
             with suppress(OSError):
@@ -119,12 +119,12 @@ def _plain(roadmap: Roadmap) -> dict[str, Any]:
 
 
 def _roadmap(document: dict[str, Any]) -> Roadmap | None:
-    """Return what was written; None if it is something else.
+    """Return the roadmap of a parsed cache file; None if its digest does not match.
 
     Raises:
-        ValueError: A number is none, or there are too few or too many.
-        KeyError: Something is missing.
-        TypeError: Something is of the wrong kind.
+        ValueError: A number is malformed, or an array has the wrong length.
+        KeyError: A field is missing.
+        TypeError: A field has the wrong type.
     """
     found = Roadmap(
         document["key"],

@@ -1,4 +1,4 @@
-"""RoadmapContext: where a roadmap grows, what it keeps to, and what it is therefore known by."""
+"""RoadmapContext: all inputs that determine a roadmap (PRM), and its cache key."""
 
 from dataclasses import dataclass
 from functools import cache
@@ -26,19 +26,20 @@ from planning.world.world import World
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
-# To be raised with every change of what a recipe grows into.
+# Version of the roadmap construction: to be raised with every change of its result.
 _GROWTH = 1
-# What decides it beside our own code.
+# Libraries whose versions affect the result; part of the cache key.
 _LIBRARIES = ("drake", "numpy")
 
 
 @dataclass(frozen=True)
 class _Ruled:
-    """What path constraints make of a group.
+    """Path constraints of a roadmap and the joints that they lock.
 
     Attributes:
-        rules: With all the room that they wish for: one roadmap is for every start and goal.
-        lock: Which joints of the group are left to move.
+        rules: Path constraints tightened by their full preferred margins, since one roadmap serves
+            every start and goal.
+        lock: Split of the group's joints into locked and free ones.
     """
 
     rules: PathConstraints
@@ -47,14 +48,14 @@ class _Ruled:
 
 @dataclass(frozen=True)
 class RoadmapContext:
-    """All that decides a roadmap.
+    """All inputs that determine a roadmap.
 
     Attributes:
-        world: What is around.
-        group: Whose joints move, those that are locked among them.
-        margins: Distances to keep.
-        recipe: Of the joints that are left to move.
-        ruled: What path constraints add, or None.
+        world: Loaded scene.
+        group: Joint group, locked joints included.
+        margins: Required distance of every body pair, search padding included.
+        recipe: Build request for the joints that are not locked.
+        ruled: Path constraints and locked joints; None without path constraints.
     """
 
     world: World
@@ -67,17 +68,18 @@ class RoadmapContext:
     def from_problem(
         cls, problem: PlanningProblem, world: World, start: Array, rules: PathConstraints | None
     ) -> "RoadmapContext":
-        """Build the ground of the roadmap that a problem asks for.
+        """Build the context of the roadmap of a problem.
 
         Args:
             problem: Group, margin and options of the search.
-            world: The scene, loaded.
-            start: Of which only what is held or locked counts, shape (nq,).
-            rules: The problem's path constraints, from that start.
+            world: Loaded scene.
+            start: Start, shape (nq,); only its fixed and locked coordinates matter.
+            rules: The problem's path constraints, compiled for that start; None for none.
 
         Raises:
             UnknownName: The options name a joint, block or coordinate that does not exist.
-            ProblemInvalid: A number of the options makes no sense, or there can be no such roadmap.
+            ProblemInvalid: A number of the options is invalid, or a vehicle of the group cannot
+                reverse, while roadmap edges lead both ways.
             NoPathFound: All joints are locked.
         """
         _require_sense(problem)
@@ -99,7 +101,7 @@ class RoadmapContext:
 
     @property
     def key(self) -> str:
-        """What the roadmap is known by: grounds that differ never share one.
+        """Cache key of the roadmap: a digest of all inputs, so different contexts never share one.
 
         Raises:
             ProblemInvalid: A path constraint is a predicate.
@@ -112,7 +114,7 @@ class RoadmapContext:
 
     @property
     def oracle(self) -> CollisionOracle:
-        """What is free, and keeps the rules; of the joints that are left to move."""
+        """Collision oracle over the unlocked joints; path constraints count as collisions."""
         judge = self.world.collision_oracle(self.group, self.margins)
         if self.ruled is None:
             return judge
@@ -120,7 +122,10 @@ class RoadmapContext:
 
     @property
     def residual(self) -> Residual | None:
-        """What vanishes on a set that is too thin to be sampled, or None."""
+        """Equality-constraint residual of the path constraints, zero on the constraint manifold.
+
+        Rejection sampling cannot reach such a set of measure zero. None without such constraints.
+        """
         residual = None if self.ruled is None else self.ruled.rules.residual
         if self.ruled is None or residual is None:
             return None

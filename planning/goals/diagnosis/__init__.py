@@ -1,1 +1,1 @@
-"""Why a goal has no configuration, and what is nearest to it. Runs after a failure only."""
+"""Diagnosis of goal failures: nearest feasible goal and sufficient relaxations; after a failure."""

@@ -1,4 +1,4 @@
-"""What keeps a feasible configuration from being nearer to one that was asked for."""
+"""Active constraints at the feasible configuration nearest to an infeasible joint goal."""
 
 from typing import Any
 
@@ -13,27 +13,27 @@ from planning.world.world import World
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
-# A pair or a joint within this of its bound is at it [m, rad].
+# Distance from its bound within which a pair or a joint is active [m, rad].
 _AT_BOUND = 1e-4
-# Steps towards what was asked for, as shares of the way; the last one arrives.
+# Steps towards the goal, as shares of the geodesic; the last one arrives.
 _SHARES = np.append(10 ** np.linspace(-5.0, -0.25, 20), 1.0)
 
 
 def described(
     world: World, query: GoalQuery, tight: JointLimits, goal: Array, found: NearestJoints
 ) -> NearestConfiguration:
-    """Return what was found with all that would be violated, were it any nearer.
+    """Return the nearest feasible configuration with the constraints that are active there.
 
-    Near a minimum of the distance the straight way to the goal is barred at once: by what its first
-    barred step violates, and by bodies at their margins that come nearer there. Joints bind that
-    are at a limit and not where the goal has them.
+    At a minimum of the distance the straight motion to the goal is blocked at once. Active are the
+    constraints that its first infeasible step violates, body pairs at their margins that come
+    nearer there, and joints at a limit that differ from the goal.
 
     Args:
-        world: The scene.
-        query: What was asked.
-        tight: The limits of the group that the rules leave.
-        goal: The configuration that was asked for, shape (nq,).
-        found: The nearest feasible one.
+        world: Loaded scene.
+        query: Goal query.
+        tight: Joint limits of the group under the path constraints.
+        goal: Goal configuration, shape (nq,).
+        found: Nearest feasible configuration.
     """
     group, q = query.group, found.q
     manifold = Manifold(group.joints)
@@ -62,7 +62,7 @@ def _at_bound(limits: JointLimits, q: Array) -> Any:
 def _barred(
     world: World, query: GoalQuery, q: Array, goal: Array
 ) -> tuple[tuple[tuple[str, str], ...], tuple[str, ...]]:
-    """Return the pairs of bodies and the path constraints that bar the way."""
+    """Return the body pairs and the path constraints that block the straight motion to the goal."""
     for step in Manifold(query.group.joints).interpolate(q, goal, _SHARES):
         violated = world.violations(query.group, step, query.margins)
         broken = [] if query.rules is None else query.rules.violations(step)
@@ -74,7 +74,7 @@ def _barred(
 
 
 def _touching(world: World, query: GoalQuery, q: Array, then: Array) -> list[tuple[str, str]]:
-    """Return the pairs of bodies that are at their margins at q and come nearer by a step."""
+    """Return the body pairs that are at their margins at q and come nearer by a step."""
     margins = query.margins
     probe = world.distance_probe(margins)
     reach = margins.largest + 2 * _AT_BOUND

@@ -1,4 +1,4 @@
-"""What keeps the nearest feasible pose from being nearer."""
+"""Active constraints at the feasible pose nearest to an unreachable pose goal."""
 
 from collections.abc import Callable
 from typing import Any
@@ -20,9 +20,9 @@ from planning.world.world import World
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
-# A pair or a joint within this of its bound is at it [m, rad].
+# Distance from its bound within which a pair or a joint is active [m, rad].
 _AT_BOUND = 1e-4
-# Steps towards the goal, as shares of the way; the last one arrives.
+# Steps towards the goal, as shares of the line; the last one arrives.
 _SHARES = 10 ** np.linspace(-4.0, 0.0, 17)
 _NUM_NEWTON = 4
 
@@ -30,14 +30,14 @@ _NUM_NEWTON = 4
 def bounds_at(
     world: World, query: GoalQuery, q: Float64[np.ndarray, " nq"], is_kept_off: Callable[[], bool]
 ) -> Bounds:
-    """Return what q is at: bodies at their margins, joints at their limits.
+    """Return the active constraints at q: body pairs at their margins, joints at their limits.
 
     Args:
-        world: The scene.
-        query: What was asked.
-        q: The configuration.
-        is_kept_off: Whether it would be nearer if bodies might touch. Bodies that only happen to be
-            at their margins are not blamed.
+        world: Loaded scene.
+        query: Goal query.
+        q: Configuration.
+        is_kept_off: Returns whether q would be nearer to the goal without collision constraints;
+            if not, body pairs at their margins do not count as active.
     """
     pairs = _touching(world, query, q)
     joints = _names(query, _at_limits(world, query, q))
@@ -51,17 +51,17 @@ def barrier(
     q: Float64[np.ndarray, " nq"],
     deadline: Deadline,
 ) -> Bounds:
-    """Return all that stands against the first step from q towards a target that anything bars.
+    """Return the constraints that the first infeasible step from q towards a target violates.
 
-    Near a minimum of the distance the way to the goal is barred at once. The steps are straight,
-    by the least motion of the joints, beyond limits too.
+    At a minimum of the distance the line to the target is blocked at once. The steps follow the
+    straight line of the tool by minimum-norm joint motions, beyond joint limits too.
 
     Args:
-        world: The scene.
-        query: What was asked.
-        target: What q is near to.
-        q: The nearest feasible configuration.
-        deadline: When it is too late to look at lines.
+        world: Loaded scene.
+        query: Goal query.
+        target: Target that q is near.
+        q: Nearest feasible configuration.
+        deadline: Time limit of the line checks; after it `bounds_at` q is returned.
     """
     reached = world.frame_pose(target.frame, world.embed(query.group, q))
     rows = _steps(world, query, q, ToolLine(target.frame, reached, target.closest(reached)))
@@ -78,7 +78,7 @@ def barrier(
 
 
 def _steps(world: World, query: GoalQuery, q: Array, line: ToolLine) -> Array:
-    """Return configurations that take the tool some of the way, by Newton's method."""
+    """Return configurations with the tool at the shares `_SHARES` of a line, by Newton's method."""
     manifold = Manifold(query.group.joints)
     kinematics = ToolKinematics(world, query.group, line.frame)
     rows: list[Array] = []
@@ -91,7 +91,7 @@ def _steps(world: World, query: GoalQuery, q: Array, line: ToolLine) -> Array:
 
 
 def _against(world: World, query: GoalQuery, lines: ApproachFeasibility | None, q: Array) -> Bounds:
-    """Return all that stands against a configuration."""
+    """Return the constraints that a configuration violates, or else those that block its lines."""
     broken = [] if query.rules is None else query.rules.violations(q)
     pairs = tuple(pair.bodies for pair in world.violations(query.group, q, query.margins))
     own = {entry.get("joint", "") for entry in broken}
@@ -108,7 +108,7 @@ def _against(world: World, query: GoalQuery, lines: ApproachFeasibility | None, 
 
 
 def _touching(world: World, query: GoalQuery, q: Array) -> tuple[tuple[str, str], ...]:
-    """Return the pairs of bodies that are at their margins."""
+    """Return the body pairs that are at their margins."""
     margins = query.margins
     probe = world.distance_probe(margins)
     full = world.embed(query.group, q)

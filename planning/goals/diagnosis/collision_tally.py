@@ -1,4 +1,4 @@
-"""Which pairs of bodies rejected configurations hit."""
+"""CollisionTally: counts of the colliding body pairs over rejected configurations."""
 
 from collections import defaultdict
 from dataclasses import dataclass, field
@@ -17,24 +17,24 @@ from planning.world.world import World
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 
-# So many are looked at however late it is: nothing would be said of any.
+# Configurations measured even after the deadline, so that the tally is not empty.
 _AT_LEAST = 4
 
 
 @dataclass
 class CollisionTally:
-    """Counts which pairs rejected configurations hit first.
+    """Tally of rejected configurations by their worst body pair.
 
     Attributes:
-        depths: What was missing to the margin [m], by pair.
-        num_only_near: Configurations in which nothing overlapped.
+        depths: Margin minus distance [m] of each rejected configuration, by pair.
+        num_only_near: Number of configurations that violate margins without overlap.
     """
 
     depths: dict[tuple[str, str], list[float]] = field(default_factory=lambda: defaultdict(list))
     num_only_near: int = 0
 
     def add(self, pairs: tuple[BodyPair, ...], margins: PairMargins) -> None:
-        """Count a rejected configuration by the pair that lacks most of its margin, if any does."""
+        """Count a rejected configuration under its pair of largest margin violation, if any."""
         if not pairs:
             return
         worst = max(pairs, key=lambda pair: margins.of(*pair.bodies) - pair.distance)
@@ -43,7 +43,7 @@ class CollisionTally:
 
     @property
     def summary(self) -> tuple[PairTally, ...]:
-        """The tallies, most frequent pair first."""
+        """Count and depths of each pair, most frequent pair first."""
         tallies = [PairTally(b, len(d), min(d), max(d)) for b, d in self.depths.items()]
         return tuple(sorted(tallies, key=lambda tally: (-tally.count, tally.bodies)))
 
@@ -51,9 +51,9 @@ class CollisionTally:
 def count_collisions(
     world: World, query: GoalQuery, rows: list[Array], deadline: Deadline
 ) -> CollisionTally:
-    """Return which pairs some configurations of the group hit, as far as there is time to look.
+    """Return the tally of colliding pairs of some configurations, until the deadline.
 
-    It is looked at the first few in any case.
+    The first `_AT_LEAST` configurations are measured in any case.
     """
     tally = CollisionTally()
     for i, q in enumerate(rows):

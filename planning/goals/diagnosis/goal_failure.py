@@ -1,4 +1,7 @@
-"""Why a goal has no configuration: none reaches it, or all that do collide; and what would do."""
+"""Failure of a goal without configuration: unreachable, in collision or approach blocked.
+
+The evidence of the error has the nearest feasible pose and sufficient relaxations.
+"""
 
 from collections.abc import Mapping
 from types import MappingProxyType
@@ -24,11 +27,11 @@ from planning.world.world import World
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
-# So many of the configurations that collide are measured for the evidence.
+# Largest number of colliding configurations measured for the evidence.
 _LOOKED_AT = 256
-# And of so many distinct ones it is asked what would have to give way.
+# Largest number of distinct ones among them, used as hints and for relaxations.
 _NUM_DISTINCT = 32
-# Of what remains of the time for goals, what searches without some body may take.
+# Share of the remaining time for goals that searches with a body removed may take.
 _REMOVAL_SHARE = 0.3
 
 
@@ -40,9 +43,17 @@ def goal_failure(
     rng: np.random.Generator,
     deadline: Deadline,
 ) -> ApproachBlocked | GoalInCollision | GoalTooNear | GoalUnreachable:
-    """Return what the funnel says: unreachable, reachable only in collision, or by no line.
+    """Return the failure of a search: unreachable, reachable only in collision, or lines blocked.
 
-    The evidence has the nearest free pose, and the relaxations of which each would do.
+    The evidence has the nearest free pose, and relaxations each of which is sufficient.
+
+    Args:
+        world: Loaded scene, with the joint limits under the query's path constraints.
+        query: Goal query.
+        aiming: Target selection of the goal.
+        search: Finished search without result.
+        rng: Random generator of the attempts.
+        deadline: Time limit of the diagnosis.
     """
     funnel = search.funnel(())
     if funnel.collision_free > 0 and search.judge is not None:
@@ -66,17 +77,17 @@ def all_collide(
     evidence: Mapping[str, Any] = MappingProxyType({}),
     words: str = "",
 ) -> GoalInCollision | GoalTooNear:
-    """Return the failure of a goal that is reached, but never free.
+    """Return the failure of a goal all of whose configurations collide or violate margins.
 
-    It is a collision only if bodies overlap in all configurations that were measured.
+    It is `GoalInCollision` only if bodies overlap in all configurations that were measured.
 
     Args:
-        world: The scene, loaded.
-        query: The goal.
-        search: What was found.
-        deadline: When to stop measuring.
-        evidence: What else there is to say; its `relaxation` gets the obstacles.
-        words: The same as words.
+        world: Loaded scene.
+        query: Goal query.
+        search: Finished search with colliding solutions.
+        deadline: Time limit of the measurements.
+        evidence: Further evidence; obstacles are added to its `relaxation`.
+        words: Text of that evidence, appended to the message.
     """
     rows = _distinct(query, search.colliding)
     tally = count_collisions(
@@ -147,7 +158,7 @@ def _blocked(
 
 
 def _distinct(query: GoalQuery, found: list[Array] | Array) -> Array:
-    """Return the first distinct ones of some configurations that will not do."""
+    """Return up to `_NUM_DISTINCT` distinct configurations of some infeasible ones."""
     rows = np.reshape(found[:_LOOKED_AT], (-1, query.group.num_positions))
     known = UniqueSolutions(query.group, Manifold(query.group.joints))
     return rows[known.are_new(rows, np.zeros(len(rows), dtype=np.int64))][:_NUM_DISTINCT]

@@ -1,4 +1,4 @@
-"""The pull of a configuration to another, as a cost of Drake's."""
+"""Joint cost: quadratic joint-space distance to a goal configuration, as a cost in Drake."""
 
 from typing import Any
 
@@ -18,11 +18,11 @@ type Array = np.ndarray[Any, np.dtype[np.float64]]
 def to_configuration(
     world: World, group: JointGroup, metric: JointMetric, goal: Float64[np.ndarray, " nq"]
 ) -> Pull:
-    """Return what draws a group to a configuration by the square of the weighted joint metric.
+    """Return a cost on a program: the squared weighted joint distance to a goal configuration.
 
-    Whole turns of circles do not count. The angle of a small rotation is twice the distance of the
-    quaternions, so these weigh twice as much, by the mean of the weights of the turns; what they
-    lead to is measured in the metric itself.
+    Full turns of continuous joints do not count. The angle of a small rotation is twice the
+    distance of the quaternions, so these get twice the mean of the rotation weights. That is an
+    approximation of the metric; callers measure the solution in the metric itself.
     """
     manifold = Manifold(group.joints)
     weights = np.ones(manifold.num_velocities) if metric.weights is None else metric.weights
@@ -52,7 +52,7 @@ def _by_position(group: JointGroup, weights: Array) -> Array:
 
 
 def _same_sign(group: JointGroup, goal: Array, q: Array) -> Array:
-    """Return the goal with quaternions on the side of those of q; both mean one rotation."""
+    """Return the goal with quaternions in the hemisphere of q's; both signs mean one rotation."""
     desired, offset = np.array(goal), 0
     for joint in group.joints:
         part = slice(offset, offset + 4)

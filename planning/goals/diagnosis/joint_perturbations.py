@@ -11,17 +11,17 @@ from planning.goals.joint_metric import JointMetric
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
-# How far coordinates go that weigh nothing [rad or m], and any that has no bounds.
+# Largest displacement of a coordinate, reached by coordinates of weight 0 [rad, m].
 _TURN, _SHIFT = np.pi, 2.0
-# How many coordinates a move along few of them changes.
+# Largest number of coordinates that a sparse displacement changes.
 _FEW = 3
 
 
 class JointPerturbations:
-    """Draws tangent vectors; their norm is that of the metric, |w * delta|."""
+    """Sampler of random tangent vectors delta with the norm of the metric, |w * delta|."""
 
     def __init__(self, group: JointGroup, metric: JointMetric, rng: np.random.Generator) -> None:
-        """Draw for a group."""
+        """Prepare for a group and its joint metric."""
         self._rng = rng
         count = Manifold(group.joints).num_velocities
         weights = np.ones(count) if metric.weights is None else metric.weights
@@ -33,14 +33,14 @@ class JointPerturbations:
 
     @property
     def largest(self) -> float:
-        """A norm beyond which there is nothing to find."""
+        """Norm of the largest displacement worth sampling."""
         return float(np.linalg.norm(self._reach[~self._is_idle] / self._scale[~self._is_idle]))
 
     def within(self, radius: float, count: int) -> Float64[np.ndarray, "count nv"]:
-        """Return moves of norm `radius` at most: half of them anywhere, half along few coordinates.
+        """Return displacements of norm at most `radius`: half uniform, half along few coordinates.
 
-        In many dimensions a ball's points hardly ever lie along the axes, where joints leave
-        obstacles that only they run into.
+        In many dimensions uniform samples of a ball hardly ever lie along the axes, where the
+        nearest feasible configuration often is.
         """
         moves = self._normal(count)
         few = count // 2
@@ -52,7 +52,7 @@ class JointPerturbations:
         return self._unweighted(radius * lengths * moves / np.maximum(norms, 1e-12))
 
     def about(self, radius: float, count: int) -> Float64[np.ndarray, "count nv"]:
-        """Return moves of all sizes up to about `radius`, most of them much smaller."""
+        """Return displacements of all scales up to about `radius`, most of them much smaller."""
         sizes = radius * 10 ** self._rng.uniform(-4.0, -0.5, (count, 1))
         return self._unweighted(sizes * self._normal(count) / np.sqrt(len(self._scale)))
 
@@ -62,7 +62,7 @@ class JointPerturbations:
         return moves
 
     def _unweighted(self, moves: Array) -> Array:
-        """Return moves in rad and m; what weighs nothing goes anywhere, every other time."""
+        """Return displacements [rad, m]; weight-0 coordinates are uniform in every other row."""
         moves = moves * self._scale
         anywhere = self._rng.uniform(-1.0, 1.0, moves[::2].shape) * self._reach
         moves[::2] = np.where(self._is_idle, anywhere, moves[::2])

@@ -1,4 +1,4 @@
-"""What would have to give way for a configuration that was asked for to be feasible."""
+"""Relaxation of a joint goal: limits, obstacles, constraints or margin that make it infeasible."""
 
 from collections.abc import Iterable
 from typing import Any
@@ -12,22 +12,22 @@ from planning.goals.start import limit_violations, pair_evidence
 from planning.world.constraints.body_pairs import moved_bodies
 from planning.world.world import World
 
-# Shares of the least distance that are tried as a margin, and what they stay below it by [m].
+# Margins tried, as shares of the least distance, and their reserve below that distance [m].
 _SHARES, _BELOW = (1.0, 0.9, 0.5, 0.0), 1e-6
 
 
 def relaxation_of(
     world: World, query: GoalQuery, rows: Float64[np.ndarray, "n nq"]
 ) -> dict[str, Any]:
-    """Return all that is wrong with the row that has the least wrong with it, and what would do.
+    """Return the violations of the least infeasible row and sufficient relaxations, as evidence.
 
-    Least are the fewest kinds of faults among limits, bodies and path constraints, and of those
-    the smallest depth of collision.
+    Least infeasible is the row with the fewest kinds of violations (limits, body pairs, path
+    constraints), and of those the one with the smallest collision depth.
 
     Args:
-        world: The scene, with its own limits.
-        query: What was asked.
-        rows: The configurations that were asked for.
+        world: Loaded scene, with its own limits.
+        query: Goal query.
+        rows: Goal configurations.
     """
     faults = [_faults(world, query, q) for q in rows]
     best = min(range(len(faults)), key=lambda k: (_kinds(faults[k]), _depth(faults[k]), k))
@@ -58,15 +58,16 @@ def _kinds(faults: _Faults) -> int:
 
 
 def _depth(faults: _Faults) -> float:
-    """Return how deep the deepest pair is [m]; margins are about the same for all."""
+    """Return the largest penetration depth of a pair [m], regardless of its margin."""
     return max((-pair.distance for pair in faults[1]), default=-np.inf)
 
 
 def _in_the_way(moved: set[str], pairs: Iterable[BodyPair]) -> list[str] | None:
-    """Return the fewest bodies without which no pair collides; None if the group hits itself.
+    """Return the bodies whose removal leaves no pair colliding; None for a self-collision.
 
-    Of two bodies that collide the one that the group does not move is in the way. Two that it does
-    not move collide whatever it does; the second of them is named, unless one is already.
+    Of a pair with one body that the group moves, the other body is removed. Of a pair that the
+    group does not move, which collides at every q, the second body is removed, unless one of them
+    is already.
     """
     chosen: dict[str, None] = {}
     resting: list[tuple[str, str]] = []
@@ -90,9 +91,9 @@ def _margin_that_does(
     q: Float64[np.ndarray, " nq"],
     pairs: tuple[BodyPair, ...],
 ) -> float | None:
-    """Return a margin of the request at which q is free [m], the largest of a few; None if none.
+    """Return the largest of a few request margins at which q is free [m]; None if there is none.
 
-    Margins that the scene has for certain pairs stay as they are.
+    Margins of the scene for specific pairs stay as they are.
     """
     fixed = query.margins.by_pair
     if not pairs or min(pair.distance for pair in pairs) < 0:

@@ -1,4 +1,4 @@
-"""The nearest feasible configuration to given ones of which none is."""
+"""NearestJointSearch: feasible configuration nearest to infeasible given ones, in joint space."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -20,28 +20,28 @@ from planning.world.world import World
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 type Indices = np.ndarray[Any, np.dtype[np.intp]]
 
-# Configurations that are tried at once.
+# Configurations per batch.
 _NUM_TRIES = 2048
-# Where looking around begins [rad or m], and how many times farther it goes each time in vain.
+# First sampling radius [rad or m], and its growth factor after each round without result.
 _FIRST, _FARTHER = 1e-3, 1.6
-# Nearer ones than the best are tried so often, and in vain so often before it is the nearest.
+# Rounds of improvement at most, and rounds without improvement after which the search ends.
 _MAX_ROUNDS, _PATIENCE = 24, 4
-# So often what was found is pulled at.
+# Largest number of gradient descents (nonlinear programs).
 _MAX_PULLS = 5
-# What is nearer by less than this share is no news.
+# Largest ratio of the new to the old distance that counts as an improvement.
 _NEWS = 0.999
-# The way to the best is looked at in so many steps, and then between two of them again.
+# Samples of the geodesic to the best configuration, and number of refinements.
 _NUM_STEPS, _NUM_LOOKS = 64, 3
 
 
 @dataclass(frozen=True)
 class NearestJoints:
-    """A feasible configuration.
+    """Feasible configuration and its distance to the nearest given one.
 
     Attributes:
-        cost: How far it is from what was asked for, in the joint metric [rad or m].
-        q: Shape (nq,).
-        index: Which of the configurations that were asked for is the nearest.
+        cost: Distance in the joint metric [rad or m].
+        q: Configuration, shape (nq,).
+        index: Index of the nearest given configuration.
     """
 
     cost: float
@@ -50,9 +50,9 @@ class NearestJoints:
 
 
 class NearestJointSearch:
-    """Random configurations farther and farther away, gradients, then any that are nearer.
+    """Search by random samples at growing distance, gradient descent, then local random samples.
 
-    Every answer is feasible; that there is no nearer one is likely, not proven.
+    Every result is feasible. Not promised: that it is the nearest one.
     """
 
     def __init__(
@@ -63,7 +63,15 @@ class NearestJointSearch:
         rng: np.random.Generator,
         deadline: Deadline,
     ) -> None:
-        """Look around `goals` until the deadline at most, in a world with the rules' limits."""
+        """Prepare a search around `goals`.
+
+        Args:
+            world: Loaded scene, with the joint limits under the query's path constraints.
+            query: Goal query.
+            goals: Given configurations.
+            rng: Random generator of the samples.
+            deadline: Time limit of the search.
+        """
         self._world, self._query, self._deadline = world, query, deadline
         self._goals = goals
         self._limits = world.limits(query.group)
@@ -77,7 +85,7 @@ class NearestJointSearch:
         self._num_pulls = 0
 
     def run(self) -> NearestJoints | None:
-        """Return the nearest that was found, None if nothing feasible was."""
+        """Return the nearest feasible configuration found; None if none was."""
         self._consider(self._inside)
         self._look_around()
         missed = 0
@@ -89,7 +97,7 @@ class NearestJointSearch:
         return self._best
 
     def _look_around(self) -> None:
-        """Find something feasible, as near as may be."""
+        """Find a first feasible configuration, at growing distance, and improve it by descent."""
         radius, largest = _FIRST, self._moves.largest
         while self._best is None and radius < largest and not self._deadline.is_over:
             self._consider(self._around(radius))
@@ -103,7 +111,7 @@ class NearestJointSearch:
             self._pull(self._best.q, self._best.index)
 
     def _nearer(self, best: NearestJoints) -> bool:
-        """Try configurations that are nearer than the best; return whether there is news."""
+        """Sample configurations nearer than the best; return whether one improves on it."""
         reach = np.sqrt(max(best.cost**2 - self._costs(self._inside)[0].min() ** 2, 0.0))
         self._consider(self._around(float(reach)))
         goal = self._goals[best.index]
@@ -118,13 +126,13 @@ class NearestJointSearch:
         return True
 
     def _around(self, radius: float) -> Array:
-        """Return configurations within limits around those that were asked for, in turn."""
+        """Return random configurations around the given ones, in turn."""
         moves = self._moves.within(radius, _NUM_TRIES)
         centres = self._inside[np.arange(_NUM_TRIES) % len(self._inside)]
         return self._manifold.plus(centres, moves)
 
     def _straighten(self, found: NearestJoints) -> None:
-        """Go from what was asked for to what was found, and stop at the first that is feasible."""
+        """Find the first feasible point on the geodesic from a given configuration to `found`."""
         begin, end = self._inside[found.index], found.q
         for _ in range(_NUM_LOOKS):
             shares = np.linspace(0.0, 1.0, _NUM_STEPS + 1)
@@ -135,7 +143,7 @@ class NearestJointSearch:
             begin, end = along[max(first - 1, 0)], along[first]
 
     def _pull(self, q: Array, index: int) -> None:
-        """Follow the gradient to one that was asked for."""
+        """Minimize the distance to a given configuration from q, by nonlinear programming."""
         if self._num_pulls >= _MAX_PULLS or (self._deadline.is_over and self._best is not None):
             return
         self._num_pulls += 1
@@ -143,7 +151,7 @@ class NearestJointSearch:
         self._consider(pulled(self._world, self._query, pull, q)[None])
 
     def _consider(self, rows: Array) -> None:
-        """Keep the nearest feasible one of some, if it is nearer than the best."""
+        """Update the best configuration by the nearest feasible row, if that is nearer."""
         rows = self._clipped(rows)
         costs, index = self._costs(rows)
         nearer = np.flatnonzero(costs < (np.inf if self._best is None else self._best.cost))
@@ -154,7 +162,7 @@ class NearestJointSearch:
             self._best = NearestJoints(float(costs[k]), np.array(rows[k]), int(index[k]))
 
     def _costs(self, rows: Array) -> tuple[Array, Indices]:
-        """Return how far each row is from the nearest one asked for, and which that is."""
+        """Return each row's distance to the nearest given configuration, and the index of that."""
         costs = np.stack([self._metric.distance(rows, goal) for goal in self._goals])
         index = costs.argmin(axis=0)
         return costs[index, np.arange(len(rows))], index

@@ -1,4 +1,4 @@
-"""The nearest free pose that a tool frame can take to one that it cannot."""
+"""NearestSearch: feasible tool pose nearest to an unreachable goal pose, in the pose metric."""
 
 from dataclasses import dataclass
 from functools import partial
@@ -20,30 +20,32 @@ from planning.world.world import World
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
-# Random configurations that are looked at first, and how many of the best are pulled.
+# Initial random configurations, and how many of the best start a gradient descent.
 _NUM_RANDOM = 64
 _NUM_PULLED = 3
-# Of many poses, so many are looked at more closely.
+# Largest number of target poses that are searched, the nearest ones.
 _MAX_TARGETS = 4
-# Poses near the target that are then tried, each time nearer than the best so far.
+# Random poses per round of improvement, nearer than the best so far, and rounds at most.
 _NUM_TRIES = 320
 _MAX_ROUNDS = 8
-# The same where lines or rules decide, of which gradients know little; and how often in vain.
+# Rounds at most where lines or path constraints matter, which gradients see little of; and rounds
+# without improvement after which the search ends.
 _MAX_CLOSE_ROUNDS, _PATIENCE = 30, 3
-# Where looking around a goal begins, how many times farther it goes each time in vain, and where it
-# ends [m, in the pose metric].
+# First search radius around a goal, its growth factor after each round without result, and the
+# largest one [m, in the pose metric].
 _FIRST, _FARTHER, _FAR = 1e-3, 3.0, 3.0
-# Of the time, what looking for the nearest may take.
+# Share of the time that the search for the nearest pose may take.
 _SHARE = 0.7
-# What is nearer by less than this share is no news.
+# Largest ratio of the new to the old distance that counts as an improvement.
 _NEWS = 0.999
-# Obstacles that cost less than this share are not to blame: so near a minimum the search ends too.
+# Largest ratio of the distances without and with obstacles at which obstacles are active; the
+# search is no more accurate.
 _OWED = 0.99
 
 
 @dataclass(frozen=True)
 class _Found:
-    """A free configuration and what it misses the goal by."""
+    """Feasible configuration, its tool pose X_WT and its distance `cost` to target `index`."""
 
     cost: float
     q: Array
@@ -52,13 +54,13 @@ class _Found:
 
 
 class NearestSearch:
-    """Random configurations, then gradients, then poses nearer than the best one, over again.
+    """Search by random samples, gradient descent, and random poses nearer than the best, repeated.
 
-    Where the query has rules, or its goal lines, gradients know little of what decides: then it is
-    also looked around the goal, farther and farther, and around the best configuration.
+    With path constraints, or an approach or retreat, which gradients see little of, the search also
+    samples poses around the goal at growing distance, and around the best configuration.
 
-    Every answer is within limits and free, keeps the rules, and has the goal's lines; that there is
-    no nearer one is likely, not proven.
+    Every result is within limits and free, satisfies the path constraints, and has the goal's
+    approach and retreat. Not promised: that it is the nearest one.
     """
 
     def __init__(
@@ -69,7 +71,15 @@ class NearestSearch:
         rng: np.random.Generator,
         deadline: Deadline,
     ) -> None:
-        """Look for most of the time until the deadline; the rest is for what binds."""
+        """Prepare a search.
+
+        Args:
+            world: Loaded scene, with the joint limits under the query's path constraints.
+            query: Goal query.
+            targets: Targets of the goal, in world.
+            rng: Random generator of the attempts.
+            deadline: Time limit; a share of it is kept to determine the active constraints.
+        """
         self._world = world
         self._query = query
         self._targets: list[Target] = list(targets)
@@ -80,10 +90,10 @@ class NearestSearch:
         self._best: _Found | None = None
 
     def run(self, hints: Float64[np.ndarray, "n nq"]) -> NearestPose | None:
-        """Return the nearest pose, None if no configuration was found free.
+        """Return the nearest pose; None if no feasible configuration was found.
 
         Args:
-            hints: Configurations that reach the goal, or nearly, but will not do.
+            hints: Infeasible configurations that reach the goal, or nearly.
         """
         self._tries.hints = self._rng.permutation(hints)
         rows = np.concatenate([hints, self._tries.random(_NUM_RANDOM)])
@@ -105,16 +115,16 @@ class NearestSearch:
 
     @property
     def is_late(self) -> bool:
-        """Whether there is no time for more."""
+        """Whether the time of the search is used up."""
         return self._deadline.is_over
 
     @property
     def _is_close_work(self) -> bool:
-        """Whether more decides than limits and bodies."""
+        """Whether lines or path constraints matter, besides limits and collisions."""
         return self._tries.lines is not None or self._query.rules is not None
 
     def _begin(self, rows: Array, num_hints: int) -> list[tuple[int, Array]]:
-        """Take the best free row, and return which to pull, and to which target."""
+        """Store the best feasible row, and return (target index, q) to start descents from."""
         reached = self._poses_of(rows)
         targets = self._promising(reached)
         costs = np.stack([self._costs(reached, i) for i in targets], axis=1)
@@ -133,7 +143,7 @@ class NearestSearch:
         return [(targets[int(nearest[k])], rows[k]) for k in chosen]
 
     def _promising(self, reached: Array) -> list[int]:
-        """Return the targets that some of the poses are nearest to."""
+        """Return the indices of up to `_MAX_TARGETS` targets, those nearest to the poses."""
         if len(self._targets) <= _MAX_TARGETS:
             return list(range(len(self._targets)))
         places = reached[:, :3, 3]
@@ -144,7 +154,7 @@ class NearestSearch:
         return [int(i) for i in np.argsort(gaps, kind="stable")[:_MAX_TARGETS]]
 
     def _look_around(self, indices: list[int]) -> None:
-        """Try poses around some targets, farther and farther until one will do."""
+        """Sample poses around some targets at growing distance until one is feasible."""
         radius = _FIRST
         while radius < min(_FAR, self._cost_so_far) and not self._deadline.is_over:
             for i in indices:
@@ -158,7 +168,7 @@ class NearestSearch:
         return np.inf if self._best is None else self._best.cost
 
     def _nearer(self, best: _Found) -> bool:
-        """Try random poses that are nearer than the best; return whether any is to be had."""
+        """Sample random poses nearer than the best; return whether one improves on it."""
         target = self._targets[best.index]
         closest = target.closest(best.pose)
         rows = self._tries.reach(closest, best.cost * self._moves(), best.q, best.index)
@@ -173,9 +183,10 @@ class NearestSearch:
         return True
 
     def _moves(self) -> Array:
-        """Return displacements of cost 1 at most: along axes, aside, and turned.
+        """Return displacements of cost at most 1: along axes, translations, and general ones.
 
-        Those along axes, where obstacles have their sides, lie denser near length 1.
+        Those along axes, to which faces of obstacles are often orthogonal, are denser near length
+        1. The shape is (n, 6): translation [m], rotation vector [rad].
         """
         third = _NUM_TRIES // 3
         numbers = np.arange(third)
@@ -191,7 +202,7 @@ class NearestSearch:
         return np.asarray(self._rng.permutation(np.concatenate([along, aside]))) / weights
 
     def _consider(self, rows: Array, indices: list[int]) -> None:
-        """Keep the nearest of some configurations, if it will do and is nearer than the best."""
+        """Update the best configuration by the nearest feasible row, if that is nearer."""
         feasible = np.flatnonzero(self._tries.are_feasible(rows))
         reached, kept = self._poses_of(rows[feasible]), np.array(indices, dtype=np.int64)[feasible]
         costs = np.zeros(len(kept))
@@ -208,7 +219,7 @@ class NearestSearch:
         return pulled(self._world, self._query, pull, q, is_apart=is_apart, deadline=self._whole)
 
     def _poses_of(self, rows: Array) -> Array:
-        """Return X_WT at each row, shape (n, 4, 4)."""
+        """Return the tool pose X_WT at each row, shape (n, 4, 4)."""
         full = self._world.embed(self._query.group, rows)
         return self._world.frame_poses(self._targets[0].frame, full)
 
@@ -218,7 +229,7 @@ class NearestSearch:
         return np.hypot(metric.translation * shift, metric.rotation * turn)
 
     def _report(self, best: _Found, *, is_reached: bool) -> NearestPose:
-        """Say what binds, if there was time to find out, and how far away it is."""
+        """Return the best pose with its errors, and its active constraints if time was left."""
         closest = self._targets[best.index].closest(best.pose)
         bounds = None if self.is_late else self._bounds(best, is_reached=is_reached)
         if self._whole.is_over:
@@ -240,7 +251,10 @@ class NearestSearch:
         return bounds_at(self._world, self._query, best.q, is_kept_off)
 
     def _is_kept_off(self, best: _Found, *, is_reached: bool) -> bool:
-        """Whether the best comes nearer once bodies may touch; surely if the goal is reached."""
+        """Return whether collision constraints keep the best from being nearer to its target.
+
+        True without a test if colliding configurations reach the goal.
+        """
         if is_reached:
             return True
         target = self._targets[best.index]

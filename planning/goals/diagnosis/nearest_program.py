@@ -1,4 +1,4 @@
-"""Drake's program for what is nearest to a goal: joint limits kept, bodies kept apart."""
+"""Nonlinear program (SQP) for the feasible configuration nearest to a goal, built on Drake."""
 
 from collections.abc import Callable
 from typing import Any
@@ -21,24 +21,24 @@ from planning.world.world import World
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 type Target = ToolTarget | RegionTarget | BallTarget
-# Adds to a program what draws it to a goal from where it is, q of shape (nq,).
+# Adds the cost of the distance to a goal to a program, expanded about a configuration q, (nq,).
 type Pull = Callable[[GroupProgram, Array], None]
 
 _MAJOR_ITERATIONS = 60
 _MAX_ROUNDS = 6
-# Pairs nearer than their margin and this are constrained from the next round on [m].
+# Distance beyond their margin within which pairs are constrained from the next round on [m].
 _NEAR = 0.02
-# Demanded beyond the margins, so that what the solver may miss does no harm; and how deep a
-# collision may be to be that [m].
+# Extra margin, larger than the solver's tolerance; and the largest margin violation that counts as
+# such an inaccuracy [m].
 _SLACK, _SMALL = 1e-5, 1e-3
-# A step smaller than this is the last one [rad or m].
+# Step size below which the iteration has converged [rad or m].
 _SETTLED = 1e-6
-# Where the angle's cost is no longer like the cosine's, its weight grows no further [rad].
+# Largest angle up to which the weight of the cosine cost is matched to the squared angle [rad].
 _LARGEST_ANGLE = 3.0
 
 
 def moved_along(target: Target, reached: Pose) -> Pose:
-    """Return X_WG of a target that is moved as far as its closest pose is from X_WT."""
+    """Return X_WG of a target after the displacement of its closest pose onto X_WT."""
     if not target.position_tolerance.any() and not target.rotation_tolerance.any():
         return reached
     return reached @ target.closest(reached).inverse @ target.pose
@@ -53,11 +53,18 @@ def pulled(
     is_apart: bool = True,
     deadline: Deadline | None = None,
 ) -> Float64[np.ndarray, " nq"]:
-    """Return where sequential quadratic programming (SNOPT) leads q on its way to a goal.
+    """Minimize a goal cost from q by sequential quadratic programming (SNOPT), in rounds.
 
-    A local minimum of the distance if all goes well; whoever asks checks what it is. Bodies are
-    kept apart unless `is_apart` is False; limits are always kept, and rules that a program can be
-    told. After the deadline there are no more rounds.
+    Each round adds the body pairs that are near. Joint limits always hold. Not promised: a local
+    minimum, or a feasible configuration; the caller has to check the result.
+
+    Args:
+        world: Loaded scene.
+        query: Goal query; of its path constraints only those with an equivalent in Drake count.
+        pull: Adds the cost.
+        q: Initial guess.
+        is_apart: Whether body pairs have to keep their margins.
+        deadline: Time limit, after which no further round begins; None for none.
     """
     limits = world.limits(query.group)
     pairs: dict[tuple[Any, Any], float] = {}
@@ -66,7 +73,7 @@ def pulled(
         known = len(pairs)
         near, depth = _near_pairs(world, query, q) if is_apart else ({}, -np.inf)
         pairs.update(near)
-        # What the solver leaves is made up for, once it is little.
+        # A small margin violation that the solver left is added to the slack of the next round.
         slack += depth + _SLACK if 0 < depth < _SMALL else 0.0
         program = GroupProgram(world, query.group, _MAJOR_ITERATIONS)
         pull(program, q)
@@ -84,10 +91,10 @@ def pulled(
 
 
 def to_pose(world: World, query: GoalQuery, target: Target) -> Pull:
-    """Return the pull of a tool frame to the pose within tolerance that is closest to where it is.
+    """Return the cost of the pose metric between a tool frame and its closest pose in tolerance.
 
     Drake's cost of a rotation is c (1 - cos theta); with c = 2 w^2 theta / sin theta at the present
-    theta it has the slope of (w theta)^2 there, so both have the same minima once settled.
+    theta it has the slope of (w theta)^2 there, so both have the same minima on convergence.
     """
     metric = query.options.pose_metric
     frame, origin = world.drake.frame(target.frame), world.drake.plant.world_frame()
@@ -106,7 +113,7 @@ def to_pose(world: World, query: GoalQuery, target: Target) -> Pull:
 
 
 def _keep_apart(program: GroupProgram, world: World, least: dict[tuple[Any, Any], float]) -> None:
-    """Keep pairs of geometries at least so far apart [m]."""
+    """Add minimum-distance constraints [m] for pairs of geometries."""
     rows = half_space_pairs_of(world.drake).index
     is_known = program.show(least)
     for pair, distance in least.items():
@@ -120,7 +127,7 @@ def _keep_apart(program: GroupProgram, world: World, least: dict[tuple[Any, Any]
 def _near_pairs(
     world: World, query: GoalQuery, q: Array
 ) -> tuple[dict[tuple[Any, Any], float], float]:
-    """Return the margins of the pairs of geometries that are near at q, and the largest lack."""
+    """Return the margins [m] of geometry pairs near at q, and the largest margin violation [m]."""
     margins = query.margins
     probe = world.distance_probe(margins)
     found = probe.geometries_within(world.embed(query.group, q), margins.largest + _NEAR)

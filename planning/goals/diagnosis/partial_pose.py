@@ -1,4 +1,7 @@
-"""The nearest free pose that is only shifted from a goal, or only turned."""
+"""PartialPoseSearch: nearest feasible pose that differs from a goal in one part only.
+
+The part is the position or the rotation.
+"""
 
 from dataclasses import dataclass
 from enum import Enum
@@ -13,18 +16,18 @@ from planning.goals.ik.pose_attempts import PoseAttempts
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
-# Poses that are tried at once, and how often in vain before the best is taken for the nearest.
+# Poses per round, and rounds without improvement after which the search ends.
 _NUM_TRIES, _PATIENCE = 320, 3
-# The same where Drake has to reach each of them by itself.
+# The same where Drake solves the IK one pose at a time.
 _NUM_SLOW, _PATIENCE_SLOW = 8, 1
-# What is nearer by less than this share is no news.
+# Largest ratio of the new to the old error that counts as an improvement.
 _NEWS = 0.998
-# While none is found, so many times farther it is looked next.
+# Growth factor of the search radius after each round without result.
 _FARTHER = 3.0
 
 
 class Freedom(Enum):
-    """What may differ from the goal, and how far it is looked at most [m or rad]."""
+    """Part of the pose that may differ from the goal; its value is the search radius [m or rad]."""
 
     POSITION = 1.0
     ROTATION = np.pi
@@ -32,12 +35,12 @@ class Freedom(Enum):
 
 @dataclass(frozen=True)
 class PartialPoseResult:
-    """A free configuration whose pose differs from a goal in one respect only.
+    """Feasible configuration whose pose differs from a goal in position or in rotation only.
 
     Attributes:
-        error: By how much [m or rad].
-        q: The configuration, shape (nq,).
-        pose: X_WT there.
+        error: Distance to the goal [m or rad].
+        q: Configuration, shape (nq,).
+        pose: Tool pose X_WT there.
     """
 
     error: float
@@ -46,10 +49,10 @@ class PartialPoseResult:
 
 
 class PartialPoseSearch:
-    """Poses farther and farther from a goal until one is free, then nearer and nearer ones."""
+    """Search by random poses: at growing distance until one is feasible, then nearer than it."""
 
     def __init__(self, tries: PoseAttempts, goal: Pose, freedom: Freedom) -> None:
-        """Look from a goal X_WG; the other respect is kept as exactly as solvers can."""
+        """Prepare for a goal X_WG; the other part of the pose is kept to the solvers' accuracy."""
         self._tries, self._goal, self._freedom = tries, goal, freedom
         self._num_tries = _NUM_TRIES if tries.are_fast else _NUM_SLOW
         self._patience = _PATIENCE if tries.are_fast else _PATIENCE_SLOW
@@ -57,12 +60,12 @@ class PartialPoseSearch:
     def run(
         self, least: float, rng: np.random.Generator, deadline: Deadline
     ) -> PartialPoseResult | None:
-        """Return the nearest that is found, None if there is none within reach of the search.
+        """Return the nearest result found; None if there is none within the search radius.
 
         Args:
-            least: Where to begin [m or rad]; nothing nearer need be looked for.
-            rng: Of the tries.
-            deadline: When to stop with what there is.
+            least: First search radius [m or rad], a lower bound of the error.
+            rng: Random generator of the attempts.
+            deadline: Time limit, after which the best result so far is returned.
         """
         best, reach = None, max(least, 1e-4)
         while best is None and not deadline.is_over:
@@ -90,7 +93,7 @@ class PartialPoseSearch:
         return PartialPoseResult(shift if self._freedom is Freedom.POSITION else turn, q, reached)
 
     def _moves(self, rng: np.random.Generator) -> Array:
-        """Return displacements of length 1 at most: a third of them along the axes."""
+        """Return displacements of length at most 1, a third of them along axes, shape (n, 6)."""
         third = _NUM_TRIES // 3
         numbers = np.arange(third)
         along = np.zeros((third, 3))

@@ -1,4 +1,4 @@
-"""PosePerturbations: configurations around a good one, drawn towards a pose."""
+"""PosePerturbations: random configurations around a feasible one, biased towards a tool pose."""
 
 from typing import Any
 
@@ -16,31 +16,32 @@ from planning.world.world import World
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
-# How many are drawn at once.
+# Configurations per draw.
 _NUM_DRAWN = 320
-# Singular values smaller than this share of the largest move nothing.
+# Singular values below this share of the largest count as zero.
 _RCOND = 1e-3
-# How far joints go at most [rad or m].
+# Largest scale of the joint displacements [rad or m].
 _FARTHEST = 1.0
 
 
 class PosePerturbations:
-    """Moves joints a little, and the tool some of the way, by all orders of size.
+    """Sampler of joint displacements: random ones plus steps of the tool towards a pose.
 
-    It takes no inverse kinematics, so it works for every group, and goes sideways along what binds.
+    Sizes are spread over orders of magnitude. It needs no inverse kinematics, so it works for every
+    group, and its random part moves along active constraints.
     """
 
     def __init__(
         self, world: World, group: JointGroup, frame: str, rng: np.random.Generator
     ) -> None:
-        """Draw for a group and its tool frame."""
+        """Prepare for a group and its tool frame."""
         self._limits = world.limits(group)
         self._manifold = Manifold(group.joints)
         self._kinematics = ToolKinematics(world, group, frame)
         self._moves = JointPerturbations(group, JointMetric(self._manifold, None), rng)
 
     def drawn(self, q: Float64[np.ndarray, " nq"], wanted: Pose) -> Float64[np.ndarray, "n nq"]:
-        """Return configurations within limits: q moved aside, and towards a pose X_WT."""
+        """Return configurations within limits: q displaced at random and towards a pose X_WT."""
         whole = step_to(self._kinematics, q, wanted)
         radius = min(float(np.linalg.norm(whole)), _FARTHEST)
         shares = 10 ** (-4 * np.linspace(0.0, 1.0, _NUM_DRAWN))[:, None]
@@ -52,7 +53,7 @@ class PosePerturbations:
 def step_to(
     kinematics: ToolKinematics, q: Float64[np.ndarray, " nq"], wanted: Pose
 ) -> Float64[np.ndarray, " nv"]:
-    """Return the least tangent at q that takes the tool to a pose X_WT, to first order."""
+    """Return the minimum-norm tangent at q that moves the tool to a pose X_WT, to first order."""
     R_WT, p = (part[0] for part in kinematics.poses(q[None]))
     back = rotation.conjugate(rotation.from_matrix(R_WT))
     turn = rotation.log(rotation.multiply(wanted.quaternion, back))

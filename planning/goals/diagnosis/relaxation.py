@@ -1,4 +1,4 @@
-"""What of a goal, or of its surroundings, would have to give way for it to have a solution."""
+"""Sufficient relaxations of a tool goal: larger tolerances, or body pairs allowed to collide."""
 
 from typing import Any
 
@@ -19,9 +19,9 @@ from planning.world.world import World
 def sufficient_tolerance(
     world: World, query: GoalQuery, target: Target, nearest: NearestPose, deadline: Deadline
 ) -> dict[str, Any] | None:
-    """Return a tolerance with which the nearest feasible pose is a solution, as evidence.
+    """Return tolerances [m, rad] with which the nearest feasible pose is a solution, as evidence.
 
-    None if it has the goal's lines only where the goal's axes turn with it.
+    None if the pose's approach and retreat are free only with the goal's axes turned along with it.
     """
     lines = approach_feasibility(world, query, [target], deadline)
     if lines is not None and not lines.are_free_from(nearest.positions[None], 0)[0]:
@@ -41,18 +41,18 @@ def sufficient_single_relaxation(
     nearest: NearestPose,
     search: tuple[np.random.Generator, Deadline],
 ) -> dict[str, Any]:
-    """Return tolerances of which each would do, of the position and of the rotation alone.
+    """Return two relaxations, each sufficient alone: of the position and of the rotation.
 
-    They are at least the errors of the nearest pose in the pose metric: nothing nearer is free. A
-    turn is no way out for goals with lines, whose axes stay where they are. Less may do where time
-    ran out, which `cut_short` says.
+    Each error is at least the distance of the nearest pose in the pose metric, since nothing nearer
+    is free. Goals with approach or retreat get no rotation, since their axes stay in place. If time
+    ran out, which `cut_short` tells, smaller errors may be sufficient.
 
     Args:
-        world: The scene.
-        query: The goal.
-        target: Which of its poses.
-        nearest: The nearest feasible pose to that.
-        search: Of the tries, and when to stop with what there is.
+        world: Loaded scene.
+        query: Goal query.
+        target: Target pose of the goal.
+        nearest: Feasible pose nearest to the target.
+        search: Random generator of the attempts, and time limit of the search.
     """
     rng, deadline = search
     metric = query.options.pose_metric
@@ -86,9 +86,9 @@ def sufficient_single_relaxation(
 def least_deep(
     world: World, query: GoalQuery, rows: Float64[np.ndarray, "n nq"]
 ) -> tuple[Float64[np.ndarray, " nq"], tuple[BodyPair, ...]]:
-    """Return the row whose deepest collision is the least deep, with its colliding pairs.
+    """Return the row with the smallest maximum margin violation, with its violating pairs.
 
-    If these pairs were allowed to touch, or stood back by their depth, it would be a solution.
+    With these pairs allowed to collide, or apart by their depth, the row would be a solution.
     """
     margins = query.margins
     hits = [world.violations(query.group, q, margins) for q in rows]

@@ -1,4 +1,4 @@
-"""Searches with one thing less in the way: which body, or which path constraint."""
+"""Relaxed searches: goal configurations without one body, or without one path constraint."""
 
 from collections import Counter
 from dataclasses import replace
@@ -17,11 +17,11 @@ from planning.world.world import World
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
-# So many bodies are taken away, one at a time.
+# Largest number of bodies removed, one at a time.
 _NUM_BODIES = 4
-# Of so many of the configurations that would do it is measured by how much a rule must give way.
+# Largest number of solutions for which the violation of a constraint is measured.
 _NUM_MEASURED = 32
-# Told beyond what was measured [m or rad].
+# Reserve added to the measured violation [m or rad].
 _SPARE = 1e-5
 
 
@@ -32,14 +32,14 @@ def sufficient_removal(
     rng: np.random.Generator,
     deadline: Deadline,
 ) -> dict[str, Any] | None:
-    """Return the body without which there is a solution, as evidence; None if no single one does.
+    """Return a body whose removal makes the goal feasible, as evidence; None if no single one does.
 
     Args:
-        world: The scene, with the limits that the query's rules leave.
-        query: The goal, whose lines none of its configurations has.
-        search: What was found of those.
-        rng: Of the seeds.
-        deadline: When to stop asking.
+        world: Loaded scene, with the joint limits under the query's path constraints.
+        query: Goal query, none of whose configurations has a free approach and retreat.
+        search: Finished search with the blocked solutions.
+        rng: Random generator of the seeds.
+        deadline: Time limit of the searches.
     """
     options = replace(query.options, max_configurations=1)
     for body in _in_the_way(world, query, search)[:_NUM_BODIES]:
@@ -55,16 +55,16 @@ def sufficient_removal(
 def sufficient_constraint_relaxations(
     world: World, query: GoalQuery, rng: np.random.Generator, deadline: Deadline
 ) -> list[dict[str, Any]]:
-    """Return the path constraints of which each, if it gave way, would leave a solution.
+    """Return the path constraints that are sufficient to relax, each alone, as evidence.
 
-    It would do to drop it, or to move its bound to the `value` that is told, which is the least
-    that was found.
+    A constraint may be dropped, or its bound moved to the `value` of the entry, which is the
+    smallest sufficient change found.
 
     Args:
-        world: The scene, with its own limits.
-        query: The goal, and the rules that no solution keeps.
-        rng: Of the seeds.
-        deadline: When to stop asking.
+        world: Loaded scene, with its own limits.
+        query: Goal query, whose path constraints no solution satisfies.
+        rng: Random generator of the seeds.
+        deadline: Time limit of the searches.
     """
     rules = query.rules
     entries: list[dict[str, Any]] = []
@@ -81,9 +81,9 @@ def sufficient_constraint_relaxations(
 def _solutions(
     world: World, query: GoalQuery, rng: np.random.Generator, deadline: Deadline
 ) -> list[tuple[Array, int, Array]]:
-    """Return some solutions, which of the goal's poses they reach, and all waypoints of each.
+    """Return some solutions, the index of the goal's pose, and all waypoints of the lines of each.
 
-    None if the time runs out.
+    The list is empty if the time runs out.
     """
     try:
         _, search = solve_tool_goal(world, query, rng, deadline)
@@ -101,7 +101,7 @@ def _solutions(
 
 
 def _given_way(rule: CompiledConstraint, q: Array, index: int, waypoints: Array) -> dict[str, Any]:
-    """Return by how much a rule would have to give way for a solution and its lines."""
+    """Return the relaxation of a path constraint that a solution and its lines need."""
     rows = np.concatenate([q[None], waypoints])
     readings = [rule.reading(row) for row in rows[~rule.are_kept(rows)]]
     worst = max(readings, key=lambda one: abs(one.value - one.bound))
@@ -123,7 +123,7 @@ def _lack(entry: dict[str, Any]) -> float:
 
 
 def _in_the_way(world: World, query: GoalQuery, search: PoseSearch) -> list[str]:
-    """Return the bodies that the group does not move and that stop lines, most often first."""
+    """Return the bodies not moved by the group that block lines, most frequent first."""
     moved = moved_bodies(world.drake, query.group)
     pairs = [] if search.judge is None else search.judge.blocking_pairs
     still = [[body for body in pair if body not in moved] for pair in pairs]

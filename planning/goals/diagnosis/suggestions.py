@@ -1,4 +1,4 @@
-"""What there is to say of a goal of a tool frame that has no solution: the nearest one that has."""
+"""Suggestions for an infeasible tool goal: nearest feasible pose and sufficient relaxations."""
 
 from typing import Any
 
@@ -16,11 +16,11 @@ from planning.goals.lines.line_stop import describe_stop
 from planning.goals.targets.target_selection import TargetSelection, select_targets
 from planning.world.world import World
 
-# Of what remains of the time for goals, what searches without some constraint may take.
+# Share of the remaining time for goals that searches without a path constraint may take.
 _RELAXED_SHARE = 0.3
-# So many configurations that reach a goal are what tries begin with.
+# Largest number of configurations that reach a goal used as hints.
 _MOST_HINTS = 32
-# Numbers that people round may make a pose miss by so much [m, rad].
+# Pose errors below these may come from rounded numbers in the request [m, rad].
 _ROUNDED_LENGTH, _ROUNDED_ANGLE = 1e-3, 1e-3
 
 
@@ -32,18 +32,18 @@ def suggest_nearest_pose(
     rng: np.random.Generator,
     deadline: Deadline,
 ) -> tuple[dict[str, Any], str]:
-    """Return the nearest feasible pose, and the tolerances of which each would do.
+    """Return the nearest feasible pose, and tolerances each of which is sufficient.
 
     Args:
-        world: The scene, with the limits that the query's rules leave.
-        query: The goal.
-        aiming: What counts as reached.
-        hints: Configurations that reach the goal, or nearly, but will not do.
-        rng: Of the tries.
-        deadline: When to stop with what there is.
+        world: Loaded scene, with the joint limits under the query's path constraints.
+        query: Goal query.
+        aiming: Target selection of the goal; its accepted targets count.
+        hints: Infeasible configurations that reach the goal, or nearly.
+        rng: Random generator of the attempts.
+        deadline: Time limit, after which the best results so far are returned.
 
     Returns:
-        `nearest` and `relaxation` as evidence, and the nearest as words for a message.
+        `nearest` and `relaxation` as evidence, and the nearest as text for a message.
     """
     search = NearestSearch(world, query, aiming.accepted, rng, deadline)
     found = search.run(hints)
@@ -71,16 +71,17 @@ def suggest_reachable_without_constraint(
     rng: np.random.Generator,
     deadline: Deadline,
 ) -> tuple[dict[str, Any], str]:
-    """Return the same where all that reach a goal are free, but break a path constraint.
+    """Return suggestions for a goal whose free configurations all violate path constraints.
 
-    The relaxation has the `constraints` of which each would do, if it gave way, as well.
+    The result is that of `suggest_nearest_pose`; its relaxation also has the `constraints` each of
+    which is sufficient to relax.
 
     Args:
-        world: The scene, with its own limits.
-        query: The goal and the rules.
-        rows: Configurations that reach it.
-        rng: Of the tries.
-        deadline: When to stop with what there is.
+        world: Loaded scene, with its own limits.
+        query: Goal query with path constraints.
+        rows: Free configurations that reach the goal.
+        rng: Random generator of the attempts.
+        deadline: Time limit, after which the best results so far are returned.
     """
     rules = query.rules
     assert rules is not None  # noqa: S101  (something was broken)

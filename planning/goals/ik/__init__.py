@@ -1,1 +1,1 @@
-"""Inverse kinematics: from poses of a tool frame to configurations."""
+"""Inverse kinematics (IK): configurations that bring a tool frame to target poses."""

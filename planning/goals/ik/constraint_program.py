@@ -1,4 +1,4 @@
-"""Path constraints as constraints of Drake's programs, as far as it has any for them."""
+"""Path constraints as constraints of Drake's inverse kinematics, where Drake has an equivalent."""
 
 import numpy as np
 from pydrake.math import RigidTransform
@@ -9,15 +9,16 @@ from planning.world.constraints.cone_constraint import ConeConstraint
 from planning.world.constraints.path_constraints import PathConstraints
 from planning.world.world import World
 
-# Demanded beyond the rules, so that what the solver may miss does no harm [m or rad].
+# Extra tightening of the bounds, larger than the solver's tolerance [m or rad].
 _SLACK = 1e-5
 
 
 def add_constraints(program: GroupProgram, world: World, rules: PathConstraints) -> None:
-    """Let a program's solution keep boxes to stay in, and cones.
+    """Add the path constraints of kinds "inside a box" and "cone" to a program.
 
-    Of the others, limits and locked joints are the world's already; staying out of boxes, bands of
-    distances and predicates have no constraint: whoever asks judges the solution.
+    Of the other kinds, limits and locked joints are already in the world's limits; constraints to
+    stay outside a box, distance bands and predicates have no equivalent in Drake: the caller has
+    to check the solution.
     """
     for rule in rules.rules:
         match rule:

@@ -1,4 +1,4 @@
-"""GroupProgram: Drake's InverseKinematics over the coordinates of a group."""
+"""GroupProgram: Drake's InverseKinematics (a nonlinear program) over a group's coordinates."""
 
 from collections.abc import Callable, Iterable
 from typing import Any
@@ -19,12 +19,12 @@ type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 
 class GroupProgram:
-    """The group moves within its limits, what follows it follows, all else stays as it is.
+    """Nonlinear program over a group within its limits; mimic joints follow, all else is locked.
 
     Attributes:
-        ik: Costs and constraints are added to it.
-        context: The plant's, of the program's own.
-        q_indices: Where the group's q is in the plant's.
+        ik: Drake's InverseKinematics, to which costs and constraints are added.
+        context: Context of the plant, owned by the program.
+        q_indices: Indices of the group's q in the plant's q.
     """
 
     def __init__(self, world: World, group: JointGroup, max_iterations: int) -> None:
@@ -48,19 +48,19 @@ class GroupProgram:
         self._options.SetOption(SnoptSolver.id(), "Major iterations limit", max_iterations)
 
     def solve(self, seed: Float64[np.ndarray, " nq"]) -> Float64[np.ndarray, " nq"]:
-        """Return where the solver ends, which need not be a solution."""
+        """Return the final iterate of the solver (SNOPT), which need not be a solution."""
         result = self._solver.Solve(self.ik.prog(), self.full(seed), self._options)
         return np.array(result.GetSolution(self.ik.q())[self.q_indices])
 
     def show(self, pairs: Iterable[Ids]) -> Callable[[Ids], bool]:
-        """Have Drake's part of the program know what some pairs of shapes are.
+        """Register the geometries of some pairs in Drake's scene graph for this program.
 
         Args:
-            pairs: By Drake's ids, as `DistanceProbe` has them.
+            pairs: Geometry ids, as of `DistanceProbe`.
 
         Returns:
-            Whether it knows both shapes of a pair: it is shown the first few dozen objects that
-            stand outside of Drake's model, no more.
+            Predicate: whether both geometries of a pair are registered. Of the objects outside of
+            Drake's model at most `MOST_SHOWN` are.
         """
         near = NearStatic(self._world.drake, self._diagram_context)
         rows = sorted({row for pair in pairs for i in pair if (row := near.row(i)) is not None})
@@ -75,7 +75,7 @@ class GroupProgram:
         return self._world.drake.follow(full)
 
     def _bound(self, group: JointGroup) -> None:
-        """Bound what Drake's plant does not: planar and floating joints have limits of ours."""
+        """Add the group's bounds: the plant has none for planar and floating joints."""
         limits = self._world.limits(group)
         bounded = np.isfinite(limits.lower) & np.isfinite(limits.upper)
         if bounded.any():

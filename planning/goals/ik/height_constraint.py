@@ -1,4 +1,4 @@
-"""Constraints on heights over half spaces, of which Drake's inverse kinematics knows none."""
+"""Minimum-distance constraints to half spaces for Drake's inverse kinematics, which has none."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -14,12 +14,12 @@ type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 
 def keep_above(program: GroupProgram, model: DrakeModel, least: Mapping[int, float]) -> None:
-    """Keep pairs with half spaces apart.
+    """Add a constraint that keeps geometries above half spaces by at least given heights.
 
     Args:
-        program: What to add the constraint to.
-        model: The scene.
-        least: Heights to keep [m], by rows of `HalfSpacePairs`.
+        program: Program to add the constraint to.
+        model: Drake model of the scene.
+        least: Least heights [m], by rows of `HalfSpacePairs`.
     """
     heights, rows = HalfSpaceHeights(model), sorted(least)
 

@@ -1,4 +1,4 @@
-"""IkProgram: one target pose as a Drake inverse-kinematics program, solved from many seeds."""
+"""IkProgram: inverse kinematics of one target pose as a Drake program, solved from many seeds."""
 
 from typing import Any
 
@@ -45,15 +45,16 @@ class IkProgram:
         return q if self._target.is_met_by(self.reached(q)) else None
 
     def reached(self, q: Float64[np.ndarray, " nq"]) -> Pose:
-        """Return X_WT of the tool frame with the group at q."""
+        """Return the tool frame's pose X_WT with the group at q."""
         context = self._program.context
         self._plant.SetPositions(context, self._program.full(q))
         return pose_of(self._frame.CalcPoseInWorld(context))
 
     def _polish(self, q: Array) -> Array:
-        """Newton steps on the pose error: Drake's orientation constraint is only good to 1e-3 rad.
+        """Refine q by Newton steps on the pose error.
 
-        Its residual is cos(theta) - 1, whose slope vanishes at the solution.
+        Drake's orientation constraint is accurate to 1e-3 rad only: its residual is
+        cos(theta) - 1, whose slope vanishes at the solution.
         """
         for _ in range(_POLISH_STEPS):
             reached = self.reached(q)
@@ -68,7 +69,7 @@ class IkProgram:
         return q
 
     def _jacobian(self) -> Array:
-        """Return the tool's spatial velocity per velocity of the group, followers included."""
+        """Return the tool's spatial-velocity Jacobian for the group's v, mimic joints included."""
         full = self._plant.CalcJacobianSpatialVelocity(
             self._program.context,
             JacobianWrtVariable.kV,
@@ -82,7 +83,10 @@ class IkProgram:
         return full[:, self._v_indices]
 
     def _step(self, q: Array, v: Array) -> Array:
-        """Return q moved by Drake's v for one second (v and our tangent agree but for SO(3))."""
+        """Return q integrated by Drake's v for one second, to first order.
+
+        Drake's v and this package's tangents agree except on SO(3).
+        """
         if self._manifold.is_flat:
             return q + v
         full_v = np.zeros(self._plant.num_velocities())

@@ -1,4 +1,4 @@
-"""PoseAttempts: free configurations at poses near a pose, of many tries the nearest first."""
+"""PoseAttempts: IK attempts at displaced poses near a pose, feasible results nearest first."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -21,20 +21,20 @@ from planning.world.world import World
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
-# How many of the free ones are handed out.
+# Largest number of feasible configurations returned.
 _NUM_KEPT = 4
-# Of so many configurations at once it is looked whether they have lines.
+# Number of configurations whose lines are traced at once.
 _NUM_LINED = 12
 _NUM_BY_DRAKE = 24
 
 
 class PoseAttempts:
-    """Tries to reach poses exactly, from what reached others, from hints and from anywhere.
+    """IK attempts that reach poses exactly, seeded by a near configuration, hints and samples.
 
     Attributes:
         frame: Full name of the tool frame.
-        hints: What many tries begin with.
-        lines: The judge of the goal's lines, if it asks for any.
+        hints: Configurations that seed half of the attempts, shape (n, nq).
+        lines: Check of the goal's approach and retreat; None if it has neither.
     """
 
     def __init__(
@@ -45,7 +45,7 @@ class PoseAttempts:
         rng: np.random.Generator,
         deadline: Deadline,
     ) -> None:
-        """Bring a tool frame to poses near targets; solve no more once the deadline is over."""
+        """Prepare for the tool frame of some targets; no IK is solved after the deadline."""
         self._world, self._query = world, query
         self.frame = targets[0].frame
         self._deadline = deadline
@@ -56,32 +56,33 @@ class PoseAttempts:
 
     @property
     def are_fast(self) -> bool:
-        """Whether hundreds of tries take no longer than a few by Drake."""
+        """Whether the native kernel solves the IK: hundreds of attempts in the time of a few."""
         chain = kernel_chain(self._world.drake, self._query.group, self._world.state, self.frame)
         return chain is not None
 
     def random(self, count: int) -> Float64[np.ndarray, "count nq"]:
-        """Return configurations within limits: the start, some near it, then any."""
+        """Return the next seeds within limits: the start, samples near it, then uniform ones."""
         return self._seeds.take(count)
 
     def are_feasible(self, rows: Float64[np.ndarray, "n nq"]) -> Bool[np.ndarray, " n"]:
-        """Return which rows are within limits and free, and keep the query's rules.
+        """Return which rows are within limits, free and satisfy the query's path constraints.
 
-        Of the goal's lines nothing is said.
+        The goal's approach and retreat are not checked.
         """
         return self._feasibility.are_met(rows)
 
     def lined(
         self, rows: Float64[np.ndarray, "n nq"], indices: Int64[np.ndarray, " n"]
     ) -> Int64[np.ndarray, " m"]:
-        """Return which of some feasible rows have the goal's lines, in their order.
+        """Return the indices of feasible rows that have the goal's approach and retreat.
 
-        Lines take long: none is looked at beyond the first few that have them, nor of many that may
-        have them more than some, of which the last are spread over all.
+        Not promised: all such rows. Tracing is slow, so of the rows that pass a quick check only
+        the first `_NUM_LINED` are traced, and if none of these has the lines, `_NUM_LINED` spread
+        over all.
 
         Args:
-            rows: The best first.
-            indices: To which of the targets each is near.
+            rows: Feasible configurations, best first.
+            indices: Index of the target that each is near.
         """
         if self.lines is None or not len(rows):
             return np.arange(len(rows))
@@ -94,7 +95,7 @@ class PoseAttempts:
         return np.zeros(0, dtype=np.int64)
 
     def pose_at(self, q: Float64[np.ndarray, " nq"]) -> Pose:
-        """Return X_WT of the tool frame."""
+        """Return the tool frame's pose X_WT with the group at q."""
         return self._world.frame_pose(self.frame, self._world.embed(self._query.group, q))
 
     def reach(
@@ -104,13 +105,15 @@ class PoseAttempts:
         near: Float64[np.ndarray, " nq"] | None,
         index: int = 0,
     ) -> Float64[np.ndarray, "m nq"]:
-        """Return feasible configurations at the smallest displacements that have any, a few.
+        """Return a few feasible configurations at displaced poses, smallest displacements first.
+
+        Displacements are ordered by the query's pose metric.
 
         Args:
-            base: X_WB.
-            moves: Displacements in B: shift [m] and rotation vector [rad], of any norm.
-            near: A configuration to begin with, often.
-            index: Which of the targets is near.
+            base: X_WB, the pose that is displaced.
+            moves: Displacements in B: translation [m] and rotation vector [rad], of any norm.
+            near: Configuration that seeds a quarter of the attempts; None for none.
+            index: Index of the target that is near.
         """
         metric = self._query.options.pose_metric
         group, poses = self._query.group, _moved(base, moves)
@@ -138,7 +141,7 @@ class PoseAttempts:
 
 
 def _moved(base: Pose, moves: Array) -> tuple[Array, Array]:
-    """Return a pose displaced in its own axes, by half a turn at most: p_WT and quaternions."""
+    """Return poses displaced in the base's axes, rotations limited to pi: p_WT and quaternions."""
     shifts, turns = moves[:, :3], np.array(moves[:, 3:])
     turns *= np.minimum(1.0, np.pi / np.maximum(np.linalg.norm(turns, axis=1), 1e-12))[:, None]
     positions = base.position + rotation.rotate(base.quaternion, shifts)

@@ -1,4 +1,4 @@
-"""The sampler over some targets: seeds, solutions, and which of them remain."""
+"""PoseSearch: IK sampling from many seeds, filtered by limits, collisions, constraints, lines."""
 
 from typing import Any
 
@@ -21,19 +21,20 @@ type Array = np.ndarray[Any, np.dtype[np.float64]]
 type Flags = np.ndarray[Any, np.dtype[np.bool_]]
 type Indices = np.ndarray[Any, np.dtype[np.int64]]
 
-# So many converged free solutions in a row that were known already: there are no more.
+# Consecutive duplicates among free solutions after which the search ends.
 _PATIENCE = 40
 
 
 class PoseSearch:
-    """One run of the sampler.
+    """IK search of one goal, with its results and counts.
 
-    What is found does not depend on how many seeds the solver takes at once.
+    The results do not depend on how many seeds the solver takes at once.
 
     Attributes:
-        found: The distinct free solutions so far.
-        blocked: The distinct free solutions without approach or retreat.
-        colliding: Solutions within limits that are nearer to something than its margin.
+        judge: Check of approach and retreat; None if the goal has neither.
+        found: Distinct feasible solutions so far.
+        blocked: Distinct free solutions without a free approach or retreat.
+        colliding: Solutions within limits that violate the margin of a body pair.
     """
 
     def __init__(
@@ -44,7 +45,7 @@ class PoseSearch:
         deadline: Deadline,
         judge: ApproachChecker | None = None,
     ) -> None:
-        """Prepare to search; a judge keeps only configurations that have approach and retreat."""
+        """Prepare to search; with a judge only solutions with approach and retreat are kept."""
         self._query = query
         self._deadline = deadline
         self._limits = world.limits(query.group)
@@ -61,28 +62,32 @@ class PoseSearch:
         self.colliding: list[Array] = []
 
     def run(self, aims: TargetSamples, solver: PoseSolver, max_trials: int) -> None:
-        """Try seeds until there is enough, or no hope or time or trial for more.
+        """Try seeds until `is_done`, or the target samples are used up.
 
         Args:
-            aims: What to try them on.
-            solver: For the targets of these.
-            max_trials: The end, counted from the first trial of all runs.
+            aims: Target samples of the trials.
+            solver: IK solver for the targets of these.
+            max_trials: Largest number of trials, counted over all runs.
         """
         end = aims.end_within(max_trials)
         while self._tried < end and not self.is_done(max_trials):
             count = min(solver.num_at_once, end - self._tried)
             seeds, targets = aims.trials(self._tried, count)
-            # Some will collide, and some be the same.
+            # Twice as many, since some collide and some are duplicates.
             enough = 2 * (self._wanted - len(self.found))
             converged, q = solver.solve(self._rows(seeds), targets, enough)
             try:
                 self._admit(converged, q, aims.poses[targets[: len(q)]])
             except DeadlineExceeded:
-                # What was not judged in time does not count as tried.
+                # Trials that were not checked in time do not count.
                 return
 
     def funnel(self, rejected_by: tuple[PairTally, ...]) -> Funnel:
-        """Return how many got how far."""
+        """Return the number of trials that passed each stage of the search.
+
+        Args:
+            rejected_by: Tally of the body pairs of colliding solutions.
+        """
         return Funnel(
             self._tried,
             self._converged,
@@ -96,7 +101,7 @@ class PoseSearch:
         )
 
     def is_done(self, max_trials: int) -> bool:
-        """Return whether there is enough, or no hope or time or trial for more."""
+        """Return whether solutions suffice, trials or time are used up, or only duplicates come."""
         return (
             self._tried >= max_trials
             or len(self.found) >= self._wanted
@@ -105,14 +110,14 @@ class PoseSearch:
         )
 
     def _rows(self, seeds: Indices) -> Array:
-        """Return the seeds of some numbers, the last of which is the largest."""
+        """Return the seeds of ascending numbers, drawing more as needed."""
         missing = int(seeds[-1]) + 1 - len(self._drawn)
         if missing > 0:
             self._drawn = np.concatenate([self._drawn, self._seeds.take(missing)])
         return self._drawn[seeds]
 
     def _admit(self, converged: Flags, q: Array, poses: Indices) -> None:
-        """Count and keep what was found, in the order of the seeds, until there is enough."""
+        """Count the results of a batch and add the new solutions, in the order of the seeds."""
         q = clip_rounding(self._limits, self._manifold, q)
         within = converged & within_limits(self._limits, q)
         free, is_new = np.zeros_like(within), np.zeros_like(within)
@@ -132,14 +137,14 @@ class PoseSearch:
         self.found.add(q[:end][is_added], poses[:end][is_added])
 
     def _kept(self, q: Array, free: Flags) -> Flags:
-        """Return which of the free rows keep the query's rules."""
+        """Return which of the free rows satisfy the query's path constraints."""
         kept = np.array(free)
         if self._query.rules is not None:
             kept[free] = self._query.rules.are_kept(q[free])
         return kept
 
     def _approachable(self, q: Array, targets: Indices, free: Flags, is_new: Flags) -> Flags:
-        """Return which of the free rows have approach and retreat; strike the others as new."""
+        """Return which of the free rows have approach and retreat; clear `is_new` of the others."""
         good = np.array(free)
         is_new[free] &= ~self.blocked.contains(q[free], targets[free])
         asked = np.flatnonzero(is_new)
@@ -151,7 +156,7 @@ class PoseSearch:
         return good
 
     def _end(self, free: Flags, is_new: Flags) -> int:
-        """Return how many of the rows count: up to the one that ends the search."""
+        """Return the number of rows that count: up to the one that ends the search."""
         found = len(self.found)
         for i in np.flatnonzero(free):
             if is_new[i]:

@@ -1,4 +1,4 @@
-"""From seeds to configurations that reach a pose: by the kernel, many at once, or by Drake."""
+"""PoseSolver: numerical IK from seeds, by the native kernel (batched) or by Drake (one by one)."""
 
 from typing import Any, Protocol, runtime_checkable
 
@@ -23,10 +23,10 @@ _MAX_ITERATIONS = 30
 
 @runtime_checkable
 class PoseSolver(Protocol):
-    """Solves for some targets of one tool frame; targets are named by index.
+    """Interface of an IK solver for some targets of one tool frame, referred to by index.
 
     Attributes:
-        num_at_once: How many seeds are worth handing over together.
+        num_at_once: Efficient number of seeds per call.
     """
 
     num_at_once: int
@@ -37,23 +37,28 @@ class PoseSolver(Protocol):
         targets: Int64[np.ndarray, " n"],
         enough: int,
     ) -> tuple[Bool[np.ndarray, " m"], Float64[np.ndarray, "m nq"]]:
-        """Solve from seed after seed until `enough` have converged; m <= n were tried.
+        """Solve from seed after seed until `enough` have converged; m <= n are tried.
+
+        Args:
+            seeds: Initial guesses.
+            targets: Index of the target of each seed.
+            enough: Number of converged seeds after which the solver may stop.
 
         Returns:
-            Whether each seed converged to its target within tolerance, and to what.
+            Whether each tried seed converged to its target within tolerance, and the result.
         """
         ...
 
 
 class DrakePoseSolver:
-    """Drake's InverseKinematics, seed by seed."""
+    """IK solver by Drake's InverseKinematics, one seed at a time."""
 
     num_at_once = 1
 
     def __init__(
         self, world: World, group: JointGroup, deadline: Deadline, targets: list[ToolTarget]
     ) -> None:
-        """Solve no more once the deadline is over."""
+        """Prepare for some targets; no seed is solved after the deadline."""
         self._arguments = world, group
         self._targets = targets
         self._deadline = deadline
@@ -65,7 +70,7 @@ class DrakePoseSolver:
         targets: Int64[np.ndarray, " n"],
         enough: int,
     ) -> tuple[Flags, Array]:
-        """As PoseSolver says."""
+        """Solve as specified by `PoseSolver.solve`."""
         found: list[Array | None] = []
         for seed, target in zip(seeds, targets, strict=True):
             if enough <= sum(q is not None for q in found) or self._deadline.is_over:
@@ -83,7 +88,7 @@ class DrakePoseSolver:
 
 
 class KernelPoseSolver:
-    """The native kernel's Levenberg-Marquardt, as many seeds at once as a register holds."""
+    """IK solver by the native kernel: Levenberg-Marquardt, several seeds per SIMD register."""
 
     num_at_once = 320
 
@@ -95,7 +100,7 @@ class KernelPoseSolver:
         poses: tuple[Float64[np.ndarray, "n 3"], Float64[np.ndarray, "n 4"]],
         tolerance: Any,
     ) -> None:
-        """Prepare for poses X_WG, as p_WG [m] and quaternions, of the frame the chain leads to."""
+        """Prepare for target poses X_WG, as p_WG [m] and quaternions, of the chain's end frame."""
         self._chain, self._tolerance = chain, tolerance
         limits = world.limits(group)
         self._bounds = limits.lower, limits.upper
@@ -108,7 +113,7 @@ class KernelPoseSolver:
         targets: Int64[np.ndarray, " n"],
         enough: int,
     ) -> tuple[Flags, Array]:
-        """As PoseSolver says."""
+        """Solve as specified by `PoseSolver.solve`."""
         if not len(seeds):
             return np.zeros(0, dtype=bool), seeds
         converged, q, _ = self._chain.solve(
@@ -126,7 +131,7 @@ class KernelPoseSolver:
 def kernel_pose_solver(
     world: World, group: JointGroup, targets: list[ToolTarget]
 ) -> KernelPoseSolver | None:
-    """Return the kernel's solver, or None if there is no kernel for this world."""
+    """Return the kernel's solver for targets of equal tolerances; None if it has no such chain."""
     chain = kernel_chain(world.drake, group, world.state, targets[0].frame)
     if chain is None:
         return None
@@ -144,7 +149,14 @@ def exact_kernel_solver(
     frame: str,
     poses: tuple[Float64[np.ndarray, "n 3"], Float64[np.ndarray, "n 4"]],
 ) -> KernelPoseSolver | None:
-    """Return the same for many poses X_WG of a frame, as p_WG [m] and quaternions, met exactly."""
+    """Return the kernel's solver for exact poses X_WG of a frame; None if it has no such chain.
+
+    Args:
+        world: Loaded scene.
+        group: Joint group to solve for.
+        frame: Full name of the tool frame.
+        poses: p_WG [m] and quaternions.
+    """
     chain = kernel_chain(world.drake, group, world.state, frame)
     if chain is None:
         return None

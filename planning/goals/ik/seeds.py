@@ -1,4 +1,4 @@
-"""Seeds for the solver: the start, its neighbourhood, then anywhere."""
+"""Seeds: initial guesses of the IK solvers: the start, samples near it, then uniform samples."""
 
 from typing import Any
 
@@ -17,7 +17,7 @@ _AT_ONCE = 256
 
 
 class Seeds:
-    """An endless row of seeds. What it gives does not depend on how many are taken at once."""
+    """Endless sequence of seeds; it does not depend on how many are taken at once."""
 
     def __init__(
         self,
@@ -26,9 +26,9 @@ class Seeds:
         start: Float64[np.ndarray, " nq"],
         rng: np.random.Generator,
     ) -> None:
-        """Begin at the start.
+        """Begin the sequence with the start.
 
-        Coordinates without bounds are drawn within half a turn, or within 2 m of the start.
+        Coordinates without bounds are drawn within half a turn, or within 2 m, of the start.
         """
         self._rng = rng
         self._manifold = Manifold(group.joints)
@@ -41,7 +41,7 @@ class Seeds:
         self._turned = np.concatenate([_is_quaternion(joint.type) for joint in group.joints])
 
     def take(self, count: int) -> Float64[np.ndarray, "count nq"]:
-        """Return the next ones."""
+        """Return the next `count` seeds."""
         if len(self._waiting) < count:
             drawn = self._drawn(_AT_ONCE * -(-(count - len(self._waiting)) // _AT_ONCE))
             self._waiting = np.concatenate([self._waiting, drawn])
@@ -49,7 +49,7 @@ class Seeds:
         return taken
 
     def _drawn(self, count: int) -> Array:
-        """Return `count` more, drawn in portions of always the same size."""
+        """Return `count` uniform seeds, drawn in blocks of a fixed size for reproducibility."""
         portions: list[Array] = []
         for _ in range(count // _AT_ONCE):
             q = self._rng.uniform(self._lower, self._upper, (_AT_ONCE, len(self._lower)))

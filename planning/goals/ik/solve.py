@@ -1,4 +1,4 @@
-"""One search for configurations that reach a pose, by the fastest solver there is."""
+"""IK search for a tool goal: by the native kernel, verified by Drake, or else by Drake alone."""
 
 import logging
 from collections.abc import Callable
@@ -28,9 +28,13 @@ _LOG = logging.getLogger(__name__)
 def solve_tool_goal(
     world: World, query: GoalQuery, rng: np.random.Generator, deadline: Deadline
 ) -> tuple[TargetSelection, PoseSearch]:
-    """Search, by the kernel if there is one, and let Drake verify what it finds.
+    """Search configurations of a tool goal by the kernel, if available, and verify them by Drake.
 
-    Drake answers alone if it refutes a single one of the kernel's.
+    If Drake's forward kinematics refutes a single solution of the kernel, all are discarded and
+    the search is repeated by Drake alone.
+
+    Returns:
+        The target selection of the goal, and the finished search with its solutions.
     """
     group = query.group
     aiming = select_targets(world, query, rng)
@@ -56,7 +60,7 @@ def _followed(
     rng: np.random.Generator,
     deadline: Deadline,
 ) -> PoseSearch | None:
-    """Return the search once it is over, None if there is no such solver."""
+    """Return the finished search over a target selection; None if `solver_of` has no solver."""
     trials = query.options.max_trials
     first = int(np.ceil(aiming.share * trials))
     judge = approach_checker(world, query, aiming.accepted, deadline)
@@ -93,7 +97,7 @@ def _by_drake(
 def _are_met(
     world: World, group: JointGroup, aiming: TargetSelection, found: UniqueSolutions
 ) -> bool:
-    """Return whether Drake agrees that every solution reaches its target."""
+    """Return whether every solution reaches its target by Drake's forward kinematics."""
     frame = aiming.accepted[0].frame
     reached = world.frame_poses(frame, world.embed(group, found.rows))
     return all(

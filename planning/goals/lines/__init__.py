@@ -1,1 +1,1 @@
-"""Straight moves of a tool: lines that are traced, approaches and retreats."""
+"""Linear tool moves (MoveL, LIN): tracing of lines, approaches and retreats of goals."""

@@ -1,6 +1,6 @@
-"""ApproachChecker: which goal configurations have a free approach and a free retreat.
+"""ApproachChecker: filter of goal configurations by a free approach and a free retreat.
 
-Both are traced from the goal configuration outwards: what counts is the branch that reaches it.
+Both lines are traced from the goal configuration outwards, so they stay in its IK branch.
 """
 
 from collections import defaultdict
@@ -33,16 +33,16 @@ type Array = np.ndarray[Any, np.dtype[np.float64]]
 type Flags = np.ndarray[Any, np.dtype[np.bool_]]
 type Indices = np.ndarray[Any, np.dtype[np.int64]]
 
-# So many of the lines that end early are looked at for the report.
+# Largest number of blocked lines analyzed for the report.
 _LOOKED_AT = 64
 
 
 class ApproachChecker:
-    """Traces the lines of one pose goal and keeps those that reach their ends.
+    """Check of goal configurations: their approach and retreat lines can be traced to their ends.
 
     Attributes:
-        targets: Of the goal, in world.
-        ended: Lines that do not: which ("approach" or "retreat"), of which target, how far.
+        targets: Targets of the goal, in world.
+        ended: Blocked lines: name ("approach" or "retreat"), index of the target, trace state.
     """
 
     def __init__(
@@ -54,7 +54,16 @@ class ApproachChecker:
         deadline: Deadline,
         fineness: TraceResolution | None = None,
     ) -> None:
-        """Prepare for the goal's targets in world."""
+        """Prepare for a goal.
+
+        Args:
+            world: Loaded scene.
+            query: Goal query: group, margins and path constraints.
+            goal: Goal with an approach or a retreat.
+            targets: Targets of the goal, in world.
+            deadline: Time limit of the traces.
+            fineness: Resolution of the traces; None for the default.
+        """
         self._world, self._query, self._deadline = world, query, deadline
         self.targets = targets
         self._axes = np.array([target.pose.quaternion for target in targets])
@@ -69,7 +78,16 @@ class ApproachChecker:
     def admit(
         self, rows: Float64[np.ndarray, "n nq"], targets: Int64[np.ndarray, " n"]
     ) -> Bool[np.ndarray, " n"]:
-        """Return whether each configuration has all its lines; remember them."""
+        """Return whether each configuration has all requested lines; store their linear moves.
+
+        Args:
+            rows: Goal configurations.
+            targets: Index of the target that each configuration reaches.
+
+        Raises:
+            DeadlineExceeded: Time ran out.
+            Canceled: Cancellation was requested.
+        """
         good = np.ones(len(rows), dtype=bool)
         found: dict[str, dict[int, LinearMove]] = {}
         for name, way in self._ways.items():
@@ -85,14 +103,14 @@ class ApproachChecker:
     def legs_of(
         self, admitted: Float64[np.ndarray, "n nq"], rows: Float64[np.ndarray, "n nq"]
     ) -> list[GoalMoves]:
-        """Return the lines of rows that are admitted ones plus whole turns."""
+        """Return the linear moves of rows that equal admitted ones up to full turns of joints."""
         return [
             _shifted(self._legs[q.tobytes()], row - q)
             for q, row in zip(admitted, rows, strict=True)
         ]
 
     def keep_rules(self, rows: Float64[np.ndarray, "n nq"]) -> Bool[np.ndarray, " n"]:
-        """Return whether all lines of each row that was admitted keep the query's rules."""
+        """Return whether all lines of each admitted row satisfy the query's path constraints."""
         rules = self._query.rules
         kept = np.ones(len(rows), dtype=bool)
         if rules is not None:
@@ -101,7 +119,7 @@ class ApproachChecker:
         return kept
 
     def stop_of(self, q: Float64[np.ndarray, " nq"], target: int) -> LinearMoveStop | None:
-        """Return what ends the first line of a configuration that does not reach its end."""
+        """Return the stop of the first blocked line of a configuration; None if none is blocked."""
         for name, way in self._ways.items():
             if way is not None:
                 (course,) = self.reach(name, q[None], np.array([target]))
@@ -112,13 +130,13 @@ class ApproachChecker:
 
     @property
     def blocking_pairs(self) -> list[tuple[str, str]]:
-        """The bodies that stopped lines, pair by pair."""
+        """Pair of colliding bodies of each line that a collision stopped."""
         stops = [trace.stop for _, trace in self._looked_at()]
         return [stop.pair.bodies for stop in stops if stop is not None and stop.pair is not None]
 
     @property
     def blocked_by(self) -> tuple[LinearMoveTally, ...]:
-        """What stopped lines, most frequent first."""
+        """Tally of the stops of the analyzed lines by reason and place, most frequent first."""
         fractions: dict[tuple[str, str, str], list[float]] = defaultdict(list)
         for name, trace in self._looked_at():
             if trace.stop is not None:
@@ -132,7 +150,7 @@ class ApproachChecker:
     def reach(
         self, name: str, rows: Float64[np.ndarray, "n nq"], targets: Int64[np.ndarray, " n"]
     ) -> list[TraceState]:
-        """Return how far each configuration gets along one of the lines that are asked for."""
+        """Return the trace of each configuration along its "approach" or "retreat" line."""
         at = self._tracer.kinematics.poses(rows)
         outwards = rotation.rotate(self._axes[targets], np.asarray(self._ways[name])[None])
         lines = [
@@ -143,7 +161,7 @@ class ApproachChecker:
         return self._tracer.trace(lines, rows, self._deadline)
 
     def _looked_at(self) -> list[tuple[str, LineTrace]]:
-        """Return the first of the lines that end early, each looked at only once."""
+        """Return the traces of the first blocked lines; each is analyzed once and cached."""
         for name, _, course in self.ended[len(self._traces) : _LOOKED_AT]:
             self._traces.append((name, self._traced(course)))
         return self._traces
@@ -155,7 +173,7 @@ class ApproachChecker:
     def _reaching(
         self, name: str, rows: Array, targets: Indices, good: Flags
     ) -> dict[int, LinearMove]:
-        """Return the legs outwards from those of the good rows that have one."""
+        """Return the outward linear moves of the good rows whose line is free, by row."""
         asked = np.flatnonzero(good)
         courses = self.reach(name, rows[asked], targets[asked])
         for target, course in zip(targets[asked], courses, strict=True):
@@ -171,13 +189,13 @@ class ApproachChecker:
 def approach_checker(
     world: World, query: GoalQuery, targets: Sequence[Target], deadline: Deadline
 ) -> ApproachChecker | None:
-    """Return the judge of a goal, or None if it asks for no lines."""
+    """Return the approach checker of a goal; None if it has neither approach nor retreat."""
     goal = filter_by_approach(query.goal)
     return None if goal is None else ApproachChecker(world, query, goal, targets, deadline)
 
 
 def filter_by_approach(goal: Goal) -> LinedGoal | None:
-    """Return the goal if it asks for lines."""
+    """Return the goal if it has an approach or a retreat, else None."""
     if not isinstance(goal, PoseGoal | RegionGoal):
         return None
     return None if goal.approach is None and goal.retreat is None else goal
@@ -189,13 +207,15 @@ def with_moves(
     found: tuple[Float64[np.ndarray, "n nq"], Int64[np.ndarray, " n"], list[GoalMoves]],
     funnel: Funnel,
 ) -> GoalConfigurations:
-    """Return those configurations whose lines keep the limits, with the nearest entry first.
+    """Return the configurations whose linear moves are within limits, nearest entry first.
+
+    The entry is the configuration at the beginning of the approach.
 
     Args:
-        query: What was asked.
-        limits: The group's; whole turns may have brought a line beyond them.
-        found: Configurations, the targets that they reach, and their lines.
-        funnel: For the report.
+        query: Goal query.
+        limits: Joint limits of the group; full turns may have moved a line beyond them.
+        found: Configurations, the indices of their targets, and their linear moves.
+        funnel: Funnel of the search, for the report.
     """
     rows, targets, legs = found
     inside = [i for i in range(len(rows)) if _is_inside(limits, legs[i])]

@@ -1,4 +1,4 @@
-"""ApproachFeasibility: which configurations near a goal have its approach and retreat."""
+"""ApproachFeasibility: check of approach and retreat at configurations near an infeasible goal."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -24,19 +24,20 @@ from planning.world.world import World
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
-# Whether a line reaches its end is wanted, not where else it ends.
+# Resolution without bisection: whether a line reaches its end matters, not where it is blocked.
 _VERDICTS = TraceResolution(end=1.0)
-# How many glances are cast at a line, one each so often [m]; and how far joints go between two of
-# them at most [rad or m]: lines on which they go farther are hardly ever free.
+# Quick check of a line: least and most sample points, and their spacing [m]; and the largest joint
+# motion between two of them [rad or m]: lines with larger ones are hardly ever free.
 _LEAST, _MOST, _OFTEN = 4, 16, 0.05
 _JUMP = 1.0
 
 
 class ApproachFeasibility:
-    """Judges lines as plans do, from configurations that reach another pose than was asked for.
+    """Check of approach and retreat lines at configurations that miss the goal's pose.
 
-    The lines are as long as asked for. Either the goal moves along with the pose, and its axes
-    with it, or it stays where it is and tolerates more.
+    The lines are traced as in plans and have the requested lengths. Either the goal moves to the
+    reached pose together with its axes (`are_free`), or it stays in place with a larger tolerance
+    (`are_free_from`).
     """
 
     def __init__(
@@ -47,7 +48,7 @@ class ApproachFeasibility:
         targets: Sequence[Target],
         deadline: Deadline,
     ) -> None:
-        """Judge for the goal's targets in world; after the deadline no line is free."""
+        """Prepare for the goal's targets in world; after the deadline lines count as blocked."""
         self._world, self._query, self._goal = world, query, goal
         self._targets, self._deadline = targets, deadline
         self._frame = targets[0].frame
@@ -57,18 +58,21 @@ class ApproachFeasibility:
     def are_free(
         self, rows: Float64[np.ndarray, "n nq"], indices: Int64[np.ndarray, " n"]
     ) -> Bool[np.ndarray, " n"]:
-        """Return which rows have all lines, and keep the rules on them, were the goal moved there.
+        """Return which rows have all lines, path constraints included, with the goal moved there.
 
         Args:
             rows: Configurations that are feasible themselves.
-            indices: Which of the targets is moved to each.
+            indices: Index of the target that is moved to each.
         """
         return self._judged(rows, self._moved(self._reached(rows), indices))
 
     def may_be_free(
         self, rows: Float64[np.ndarray, "n nq"], indices: Int64[np.ndarray, " n"]
     ) -> Bool[np.ndarray, " n"]:
-        """Return which rows may have all lines, at a glance: a guess, of use if most have none."""
+        """Return which rows may have all lines, by a quick check: sampled IK instead of tracing.
+
+        A heuristic to discard rows; it neither proves nor refutes a line.
+        """
         good = np.ones(len(rows), dtype=bool)
         if not len(rows):
             return good
@@ -83,7 +87,7 @@ class ApproachFeasibility:
         return good
 
     def _glanced(self, rows: Array, reached: tuple[Array, Array], outwards: Array) -> Any:
-        """Return whether each row can follow a line from place to place."""
+        """Return whether each row can follow a line through sampled poses, feasible at each."""
         good, q = np.ones(len(rows), dtype=bool), np.array(rows)
         if not len(rows):
             return good
@@ -104,13 +108,14 @@ class ApproachFeasibility:
     def are_free_from(
         self, rows: Float64[np.ndarray, "n nq"], index: int
     ) -> Bool[np.ndarray, " n"]:
-        """Return the same for a target that stays where it is."""
+        """Return which rows have all lines, path constraints included, with the target in place."""
         return self._judged(rows, [self._targets[index].pose] * len(rows))
 
     def bounds_of(self, q: Float64[np.ndarray, " nq"], index: int) -> Bounds:
-        """Return what stands against the lines of q, were the goal moved there, if there is time.
+        """Return the constraints that block the lines of q with the goal moved there.
 
-        It is what stops one, or else the rules that they break.
+        These are the stop of a line, or else the violated path constraints; empty if the time runs
+        out.
         """
         rules, judge = self._query.rules, self._judge(self._moved(self._reached(q[None]), [index]))
         try:
@@ -158,6 +163,6 @@ class ApproachFeasibility:
 def approach_feasibility(
     world: World, query: GoalQuery, targets: Sequence[Target], deadline: Deadline
 ) -> ApproachFeasibility | None:
-    """Return the judge of lines near a goal, None if it asks for none."""
+    """Return the approach feasibility check of a goal; None if it has no approach or retreat."""
     goal = filter_by_approach(query.goal)
     return None if goal is None else ApproachFeasibility(world, query, goal, targets, deadline)

@@ -1,4 +1,4 @@
-"""From a line goal to the motions along its lines, or why there are none."""
+"""Line goals: linear moves through the goal's targets, or the reason why a line is blocked."""
 
 from planning.domain.goals.goal import LineGoal
 from planning.domain.goals.linear_moves import LinearMove, ToolLine
@@ -14,13 +14,13 @@ from planning.world.world import World
 def follow_lines(
     world: World, query: GoalQuery, goal: LineGoal, deadline: Deadline
 ) -> tuple[LinearMove, ...]:
-    """Return a leg to each of the goal's targets, each beginning where the one before ended.
+    """Return a linear move to each of the goal's targets, each from the end of the one before.
 
     Raises:
         LineBlocked: A line cannot be followed to its end.
         UnknownName: A frame does not exist.
         DeadlineExceeded: Time ran out.
-        Canceled: The end was asked for.
+        Canceled: Cancellation was requested.
     """
     tool = goal.frame or query.group.tool_frames[0]
     fineness = TraceResolution(goal.max_shift, goal.max_turn)

@@ -1,4 +1,4 @@
-"""One step along lines: from configurations on them to others on them, many lines at once.
+"""LineSteps: predictor-corrector steps of differential IK along tool lines, many lines at once.
 
 The predictor follows the resolved rates q' = J^+ t of the line's twist t; the corrector is Newton's
 method on the pose error, with damped least squares J^T (J J^T + lambda^2 I)^-1 (Nakamura and
@@ -22,23 +22,23 @@ type Indices = np.ndarray[Any, np.dtype[np.int64]]
 
 _DAMPING = 1e-10
 _ITERATIONS = 10
-# Pose error that counts as none [m and rad].
+# Pose error that counts as zero [m and rad].
 _EXACT = 1e-9
-# A correction is small against its step, or it may lead to another branch.
+# Largest correction as a share of its step: a larger one may lead to another IK branch.
 _CORRECTION = 0.5
-# Farthest that a joint goes in one step [rad or m].
+# Largest joint motion in one step [rad or m].
 _LARGEST = 0.2
-# And all of them together, before a bound on what they do means nothing.
+# Cap on the sum of joint motions in the exponent of the deviation bound, against overflow.
 _FARTHEST = 50.0
 
 
 class LineSteps:
-    """Steps along some lines of one tool frame; rows name lines."""
+    """Steps of configurations along lines of one tool frame; lines are referred to by row."""
 
     def __init__(
         self, kinematics: ToolKinematics, manifold: Manifold, lines: Sequence[ToolLine]
     ) -> None:
-        """Take the lines apart."""
+        """Prepare for a batch of lines."""
         self._kinematics = kinematics
         self._manifold = manifold
         self._origins = np.array([line.begin.position for line in lines])
@@ -56,13 +56,15 @@ class LineSteps:
         spans: tuple[Float64[np.ndarray, " m"], Float64[np.ndarray, " m"]],
         locked: Bool[np.ndarray, "m nv"],
     ) -> tuple[Float64[np.ndarray, "m nq"], Bool[np.ndarray, " m"]]:
-        """Return configurations at the far ends of spans of the lines, and whether they are right.
+        """Return configurations at the far ends of spans of lines, and whether they converged.
+
+        Converged means: no pose error, a small correction and joint motions of at most `_LARGEST`.
 
         Args:
-            rows: Which lines.
-            q: Configurations at the spans' near ends.
-            spans: Fractions of both ends.
-            locked: Velocity coordinates that may not move.
+            rows: Rows of the lines.
+            q: Configurations at the near ends of the spans.
+            spans: Fractions of the line at the near and at the far ends.
+            locked: Velocity coordinates that must not move.
         """
         near, far = spans
         twist = self._twists[rows] * (far - near)[:, None]
@@ -92,19 +94,19 @@ class LineSteps:
         moves: Float64[np.ndarray, "m nv"],
         width: Float64[np.ndarray, " m"],
     ) -> tuple[Float64[np.ndarray, " m"], Float64[np.ndarray, " m"]]:
-        """Bound how far the tool leaves its line [m, rad] on geodesics between two of its points.
+        """Bound the tool's deviation from its line [m, rad] on joint geodesics between two points.
 
-        Both ends being right, |f| <= max |f''| / 8 on [0, 1] for what is off. With columns (a_i;
-        v_i) of the Jacobian and rates w_i, p'' = sum_ij (a_i x v_j) w_i w_j over i before j along
-        the chain, and in the same way |v_j| grows by at most exp(sum w); joints that follow others
-        count apart from these, since both turn while the tool may not. Of rotations the matrix
-        R - S is bounded, where |R''| <= sqrt(2) (|omega'| + |omega|^2) in Frobenius' norm.
+        With both ends exact, the deviation f satisfies |f| <= max |f''| / 8 on [0, 1]. With columns
+        (a_i; v_i) of the Jacobian and rates w_i, p'' = sum_ij (a_i x v_j) w_i w_j over i before j
+        along the chain, and in the same way |v_j| grows by at most exp(sum w); mimic joints count
+        separately from their leaders, since both turn while the tool may not. For rotations the
+        matrix R - S is bounded, where |R''| <= sqrt(2) (|omega'| + |omega|^2) in Frobenius' norm.
 
         Args:
-            rows: Which lines.
-            q: Where the geodesics begin.
-            moves: Their tangents.
-            width: Their share of the line.
+            rows: Rows of the lines.
+            q: Configurations at the beginning of the geodesics.
+            moves: Tangent displacements of the geodesics.
+            width: Share of the line that each geodesic covers.
         """
         columns = self._kinematics.columns(q)
         leaders, multipliers = self._kinematics.followers
@@ -125,17 +127,17 @@ class LineSteps:
         return shift, 2 * np.arcsin(np.minimum(chord / 2, 1.0))
 
     def twist(self, row: int) -> Array:
-        """Return the twist of a line [rotation; translation], in W and for all of it."""
+        """Return the twist of a whole line [rotation; translation] in W [rad, m], shape (6,)."""
         return self._twists[row]
 
     def _moved(self, q: Array, twists: Array, locked: Flags) -> Array:
-        """Return the least tangents that make the tool move by twists."""
+        """Return the joint displacements of tool twists, by damped least squares."""
         jacobian = np.where(locked[:, None, :], 0.0, self._kinematics.jacobians(q))
         square = jacobian @ jacobian.transpose(0, 2, 1) + _DAMPING * np.eye(6)
         return np.einsum("mij,mi->mj", jacobian, np.linalg.solve(square, twists[..., None])[..., 0])
 
     def _errors(self, rows: Indices, q: Array, fractions: Array) -> Array:
-        """Return what is missing to the lines' poses, as twists in W."""
+        """Return the pose errors to the lines at some fractions, as twists in W."""
         actual, at = self._kinematics.poses(q)
         turned = rotation.exp(fractions[:, None] * self._turns[rows])
         wanted = rotation.matrix(rotation.multiply(self._quaternions[rows], turned))

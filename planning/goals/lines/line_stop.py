@@ -1,4 +1,4 @@
-"""What stopped a line, with the evidence: the joint, the two bodies, or the singular value."""
+"""LineStop of a traced line: joint limit, collision, singularity or reach, with its evidence."""
 
 from typing import Any
 
@@ -16,14 +16,14 @@ from planning.world.world import World
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
-# Singular values below this are none: the group cannot move the tool that way anywhere near.
+# Singular values below this count as zero: the group cannot move the tool in that direction.
 _NONE = 1e-6
-# What moves the tool less than this per joint is a singularity [1 or m per rad].
+# Singular values below this are a singularity [1 or m per rad].
 _SINGULAR = 0.02
 _RIGID = 6
-# A spare joint this near to its limit is stopped there [rad or m].
+# A redundant joint this near to its limit is stopped there [rad or m].
 _AT_LIMIT = 1e-3
-# Pairs this near beyond their margin are looked at [m].
+# Distance beyond their margin up to which pairs are considered [m].
 _HAIR = 1e-3
 
 
@@ -34,7 +34,7 @@ def traced(
     kinematics: ToolKinematics,
     course: TraceState,
 ) -> LineTrace:
-    """Return a course as a value, with what stopped it."""
+    """Return the line trace of a trace state, with its stop; the stop is None at the line's end."""
     stop = None if not course.halt else _stop(world, group, margins, kinematics, course)
     return LineTrace(
         line=course.line,
@@ -70,9 +70,9 @@ def _stop(
 
 
 def _singular_value(kinematics: ToolKinematics, manifold: Manifold, q: Array) -> tuple[float, int]:
-    """Return the least singular value that is not zero all around, and how many there are.
+    """Return the smallest generically nonzero singular value of the Jacobian at q, and its rank.
 
-    How many there are is seen beside q, where each joint stands a little differently.
+    The generic rank is taken at a configuration near q, where all joints differ a little.
     """
     aside = 0.1 * np.sin(1.0 + np.arange(manifold.num_velocities))
     both = np.stack([q, manifold.plus(q, aside)])
@@ -82,21 +82,22 @@ def _singular_value(kinematics: ToolKinematics, manifold: Manifold, q: Array) ->
 
 
 def _to_spare(world: World, group: JointGroup, q: Array) -> float:
-    """Return how far the joint that is nearest to a limit is from it [rad or m]."""
+    """Return the smallest distance of a joint to its limits [rad or m]."""
     limits = world.limits(group)
     return float(np.minimum(q - limits.lower, limits.upper - q).min())
 
 
 def _joint_outside(world: World, group: JointGroup, q: Array) -> str:
-    """Return the coordinate that is farthest outside its limits, or nearest to that."""
+    """Return the name of the position farthest outside its limits, or else nearest to them."""
     limits = world.limits(group)
     return group.position_names[int(np.argmax(np.maximum(limits.lower - q, q - limits.upper)))]
 
 
 def _worst_pair(world: World, group: JointGroup, q: Array, margins: PairMargins) -> BodyPair | None:
-    """Return the pair that lacks most of its margin, or is nearest to lacking some.
+    """Return the body pair with the largest margin violation, or else nearest to one.
 
-    Distances are hints where boxes are nearly touching: the verdict may be a hair stricter.
+    Distances are approximate where boxes nearly touch: the collision check may be slightly
+    stricter.
     """
     horizon = margins.largest + _HAIR
     pairs = world.distance_probe(margins).pairs_within(world.embed(group, q), horizon)
@@ -104,7 +105,7 @@ def _worst_pair(world: World, group: JointGroup, q: Array, margins: PairMargins)
 
 
 def stop_evidence(stop: LineStop, margins: PairMargins) -> dict[str, Any]:
-    """Return a stop as evidence of a failure."""
+    """Return a line stop as evidence of a failure."""
     return {
         "reason": stop.reason,
         "fraction": stop.fraction,
@@ -120,7 +121,7 @@ def stop_evidence(stop: LineStop, margins: PairMargins) -> dict[str, Any]:
 
 
 def describe_stop(stop: LineStop) -> str:
-    """Return a stop as words."""
+    """Return a line stop as text for a message."""
     match stop.reason:
         case "limit":
             why = f"{stop.joint} would leave its limits"

@@ -1,4 +1,4 @@
-"""LineTracer: follow lines from given configurations, many at once, each as far as it goes."""
+"""LineTracer: traces straight tool lines (MoveL) from given configurations, many at once."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -22,24 +22,24 @@ type Array = np.ndarray[Any, np.dtype[np.float64]]
 type Flags = np.ndarray[Any, np.dtype[np.bool_]]
 type Indices = np.ndarray[Any, np.dtype[np.int64]]
 
-# The tool turns by this much in one step at most [rad].
+# Largest tool rotation in one step [rad].
 _LARGEST_TURN = 0.3
-# Joint-space length between two looks for collisions.
+# Largest joint-space length between two collision checks [rad or m].
 _LOOK = 0.02
-# Velocity coordinates that a rigid body has; a group with more can spare some.
+# Velocity coordinates of a rigid body; a group with more is redundant.
 _RIGID = 6
 
 
 @dataclass(frozen=True)
 class TraceResolution:
-    """How closely lines are followed.
+    """Resolution of line tracing.
 
     Attributes:
-        max_shift: Between waypoints the tool is this near to the line [m].
-        max_turn: And its rotation [rad].
-        max_step: Between waypoints the tool moves by this much at most [m].
-        end: Where limits and bodies end a line is found to this share of it. Whether a line reaches
-            its end does not depend on it.
+        max_shift: Largest distance of the tool from the line between waypoints [m].
+        max_turn: Largest rotation error of the tool between waypoints [rad].
+        max_step: Largest tool translation between waypoints [m].
+        end: Accuracy of the place where a limit or a collision ends a line, as a share of the
+            line. Whether a line reaches its end does not depend on it.
     """
 
     max_shift: float = MAX_SHIFT
@@ -49,7 +49,11 @@ class TraceResolution:
 
 
 class LineTracer:
-    """Follows lines of one tool frame of one group."""
+    """Tracer of straight lines of one tool frame of one group.
+
+    Attributes:
+        kinematics: Kinematics of the tool frame.
+    """
 
     def __init__(
         self,
@@ -59,7 +63,7 @@ class LineTracer:
         margins: PairMargins,
         fineness: TraceResolution,
     ) -> None:
-        """Prepare; nothing here depends on the lines.
+        """Prepare for a frame, margins and a resolution, independently of the lines.
 
         Raises:
             UnknownName: There is no such frame.
@@ -76,11 +80,18 @@ class LineTracer:
         starts: Float64[np.ndarray, "m nq"],
         deadline: Deadline,
     ) -> list[TraceState]:
-        """Follow each line from its start, which puts the tool at the line's beginning.
+        """Trace each line from a start configuration as far as it is feasible.
+
+        Collisions are checked at samples of the steps, not proven absent between them.
+
+        Args:
+            lines: Lines of the tool frame.
+            starts: Start configurations, each with the tool at the beginning of its line.
+            deadline: Time limit.
 
         Raises:
             DeadlineExceeded: Time ran out.
-            Canceled: The end was asked for.
+            Canceled: Cancellation was requested.
         """
         courses = [
             TraceState(line, self._longest(line), [q], self._fineness.end)
@@ -113,7 +124,7 @@ class LineTracer:
     def _judged(
         self, steps: LineSteps, rows: list[int], courses: list[TraceState]
     ) -> list[CheckedStep]:
-        """Return the next step of each of some lines."""
+        """Return the next step of each of some lines, checked."""
         index = np.array(rows, dtype=np.int64)
         q = np.stack([courses[row].waypoints[-1] for row in rows])
         near = np.array([courses[row].at for row in rows])
@@ -139,9 +150,9 @@ class LineTracer:
     def _within_limits(
         self, steps: LineSteps, rows: Indices, q: Array, spans: tuple[Array, Array]
     ) -> tuple[Array, Indices, Array]:
-        """Return where steps lead, what stands against them, and configurations beyond limits.
+        """Return the ends of steps, the reasons against them, and configurations beyond limits.
 
-        If there are joints to spare, those that would leave their limits are stopped there.
+        In a redundant group, coordinates that would leave their limits are locked.
         """
         locked = np.zeros((len(rows), self._manifold.num_velocities), dtype=bool)
         reached, right = steps.step(rows, q, spans, locked)
@@ -169,7 +180,7 @@ class LineTracer:
         return reached, halts, beyond
 
     def _look(self, q: Array, moves: Array, halts: Indices, beyond: Array) -> None:
-        """Look for collisions on the steps that nothing stands against yet."""
+        """Check the steps that are feasible so far for collisions, at samples."""
         rows = np.flatnonzero(halts == TraceStop.NONE)
         lengths = np.linalg.norm(moves[rows], axis=1)
         counts = np.maximum(1, np.ceil(lengths / _LOOK)).astype(np.int64)

@@ -1,4 +1,4 @@
-"""Shorter lines: how much of a blocked approach or retreat would do."""
+"""ShorterMoves: shortened approach and retreat with which a blocked goal becomes feasible."""
 
 from dataclasses import dataclass, replace
 from typing import Any
@@ -14,20 +14,21 @@ from planning.world.world import World
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
-# So many of the configurations that get farthest are asked.
+# Number of configurations tried, those whose lines get farthest.
 _NUM_ASKED = 8
-# Of what a line reaches, what is told: the rest is room for the next search.
+# Share of the reached length that is suggested: the rest is a reserve for the next search.
 _TOLD = 0.98
 
 
 @dataclass(frozen=True, eq=False)
 class ShorterMoves(Value):
-    """Lines that a goal configuration has.
+    """Feasible lengths of the approach and the retreat of one goal configuration.
 
     Attributes:
-        pose_index: Which candidate pose it reaches.
-        lengths: Of the approach and of the retreat, those that are asked for [m]; 0 for "without".
-        positions: The configuration, shape (nq,).
+        pose_index: Index of the candidate pose that it reaches.
+        lengths: Length [m] by name, "approach" and "retreat", of the requested ones; 0 for a line
+            to be left out.
+        positions: Goal configuration, shape (nq,).
     """
 
     pose_index: int
@@ -36,7 +37,7 @@ class ShorterMoves(Value):
 
     @property
     def evidence(self) -> dict[str, Any]:
-        """The same as plain values."""
+        """Plain values for the evidence of a failure."""
         return {
             "approach": self.lengths.get("approach"),
             "retreat": self.lengths.get("retreat"),
@@ -48,7 +49,14 @@ class ShorterMoves(Value):
 def shorter_moves(
     world: World, query: GoalQuery, judge: ApproachChecker, deadline: Deadline
 ) -> ShorterMoves | None:
-    """Return the longest lines that one of the configurations that were judged has, if any has."""
+    """Return the longest feasible lines of one checked configuration; None if none has any.
+
+    Args:
+        world: Loaded scene.
+        query: Goal query whose goal has an approach or a retreat.
+        judge: Checker that has traced the lines of the goal's configurations.
+        deadline: Time limit; None is returned after it.
+    """
     goal = query.goal
     assert isinstance(goal, PoseGoal | RegionGoal)  # noqa: S101  (no other goal has a judge)
     ways = {"approach": goal.approach, "retreat": goal.retreat}
@@ -71,7 +79,7 @@ def shorter_moves(
 def _farthest(
     judge: ApproachChecker, asked: dict[str, Array]
 ) -> list[tuple[int, Array, dict[str, float]]]:
-    """Return targets, configurations and the share of each line that they have, the most first."""
+    """Return targets, configurations and the free share of each line, longest lines first."""
     ended = sorted(judge.ended, key=lambda entry: -entry[2].at)[:_NUM_ASKED]
     found: list[tuple[int, Array, dict[str, float]]] = []
     for name, target, course in ended:

@@ -1,7 +1,7 @@
-"""TraceState: how far one line was followed, and which step to try next.
+"""TraceState: progress of tracing one tool line, with adaptive step size.
 
-The step grows while all goes well and is halved where it does not. What a step runs into (a joint's
-limit, an obstacle) lies between its two ends and is found by bisection.
+The step grows after each success and is halved after a failure to converge. The place where a
+joint limit or an obstacle ends the line is found by bisection.
 """
 
 from dataclasses import dataclass, field
@@ -14,13 +14,13 @@ from planning.domain.goals.linear_moves import ToolLine
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
-# Where a line ends is found to this share of it.
+# Accuracy of the place where a line ends, as a share of the line.
 FINEST = 1e-5
 _GROWTH = 1.6
 
 
 class TraceStop(IntEnum):
-    """What stands against a step."""
+    """Reason against a step; STUCK: no convergence, or too large a deviation from the line."""
 
     NONE = 0
     STUCK = 1
@@ -30,15 +30,16 @@ class TraceStop(IntEnum):
 
 @dataclass(frozen=True)
 class CheckedStep:
-    """One step of one line.
+    """Result of one attempted step along one line.
 
     Attributes:
-        fraction: Where it ends.
-        q: The configuration there, shape (nq,).
-        halt: What stands against it.
-        max_shift: Bound on how far the tool is off the line on the way [m].
-        max_turn: And its rotation [rad].
-        beyond: If it must not be: a configuration that shows it, shape (nq,).
+        fraction: Fraction of the line at the end of the step.
+        q: Configuration there, shape (nq,).
+        halt: Reason against the step; NONE if it is feasible.
+        max_shift: Bound on the tool's distance from the line during the step [m].
+        max_turn: Bound on the tool's rotation error during the step [rad].
+        beyond: Configuration that violates a limit or collides, for LIMIT and COLLISION, shape
+            (nq,).
     """
 
     fraction: float
@@ -51,18 +52,18 @@ class CheckedStep:
 
 @dataclass
 class TraceState:
-    """How one line went.
+    """Mutable state of the trace of one tool line.
 
     Attributes:
-        line: The line.
+        line: Line to trace.
         longest: Largest step, as a share of the line.
-        waypoints: Configurations, the first at the line's beginning.
-        finest: Where limits and bodies end it is found to this share of it.
-        fractions: Of the line, one for each.
-        max_shift: Bound on how far the tool was off between them [m].
-        max_turn: And its rotation [rad].
-        halt: Why it goes no further; NONE while it goes, and if it reached the end.
-        beyond: A configuration just beyond that must not be, for LIMIT and COLLISION.
+        waypoints: Configurations so far, the first at the line's beginning.
+        finest: Accuracy of the bisection for limits and collisions, as a share of the line.
+        fractions: Fraction of the line at each waypoint.
+        max_shift: Bound on the tool's distance from the line between waypoints [m].
+        max_turn: Bound on the tool's rotation error between waypoints [rad].
+        halt: Reason of the end; NONE while tracing, and at the end of the line.
+        beyond: Infeasible configuration just beyond the end, for LIMIT and COLLISION.
     """
 
     line: ToolLine
@@ -80,17 +81,17 @@ class TraceState:
 
     @property
     def at(self) -> float:
-        """The fraction that is reached."""
+        """Fraction of the line reached so far."""
         return self.fractions[-1]
 
     @property
     def is_over(self) -> bool:
-        """Whether it goes no further."""
+        """Whether the trace has ended, at the end of the line or before it."""
         return self.halt is not TraceStop.NONE or self.at >= 1.0
 
     @property
     def next(self) -> float:
-        """Where the next step shall end."""
+        """Fraction of the line at the end of the next step to try."""
         ahead = min(self._ahead, self.longest)
         if np.isfinite(self._wall):
             ahead = min(ahead, (self._wall - self.at) / 2)
@@ -98,7 +99,7 @@ class TraceState:
         return 1.0 if end > 1.0 - FINEST / 2 else end
 
     def take(self, step: CheckedStep) -> None:
-        """Go there, or remember what stands against it."""
+        """Accept a feasible step, or reduce the next one after an infeasible one."""
         width = step.fraction - self.at
         match step.halt:
             case TraceStop.NONE:

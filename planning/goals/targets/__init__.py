@@ -1,1 +1,1 @@
-"""Which poses a tool frame may take: one, a ball or a region of them."""
+"""Target poses of a tool frame: a single pose, a ball or a region of poses, and their sampling."""

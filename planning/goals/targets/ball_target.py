@@ -1,4 +1,4 @@
-"""BallTarget: poses of a tool frame within a weighted distance of one."""
+"""BallTarget: target poses of a tool frame within a weighted distance of a center pose."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -14,22 +14,22 @@ from planning.goals.targets.workspace_bound import WorkspaceBound
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
-# Wide enough for any arm; solvers take no infinite box [m].
+# Finite bound for the solvers, which accept no infinite box; larger than any arm [m].
 _WIDE = 1e3
 
 
 @dataclass(frozen=True, eq=False)
 class BallTarget(Value):
-    """Where the tool frame T shall be: d(X_WT) <= tolerance.
+    """Target of a tool frame T: the poses X_WT with d(X_WT) <= tolerance.
 
-    d = sqrt(sum (w_i t_i)^2 + (w_r theta)^2), with t the way from G's origin to T's by the axes of
-    a frame A [m], theta the angle between G and T [rad], and the weights w = (x, y, z, r).
+    d = sqrt(sum (w_i t_i)^2 + (w_r theta)^2), with t the vector from G's origin to T's in the axes
+    of a frame A [m], theta the angle between G and T [rad], and the weights w = (x, y, z, r).
 
     Attributes:
         frame: Full name of T.
-        pose: X_WG.
+        pose: X_WG, the center.
         weights: w, none negative, shape (4,).
-        tolerance: Positive.
+        tolerance: Largest weighted distance d, positive.
         axes: R_WA, a unit quaternion, shape (4,).
     """
 
@@ -40,7 +40,7 @@ class BallTarget(Value):
     axes: Float64[np.ndarray, "4"]
 
     def distances(self, reached: Float64[np.ndarray, "n 4 4"]) -> Float64[np.ndarray, " n"]:
-        """Return d of each X_WT."""
+        """Return the weighted distance d of each X_WT to the center."""
         shift = (reached[:, :3, 3] - self.pose.position) @ rotation.matrix(self.axes)
         # |R_1 - R_2| = sqrt(8) sin(angle / 2).
         change = reached[:, :3, :3] - self.pose.matrix[:3, :3]
@@ -49,12 +49,12 @@ class BallTarget(Value):
         return np.hypot(np.linalg.norm(shift * self.weights[:3], axis=1), self.weights[3] * turn)
 
     def are_met_by(self, reached: Float64[np.ndarray, "n 4 4"]) -> Bool[np.ndarray, " n"]:
-        """Return whether each X_WT is that near, but for what a solver may miss."""
+        """Return whether each X_WT is in the ball, up to the accuracy of the IK solvers."""
         missed = 2 * POSE_TOLERANCE * float(np.linalg.norm(self.weights))
         return self.distances(reached) <= self.tolerance + missed
 
     def closest(self, reached: Pose) -> Pose:
-        """Return X_WT, or if it is too far the pose that far on the straight way to it."""
+        """Return X_WT if it is in the ball, else the interpolated pose at d = tolerance."""
         distance = float(self.distances(reached.matrix[None])[0])
         if distance <= self.tolerance:
             return reached
@@ -68,14 +68,14 @@ class BallTarget(Value):
     def misses(
         self, reached: Float64[np.ndarray, "n 4 4"]
     ) -> tuple[Float64[np.ndarray, " n"], Float64[np.ndarray, " n"]]:
-        """Return how far each X_WT is from its closest pose [m and rad]."""
+        """Return the translation [m] and rotation [rad] errors of each X_WT to its `closest`."""
         poses = [Pose.from_matrix(x_wt) for x_wt in reached]
         found = [self.closest(pose).distance(pose) for pose in poses]
         shift, turn = np.reshape(found, (-1, 2)).T
         return shift, turn
 
     def widened(self, reached: Pose) -> tuple[Array, Array]:
-        """Return tolerances of a box and a rotation about G that X_WT is within."""
+        """Return position [m] and rotation [rad] tolerances about G that include X_WT."""
         error = self.pose.inverse @ reached
         turn = float(np.linalg.norm(rotation.log(error.quaternion)))
         return np.abs(error.position), np.full(3, turn)
@@ -83,9 +83,9 @@ class BallTarget(Value):
     def samples(
         self, count: int, reach: WorkspaceBound, rng: np.random.Generator
     ) -> tuple[Float64[np.ndarray, "count 3"], Float64[np.ndarray, "count 4"]]:
-        """Return poses X_WT spread over it, G itself first: p and R.
+        """Return poses X_WT sampled over the ball, G itself first: positions and quaternions.
 
-        Along axes without weight they go as far as the group reaches.
+        Along axes without weight samples extend to the workspace bound.
         """
         drawn = rng.normal(size=(count, 6))
         drawn *= (rng.uniform(size=count) ** (1 / 6) / np.linalg.norm(drawn, axis=1))[:, None]
@@ -99,22 +99,22 @@ class BallTarget(Value):
 
     @property
     def inside(self) -> ToolTarget:
-        """A box and a rotation about G that are all of them near enough."""
+        """Inscribed target: a position box and a rotation bound about G, all inside the ball."""
         shift = min(float(self._widths[:3].min()) / np.sqrt(6), _WIDE)
         turn = self._widths[3] / np.sqrt(2)
         return ToolTarget(self.frame, self.pose, np.full(3, shift), np.full(3, turn))
 
     @property
     def position_tolerance(self) -> Float64[np.ndarray, "3"]:
-        """Half-widths by A's axes [m]."""
+        """Half-widths of the ball along A's axes [m], shape (3,)."""
         return self._widths[:3]
 
     @property
     def rotation_tolerance(self) -> Float64[np.ndarray, "3"]:
-        """Of the angle [rad], three times the same."""
+        """Largest angle of the ball [rad], repeated for the three axes."""
         return np.full(3, self._widths[3])
 
     @property
     def _widths(self) -> Array:
-        """How far it goes along x, y, z [m] and in angle [rad], each by itself."""
+        """Half-widths along x, y, z of A [m] and in angle [rad], each taken alone, shape (4,)."""
         return self.tolerance / np.maximum(self.weights, 1e-12)

@@ -1,4 +1,4 @@
-"""RegionSamples: exact poses in regions, drawn as trials are made."""
+"""RegionSamples: exact target poses sampled from regions, in blocks, as IK trials consume them."""
 
 from collections.abc import Iterator, Sequence
 from typing import Any
@@ -12,14 +12,14 @@ from planning.goals.targets.workspace_bound import WorkspaceBound
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
-# So many poses are drawn at once, over all regions.
+# Poses per block, over all regions.
 _AT_ONCE = 640
 
 
 class RegionSamples:
-    """An exact pose in one of the regions for every trial, in turn; the middles come first.
+    """Sequence of exact target poses, one per trial, in the regions in turn; centers come first.
 
-    Whoever asks again is given the same ones.
+    Repeated iteration yields the same poses.
     """
 
     def __init__(
@@ -29,17 +29,17 @@ class RegionSamples:
         max_trials: int,
         rng: np.random.Generator,
     ) -> None:
-        """Draw the first ones, for so many trials at most.
+        """Draw the first block, for at most `max_trials` trials overall.
 
-        Later ones come from generators of their own: what else the one given is used for does not
-        depend on how many are asked for.
+        Later blocks use spawned generators, so other uses of `rng` do not depend on the number of
+        blocks.
         """
         self._regions, self._reach, self._max_trials = regions, reach, max_trials
         self._rng = rng
         self._blocks = [self._drawn(0, rng)]
 
     def __iter__(self) -> Iterator[TargetSamples]:
-        """Yield aims for some trials, then for those after them, up to the last."""
+        """Yield the target samples block by block, up to the last trial."""
         for i in range(self._max_trials):
             if i == len(self._blocks):
                 begin = self._blocks[-1].end
@@ -51,7 +51,7 @@ class RegionSamples:
     def _drawn(self, begin: int, rng: np.random.Generator) -> TargetSamples:
         num_regions, again = len(self._regions), begin > 0
         count = -(-min(_AT_ONCE, self._max_trials - begin) // num_regions)
-        # The middle, which is the first sample, is not for a second time.
+        # The region's center, the first sample, is skipped in later blocks.
         drawn = [one.samples(count + again, self._reach, rng) for one in self._regions]
         positions, turns = (np.stack(part, axis=1)[again:] for part in zip(*drawn, strict=True))
         frame = self._regions[0].frame

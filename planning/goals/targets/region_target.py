@@ -1,4 +1,4 @@
-"""RegionTarget: poses of a tool frame in world that are all as good as one another."""
+"""RegionTarget: target region of tool-frame poses in world, all of them equally good."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -14,19 +14,19 @@ from planning.goals.targets.workspace_bound import WorkspaceBound
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
-# So many positions are drawn for each that is wanted: the others may be out of reach.
+# Positions drawn per requested one: the others may be out of reach.
 _DRAWS = 8
 
 
 @dataclass(frozen=True, eq=False)
 class RegionTarget(Value):
-    """Where the tool frame T shall be; see RegionGoal for what is in the region.
+    """Target region of a tool frame T; `RegionGoal` defines which poses are in it.
 
     Attributes:
         frame: Full name of T.
-        pose: X_WG.
-        position_tolerance: As of RegionGoal.
-        rotation_tolerance: As of RegionGoal.
+        pose: X_WG, the center.
+        position_tolerance: Half-widths of the box [m], as of RegionGoal, shape (3,).
+        rotation_tolerance: Bounds on the rotation [rad], as of RegionGoal, shape (3,).
     """
 
     frame: str
@@ -35,28 +35,31 @@ class RegionTarget(Value):
     rotation_tolerance: Float64[np.ndarray, "3"]
 
     def are_met_by(self, reached: Float64[np.ndarray, "n 4 4"]) -> Bool[np.ndarray, " n"]:
-        """Return whether each X_WT is in the region, but for what a solver may miss."""
+        """Return whether each X_WT is in the region, up to the accuracy of the IK solvers."""
         shift, turn = self.misses(reached)
         return (shift <= 2 * POSE_TOLERANCE) & (turn <= 2 * POSE_TOLERANCE)
 
     def misses(
         self, reached: Float64[np.ndarray, "n 4 4"]
     ) -> tuple[Float64[np.ndarray, " n"], Float64[np.ndarray, " n"]]:
-        """Return how far each X_WT is from a pose in the region that is close to it [m and rad]."""
+        """Return the translation [m] and rotation [rad] errors of each X_WT to its `closest`."""
         poses = [Pose.from_matrix(x_wt) for x_wt in reached]
         found = [self.closest(pose).distance(pose) for pose in poses]
         shift, turn = np.reshape(found, (-1, 2)).T
         return shift, turn
 
     def closest(self, reached: Pose) -> Pose:
-        """Return a pose in the region that is close to X_WT: X_WT itself if it is in it."""
+        """Return X_WT if it is in the region, else a pose of the region close to it.
+
+        Not promised: the closest one.
+        """
         error = self.pose.inverse @ reached
         box = self.position_tolerance
         turn = self._clipped(error.quaternion)
         return self.pose @ Pose(np.clip(error.position, -box, box), turn)
 
     def widened(self, reached: Pose) -> tuple[Array, Array]:
-        """Return position and rotation tolerances of which X_WT is within."""
+        """Return position [m] and rotation [rad] tolerances that also include X_WT."""
         error = self.pose.inverse @ reached
         free, bounds = self._free, self.rotation_tolerance
         vector = rotation.log(error.quaternion)
@@ -70,7 +73,10 @@ class RegionTarget(Value):
     def samples(
         self, count: int, reach: WorkspaceBound, rng: np.random.Generator
     ) -> tuple[Float64[np.ndarray, "count 3"], Float64[np.ndarray, "count 4"]]:
-        """Return X_WT spread over what of the region is in reach, G itself first: p and R."""
+        """Return X_WT sampled over the reachable part of the region, G itself first: p and R.
+
+        Only the position is restricted to the workspace bound.
+        """
         middle = self.pose
         shifts, turns = self._positions(count, reach, rng), self._turns(count, rng)
         positions = middle.position + rotation.rotate(middle.quaternion, shifts)
@@ -83,7 +89,7 @@ class RegionTarget(Value):
         return self.rotation_tolerance >= np.pi
 
     def _clipped(self, turn: Array) -> Array:
-        """Return R_GT with what exceeds its bounds taken off."""
+        """Return R_GT clipped to the rotation tolerance."""
         free, bounds = self._free, self.rotation_tolerance
         if free.all():
             return turn
@@ -98,7 +104,7 @@ class RegionTarget(Value):
         return rotation.multiply(rotation.exp(tilt), rotation.exp(twist * np.eye(3)[axis]))
 
     def _turns(self, count: int, rng: np.random.Generator) -> Array:
-        """Return rotations R_GT, shape (count, 4)."""
+        """Return random rotations R_GT within tolerance, as quaternions, shape (count, 4)."""
         free, bounds = self._free, self.rotation_tolerance
         anywhere = rng.normal(size=(count, 4))
         anywhere /= np.linalg.norm(anywhere, axis=1, keepdims=True)
@@ -116,7 +122,10 @@ class RegionTarget(Value):
         return rotation.multiply(rotation.exp(tilts), twist)
 
     def _positions(self, count: int, reach: WorkspaceBound, rng: np.random.Generator) -> Array:
-        """Return positions positions in the box and in reach where the box is, shape (count, 3)."""
+        """Return random positions in the box, within the workspace bound where they meet.
+
+        The shape is (count, 3), in G's axes [m].
+        """
         box = self.position_tolerance
         center = (self.pose.inverse @ Pose.from_parts(reach.center)).position
         lower = np.clip(center - reach.radius, -box, box)
@@ -133,7 +142,7 @@ def _tilt_and_twist(turn: Array, axis: int) -> tuple[Array, float]:
 
 
 def _tilts_and_twists(turns: Array, axis: int) -> tuple[Array, Array]:
-    """Split each R into exp(tilt) exp(twist e): a turn about e, then a tilt square to it."""
+    """Return the swing-twist decomposition R = exp(tilt) exp(twist e), tilt orthogonal to e."""
     twists = 2 * np.arctan2(turns[:, 1 + axis], turns[:, 0])
     twists = np.remainder(twists + np.pi, 2 * np.pi) - np.pi
     untwisted = rotation.exp(-twists[:, None] * np.eye(3)[axis])
@@ -141,6 +150,6 @@ def _tilts_and_twists(turns: Array, axis: int) -> tuple[Array, Array]:
 
 
 def _within_half_a_turn(vectors: Array) -> Array:
-    """Return rotation vectors, those longer than pi shortened to it."""
+    """Return rotation vectors with their norms limited to pi."""
     length = np.linalg.norm(vectors, axis=-1, keepdims=True)
     return vectors * np.minimum(1.0, np.pi / np.maximum(length, 1e-300))

@@ -1,4 +1,4 @@
-"""TargetSamples: what the solver is sent to, trial by trial."""
+"""TargetSamples: target poses of the IK solver and their assignment to trials and seeds."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -15,12 +15,12 @@ type Indices = np.ndarray[Any, np.dtype[np.int64]]
 
 @dataclass(frozen=True)
 class ExactPoses:
-    """Poses X_WG of a tool frame that shall be met exactly; there may be very many.
+    """Batch of target poses X_WG of a tool frame without tolerance, stored as arrays.
 
     Attributes:
         frame: Full name of the tool frame.
-        positions: p_WG [m].
-        quaternions: R_WG, unit quaternions.
+        positions: p_WG [m], shape (n, 3).
+        quaternions: R_WG, unit quaternions, shape (n, 4).
     """
 
     frame: str
@@ -28,12 +28,12 @@ class ExactPoses:
     quaternions: Float64[np.ndarray, "n 4"]
 
     def __len__(self) -> int:
-        """How many there are."""
+        """Return the number of poses."""
         return len(self.positions)
 
     @property
     def each(self) -> list[ToolTarget]:
-        """The same as targets without tolerance."""
+        """Tool targets without tolerance, one per pose."""
         exact = np.zeros(3)
         return [
             ToolTarget(self.frame, Pose(p, a), exact, exact)
@@ -43,14 +43,14 @@ class ExactPoses:
 
 @dataclass(frozen=True)
 class TargetSamples:
-    """Some targets of one tool frame.
+    """Targets of one tool frame for a range of trials; a trial is one seed with one target.
 
     Attributes:
-        targets: What the solver is given.
-        poses: Which of the goal's poses each target stands for, shape (num_targets,).
-        targets_per_seed: How many trials a seed is used for, each with the next target.
-        first: The trial that takes the first target.
-        end: The first trial that there is no target for; None if they are taken over again.
+        targets: Targets for the solver.
+        poses: Index of the goal's pose that each target belongs to, shape (num_targets,).
+        targets_per_seed: Number of successive trials that use the same seed.
+        first: Number of the trial that uses the first target.
+        end: Number of the first trial without a target; None if targets repeat cyclically.
     """
 
     targets: list[ToolTarget] | ExactPoses
@@ -60,15 +60,15 @@ class TargetSamples:
     end: int | None = None
 
     def trials(self, first: int, count: int) -> tuple[Indices, Indices]:
-        """Return which seed and which target each of some trials takes."""
+        """Return the seed number and the target index of each of `count` trials from `first`."""
         numbers = np.arange(first, first + count)
         return numbers // self.targets_per_seed, (numbers - self.first) % len(self.poses)
 
     def end_within(self, max_trials: int) -> int:
-        """Return the trial to end before, which is `max_trials` at most."""
+        """Return the trial number to end before: `end`, but at most `max_trials`."""
         return max_trials if self.end is None else min(self.end, max_trials)
 
 
 def every_seed(targets: list[ToolTarget]) -> TargetSamples:
-    """Return aims that send every seed to every target."""
+    """Return target samples that combine every seed with every target."""
     return TargetSamples(targets, np.arange(len(targets)), len(targets))

@@ -1,4 +1,4 @@
-"""TargetSelection: how the solutions of a goal are looked for, and what counts as reached."""
+"""TargetSelection: target poses that the IK search of a goal samples, and acceptance of results."""
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
@@ -15,19 +15,19 @@ from planning.goals.targets.tool_target import ToolTarget, axes_of, relative_tar
 from planning.goals.targets.workspace_bound import workspace_bound
 from planning.world.world import World
 
-# Wide enough for any arm; solvers take no infinite box [m].
+# Finite bound for the solvers, which accept no infinite box; larger than any arm [m].
 _WIDE = 1e3
 
 
 @dataclass(frozen=True)
 class TargetSelection:
-    """How the solutions of a goal are looked for.
+    """Target samples for the IK search of a goal, and the targets that its solutions must meet.
 
     Attributes:
-        accepted: What is accepted as each of the goal's poses.
-        first: What to aim at, one after another.
-        then: What to aim at if that finds nothing; None if there is nothing else.
-        share: The part of all trials that comes before.
+        accepted: Target that accepts a solution, for each of the goal's poses.
+        first: Target samples of the first phase, block by block.
+        then: Target samples of the fallback if the first phase finds nothing; None for no fallback.
+        share: Share of all trials before the fallback.
     """
 
     accepted: list[ToolTarget] | list[RegionTarget] | list[BallTarget]
@@ -37,13 +37,15 @@ class TargetSelection:
 
 
 def select_targets(world: World, query: GoalQuery, rng: np.random.Generator) -> TargetSelection:
-    """Return how to look for solutions of a goal that is reached by a tool frame.
+    """Return the target selection of a tool goal.
 
-    A region is aimed at pose by pose, so that solutions are spread over it. If nothing comes of
-    that, because little of it can be reached, the solver may end anywhere in it.
+    A region (or ball) is sampled by exact poses, so that solutions are spread over it. If that
+    finds nothing, because little of it is reachable, the solver gets the region itself as its
+    tolerance.
 
     Raises:
         UnknownName: A frame does not exist.
+        TypeError: The goal is not reached by a tool frame.
     """
     group, goal, start = query.group, query.goal, query.start
     match goal:

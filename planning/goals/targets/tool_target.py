@@ -1,4 +1,4 @@
-"""ToolTarget: one pose of a tool frame in world, with what may be missed of it."""
+"""ToolTarget: target pose of a tool frame in world, with position and rotation tolerances."""
 
 from dataclasses import dataclass
 from enum import IntEnum
@@ -17,12 +17,12 @@ from planning.world.world import World
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
-# How far a solution may miss an exact target after polishing [m and rad].
+# Accuracy of a solution for an exact target after Newton refinement [m and rad].
 POSE_TOLERANCE = 1e-6
 
 
 class FreedomKind(IntEnum):
-    """What of a rotation is bounded; the numbers are the kernel's (ik.hpp)."""
+    """Kind of a rotation tolerance; the numbers are the kernel's (ik.hpp)."""
 
     BALL = 0
     CONE = 1
@@ -31,13 +31,13 @@ class FreedomKind(IntEnum):
 
 @dataclass(frozen=True)
 class RotationFreedom:
-    """How far a rotation R_GT may be from none.
+    """Tolerance of a rotation R_GT.
 
     Attributes:
-        kind: BALL: its angle is bounded. CONE: the angle of one axis is, about which it may turn.
-            FREE: nothing is.
-        axis: Of the cone, in G and in T.
-        bound: Of the angle [rad].
+        kind: BALL: the rotation angle is bounded. CONE: the tilt of one axis is bounded, rotation
+            about it is free. FREE: every rotation is within tolerance.
+        axis: Index of the cone's axis, the same in G and in T.
+        bound: Bound on the angle [rad].
     """
 
     kind: FreedomKind
@@ -47,11 +47,11 @@ class RotationFreedom:
 
 @dataclass(frozen=True, eq=False)
 class ToolTarget(Value):
-    """Where the tool frame T shall be.
+    """Target pose of a tool frame T with tolerances.
 
     Attributes:
         frame: Full name of T.
-        pose: X_WG.
+        pose: X_WG, the target frame G.
         position_tolerance: Half-widths of the box about G, in G's axes [m], shape (3,).
         rotation_tolerance: Bounds on the rotation vector of R_GT by G's axes [rad], shape (3,);
             pi or more leaves an axis free.
@@ -91,19 +91,19 @@ class ToolTarget(Value):
     def misses(
         self, reached: Float64[np.ndarray, "n 4 4"]
     ) -> tuple[Float64[np.ndarray, " n"], Float64[np.ndarray, " n"]]:
-        """Return how far each X_WT is from its closest pose within tolerance [m and rad]."""
+        """Return the errors of each X_WT beyond the tolerances: translation [m], rotation [rad]."""
         x_wg = self.pose.matrix
         miss = np.abs((reached[:, :3, 3] - x_wg[:3, 3]) @ x_wg[:3, :3])
         shift = np.linalg.norm(np.maximum(miss - self.position_tolerance, 0.0), axis=1)
         return shift, np.maximum(self._turns(reached) - self.rotation_freedom.bound, 0.0)
 
     def _turns(self, reached: Array) -> Array:
-        """Return the angle that is bounded of each X_WT; 0 if none is."""
+        """Return the bounded angle of each X_WT [rad]; 0 if the rotation is free."""
         rest = self.rotation_freedom
         if rest.kind is FreedomKind.FREE:
             return np.zeros(len(reached))
         change = reached[:, :3, :3] - self.pose.matrix[:3, :3]
-        # |R_1 - R_2| = sqrt(8) sin(angle / 2); of one column it is the chord of its own angle.
+        # |R_1 - R_2| = sqrt(8) sin(angle / 2); for one column it is the chord of the column's tilt.
         chord = (
             np.linalg.norm(change, axis=(1, 2)) / np.sqrt(2)
             if rest.kind is FreedomKind.BALL
@@ -116,14 +116,14 @@ class ToolTarget(Value):
         return bool(self.are_met_by(reached.matrix[None])[0])
 
     def are_met_by(self, reached: Float64[np.ndarray, "n 4 4"]) -> Bool[np.ndarray, " n"]:
-        """Return the same for homogeneous transforms X_WT."""
+        """Return whether each homogeneous transform X_WT is within tolerance of the target."""
         x_wg = self.pose.matrix
         miss = (reached[:, :3, 3] - x_wg[:3, 3]) @ x_wg[:3, :3]
         inside = (np.abs(miss) <= self.position_tolerance + POSE_TOLERANCE).all(axis=1)
         return inside & (self._turns(reached) <= self.rotation_freedom.bound + POSE_TOLERANCE)
 
     def widened(self, reached: Pose) -> tuple[Array, Array]:
-        """Return position and rotation tolerances of which X_WT is within."""
+        """Return position [m] and rotation [rad] tolerances that also include X_WT."""
         missed = np.abs((self.pose.inverse @ reached).position)
         rest = self.rotation_freedom
         turn = self.rotation_tolerance
@@ -134,7 +134,7 @@ class ToolTarget(Value):
 
     @property
     def rotation_freedom(self) -> RotationFreedom:
-        """What `rotation_tolerance` leaves to R_GT."""
+        """Rotation tolerance of R_GT by kind; the smallest bound counts where several are given."""
         free = self.rotation_tolerance >= np.pi
         if free.all():
             return RotationFreedom(FreedomKind.FREE, 0, 0.0)
@@ -145,7 +145,12 @@ class ToolTarget(Value):
 
 
 def placed(world: World, full: Array, target: PoseTarget) -> Pose:
-    """Return a target's pose in world; a frame that moves counts where a configuration puts it.
+    """Return a target's pose in world, with moving frames evaluated at a configuration.
+
+    Args:
+        world: Loaded scene.
+        full: Configuration of the whole scene, for frames that move.
+        target: Pose and the frame that it is given in.
 
     Raises:
         UnknownName: The frame does not exist.
@@ -156,13 +161,13 @@ def placed(world: World, full: Array, target: PoseTarget) -> Pose:
 
 
 def line_end(world: World, full: Array, begin: Pose, to: PoseTarget | Displacement) -> Pose:
-    """Return where a line of a tool ends, in world.
+    """Return the end pose X_WT of a tool line.
 
     Args:
-        world: The scene, loaded.
-        full: The configuration by which frames that move count.
-        begin: X_WT where the line begins.
-        to: Its end, or the way to it.
+        world: Loaded scene.
+        full: Configuration of the whole scene, for frames that move.
+        begin: X_WT at the beginning of the line.
+        to: End pose, or displacement to it.
 
     Raises:
         UnknownName: A frame does not exist.
@@ -182,7 +187,7 @@ def tool_targets(
     goal: PoseGoal | RegionGoal,
     start: Float64[np.ndarray, " nq"],
 ) -> list[ToolTarget]:
-    """Return the goal's targets in world; a frame that moves counts where the start puts it.
+    """Return the goal's targets in world, with moving frames evaluated at the start.
 
     Raises:
         UnknownName: A frame does not exist.
@@ -202,7 +207,7 @@ def tool_targets(
 
 
 def axes_of(world: World, full: Array, ball: PoseBall, target: Pose) -> Array:
-    """Return R_WA, the axes by which a ball about a target X_WG is measured.
+    """Return R_WA as a quaternion: the axes of the distance weights of a ball about X_WG.
 
     Raises:
         UnknownName: The frame does not exist.
@@ -215,7 +220,7 @@ def axes_of(world: World, full: Array, ball: PoseBall, target: Pose) -> Array:
 def relative_target(
     world: World, group: JointGroup, goal: RelativeGoal, start: Float64[np.ndarray, " nq"]
 ) -> ToolTarget:
-    """Return the one pose in world that a displacement from the start leads to.
+    """Return the target of a relative goal: the tool's start pose moved by the displacement.
 
     Raises:
         UnknownName: A frame does not exist.

@@ -1,4 +1,4 @@
-"""WorkspaceBound: a ball that the origin of a tool frame cannot leave."""
+"""WorkspaceBound: ball in world that bounds the reachable positions of a tool frame's origin."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -13,17 +13,17 @@ from planning.world.world import World
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
-# What has no bounds is looked for as far as this from where it is [m]; as `Seeds` does.
+# Range of unbounded coordinates about their present value [m]; the same as in `Seeds`.
 _UNBOUNDED = 2.0
 
 
 @dataclass(frozen=True, eq=False)
 class WorkspaceBound(Value):
-    """Where a frame can be.
+    """Ball that bounds the reachable positions of a frame's origin.
 
     Attributes:
-        center: In world [m], shape (3,).
-        radius: [m].
+        center: Center in world [m], shape (3,).
+        radius: Radius [m].
     """
 
     center: Float64[np.ndarray, "3"]
@@ -31,11 +31,11 @@ class WorkspaceBound(Value):
 
 
 def workspace_bound(world: World, group: JointGroup, frame: str) -> WorkspaceBound:
-    """Return a ball about the group's first joint that the frame's origin cannot leave.
+    """Return a ball about the group's first joint that bounds the positions of a frame's origin.
 
-    Its radius is the sum of the distances from joint to joint, and of what slides between them. It
-    is no least ball. Where the scene has joints that we do not know the extent of, it is 2 m about
-    the present place.
+    Its radius is the sum of the link lengths from joint to joint and of the travel of prismatic,
+    planar and floating joints. Not promised: the smallest ball. Where the scene has joints of
+    kinds that the kernel does not model, it is a ball of 2 m about the present position.
     """
     drake = world.drake
     tree = link_tree(drake)
@@ -56,13 +56,13 @@ def workspace_bound(world: World, group: JointGroup, frame: str) -> WorkspaceBou
 
 
 def _moving(world: World, group: JointGroup) -> set[int]:
-    """Return the plant's coordinates that move with the group."""
+    """Return the indices of the plant's positions that move with the group, followers included."""
     moving = {int(i) for i in world.drake.position_indices(group)}
     return moving | {c.follower_position for c in world.drake.following(group)}
 
 
 def _path(tree: LinkTree, link: int, moving: set[int]) -> list[KernelLink]:
-    """Return the links from the first that moves with the group to the frame's own."""
+    """Return the chain of links from the first one that moves with the group to the frame's."""
     path: list[KernelLink] = []
     while link != WORLD:
         path.insert(0, tree.links[link])
@@ -73,7 +73,7 @@ def _path(tree: LinkTree, link: int, moving: set[int]) -> list[KernelLink]:
 
 
 def _extents(world: World, group: JointGroup) -> Array:
-    """Return how far from zero each coordinate of the plant can get."""
+    """Return the largest magnitude of each position coordinate of the plant [rad or m]."""
     extents = np.abs(world.state)
     limits = world.limits(group)
     indices = world.drake.position_indices(group)
@@ -86,7 +86,7 @@ def _extents(world: World, group: JointGroup) -> Array:
 
 
 def _travel(link: KernelLink, extents: Array) -> float:
-    """Return how far a link's frame can get from where its joint begins."""
+    """Return the largest translation of a link by its own joint [m]."""
     match link.kind:
         case LinkKind.PRISMATIC:
             return float(extents[link.position])
@@ -99,7 +99,7 @@ def _travel(link: KernelLink, extents: Array) -> float:
 
 
 def _origin(world: World, tree: LinkTree, first: KernelLink) -> Array:
-    """Return where the first joint begins, in world; what is before it does not move."""
+    """Return the origin of the first joint's parent frame, in world [m]; it does not move."""
     if first.parent == WORLD:
         return np.array(first.X_PF.translation())
     bodies = world.drake.bodies
