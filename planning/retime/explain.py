@@ -51,7 +51,7 @@ class _Task:
         limits: Of the joints, unscaled.
         options: Without a duration that is asked for.
         path_limits: Other limits.
-        deadline: When to give up.
+        deadline: Time limit.
     """
 
     spline: JointSpline
@@ -99,11 +99,11 @@ def explain_duration(
         limits: Unscaled.
         options: With which it was made.
         path_limits: With which it was made.
-        deadline: When to give up.
+        deadline: Time limit.
 
     Raises:
         DeadlineExceeded: Time ran out.
-        Canceled: The end was asked for.
+        Canceled: The caller canceled.
     """
     task = _Task(spline, limits, replace(options, duration=None), tuple(path_limits), deadline)
     least = task.timed()

@@ -88,14 +88,14 @@ def retime(
         options: Method and factors.
         path_limits: What else limits the motion. toppra is the quickest under them, ruckig keeps
             what it can be told of as it goes; the rest slows its motion between two rests down.
-        deadline: When to give up.
+        deadline: Time limit.
 
     Raises:
         RetimingFailed: The method finds no timing, a joint that must move may not, or the duration
             that is asked for is less than the limits allow.
         ProblemInvalid: A factor is not in (0, 1].
         DeadlineExceeded: Time ran out.
-        Canceled: The end was asked for.
+        Canceled: The caller canceled.
     """
     for name in ("velocity_scale", "acceleration_scale"):
         if not 0 < getattr(options, name) <= 1:

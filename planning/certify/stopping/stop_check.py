@@ -33,7 +33,7 @@ def stop_check(
 
     Raises:
         DeadlineExceeded: Time ran out.
-        Canceled: The end was asked for.
+        Canceled: The caller canceled.
     """
     deadline.check("certify")
     cells = motion_cells(request, _SMOOTH_CELLS if request.jerk else _CELLS)

@@ -38,7 +38,7 @@ def with_constraints(
     Raises:
         ModelInvalid: A joint of a kind that cannot be certified, or nobody says what a body weighs.
         DeadlineExceeded: Time ran out.
-        Canceled: The end was asked for.
+        Canceled: The caller canceled.
     """
     loads = [
         _of_frame(model, request, cells, (limit.frame, limit.acceleration), deadline)

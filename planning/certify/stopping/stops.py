@@ -73,7 +73,7 @@ def hardest_stops(cells: MotionCells, deadline: Deadline = UNHURRIED) -> Stops:
 
     Raises:
         DeadlineExceeded: Time ran out.
-        Canceled: The end was asked for.
+        Canceled: The caller canceled.
     """
     count = len(cells.begins)
     ends = np.arange(count + 1)
@@ -108,7 +108,7 @@ def smooth_stops(cells: MotionCells, deadline: Deadline = UNHURRIED) -> Stops:
 
     Raises:
         DeadlineExceeded: Time ran out.
-        Canceled: The end was asked for.
+        Canceled: The caller canceled.
     """
     count, best = len(cells.begins), smooth_durations(cells, deadline)
     over = np.append(cells.begins + best, cells.end)

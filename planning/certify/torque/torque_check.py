@@ -72,7 +72,7 @@ def torque_check(
     Args:
         model: The scene.
         request: The trajectory and its limits.
-        deadline: When to stop.
+        deadline: Time limit.
         far: The joints move by this much in sum on a first segment [rad or m].
         most: Segments beyond two for each first one; a motion that needs more is refused.
 
@@ -80,7 +80,7 @@ def torque_check(
         ModelInvalid: A joint is of a kind that cannot be certified, or nobody says what a body
             weighs that moves.
         DeadlineExceeded: Time ran out.
-        Canceled: The end was asked for.
+        Canceled: The caller canceled.
     """
     search = _Search(model, request, deadline, most)
     return search.run(far)

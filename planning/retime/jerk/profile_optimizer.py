@@ -60,11 +60,11 @@ def optimize_profile(
         stretch: Whose profile it is.
         profile: From rest to rest.
         limits: Of velocity, acceleration and jerk.
-        deadline: When to give up.
+        deadline: Time limit.
 
     Raises:
         DeadlineExceeded: Time ran out.
-        Canceled: The end was asked for.
+        Canceled: The caller canceled.
     """
     is_plain = stretch.manifold.is_flat and all(len(block) == 1 for block in limits.blocks)
     if not is_plain or stretch.num_pieces > _MOST_PIECES:

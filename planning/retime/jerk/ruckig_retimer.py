@@ -55,7 +55,7 @@ def ruckig_profile(
     Raises:
         RetimingFailed: No profile is found.
         DeadlineExceeded: Time ran out.
-        Canceled: The end was asked for.
+        Canceled: The caller canceled.
     """
     cut, is_straight = _in_cells(stretch)
     plain = _planned(stretch, _cells(cut, limits), is_straight, deadline)

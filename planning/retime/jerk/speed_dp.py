@@ -86,7 +86,7 @@ def solve_speed_dp(cells: Cells, deadline: Deadline = UNHURRIED) -> list[SpeedSe
 
     Raises:
         DeadlineExceeded: Time ran out.
-        Canceled: The end was asked for.
+        Canceled: The caller canceled.
     """
     tops = cells.top_speeds()
     caps = np.minimum(np.append(tops, np.inf), np.insert(tops, 0, np.inf))

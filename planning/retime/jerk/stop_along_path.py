@@ -60,12 +60,12 @@ def stops_along(
         time: When the stop begins, within the motion [s].
         limits: To keep; the motion keeps them.
         path_limits: What else it keeps.
-        deadline: When to give up.
+        deadline: Time limit.
         jerk: Whether jerk is limited, so that s'' begins and ends with 0.
 
     Raises:
         DeadlineExceeded: Time ran out.
-        Canceled: The end was asked for.
+        Canceled: The caller canceled.
     """
     rest = _rest(running, time)
     make = _smooth if jerk else _hardest

@@ -133,7 +133,7 @@ def uses_of(
     Raises:
         RetimingFailed: No slowing down helps.
         DeadlineExceeded: Time ran out.
-        Canceled: The end was asked for.
+        Canceled: The caller canceled.
     """
     found: list[tuple[str, PathUtilization]] = []
     for limit in path_limits:
@@ -150,7 +150,7 @@ def rows_of(
     Raises:
         RetimingFailed: One does not allow to stand still.
         DeadlineExceeded: Time ran out.
-        Canceled: The end was asked for.
+        Canceled: The caller canceled.
     """
     found: list[tuple[Array, Array]] = []
     for limit in path_limits:

@@ -58,7 +58,7 @@ def toppra_profile(
     Raises:
         RetimingFailed: toppra finds none, or a path limit does not allow to stand still.
         DeadlineExceeded: Time ran out.
-        Canceled: The end was asked for.
+        Canceled: The caller canceled.
     """
     is_line = ~stretch.coefficients[:, 2:].any(axis=(1, 2))
     if all(limit.is_uniform for limit in path_limits):
