@@ -1,7 +1,7 @@
-"""The quickest profile through cells of a path, given the speeds at their edges.
+"""Line profile: the fastest profile through cells of a path with given speeds at their edges.
 
-On a line that is full acceleration, full speed, full braking (Lynch and Park, "Modern Robotics",
-2017, section 9.2.2.2); a curved cell is passed with constant acceleration.
+On a line it is full acceleration, full speed, full braking (trapezoidal profile: Lynch and Park,
+"Modern Robotics", 2017, section 9.2.2.2); a curved cell is passed with constant acceleration.
 """
 
 from dataclasses import dataclass
@@ -13,13 +13,13 @@ from planning.retime.profile import SpeedProfile
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
-# Phases that are briefer than this, relative to the whole duration, are left out.
+# Shortest phase relative to the whole duration; shorter ones are left out.
 _BRIEF = 1e-12
 
 
 @dataclass(frozen=True)
 class LineLimits:
-    """What is allowed on each of n cells if they are lines.
+    """Limits on each of n cells that are lines.
 
     Attributes:
         is_line: Whether the cell is a line, boolean, shape (n,).
@@ -74,7 +74,7 @@ def profile_between(edges: Array, x: Array, lines: LineLimits) -> SpeedProfile:
     times[0, curved] = 2 * widths[curved] / (before[curved] + after[curved])
     times[1:, curved] = 0.0
     keep = times > _BRIEF * times.sum()
-    # What is left out moves to the phase after it, so that every edge begins a phase.
+    # The distance of an omitted phase is added to the next, so that every edge begins a phase.
     places = np.stack([
         edges[:-1],
         np.where(keep[0], edges[:-1] + climb, edges[:-1]),
@@ -93,7 +93,7 @@ def profile_between(edges: Array, x: Array, lines: LineLimits) -> SpeedProfile:
 
 
 def _pushes(lines: LineLimits, needed: Array) -> tuple[Array, Array]:
-    """Return acceleration and braking, no less than what is needed."""
+    """Return acceleration and braking, at least the values that connect the speeds."""
     alike = lines.acceleration == lines.braking
     both = np.maximum(lines.acceleration, np.abs(needed))
     a = np.where(alike, both, np.maximum(lines.acceleration, needed))

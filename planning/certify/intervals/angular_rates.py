@@ -1,4 +1,4 @@
-"""Angular rates: rigorous bounds on angular velocity and derivatives along R(t) = R_0 exp(delta(t)).
+"""Angular rates: rigorous bounds on angular velocity and derivatives of R(t) = R_0 exp(delta(t)).
 
 In the body's frame omega = J_r(delta) delta', with the right Jacobian as a series and as a mean of
 rotations (Sola et al. 2018, eq. 143)

@@ -1,4 +1,4 @@
-"""Axis drift: the difference between angular rates and tangent derivatives for an almost fixed axis.
+"""Axis drift: difference of angular rates and tangent derivatives for an almost fixed axis.
 
 On a piece with a fixed rotation axis, omega = delta'. In general, with D = delta x delta' and the
 series of the right Jacobian (Sola et al. 2018, eq. 143),

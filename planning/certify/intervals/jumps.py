@@ -60,7 +60,7 @@ def position_jumps(
     begins: Float64[np.ndarray, "n nq"],
     ends: Float64[np.ndarray, "n nq"],
 ) -> Float64[np.ndarray, "n nv"]:
-    """Return the jump from the end of each piece to the beginning of the next, whole turns included.
+    """Return the jump from each piece's end to the next one's beginning, whole turns included.
 
     Args:
         trajectory: The motion.

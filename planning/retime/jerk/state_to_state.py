@@ -1,4 +1,4 @@
-"""Motions from one state to another, or to rest, by ruckig: the quickest under jerk limits.
+"""State-to-state motions by ruckig: time-optimal transitions, or stops, under jerk limits.
 
 Berscheid and Kroeger, "Jerk-limited real-time trajectory generation with arbitrary target states",
 RSS 2021. Each joint has phases of constant jerk; where a phase of any joint begins, all of them
@@ -21,9 +21,10 @@ type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # A cycle time is asked for by ruckig's constructor and used only in its online mode [s].
 _CYCLE = 0.01
-# Room above the limits for a state that is on them; the certifier allows for five times as much.
+# Factor on the limits for a state that lies on them; the certifier's tolerance is five times as
+# large.
 _ROOM = 1 + 2e-7
-# Phases that are shorter are none [s].
+# Shortest phase [s]; shorter ones are left out.
 _BRIEF = 1e-9
 _PLAIN = {JointType.REVOLUTE, JointType.CONTINUOUS, JointType.PRISMATIC}
 
@@ -34,7 +35,7 @@ def to_rest(
     state: MotionState,
     bounds: AccelerationBounds = MappingProxyType({}),
 ) -> TimedTrajectory:
-    """Return the quickest stop: every joint brakes by itself, wherever that ends.
+    """Return the fastest stop: every joint brakes independently, wherever it comes to rest.
 
     Raises:
         RetimingFailed: A joint is planar or floating, or ruckig finds none.
