@@ -1,4 +1,4 @@
-"""Rate bounds of a curve, per block of coordinates with a common limit, by Bernstein coefficients."""
+"""Rate bounds of a curve, per block of coordinates with one limit, by Bernstein coefficients."""
 
 from typing import Any
 

@@ -106,7 +106,7 @@ def _polynomial_use(
 
 
 def _nodes(polynomials: Array, keep: Any, limits: JointLimits, bounds: Array) -> tuple[Array, Any]:
-    """Return the chosen pieces of blocks over their limits, padded to one width, and block indices."""
+    """Return the chosen pieces of blocks over their limits, padded to one width, and the blocks."""
     pieces, owners = np.nonzero(keep)
     width = max(len(block) for block in limits.blocks)
     columns = np.array([[*block, *[-1] * (width - len(block))] for block in limits.blocks])[owners]

@@ -79,7 +79,7 @@ class SpeedProfile(Value):
         return SpeedProfile(np.append(s, self.s[-1]), v, a, self.j[owner], end - begin)
 
     def _times(self, phases: Any, places: Array) -> Array:
-        """Return the time within each phase at which it reaches a parameter; bisection: s(t) increases."""
+        """Return the time at which each phase reaches a parameter, by bisection: s(t) increases."""
         s, v, a, j = self.s[phases], self.v[phases], self.a[phases], self.j[phases]
         low, high = np.zeros(len(phases)), self.h[phases]
         for _ in range(_BISECTIONS):

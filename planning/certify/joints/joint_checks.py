@@ -18,7 +18,7 @@ _DUST = 1e-6
 
 
 def lock_check(name: str, constraint: LockedJoints, request: CertifyRequest) -> Check:
-    """Return the check of the largest motion of locked joints from the start; a guaranteed bound."""
+    """Return the check of the largest motion of locked joints from the start (guaranteed bound)."""
     worst = Check(name, 0.0, _DUST, "rad or m", 0.0, passed=True)
     iq = iv = 0
     for joint in request.group.joints:
@@ -33,7 +33,7 @@ def lock_check(name: str, constraint: LockedJoints, request: CertifyRequest) -> 
 
 
 def tight_check(name: str, constraint: TightLimits, request: CertifyRequest) -> Check:
-    """Return the check of the largest excess over tightened bounds; a guaranteed bound."""
+    """Return the check of the largest excess over tightened bounds (guaranteed bound)."""
     curve, names = request.trajectory, request.group.position_names
     to_v, circle = _plain(request.group.joints)
     worst = Check(name, -np.inf, _DUST, "rad or m", 0.0, passed=True)

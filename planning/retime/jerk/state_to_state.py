@@ -38,7 +38,7 @@ def to_rest(
     """Return the fastest stop: every joint brakes independently, wherever it comes to rest.
 
     Raises:
-        RetimingFailed: A joint is planar or floating, or ruckig finds none.
+        RetimingFailed: A joint is planar or floating, or ruckig finds no profile.
     """
     wanted = _input(joints, limits, state, bounds)
     wanted.control_interface = ruckig.ControlInterface.Velocity
@@ -57,7 +57,7 @@ def to_state(
     """Return the quickest motion to a state that is moving or not; all joints arrive together.
 
     Raises:
-        RetimingFailed: A joint is planar or floating, or ruckig finds none.
+        RetimingFailed: A joint is planar or floating, or ruckig finds no profile.
     """
     wanted = _input(joints, limits, state, bounds)
     wanted.target_position = target.q.tolist()

@@ -41,7 +41,7 @@ class PathUtilization:
     def of_rate(
         cls, where: str, fraction: float, order: int, headroom: float = HEADROOM
     ) -> "PathUtilization":
-        """Build from peak over limit of a rate of an order, which scales with the duration's power."""
+        """Build from peak over limit of a rate, which scales with a power of the duration."""
         factor = (fraction * (1 + headroom)) ** (1 / order)
         return cls(where, factor, lambda slower: fraction / slower**order)
 
@@ -74,7 +74,7 @@ class PathLimit(Protocol):
         ...
 
     def cuts(self, stretch: JointSpline) -> Float64[np.ndarray, " m"]:
-        """Return parameters at which the limit jumps: edges of cells are needed there. Often empty."""
+        """Return parameters at which the limit jumps: cells need edges there. Often empty."""
         ...
 
     def rows(self, cells: JointSpline) -> tuple[Array, Array]:
@@ -108,16 +108,16 @@ class PathLimit(Protocol):
         ...
 
     def relaxed(self, where: str, factor: float) -> "PathLimit":
-        """Return the limit multiplied by a factor for one limited object, if it limits that."""
+        """Return the limit multiplied by a factor for one object, if it limits that."""
         ...
 
 
 @runtime_checkable
 class PeakLimit(Protocol):
-    """A path limit that bounds the norm of a rate, so that the ruckig retimer can use it as well."""
+    """A path limit that bounds the norm of a rate, so that the ruckig retimer can use it, too."""
 
     def peaks(self, cells: JointSpline) -> Float64[np.ndarray, "6 cells rates"]:
-        """Return the derivative bounds of each rate on every cell, relative to limits, for `speed_dp`.
+        """Return derivative bounds of each rate on every cell, relative to limits, for `speed_dp`.
 
         The largest |r'| over the limits of velocity, acceleration and jerk, |r''| over those of
         acceleration and jerk, |r'''| over that of jerk; zero where there is no such limit.

@@ -152,11 +152,12 @@ def _between(values: Array) -> Array:
 
 
 def _factor(held: Array, dragged: Array, pushed: Array, bound: float) -> float:
-    """Return a time scaling k from which |held + dragged / k + pushed / k^2| <= bound at all instants.
+    """Return a time scaling k from which |held + dragged / k + pushed / k^2| <= bound holds.
 
-    Without damping k is the smallest: the positive root y = 1 / k^2 of |held + y pushed| = bound,
-    in a form without cancellation. With damping the torque is not monotonic in k; the quadratic in
-    z = 1 / k keeps the bound on all of [0, z] if its Bernstein coefficients there do.
+    The bound holds at every instant for k or more. Without damping k is the smallest: the positive
+    root y = 1 / k^2 of |held + y pushed| = bound, in a form without cancellation. With damping the
+    torque is not monotonic in k; the quadratic in z = 1 / k keeps the bound on all of [0, z] if its
+    Bernstein coefficients there do.
     """
     if not dragged.any():
         square, along = (np.einsum("ij,ij->i", part, pushed) for part in (pushed, held))

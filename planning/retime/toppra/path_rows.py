@@ -45,7 +45,7 @@ class CellPlaces:
 
     @classmethod
     def of(cls, cells: JointSpline) -> "CellPlaces":
-        """Build with both ends and the middle of every cell; with the ends alone if they suffice."""
+        """Build with both ends and the middle of every cell; the ends alone if they suffice."""
         is_quadratic = cells.manifold.is_flat and not cells.coefficients[:, 3:].any()
         places = _ENDS if is_quadratic else _PLACES
         steps = np.diff(cells.breaks)
