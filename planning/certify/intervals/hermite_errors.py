@@ -97,7 +97,7 @@ class HermiteErrors:
     def longest(self, kind: Interpolation, levers: Array, way: float) -> float:
         """Return the longest sample period that is proven to keep limits and clearance [s].
 
-        It is the duration if any period is proven to, and 0 if none is.
+        It is the duration if every period is proven to, and 0 if none is.
 
         Args:
             kind: Interpolation used by the receiver of the samples.

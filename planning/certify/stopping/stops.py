@@ -126,7 +126,7 @@ def smooth_stops(cells: MotionCells, deadline: Deadline = UNHURRIED) -> Stops:
 def smooth_durations(
     cells: MotionCells, deadline: Deadline = UNHURRIED
 ) -> Float64[np.ndarray, " n"]:
-    """Return the durations of smooth stops that begin with each cell [s], infinite if none passes."""
+    """Return durations of smooth stops that begin with each cell [s], infinite if none passes."""
     best = np.full(len(cells.begins), np.inf)
     lasting = _SHORTEST
     while lasting < 2 * cells.end:

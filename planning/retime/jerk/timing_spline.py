@@ -63,7 +63,7 @@ class TimingSpline:
 
     @property
     def goes_on(self) -> bool:
-        """Whether ds/dt is positive at all inner parameters."""
+        """Whether s increases over every phase, and ds/dt is positive at all inner parameters."""
         return bool((self.v[1:-1] > 0).all() and (np.diff(self.s) > 0).all())
 
     @property
