@@ -15,8 +15,8 @@ SAME = 1e-6
 # Speed that counts as rest [rad/s or m/s].
 _SLOW = 1e-6
 # Tolerance for sums of jumps in rates, as a share of the limit: rounding. A jump of acceleration
-# this small is less than what a limit on jerk of ten times the acceleration per second does in 0.1
-# ms.
+# this small is less than the change in 0.1 ms under a jerk limit of ten times the acceleration per
+# second.
 _RATE_JUMP = 1e-5
 _ACCELERATION_JUMP = 1e-3
 

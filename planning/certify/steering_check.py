@@ -1,7 +1,7 @@
 """Steering check: whether a base moves as a car can drive, from the trajectory's polynomials.
 
-With p = (x, y) and psi the yaw, v_x and v_y of the base's own frame are p' turned by -psi. Shown on
-every piece, between all samples:
+With p = (x, y) and psi the yaw, v_x and v_y in the base's frame are p' rotated by -psi. The proven
+inequalities, on every piece as a whole:
 
     sideways    v_y^2 <= epsilon^2 |p'|^2
     curvature   (r psi')^2 <= (1 + delta)^2 v_x^2
@@ -45,7 +45,7 @@ _LOOKS = np.array([0.1, 0.35, 0.65, 0.9])
 
 
 def steering_checks(request: CertifyRequest) -> list[Check]:
-    """Return a check for every car of the group.
+    """Return a check for every base of the group with car-like steering.
 
     The value is the largest sampled utilization of the allowed slip, or of the allowed curvature 1
     / turning radius. The true one is at most the resolution larger.

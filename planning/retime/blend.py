@@ -63,7 +63,7 @@ def blend_corners(path: JointPath, deviation: float, smoothness: int = 1) -> Joi
     leaving = steps / lengths[:, None]
     arriving = -manifold.minus(waypoints[:-1], waypoints[1:]) / lengths[:, None]
     reaches = _reaches(leaving, arriving, lengths, deviation * _FARTHEST[smoothness])
-    # After every line comes the corner at its end; the last one has none.
+    # Every line but the last is followed by the corner at its end.
     widths = np.stack([lengths - reaches[:-1] - reaches[1:], 2 * reaches[1:]], axis=1)
     polynomials = np.zeros((len(lengths), 2, _DEGREE[smoothness] + 1, leaving.shape[1]))
     polynomials[:, 0, 0] = reaches[:-1, None] * leaving

@@ -21,9 +21,9 @@ from planning.retime.polynomials import halved, norms, to_bernstein
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
-# The bound exceeds the true peak by at most this, relatively, unless the search is cut off.
+# Largest relative excess of the bound over the true peak, unless the search is cut off.
 _GAP = 1e-9
-# Where rotation axes move, bounds converge more slowly.
+# The same for moving rotation axes, where bounds converge more slowly.
 _TURNING_GAP = 1e-6
 _MAX_HALVINGS = 40
 _MAX_NODES = 30_000

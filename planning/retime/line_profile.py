@@ -38,8 +38,8 @@ def line_profile(s0: float, s1: float, speed: float, acceleration: float) -> Spe
     """Return the time-optimal rest-to-rest profile along a line.
 
     Args:
-        s0: Where it begins.
-        s1: Where it ends, s1 > s0.
+        s0: Path parameter at the beginning.
+        s1: Path parameter at the end, s1 > s0.
         speed: Largest ds/dt [1/s].
         acceleration: Largest d2s/dt2 [1/s^2].
     """
@@ -49,20 +49,21 @@ def line_profile(s0: float, s1: float, speed: float, acceleration: float) -> Spe
 
 
 def profile_between(edges: Array, x: Array, lines: LineLimits) -> SpeedProfile:
-    """Return the profile that has given squared speeds at the edges of cells.
+    """Return the profile with given squared speeds at the edges of cells.
 
     Where a line's acceleration does not connect the speeds at its ends, more of it is used.
 
     Args:
         edges: Path parameter, increasing, shape (n + 1,).
         x: (ds/dt)^2 at the edges [1/s^2], shape (n + 1,). On curved cells not zero at both ends.
-        lines: How to pass cells that are lines.
+        lines: Limits on cells that are lines.
     """
     v, widths = np.sqrt(x), np.diff(edges)
     before, after = v[:-1], v[1:]
     needed = (x[1:] - x[:-1]) / (2 * widths)
     a, b = _pushes(lines, needed)
-    # Where full acceleration meets full braking; both alike, x and its share are halves.
+    # Squared speed at which full acceleration meets full braking; for equal ones the shares are
+    # 1/2.
     share = b / (a + b)
     met = share * x[:-1] + (1 - share) * x[1:] + 2 * share * a * widths
     top = np.minimum(lines.speed, np.sqrt(met))

@@ -18,7 +18,7 @@ _BRIEF = 1e-12
 
 @dataclass(frozen=True, eq=False)
 class SpeedProfile(Value):
-    """Phase i: s(t) = s[i] + v[i] t + a[i] t^2 / 2 + j[i] t^3 / 6 for 0 <= t <= h[i].
+    """Speed profile: s(t) = s[i] + v[i] t + a[i] t^2 / 2 + j[i] t^3 / 6 on [0, h[i]] in phase i.
 
     Attributes:
         s: Path parameter at the start of each phase and at the end of the last, shape (n + 1,).
@@ -66,7 +66,7 @@ class SpeedProfile(Value):
         inside = (times > brief) & (times < self.h[phases] - brief)
         inside[1:] &= (np.diff(times) > brief) | (np.diff(phases) > 0)
         places, phases, times = places[inside], phases[inside], times[inside]
-        # Boundaries in order: each phase's own beginning, then the places inside it.
+        # Boundaries in order: the beginning of each phase, then the parameters inside it.
         owner = np.concatenate([np.arange(len(self.h)), phases])
         begin = np.concatenate([np.zeros(len(self.h)), times])
         s = np.concatenate([self.s[:-1], places])

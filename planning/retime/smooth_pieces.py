@@ -61,11 +61,12 @@ def path_derivatives(
 def _jumps(spline: JointSpline, smoothness: int) -> Any:
     """Return for each inner break whether a derivative up to order `smoothness` jumps there."""
     count = spline.num_pieces - 1
-    # Every break from the piece before it, then every break from the piece after it.
+    # Every inner break on the piece before it, then every one on the piece after it.
     pieces = np.concatenate([np.arange(count), np.arange(1, count + 1)])
     local = np.concatenate([np.diff(spline.breaks)[:-1], np.zeros(count)])
     jumps = np.zeros(count, dtype=bool)
-    # The whole path has a parameter of length 1, so r' is a fair reference for r'' as well.
+    # The parameter of the whole path has length 1, so r' is a reference for the size of r'' as
+    # well.
     scale = np.full(count, 1e-300)
     for both in path_derivatives(spline, pieces, local)[:smoothness]:
         before, after = both[:count], both[count:]

@@ -32,7 +32,7 @@ type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # Rounding error of bounds is less than this [m].
 _ROUNDING = 1e-9
-# Segments shorter than this, or more of them, are given up as unproven [s].
+# Shortest segment [s] and largest number of segments; beyond these the proof fails as unproven.
 _SHORTEST = 1e-7
 _MOST_SEGMENTS = 20_000
 # Segments on which shapes move more than this are halved without a distance query: too many pairs

@@ -6,18 +6,18 @@ frame it is R(t) y(t) + p(t), and
 
     R(t) y(t) - R(t_m) y(t_m) = R(t) (y(t) - y(t_m)) + (R(t) - R(t_m)) y(t_m),
 
-so it stays within m_k = m_{k+1} + 2 sin(a_k / 2) rho_k + d_k of where it was, where rho_k is the
-largest distance of the shape's points at t_m from the joint's axis (from its origin, if it turns
-about any axis): a chord of a circle of radius rho_k. Summing from the tip to the common ancestor of
-two shapes bounds how far each moves relative to it, and the sum of both how much nearer they come.
-This is the bound of Schwarzer, Saha, Latombe, "Adaptive dynamic collision checking for single and
-multiple articulated robots" (IEEE T-RO 21:3, 2005), with lever arms taken at the present
-configuration instead of the worst one; the first term above, rotated by R(t) as a whole, is why no
-product of a_k and m_{k+1} is needed. The argument holds as well for a joint that Drake runs from
-child to parent: the inverse transform turns about the same axis by the same angle. So it holds in
-the frame of a half space that a chain carries: there the other shape moves, by that chain run
-backwards and then its own, and the lever arms of both are those of its points, where those of the
-half space would have no end.
+so it stays within m_k = m_{k+1} + 2 sin(a_k / 2) rho_k + d_k of its reference position, where rho_k
+is the largest distance of the shape's points at t_m from the joint's axis (from its origin, for
+rotations about any axis): a chord of a circle of radius rho_k. Summing from the tip to the common
+ancestor of two shapes bounds the displacement of each relative to it, and the sum of both bounds
+their approach. This is the bound of Schwarzer, Saha, Latombe, "Adaptive dynamic collision checking
+for single and multiple articulated robots" (IEEE T-RO 21:3, 2005), with lever arms taken at the
+present configuration instead of the worst one; the first term above, rotated by R(t) as a whole, is
+why no product of a_k and m_{k+1} is needed. The argument holds as well for a joint that Drake runs
+from child to parent: the inverse transform turns about the same axis by the same angle. So it holds
+in the frame of a half space that a chain carries: there the other shape moves, by that chain run
+backwards and then its own, and the lever arms of both chains are those of its points, as those of
+the half space would be infinite.
 """
 
 from dataclasses import dataclass

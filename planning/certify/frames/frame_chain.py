@@ -9,7 +9,7 @@ so
     |p^(m)| / m! <= the coefficient of h^m in  sum_k exp(Q_1 + .. + Q_k) (|l_k| + |T_k|),
 
 with Q_k(h) = sum_m>0 max |q_k^(m)| h^m / m!. Where the axis moves, R = R_0 exp(delta), Q is the
-integral of a majorant of the angular velocity, which `turn_bounds` has.
+integral of a majorant of the angular velocity, from `turn_bounds`.
 
 The same series bounds rounding errors. Let e_km bound the error of q_k^(m). The error of the
 computed frame is then at most the difference between the series with |q_k^(m)| + e_km and the one
@@ -152,7 +152,7 @@ def _links(model: DrakeModel, request: CertifyRequest, name: str) -> list[_Link]
         ends.append((rank, moving[k], places[0], places[1]))
     ends.sort(key=lambda entry: entry[0])
     tip = np.array(frame.CalcPoseInWorld(context).translation())
-    # Without a joint in between the frame does not move, however far away it is.
+    # Without a joint between world and frame the frame does not move.
     nexts = [near for _, _, near, _ in ends[1:]] + [tip] * bool(ends)
     return [
         _Link(joint, float(np.linalg.norm(there - far)))

@@ -70,7 +70,7 @@ def cone_check(
     request: CertifyRequest,
     deadline: Deadline,
 ) -> Check:
-    """Return the largest angle between an axis of a frame and a direction.
+    """Return the check of the largest angle between an axis of a frame and a direction.
 
     The bound is on the tip of the axis, a point of the unit sphere; its chords correspond to
     angles.

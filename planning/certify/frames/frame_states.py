@@ -22,9 +22,9 @@ class FrameMotion:
     """Motion of a frame's origin at some instants, in world.
 
     Attributes:
-        position: [m], shape (n, 3).
-        velocity: [m/s], shape (n, 3).
-        acceleration: [m/s^2], shape (n, 3).
+        position: Position [m], shape (n, 3).
+        velocity: Velocity [m/s], shape (n, 3).
+        acceleration: Acceleration [m/s^2], shape (n, 3).
     """
 
     position: Float64[np.ndarray, "n 3"]

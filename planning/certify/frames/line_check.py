@@ -42,6 +42,8 @@ _SHORTEST = 1e-4
 
 @dataclass(frozen=True)
 class _Worst:
+    """The largest bound of a deviation, and its instant [s]."""
+
     value: float
     time: float
 
@@ -174,5 +176,5 @@ def _misturns(line: ToolLine, R_WT: Array, p_wt: Array) -> Array:
     if angle < 1e-9:
         return np.linalg.norm(R_WT - start, axis=(1, 2))
     axis = line.turn / angle
-    # A tilt by an angle moves its axis by the chord; the norm of a matrix is sqrt(2) times that.
+    # A tilt moves the axis by the chord of its angle; the matrix norm is sqrt(2) times that.
     return np.sqrt(2) * np.linalg.norm((R_WT - start) @ axis, axis=1)

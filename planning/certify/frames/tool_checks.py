@@ -66,6 +66,8 @@ class _Rate:
 
 @dataclass(frozen=True)
 class _SpeedInBox:
+    """Norm of the origin's velocity inside a box (speed zone)."""
+
     name: str
     limit: float
     R_WB: Array

@@ -57,7 +57,7 @@ def angular_peak(
         coefficients: Power basis of delta on each piece [rad], lowest first.
         widths: Lengths of the pieces [s].
         order: 1 for angular velocity, 2 for acceleration, 3 for jerk.
-        tolerance: How far above the true peak the bound should lie at most [rad/s^order].
+        tolerance: Largest excess of the bound over the true peak, if attainable [rad/s^order].
 
     Returns:
         The bound, the piece where it is attained, and the fraction of that piece. The tolerance is

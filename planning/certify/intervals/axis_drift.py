@@ -27,7 +27,7 @@ from planning.certify.intervals.rounding import UNIT, rounding
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
-# The number of terms of the series, and the angle up to which they are exact to rounding [rad].
+# Number of terms of the series, and largest angle at which they are exact to rounding [rad].
 _TERMS, _LARGEST_ANGLE = 100, 20.0
 
 

@@ -89,14 +89,14 @@ def derivative(
 def peak(
     bernstein: Float64[np.ndarray, "n k"], tolerance: float, *, natively: bool = True
 ) -> tuple[float, int, float]:
-    """Return an upper bound on the largest value of n polynomials, each on its own interval.
+    """Return an upper bound on the maximum of n polynomials, each on its own interval.
 
-    Branch and bound: intervals whose largest coefficient may exceed the largest value seen at any
+    Branch and bound: intervals whose largest coefficient exceeds the largest value at any interval
     end by more than `tolerance` are halved, the others are dropped.
 
     Args:
         bernstein: Coefficients, a row per interval.
-        tolerance: How far above the true maximum the bound may lie.
+        tolerance: Largest excess of the bound over the true maximum.
         natively: Whether the native kernel may be used, if it is available.
 
     Returns:

@@ -17,7 +17,7 @@ from planning.domain.request.deadline import Deadline
 
 # Tolerance above a bound: a start that lies on it would be refused for rounding.
 SLACK = 1e-6
-# Segments shorter than this, or more of them, are given up as unproven [s].
+# Shortest segment [s] and largest number of segments; beyond these the search fails as unproven.
 _SHORTEST = 1e-6
 _MOST_SEGMENTS = 20_000
 # Resolution of the largest value, relative to the bound or absolute, and the number of additional
@@ -71,6 +71,8 @@ class BoundResult:
 
 @dataclass(order=True)
 class _Node:
+    """A segment of the search, ordered by its negated upper bound."""
+
     rank: float
     number: int
     segment: Segment = field(compare=False)
@@ -122,7 +124,7 @@ def bound_maximum(
 
 
 class _Bisection:
-    """One search over segments."""
+    """One branch-and-bound search over segments."""
 
     def __init__(
         self, quantity: Quantity, bound: float, request: CertifyRequest, deadline: Deadline

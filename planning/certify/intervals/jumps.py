@@ -60,7 +60,7 @@ def position_jumps(
     begins: Float64[np.ndarray, "n nq"],
     ends: Float64[np.ndarray, "n nq"],
 ) -> Float64[np.ndarray, "n nv"]:
-    """Return the jump from each piece's end to the next one's beginning, whole turns included.
+    """Return the jump from each piece's end to the next piece's beginning, shape (n - 1, nv).
 
     Args:
         trajectory: The motion.
@@ -77,7 +77,7 @@ def position_jumps(
 
 
 def in_one_turn(trajectory: TimedTrajectory) -> TimedTrajectory:
-    """Return the same motion with the anchors of its pieces in one common turn.
+    """Return the same motion without whole-turn jumps between the anchors of its pieces.
 
     Only for joints on a circle, where whole turns make no difference.
     """

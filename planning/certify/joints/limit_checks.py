@@ -20,7 +20,7 @@ from planning.domain.robot.joints import JointType
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
-# Utilisation (peak over limit) up to this passes; positions may pass their bounds by DUST.
+# Largest utilization (peak over limit) that passes; the tolerance of position bounds is DUST.
 MAX_UTILISATION = 1 + 1e-6
 DUST = 1e-6
 _RELATIVE_GAP = 1e-8

@@ -75,6 +75,8 @@ _NO_TIME = "there was no time left to prove it"
 
 @dataclass(frozen=True)
 class _Judge:
+    """Proof of all interpolants of one set of samples."""
+
     model: DrakeModel
     request: CertifyRequest
     samples: SampledTrajectory

@@ -24,7 +24,7 @@ _CELLS, _SMOOTH_CELLS = 600, 300
 def stop_check(
     model: DrakeModel, request: CertifyRequest, deadline: Deadline
 ) -> tuple[Check, StopReport]:
-    """Return the longest stop along the path of a proven trajectory; see `stops`.
+    """Return the check and report of the longest stop along a proven trajectory; see `stops`.
 
     Proven positions and velocities hold for a stop: it has the same path, and no velocity is
     larger. Limits on accelerations of joints (also by sign) and of frames, on torques and on jerk

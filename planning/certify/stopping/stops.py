@@ -1,4 +1,4 @@
-r"""Stops along the path within limits: from every instant, and how soon.
+r"""Stops along the path of a trajectory: from every instant, within limits, as short as possible.
 
 A trajectory q(t) followed at t = s(clock) from rate s' = 1 to s' = 0 stays on its path, so it is as
 collision-free as the trajectory is. With y = s'^2, x = -s'' and, on a cell, constant x,

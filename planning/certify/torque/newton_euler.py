@@ -140,7 +140,7 @@ class TorqueRecursion:
 
 
 def resisted(series: Array, order: int, terms: int) -> Array:
-    """Return the derivative of a motion that inertia resists, of order 1 or 2; zero for order 0."""
+    """Return the derivative of a motion in the inertial terms, order 1 or 2; zero for order 0."""
     return derivative(series, order)[:, :terms] if order else np.zeros_like(series[:, :terms])
 
 

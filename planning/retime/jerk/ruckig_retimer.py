@@ -33,7 +33,7 @@ _NUM_CELLS = 40
 _LEAST_PER_PIECE = 2
 # Longest cell for limits that change along a line (joint-space length).
 _LONGEST = 0.1
-# A cycle time is asked for by ruckig's constructor and used only in its online mode [s].
+# Cycle time [s], required by ruckig's constructor and used only in its online mode.
 _CYCLE = 0.01
 # Largest end error of ruckig, relative to the length of the speed segment.
 _MISSED = 1e-6
@@ -189,7 +189,7 @@ def _profile(hop: SpeedSegment, edges: Array) -> SpeedProfile:
         message = "ruckig misses the end of a piece of path"
         raise RetimingFailed(message, {"method": "ruckig", "missed": s - length})
     columns = np.array(rows).T
-    # The phases add up to the length but for rounding; the parameter is scaled to end exactly.
+    # The phases add up to the length up to rounding; the parameter is scaled to end exactly.
     scale = (end - begin) / s
     places = np.append(begin + columns[0] * scale, end)
     return SpeedProfile(

@@ -58,7 +58,7 @@ class Cells:
     m3: Array
 
     def top_speeds(self) -> Array:
-        """Return the greatest constant speed on each cell, shape (n,)."""
+        """Return the largest constant path speed on each cell, shape (n,)."""
         with np.errstate(divide="ignore"):
             fastest = np.minimum(1 / self.m1[0], 1 / np.sqrt(self.m2[0]))
             fastest = np.minimum(fastest, 1 / np.cbrt(self.m3[0]))
@@ -198,7 +198,7 @@ def _hop_times(peaks: Array, lengths: Array, before: Array, after: Array) -> tup
                 np.where(is_braking, at_before[n][:, :, None], at_after[n][:, None, :])
                 for n in range(2)
             )
-            # A triangle of acceleration, or a trapezium.
+            # Triangular or trapezoidal acceleration profile.
             ramp = np.where(gain * j < a * a, 2 * np.sqrt(gain / j), gain / a + a / j)
             rest = spare - mean * ramp
             possible = (a > 0) & (j > 0) & (rest >= 0)

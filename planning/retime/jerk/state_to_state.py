@@ -19,7 +19,7 @@ from planning.errors import RetimingFailed
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
-# A cycle time is asked for by ruckig's constructor and used only in its online mode [s].
+# Cycle time [s], required by ruckig's constructor and used only in its online mode.
 _CYCLE = 0.01
 # Factor on the limits for a state that lies on them; the certifier's tolerance is five times as
 # large.
@@ -54,7 +54,7 @@ def to_state(
     target: MotionState,
     bounds: AccelerationBounds = MappingProxyType({}),
 ) -> TimedTrajectory:
-    """Return the quickest motion to a state that is moving or not; all joints arrive together.
+    """Return the fastest motion to a target state, moving or at rest; all joints arrive together.
 
     Raises:
         RetimingFailed: A joint is planar or floating, or ruckig finds no profile.
@@ -109,7 +109,7 @@ def _solved(joints: tuple[Joint, ...], wanted: Any) -> TimedTrajectory:
 
 
 def _breaks(found: Any, duration: float) -> Array:
-    """Return the instants at which some joint begins a phase, and both ends."""
+    """Return the instants at which a phase of any joint begins, and both ends [s]."""
     instants = [0.0, duration]
     for profile in found.profiles[0]:
         phases = [*profile.brake.t, *profile.t]

@@ -54,7 +54,7 @@ def _peak_of_chords(first: Array, last: Array) -> Array:
     """Return M; infinite or NaN where an end is zero."""
     ratio = last / first
     gain, loss = ratio - 1, 1 / ratio**2 - 1
-    # The only stationary point of f between the ends; ends that are alike have it in the middle.
+    # The only stationary point of f between the ends; for equal ends it is in the middle.
     tau = (2 * gain + loss) / (-3 * gain * loss)
     tau = np.where((tau > 0) & (tau < 1), tau, 0.5)
     return np.maximum((1 + gain * tau) ** 2 * (1 + loss * tau), 1.0)

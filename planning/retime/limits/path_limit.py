@@ -54,7 +54,7 @@ class PathUtilization:
 
 @runtime_checkable
 class PathLimit(Protocol):
-    """A limit on a motion along a path.
+    """A limit on a motion along a path (interface).
 
     Attributes:
         name: Kind of limit, such as "tool_speed": key of `RetimeReport.utilisation`, and first word

@@ -35,7 +35,7 @@ class SignedAcceleration:
 
     @property
     def is_uniform(self) -> bool:
-        """On a straight line in joint space every joint's acceleration is a multiple of u."""
+        """True: along a line in joint space every joint's acceleration is a multiple of u."""
         return True
 
     def cuts(self, stretch: JointSpline) -> Array:  # noqa: ARG002

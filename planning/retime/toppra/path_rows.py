@@ -3,8 +3,8 @@
 With x at a cell's beginning and u constant on it, sdot^2 = x + 2 D u at a distance D into it,
 where q'' = r' u + r'' (x + 2 D u). A scalar coordinate gives two inequalities. A block of several
 has |q''| <= limit: q'' lies in the plane of r' and r'', in fact in the half of it with p >= 0 for
-p = w (x + 2 D u), w = |r'' - (r'' . n) n|, n = r' / |r'|; there the disc is replaced by a polygon
-with corners on it, one of them for motion straight ahead.
+p = w (x + 2 D u), w = |r'' - (r'' . n) n|, n = r' / |r'|; there the disc is replaced by an
+inscribed polygon, with one corner in the direction of r'.
 """
 
 from dataclasses import dataclass

@@ -31,7 +31,8 @@ type Array = np.ndarray[Any, np.dtype[np.float64]]
 # Smallest number of cells of a curve, additional ones per radian of turn, and the largest number.
 _LEAST, _PER_TURN, _MOST = 2, 6, 64
 # Factor on the number of cells where nothing is a line, as every cell costs some time. Durations of
-# refined curves are within 0.15 % of what many more cells give, of wild ones within 2 %.
+# refined curves are within 0.15 % of those with many more cells, of strongly curved ones within 2
+# %.
 _FINER = 2
 # Longest cell for limits that change along a line (joint-space length), and smallest number of
 # cells.
@@ -149,8 +150,8 @@ def _short_edges(
 def _sharper_edges(profile: SpeedProfile) -> Array:
     """Return the edges with additional ones where the acceleration jumps inside a cell.
 
-    Squared speeds are linear on cells: with a jump D of their slope inside one of width w, the best
-    x is larger by up to w D / 4, which costs that over x^1.5 times w / 2 of time.
+    Squared speeds are linear on cells: with a jump D of their slope inside one of width w, the
+    optimal x is larger by up to w D / 4; the lost time is that over x^1.5 times w / 2.
     """
     widths, pushes = np.diff(profile.s), profile.a
     jumps = np.abs(np.diff(2 * pushes))
