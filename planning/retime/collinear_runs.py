@@ -26,8 +26,8 @@ def without_straight_runs(waypoints: Array, manifold: Manifold, apart: float) ->
     if len(waypoints) < 3:
         return waypoints
     before, here, after = waypoints[:-2], waypoints[1:-1], waypoints[2:]
-    # A waypoint within `apart` of its neighbours' line is no corner, unless the path reverses
-    # there.
+    # Within a run all three waypoints are within `apart` of the line, so the middle one is within
+    # twice that of its neighbours' chord; others, and reversals, are corners.
     near = _from_chord(manifold.minus(here, before), manifold.minus(after, before))
     corners = np.flatnonzero(near > 2 * apart) + 1
     if len(corners) == len(here):

@@ -1,11 +1,12 @@
 """Clearance proof by branch and bound with Drake's distances (adaptive bisection of the motion).
 
 The distance of two shapes at an instant, minus their largest approach until either end of a segment
-(`motion_bounds`), is a lower bound on their distance on the segment: conservative advancement in
-both directions of time. Where the bound is above the margin the segment is proven for that pair;
-the remaining pairs are bounded again on both halves. The segment with the smallest bound is always
-next, so that a collision is found early. Afterwards the segments that may contain a smaller
-distance than the smallest measured one are halved until that one is known to a tolerance.
+(`motion_bounds`), is a lower bound on their distance on the segment (the adaptive collision
+checking of Schwarzer, Saha, Latombe, 2005). Where the bound is above the margin the segment is
+proven for that pair; the remaining pairs are bounded again on both halves. The segment with the
+smallest bound is always next, so that a collision is found early. Afterwards the segments that may
+contain a smaller distance than the smallest measured one are halved until that one is known to a
+tolerance.
 """
 
 from heapq import heapify, heappop, heappush

@@ -30,9 +30,8 @@ type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # Smallest number of cells of a curve, additional ones per radian of turn, and the largest number.
 _LEAST, _PER_TURN, _MOST = 2, 6, 64
-# Factor on the number of cells where nothing is a line, as every cell costs some time. Durations of
-# refined curves are within 0.15 % of those with many more cells, of strongly curved ones within 2
-# %.
+# Factor on the number of cells where nothing is a line, as every cell costs some time. Durations
+# are within 0.15 % of those with many more cells, on strongly curved paths within 2 %.
 _FINER = 2
 # Longest cell for limits that change along a line (joint-space length), and smallest number of
 # cells.
