@@ -148,7 +148,7 @@ def rows_of(
     """Return the rows of all limits on the same cells.
 
     Raises:
-        RetimingFailed: A limit does not admit rest.
+        RetimingFailed: A limit does not allow rest.
         DeadlineExceeded: Time ran out.
         Canceled: The caller canceled.
     """

@@ -56,7 +56,7 @@ def toppra_profile(
     """Return the fastest rest-to-rest profile along a smooth piece.
 
     Raises:
-        RetimingFailed: toppra finds none, or a path limit does not admit rest.
+        RetimingFailed: toppra finds none, or a path limit does not allow rest.
         DeadlineExceeded: Time ran out.
         Canceled: The caller canceled.
     """
