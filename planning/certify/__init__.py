@@ -1,5 +1,6 @@
-"""The proof that a timed trajectory keeps its limits and its distances, between samples too.
+"""Certification: the proof that a timed trajectory keeps its limits and distances at every instant.
 
-It shares no code with what made the trajectory: polynomial bounds, motion bounds and distance
-queries are its own. (The native proof shares what a shape, a pose and a distance are: ADR 8.)
+The proof shares no code with the planning stages that made the trajectory: its polynomial bounds,
+motion bounds and distance queries are its own. (The native proof shares the definitions of shape,
+pose and distance with the collision checker: ADR 8.)
 """

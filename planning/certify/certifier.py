@@ -1,4 +1,4 @@
-"""certify(): every check on one trajectory, and the verdict."""
+"""Certifier: `certify` runs every check on one trajectory and returns the certificate."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -31,23 +31,23 @@ __all__ = ["CertifyRequest", "certify", "certify_places"]
 def certify(
     model: DrakeModel, request: CertifyRequest, deadline: Deadline
 ) -> tuple[Certificate, CertifyReport]:
-    """Hold a trajectory against limits, ends and margins, on its whole interval.
+    """Check a trajectory against limits, end conditions and margins on its whole interval.
 
-    A trajectory that is no trajectory (NaN, times that do not increase) fails its `form` check, and
-    nothing else is looked at; it raises nothing.
+    A malformed trajectory (NaN, times that do not increase) fails its `form` check, and no other
+    check is run; no error is raised.
 
     Args:
-        model: The scene; a fresh context of it is made here.
+        model: The scene; the checks use contexts of their own.
         request: The trajectory and its bounds.
-        deadline: When to stop.
+        deadline: Time limit.
 
     Returns:
-        The certificate, `proven` or with failed checks, and what it took. Without `form`, both
-        clearances are NaN.
+        The certificate, `proven` or with failed checks, and the report of the work done. If the
+        `form` check fails, both clearances are NaN.
 
     Raises:
         DeadlineExceeded: Time ran out before the verdict.
-        Canceled: The end was asked for.
+        Canceled: The caller canceled.
         ModelInvalid: The scene has a shape or joint of a kind that cannot be certified.
     """
     return _certify(model, request, deadline, motion_checks)
@@ -56,20 +56,21 @@ def certify(
 def certify_places(
     model: DrakeModel, request: CertifyRequest, deadline: Deadline
 ) -> tuple[Certificate, CertifyReport]:
-    """Hold a motion of straight lines with corners against all that corners let it keep.
+    """Check a polyline motion (straight segments with corners) as far as corners allow.
 
-    That is what `unchecked_of` does not name. What it takes and gives is what `certify` does.
+    All checks are run but those that `unchecked_of` names. Arguments and results are those of
+    `certify`.
 
     Raises:
         DeadlineExceeded: Time ran out before the verdict.
-        Canceled: The end was asked for.
+        Canceled: The caller canceled.
         ModelInvalid: The scene has a shape or joint of a kind that cannot be certified.
     """
     return _certify(model, without_bends(request), deadline, place_checks)
 
 
 def without_bends(request: CertifyRequest) -> CertifyRequest:
-    """Return a request for no more than a motion of straight lines with corners can keep."""
+    """Return the request without the limits that a motion with corners cannot keep."""
     frames = tuple(replace(limit, acceleration=None) for limit in request.tool_limits)
     return replace(
         request,
@@ -131,13 +132,14 @@ def _malformed(form: Check) -> Certificate:
 def _findings(
     model: DrakeModel, request: CertifyRequest, report: CertifyReport, deadline: Deadline
 ) -> tuple[tuple[Check, ...], CertifyReport]:
-    """Return the check on stops, if it is asked for, and the report with all that is asked for.
+    """Return the check of stops, if requested, and the report with all requested findings.
 
-    What the motion need not keep is left out once the time has run out: it is proven without.
+    Findings that are not requirements are left out once the time has run out: the motion is proven
+    without them.
 
     Raises:
-        DeadlineExceeded: Time ran out before a verdict on stops that may not last long.
-        Canceled: The end was asked for.
+        DeadlineExceeded: Time ran out before a verdict on stops whose duration is limited.
+        Canceled: The caller canceled.
     """
     options = request.options
     checks: tuple[Check, ...] = ()
@@ -154,7 +156,7 @@ def _findings(
 
 
 def motion_checks(request: CertifyRequest) -> list[Check]:
-    """Return the checks of a trajectory alone."""
+    """Return the checks that need the trajectory alone: ends, continuity, joint limits."""
     rates = [("velocity", 1), ("acceleration", 2)] + ([("jerk", 3)] if request.jerk else [])
     return [
         start_check(request),
@@ -167,7 +169,7 @@ def motion_checks(request: CertifyRequest) -> list[Check]:
 
 
 def place_checks(request: CertifyRequest) -> list[Check]:
-    """Return those of them that a motion with corners can pass."""
+    """Return those of the `motion_checks` that a motion with corners can pass."""
     return [
         start_check(request),
         goal_check(request),
@@ -180,11 +182,13 @@ def place_checks(request: CertifyRequest) -> list[Check]:
 def special_checks(
     model: DrakeModel, request: CertifyRequest, deadline: Deadline
 ) -> tuple[Check, ...]:
-    """Return the checks of what was asked for besides limits of joints, and clearance.
+    """Return the checks of requested constraints other than joint limits and clearance.
+
+    These are steering, torques, tool limits, path constraints and straight tool lines.
 
     Raises:
         DeadlineExceeded: Time ran out before the verdict.
-        Canceled: The end was asked for.
+        Canceled: The caller canceled.
         ModelInvalid: The scene has a joint of a kind that cannot be certified.
     """
     kept = constraint_checks(model, request, deadline)

@@ -1,4 +1,4 @@
-"""One check for every path constraint, on the whole interval."""
+"""Constraint checks: one check per path constraint, on the whole interval of a trajectory."""
 
 from planning.certify.clearance.band_check import band_check
 from planning.certify.frames.frame_checks import box_check, cone_check
@@ -25,11 +25,11 @@ from planning.world.drake_model import DrakeModel
 def constraint_checks(
     model: DrakeModel, request: CertifyRequest, deadline: Deadline
 ) -> list[Check]:
-    """Return the checks, in the order of the constraints.
+    """Return one check per path constraint, in the order of the constraints.
 
     Raises:
         DeadlineExceeded: Time ran out.
-        Canceled: The end was asked for.
+        Canceled: The caller canceled.
         ModelInvalid: A shape or joint of a kind that cannot be certified.
     """
     return [

@@ -1,4 +1,4 @@
-"""Ends of a trajectory, and what happens where its pieces meet."""
+"""End checks: start, goal and rest of a trajectory, and continuity where its pieces meet."""
 
 from typing import Any
 
@@ -10,24 +10,25 @@ from planning.domain.report.certificate import Check
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
-# Deviation of configurations that counts as none, of what follows too [rad or m].
+# Tolerance for equal configurations, of follower joints too [rad or m].
 SAME = 1e-6
 # Speed that counts as rest [rad/s or m/s].
 _SLOW = 1e-6
-# Sums of jumps that count as rounding, as a share of the limit. A jump of acceleration this small
-# is less than what a limit on jerk of ten times the acceleration per second does in 0.1 ms.
+# Tolerance for sums of jumps in rates, as a share of the limit: rounding. A jump of acceleration
+# this small is less than the change in 0.1 ms under a jerk limit of ten times the acceleration per
+# second.
 _RATE_JUMP = 1e-5
 _ACCELERATION_JUMP = 1e-3
 
 
 def start_check(request: CertifyRequest) -> Check:
-    """Return how far from the wanted start the motion begins."""
+    """Return the check of the distance between the motion's first and the required start."""
     distance = _distance(request, _states(request, 0, 0, slice(1))[0], request.start)
     return Check("start", distance, SAME, "rad or m", 0.0, distance <= SAME)
 
 
 def goal_check(request: CertifyRequest) -> Check:
-    """Return how far from the nearest goal configuration the motion ends."""
+    """Return the check of the distance between the motion's end and the nearest goal."""
     end = _states(request, 0, -1, slice(-1, None))[0]
     distance = min(_distance(request, end, goal) for goal in request.goals)
     time = request.trajectory.duration
@@ -35,7 +36,7 @@ def goal_check(request: CertifyRequest) -> Check:
 
 
 def rest_check(request: CertifyRequest) -> Check:
-    """Return the largest speed at both ends; at the last alone, if it begins under way."""
+    """Return the check of the speed at both ends; at the last alone if the motion begins moving."""
     rates, duration = request.forms[1], request.trajectory.duration
     ends = [rates[:, i, i] * request.leverage for i in (0, -1)]
     first, last = (float(np.abs(speeds).max()) for speeds in ends)
@@ -45,10 +46,10 @@ def rest_check(request: CertifyRequest) -> Check:
 
 
 def continuity_checks(request: CertifyRequest) -> list[Check]:
-    """Return the largest sums of jumps of position and velocity between pieces.
+    """Return the checks of the largest sums of position and velocity jumps between pieces.
 
-    If jerk is limited, those of acceleration as well, from and to rest included: a step there would
-    be an infinite jerk. What begins under way has whatever acceleration it begins with.
+    If jerk is limited, jumps of acceleration are checked as well, from and to rest included: a step
+    there would be an infinite jerk. A motion that begins moving may begin with any acceleration.
     """
     curve, limits = request.trajectory, request.shared_limits
     between = curve.breaks[1:-1]
@@ -71,12 +72,12 @@ def continuity_checks(request: CertifyRequest) -> list[Check]:
 
 
 def _at_begins(request: CertifyRequest, order: int) -> Array:
-    """Return q (0), v (1) or vdot (2) where every piece begins, a row for each."""
+    """Return q (0), v (1) or vdot (2) at the beginning of every piece, one row per piece."""
     return _states(request, order, 0)
 
 
 def _at_ends(request: CertifyRequest, order: int) -> Array:
-    """Return the same where every piece ends."""
+    """Return q (0), v (1) or vdot (2) at the end of every piece, one row per piece."""
     return _states(request, order, -1)
 
 
@@ -98,7 +99,10 @@ def _states(request: CertifyRequest, order: int, which: int, rows: slice = slice
 def _rate_jump(
     request: CertifyRequest, name: str, what: tuple[Sums, Array], bound: float, times: Array
 ) -> Check:
-    """Return the largest sum of any block's steps over its limit; without one it counts as is."""
+    """Return the check of the largest sum of a block's jumps over its limit, if it has one.
+
+    Without a limit the sum itself is compared.
+    """
     sums, limits = what
     blocks, sizes = request.group.blocks, sums.sizes
     if len(blocks) < len(sizes):
@@ -115,7 +119,7 @@ def _jump(name: str, value: float, bound: float, unit: str, time: float) -> Chec
 
 
 def _time(times: Array, sums: Sums, column: int) -> float:
-    """Return when the largest sum of a coordinate's jumps is complete; 0 if there is none."""
+    """Return the instant [s] at which the largest sum of a coordinate's jumps is complete, or 0."""
     return float(times[sums.last_of(column)]) if len(times) else 0.0
 
 

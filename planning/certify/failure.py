@@ -1,4 +1,4 @@
-"""A refusal in words: why no motion was certified."""
+"""Certification failures in words: why no candidate motion was certified."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -8,11 +8,11 @@ from planning.errors import NotCertified
 
 
 def not_certified(failed: Certificate | None, refused: Sequence[str]) -> NotCertified:
-    """Return the failure that says what the last of some refused motions lacks.
+    """Return the error `NotCertified` with the failed checks of the last refused motion.
 
     Args:
-        failed: Its certificate; None if there was none.
-        refused: What was wrong with each, a line for a motion.
+        failed: Certificate of the last refused motion; None if it has none.
+        refused: Reason for each refusal, one line per motion.
     """
     checks = [] if failed is None else failed.failed
     message = f"none of {len(refused)} candidate motions passed the certifier; the last failed "
@@ -21,12 +21,12 @@ def not_certified(failed: Certificate | None, refused: Sequence[str]) -> NotCert
 
 
 def failed_checks(certificate: Certificate) -> str:
-    """Return the failed checks and where they failed, in short."""
+    """Return a one-line summary of the failed checks and the instants of failure."""
     return ", ".join(f"{check.name} {check.where}".rstrip() for check in certificate.failed)
 
 
 def describe_check(check: Check) -> str:
-    """Return a failed check as words."""
+    """Return one failed check in words."""
     value = f"{check.value:.4g}" if check.unit == "1" else f"{check.value:.4g} {check.unit}"
     place = f"{check.where} at" if check.where else "at"
     return f"{check.name} ({value}, bound {check.bound:.4g}, {place} {check.time:.3f} s)"

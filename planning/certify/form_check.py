@@ -1,4 +1,4 @@
-"""Whether the numbers are a trajectory, and a question about it, at all."""
+"""Form check: whether the numbers of a certify request are a well-formed trajectory."""
 
 from collections.abc import Iterable
 from typing import Any
@@ -12,19 +12,19 @@ from planning.domain.report.certificate import Check
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 _UNIT_TOLERANCE = 1e-9
-# Larger numbers mean nothing, and would lose the digits that the proof needs.
+# Largest magnitude of any number: larger ones lose the digits that the proof needs.
 _LARGEST = 1e9
-# What rounding may hide: of positions [rad or m, or as a share of what is larger than 1], and of
-# rates as a share of their limits, or of themselves where they are larger.
+# Largest rounding error: of positions [rad or m, relative above 1], and of rates relative to their
+# limits, or to the rates themselves where those are larger.
 _MOST_HIDDEN = 1e-7
 
 
 def form_check(request: CertifyRequest) -> Check:
-    """Return how many faults the request has; the other checks need one that has none.
+    """Return the check of the number of faults in the request; all other checks require zero.
 
-    Shapes fit the group, every number is finite and of a size that means something, times increase
-    from 0, quaternions are of unit length, limits are positive, there is a goal, and polynomials
-    are what they are in double precision, too.
+    Without faults, array shapes fit the group, every number is finite and within `_LARGEST`, times
+    increase from 0, quaternions are of unit length, limits are positive, there is a goal, and the
+    polynomials can be evaluated in double precision.
     """
     faults: list[str] = []
     for find in (_shape_faults, _number_faults, _size_faults, _rounding_faults):
@@ -58,7 +58,7 @@ def _shape_faults(request: CertifyRequest) -> list[str]:
 
 
 def _begins(request: CertifyRequest) -> list[tuple[str, Array]]:
-    """Return the start, and the origin where there is one."""
+    """Return the names and values of the start, and of the origin if there is one."""
     origin = [] if request.origin is None else [("origin", request.origin)]
     return [("start", request.start), *origin]
 
@@ -101,7 +101,7 @@ def _size_faults(request: CertifyRequest) -> list[str]:
 
 
 def _rounding_faults(request: CertifyRequest) -> list[str]:
-    """Return the polynomials whose powers cancel, so that rounding hides where they go."""
+    """Return faults for polynomials whose powers cancel, so that rounding errors are too large."""
     faults: list[str] = []
     if request.trajectory.coefficients.shape[1] <= LOW_DEGREE + 1:
         return faults
@@ -122,7 +122,7 @@ def _rounding_faults(request: CertifyRequest) -> list[str]:
 
 
 def _scales(request: CertifyRequest, order: int) -> Array:
-    """Return what numbers of each coordinate are measured by: 1, or the limits of rates."""
+    """Return the reference sizes for rounding errors: 1 for positions, the limits for rates."""
     scales = np.ones(request.group.num_velocities)
     if order > 0:
         limits = getattr(request.shared_limits, _rates(request)[order - 1])
@@ -132,12 +132,12 @@ def _scales(request: CertifyRequest, order: int) -> Array:
 
 
 def _rates(request: CertifyRequest) -> tuple[str, ...]:
-    """Return the names of the rate limits that are asked for."""
+    """Return the names of the rate limits that the request has."""
     return ("velocity", "acceleration", "jerk") if request.jerk else ("velocity", "acceleration")
 
 
 def _together(arrays: Iterable[Array]) -> Array:
-    """Return all numbers of some arrays in one."""
+    """Return all numbers of some arrays in one array."""
     return np.concatenate([array.ravel() for array in arrays])
 
 
@@ -146,7 +146,7 @@ def _are_finite(array: Array) -> bool:
 
 
 def _unit_fault(request: CertifyRequest, q: Array) -> bool:
-    """Return whether some quaternion's length is not 1."""
+    """Return whether some quaternion is not of unit length."""
     if request.trajectory.manifold.is_flat:
         return False
     q = np.atleast_2d(q)

@@ -1,4 +1,4 @@
-"""CertifyRequest: a trajectory and everything it shall be held against."""
+"""CertifyRequest: a trajectory and all limits, margins and constraints to prove for it."""
 
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -25,29 +25,30 @@ type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 @dataclass(frozen=True, eq=False)
 class CertifyRequest(Value):
-    """What to prove.
+    """A trajectory and the properties to prove for it.
 
     Attributes:
-        group: What moves.
+        group: The joint group that moves.
         trajectory: The motion.
-        state: Where everything else is, full plant positions, shape (num_positions,).
-        start: Where the motion shall begin, shape (nq,).
-        goals: Configurations one of which it shall reach, shape (n, nq).
-        limits: The limits that the group's own joints shall keep.
-        margins: The distances to keep.
+        state: Full plant positions, for all joints outside of the group, shape (num_positions,).
+        start: Required first configuration, shape (nq,).
+        goals: Goal configurations, one of which the motion must reach, shape (n, nq).
+        limits: Limits of the group's own joints.
+        margins: Required distances between bodies.
         jerk: Whether jerk is limited (and acceleration hence continuous).
-        constraints: What else to keep; names and numbers in them are trusted.
-        lines: Parts of the motion that shall follow straight lines.
-        tool_limits: Limits of frames; names and numbers in them are trusted, as in the next two.
-        speed_zones: Boxes in which frames are slower; what moves with the group counts where the
-            `reference` puts it.
+        constraints: Path constraints; names and numbers in them are trusted.
+        lines: Sections of the motion on which a tool must follow a straight line.
+        tool_limits: Speed and acceleration limits of frames; names and numbers in them are trusted,
+            as in the next two.
+        speed_zones: Boxes with a lower speed limit for a frame; boxes on moving bodies are placed
+            by the `reference` configuration.
         acceleration_bounds: Lowest and highest accelerations of joints.
-        options: What else to find out.
-        origin: Where the motion began that this one goes on from, so that it need not begin at
-            rest, shape (nq,); None if it begins by itself.
+        options: Additional findings to compute.
+        origin: First configuration of the running motion that this one continues, so that it need
+            not begin at rest, shape (nq,); None if it begins at rest.
         effort: Whether joint torques and forces are limited.
-        payload: What the group carries that the scene does not show.
-        followers: Joints that follow those of the group, and the limits that they shall keep.
+        payload: Load carried by the group that is not part of the scene.
+        followers: Mimic joints that follow those of the group, and their limits.
     """
 
     group: JointGroup
@@ -71,17 +72,17 @@ class CertifyRequest(Value):
 
     @property
     def reference(self) -> Array:
-        """The configuration that zones and constraints mean by the start, shape (nq,)."""
+        """The reference configuration of zones and constraints (their "start"), shape (nq,)."""
         return self.start if self.origin is None else self.origin
 
     @cached_property
     def shared_limits(self) -> JointLimits:
-        """The limits within which the group and what follows it keep their own."""
+        """The limits of the group, tightened so that its follower joints keep theirs."""
         return together(self.limits, self.followers)
 
     @cached_property
     def leverage(self) -> Array:
-        """By how much more than its own each rate may move something that follows, shape (nv,)."""
+        """Largest ratio of a follower's rate to each coordinate's rate, at least 1, shape (nv,)."""
         factors = np.ones(self.group.num_velocities)
         for follower in self.followers:
             factors[follower.rate] = max(factors[follower.rate], abs(follower.multiplier))
@@ -89,7 +90,7 @@ class CertifyRequest(Value):
 
     @cached_property
     def rounding(self) -> tuple[Array, ...]:
-        """Bounds on how far `forms` and values of the polynomials are off, each of shape (nv,)."""
+        """Bounds on the rounding errors of `forms` and of polynomial values, each shape (nv,)."""
         curve = self.trajectory
         return tuple(
             rounding(size, curve.coefficients, curve.widths, order)

@@ -1,4 +1,7 @@
-"""A predicate, which nothing is known of: it is asked at samples, and the check says how near."""
+"""Predicate check: a user predicate evaluated at samples of a trajectory, with their spacing.
+
+A predicate is a black box: nothing is proven between the samples.
+"""
 
 import numpy as np
 
@@ -12,10 +15,10 @@ from planning.domain.request.deadline import Deadline
 def predicate_check(
     name: str, constraint: PathPredicate, request: CertifyRequest, deadline: Deadline
 ) -> Check:
-    """Return whether a predicate says yes at samples of the whole trajectory, both ends included.
+    """Return the check that a predicate holds at samples of the trajectory, both ends included.
 
-    Between two samples every configuration is within the resolution of one of them, counted as the
-    root of the squares of what each joint turns and shifts.
+    Between two samples every configuration is within the resolution of one of them, measured as the
+    root of the sum of squares of all joint rotations and translations.
     """
     resolution = constraint.resolution
     where = f"sampled every {resolution:g} rad or m"

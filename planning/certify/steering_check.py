@@ -1,20 +1,20 @@
-"""Whether a base moves as a car can drive, from the trajectory's polynomials.
+"""Steering check: whether a base moves as a car can drive, from the trajectory's polynomials.
 
-With p = (x, y) and psi the yaw, v_x and v_y of the base's own frame are p' turned by -psi. Shown on
-every piece, between all samples:
+With p = (x, y) and psi the yaw, v_x and v_y in the base's frame are p' rotated by -psi. The proven
+inequalities, on every piece as a whole:
 
     sideways    v_y^2 <= epsilon^2 |p'|^2
     curvature   (r psi')^2 <= (1 + delta)^2 v_x^2
     reverse     v_x >= 0, unless the car drives backwards
 
 All but the sine and the cosine are polynomials. Pieces are halved until psi = psi_m + eta with
-|eta| at most 1/8; then Taylor's series 1 - eta^2 / 2 + eta^4 / 24 and eta - eta^3 / 6 are wrong by
-less than 3e-7 together, which the first bound makes room for. Both sides are homogeneous in speed,
-so that slow motion is held to the same as fast. Close to rest they are rounding errors: speeds up
-to `dust` count as nothing. That is so little that over the whole motion it is less than a
-micrometre, however long the motion takes: of way aside, of way back, and of way along the rim of
-the tightest turn. What rounding hides of speeds is taken from it; where it hides more, nothing is
-proven.
+|eta| at most 1/8; then Taylor's series 1 - eta^2 / 2 + eta^4 / 24 and eta - eta^3 / 6 have a total
+error below 3e-7, for which the first bound has a reserve. Both sides are homogeneous in speed, so
+that slow and fast motion meet the same condition. Close to rest speeds are rounding errors: speeds
+up to a tolerance (`_dust`) are neglected. Over the whole motion the neglected distance is less than
+a micrometre, however long the motion takes: sideways, backwards, and along the rim of the tightest
+turn. The rounding error of speeds is subtracted from the tolerance; where the error is larger,
+nothing is proven.
 """
 
 from dataclasses import dataclass
@@ -37,18 +37,18 @@ SLIP, TIGHT = 1e-5, 1e-4
 _SERIES = 3e-7
 _LARGEST_TURN = 0.125
 _MOST_HALVINGS, _MOST_NODES = 16, 100_000
-# Speeds that count as nothing: at most this aside and back, and this along a turn [m/s], and less
-# if they were more than this way over the whole motion [m].
+# Neglected speeds: at most this sideways and backwards, and this along a turn [m/s], and less if
+# they add up to more than this distance over the whole motion [m].
 _SLIP_DUST, _TURN_DUST, _DUST_WAY = 1e-9, 1e-6, 1e-6
-# Speeds are compared at so many places of each piece, for the number that is told.
+# Fractions of each piece at which speeds are compared for the reported value.
 _LOOKS = np.array([0.1, 0.35, 0.65, 0.9])
 
 
 def steering_checks(request: CertifyRequest) -> list[Check]:
-    """Return a check for every car of the group.
+    """Return a check for every base of the group with car-like steering.
 
-    The value is the largest share of what is allowed that was seen: of the slip, or of the
-    curvature 1 / turning radius. The true one is at most the resolution larger.
+    The value is the largest sampled utilization of the allowed slip, or of the allowed curvature 1
+    / turning radius. The true one is at most the resolution larger.
     """
     checks: list[Check] = []
     cars = steering_of(request.group)
@@ -84,10 +84,10 @@ def _check(name: str, request: CertifyRequest, at: tuple[int, int], car: Steerin
 
 
 def _most(request: CertifyRequest, iv: int, car: Steering) -> float:
-    """Return what no share of what is allowed exceeds, whatever the motion does.
+    """Return an upper bound on the utilization of slip and curvature, whatever the motion does.
 
-    The base is never aside or behind by more than its speed; how quickly it turns, its polynomials
-    bound.
+    Sideways and reverse speeds are at most the speed of the base; its polynomials bound the yaw
+    rate.
     """
     turn = float(np.abs(request.forms[1][iv + 2]).max(initial=0.0))
     _, turn_dust = _dust(request.trajectory.duration)
@@ -95,14 +95,14 @@ def _most(request: CertifyRequest, iv: int, car: Steering) -> float:
 
 
 def _dust(duration: float) -> Float64[np.ndarray, "2"]:
-    """Return the speeds that count as nothing: aside or back, and along a turn [m/s]."""
+    """Return the neglected speeds: sideways or backwards, and along a turn [m/s]."""
     return np.minimum([_SLIP_DUST, _TURN_DUST], _DUST_WAY / duration)
 
 
 def _hidden(request: CertifyRequest, iv: int, car: Steering) -> Float64[np.ndarray, "2"]:
-    """Bound what rounding hides of speeds aside or back, and of those along a turn [m/s].
+    """Bound the rounding errors of speeds sideways or backwards, and along a turn [m/s].
 
-    A yaw that is off by e makes of the speed v ahead v e aside.
+    A yaw error e turns a forward speed v into a sideways speed v e.
     """
     own, curve = slice(iv, iv + 3), request.trajectory
     speed = float(np.linalg.norm(request.sizes[1][iv : iv + 2]))
@@ -117,7 +117,7 @@ def _hidden(request: CertifyRequest, iv: int, car: Steering) -> Float64[np.ndarr
 def _worst(
     request: CertifyRequest, at: tuple[int, int], instants: Array, car: Steering
 ) -> tuple[float, str, float]:
-    """Return the largest share of what is allowed at some instants, of what, and when."""
+    """Return the largest sampled utilization, its kind (slip or curvature), and its instant [s]."""
     curve, (iq, iv) = request.trajectory, at
     yaw = curve.positions(instants)[:, iq + 2]
     x, y, turn = curve.tangents(instants, 1)[:, iv : iv + 3].T
@@ -140,11 +140,11 @@ class _Nodes:
     """Parts of pieces on which the yaw changes little, a row for each.
 
     Attributes:
-        begins: [s].
-        widths: [s].
-        yaw: In the middle of what it may be.
-        eta: Bernstein coefficients of the yaw less that.
-        rates: Of x', y' and psi', shape (n, k, 3).
+        begins: First instants [s].
+        widths: Durations [s].
+        yaw: Middle of the range of the yaw on the part [rad].
+        eta: Bernstein coefficients of the yaw minus that middle [rad].
+        rates: Bernstein coefficients of x', y' and psi', shape (n, k, 3).
     """
 
     begins: Array
@@ -155,7 +155,7 @@ class _Nodes:
 
 
 def _nodes(request: CertifyRequest, iq: int, iv: int) -> _Nodes | None:
-    """Return parts of all pieces, or None if the yaw changes too quickly."""
+    """Return parts of all pieces with little change of yaw, or None if it changes too quickly."""
     curve = request.trajectory
     begins, widths = curve.breaks[:-1], np.diff(curve.breaks)
     turning = curve.coefficients[:, :, iv + 2 : iv + 3]
@@ -180,7 +180,7 @@ def _nodes(request: CertifyRequest, iq: int, iv: int) -> _Nodes | None:
 
 
 def _excesses(nodes: _Nodes, car: Steering, dusts: Array) -> list[tuple[str, Array, float]]:
-    """Return what shall not be above zero, and what of it counts as nothing."""
+    """Return the quantities that must not be positive: name, coefficients and tolerance."""
     slip_dust, turn_dust = dusts.tolist()
     c, s = np.cos(nodes.yaw)[:, None], np.sin(nodes.yaw)[:, None]
     x, y, turn = np.moveaxis(nodes.rates, -1, 0)

@@ -1,1 +1,1 @@
-"""From a geometric path to a timed trajectory that is exactly on it."""
+"""Retiming: from a geometric path to a timed trajectory exactly on it, by TOPP-RA or ruckig."""

@@ -1,4 +1,4 @@
-"""Round the corners of a path, so that it can be followed without resting.
+"""Corner blending: rounded corners of a path, so that a motion need not rest at them.
 
 At corner q_c with unit directions u1 (in) and u2 (out), the curve leaves the incoming line at
 -lambda u1 and joins the outgoing one at +lambda u2, both in the tangent space at q_c, where lines
@@ -7,8 +7,8 @@ through q_c are straight on any manifold. With x in [0, 2 lambda] and y = x / (2
     delta'(x) = u1 + (u2 - u1) f(y),  f(y) = y (smoothness 1) or 3 y^2 - 2 y^3 (smoothness 2),
 
 so the speed in x is 1 on the lines and at the joins, and r'' is constant, or zero at the joins. The
-curve's nearest point to the corner is its middle, delta(lambda) = (u2 - u1) lambda w with
-w = 1/4 or 3/16, which bounds how far it is from the path.
+point of the curve nearest to the corner is its middle, delta(lambda) = (u2 - u1) lambda w with w =
+1/4 or 3/16, which bounds how far it is from the path.
 """
 
 from typing import Any
@@ -26,24 +26,26 @@ type Array = np.ndarray[Any, np.dtype[np.float64]]
 # 1 / w, and the degree of delta, by smoothness.
 _FARTHEST = {1: 4.0, 2: 16 / 3}
 _DEGREE = {1: 2, 2: 4}
-# Corners sharper than this (cosine of the turn) are rested at: rounded, they would be cusps.
+# Corners sharper than this (cosine of the turn) are kept, with a rest: rounded, they would be
+# cusps.
 _SHARPEST = -0.98
-# Turns smaller than this are left to the retimer, which passes them as straight (|u2 - u1|).
+# Turns smaller than this (|u2 - u1|) are left to the retimer, which treats them as straight.
 _STRAIGHT = 1e-9
 _SHORTEST = 1e-9
-# Waypoints as near as this to the one before, or this share of the deviation, are the same: corners
-# so close together would be too short for the retimer's tolerances.
+# Waypoints within this distance of the one before, or this share of the deviation, are merged:
+# corners so close together would be too short for the retimer's tolerances.
 _ALIKE, _ALIKE_SHARE = 1e-6, 1e-3
 
 
 def blend_corners(path: JointPath, deviation: float, smoothness: int = 1) -> JointSpline:
-    """Return the path with its corners rounded; waypoints that nearly repeat become one.
+    """Return the path with rounded corners; almost equal consecutive waypoints are merged.
 
     Waypoints in the middle of straight lines change nothing.
 
     Args:
-        path: Waypoints joined by geodesics; where a base is steered, nothing is rounded.
-        deviation: How far the curve may be from each corner (joint-space length); 0 for none.
+        path: Waypoints joined by geodesics; a path with a steered base is not rounded.
+        deviation: Largest distance of the curve from each corner (joint-space length); 0 for no
+            blending.
         smoothness: 1 for a continuous r', 2 for a continuous r'' as well.
     """
     if steering_of(path.group):
@@ -57,11 +59,11 @@ def blend_corners(path: JointPath, deviation: float, smoothness: int = 1) -> Joi
         return JointSpline.through(path.group.joints, waypoints)
     steps = manifold.minus(waypoints[1:], waypoints[:-1])
     lengths = np.sqrt((steps**2).sum(axis=1))
-    # Directions in which lines leave their first waypoint, and arrive at their second.
+    # Directions of lines at their first waypoint, and at their second.
     leaving = steps / lengths[:, None]
     arriving = -manifold.minus(waypoints[:-1], waypoints[1:]) / lengths[:, None]
     reaches = _reaches(leaving, arriving, lengths, deviation * _FARTHEST[smoothness])
-    # After every line comes the corner at its end; the last one has none.
+    # Every line but the last is followed by the corner at its end.
     widths = np.stack([lengths - reaches[:-1] - reaches[1:], 2 * reaches[1:]], axis=1)
     polynomials = np.zeros((len(lengths), 2, _DEGREE[smoothness] + 1, leaving.shape[1]))
     polynomials[:, 0, 0] = reaches[:-1, None] * leaving
@@ -73,13 +75,13 @@ def blend_corners(path: JointPath, deviation: float, smoothness: int = 1) -> Joi
 
 
 def _reaches(leaving: Array, arriving: Array, lengths: Array, farthest: float) -> Array:
-    """Return lambda at every waypoint; 0 at both ends and where nothing is rounded.
+    """Return lambda at every waypoint; 0 at both ends and at corners that are not rounded.
 
     Args:
         leaving: Unit directions of the lines where they begin.
-        arriving: And where they end.
-        lengths: Of the lines.
-        farthest: lambda |u2 - u1| may be this.
+        arriving: Unit directions of the lines where they end.
+        lengths: Lengths of the lines.
+        farthest: Largest value of lambda |u2 - u1|.
     """
     before, after = arriving[:-1], leaving[1:]
     turns = np.sqrt(((after - before) ** 2).sum(axis=1))
@@ -90,7 +92,7 @@ def _reaches(leaving: Array, arriving: Array, lengths: Array, farthest: float) -
 
 
 def _arcs(reach: Array, u1: Array, u2: Array, smoothness: int) -> Array:
-    """Return power-basis coefficients of rounded corners, in x in [0, 2 reach], stacked first."""
+    """Return power-basis coefficients of rounded corners, x in [0, 2 reach], corners first."""
     width = np.where(reach > 0, 2 * reach, 1.0)
     turn = u2 - u1
     if smoothness == 1:
@@ -110,7 +112,7 @@ def _spline(path: JointPath, widths: Array, bases: Array, polynomials: Array) ->
 
 
 def _distinct(waypoints: Array, manifold: Manifold, alike: float) -> Array:
-    """Return the waypoints without those that repeat the one before; both ends are kept."""
+    """Return the waypoints without repetitions of the one before; both ends are kept."""
     if (manifold.distance(waypoints[1:], waypoints[:-1]) > alike).all():
         return waypoints
     keep = [0]

@@ -1,4 +1,4 @@
-"""Bounds on the rates of a curve, per block of coordinates that are limited together."""
+"""Rate bounds of a curve, per block of coordinates with one limit, by Bernstein coefficients."""
 
 from typing import Any
 
@@ -22,8 +22,8 @@ _HALVINGS = 2
 def block_peaks(curve: Curve, limits: JointLimits, order: int) -> Float64[np.ndarray, "n blocks"]:
     """Return an upper bound on the norm of each block's order-th derivative on each piece.
 
-    Not promised: that the bound is attained. It exceeds the peak by some per mille on pieces that
-    bend gently.
+    Not promised: that the bound is attained. It exceeds the peak by some per mille on pieces with
+    small curvature.
     """
     widths = np.diff(curve.breaks)
     polynomials = to_bernstein(derivative(curve.coefficients, order), widths)
@@ -54,7 +54,7 @@ def block_norms(vectors: Float64[np.ndarray, "*n nv"], limits: JointLimits) -> A
 
 
 def turning_blocks(curve: Curve, limits: JointLimits) -> list[int]:
-    """Return which blocks are the rotation of a floating joint."""
+    """Return the indices of the blocks that are rotations of floating joints."""
     starts: list[int] = []
     offset = 0
     for joint in curve.joints:
@@ -65,7 +65,7 @@ def turning_blocks(curve: Curve, limits: JointLimits) -> list[int]:
 
 
 def _replace_turning(peaks: Array, curve: Curve, indices: list[int], order: int) -> None:
-    """Write bounds on the angular rates of pieces whose axis moves."""
+    """Replace the bounds of pieces with a moving rotation axis by those of angular rates."""
     coefficients = curve.coefficients[:, :, indices]
     moving = np.flatnonzero(has_moving_axis(coefficients))
     if not len(moving):

@@ -1,4 +1,4 @@
-"""Cut a curve into pieces of its own choosing."""
+"""Cells: subdivision of a curve into pieces at given parameters."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -13,12 +13,12 @@ from planning.retime.polynomials import norms
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 type Counts = np.ndarray[Any, np.dtype[np.int64]]
 
-# Edges nearer than this to the one before are left out, relative to the curve's whole parameter.
+# Smallest distance of edges, relative to the curve's whole parameter; nearer ones are left out.
 _APART = 1e-7
 
 
 def cut_at(curve: Curve, edges: Float64[np.ndarray, " n_plus_1"]) -> JointSpline:
-    """Return the curve in pieces between given edges, among which all its breaks are."""
+    """Return the curve in pieces between given edges, which must include all its breaks."""
     pieces, _ = curve.locate((edges[:-1] + edges[1:]) / 2)
     local = shifted(curve.coefficients[pieces], edges[:-1] - curve.breaks[pieces])
     return JointSpline(curve.joints, edges, curve.bases[pieces], local)
@@ -27,7 +27,7 @@ def cut_at(curve: Curve, edges: Float64[np.ndarray, " n_plus_1"]) -> JointSpline
 def even_edges(
     breaks: Float64[np.ndarray, " n_plus_1"], counts: Any
 ) -> Float64[np.ndarray, " m_plus_1"]:
-    """Return edges that cut each piece between breaks into so many equal parts."""
+    """Return edges that cut each piece between breaks into a number (`counts`) of equal parts."""
     parts = [
         np.linspace(a, b, n + 1)[:-1]
         for a, b, n in zip(breaks[:-1], breaks[1:], counts, strict=True)
@@ -38,7 +38,7 @@ def even_edges(
 def with_cuts(
     edges: Float64[np.ndarray, " n_plus_1"], cuts: Sequence[Array]
 ) -> Float64[np.ndarray, " k_plus_1"]:
-    """Return the edges with more of them, but for those that have one right beside them."""
+    """Return the edges with additional cuts, except those right beside an edge."""
     more = np.concatenate([np.zeros(0), *cuts])
     near = np.searchsorted(edges, more).clip(1, len(edges) - 1)
     room = np.minimum(np.abs(more - edges[near - 1]), np.abs(edges[near] - more))
@@ -48,19 +48,20 @@ def with_cuts(
 
 
 def num_short(curve: Curve, longest: float) -> Counts:
-    """Return into how many equal parts to cut each piece, so that delta moves little on them.
+    """Return the number of equal parts of each piece that makes the parts short.
 
     Args:
         curve: The curve.
-        longest: How far it may move on a part, at most (joint-space length).
+        longest: Largest length of a part (joint-space length of delta).
     """
     return np.maximum(1, np.ceil(ways(curve) / longest)).astype(np.int64)
 
 
 def ways(curve: Curve) -> Float64[np.ndarray, " n"]:
-    """Return bounds on how far delta moves on each piece (joint-space length).
+    """Return upper bounds on the length of delta on each piece (joint-space length).
 
-    The sum of |c_k| k w^k; of a part of a piece it is no more than the part's share of that.
+    The bound is the sum of |c_k| k w^k; for a part of a piece it is at most the part's share of
+    that.
     """
     widths = np.diff(curve.breaks)[:, None]
     powers = np.arange(curve.coefficients.shape[1])

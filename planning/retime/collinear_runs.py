@@ -1,6 +1,6 @@
-"""Waypoints in the middle of a straight line say nothing: runs of them become one line.
+"""Collinear runs: removal of waypoints in the middle of straight lines of a path.
 
-However finely a path was cut, it is then the same path to whatever times it.
+However finely a path was cut, it is then the same path for every retimer.
 """
 
 from typing import Any
@@ -11,22 +11,23 @@ from planning.domain.robot.manifold import Manifold
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
-# What rounding may move a waypoint from the line that it was cut out of (joint-space length).
+# Rounding error of a waypoint's distance from the line that it lies on (joint-space length).
 STRAIGHT = 1e-9
 
 
 def without_straight_runs(waypoints: Array, manifold: Manifold, apart: float) -> Array:
-    """Return the corners of a path, and both its ends.
+    """Return the corners of a path, and both its ends (Ramer-Douglas-Peucker).
 
     Args:
         waypoints: Joined by geodesics, shape (n, nq).
-        manifold: On which they are.
-        apart: How far a waypoint that goes may be from the line that stays (joint-space length).
+        manifold: Joint manifold of the waypoints.
+        apart: Largest distance of a removed waypoint from the remaining line (joint-space length).
     """
     if len(waypoints) < 3:
         return waypoints
     before, here, after = waypoints[:-2], waypoints[1:-1], waypoints[2:]
-    # In the middle of a line within `apart`, all three are; also where it turns back, none is.
+    # Within a run all three waypoints are within `apart` of the line, so the middle one is within
+    # twice that of its neighbours' chord; others, and reversals, are corners.
     near = _from_chord(manifold.minus(here, before), manifold.minus(after, before))
     corners = np.flatnonzero(near > 2 * apart) + 1
     if len(corners) == len(here):
@@ -40,7 +41,7 @@ def without_straight_runs(waypoints: Array, manifold: Manifold, apart: float) ->
         inside = manifold.minus(waypoints[begin + 1 : end], waypoints[begin])
         away = _from_chord(inside, manifold.minus(waypoints[end], waypoints[begin]))
         if away.max() > apart:
-            # Ramer, Douglas and Peucker: the farthest is a corner, what is on its two sides a run.
+            # Ramer-Douglas-Peucker: the farthest waypoint is a corner, both its sides are runs.
             farthest = begin + 1 + int(np.argmax(away))
             kept.add(farthest)
             runs += [(begin, farthest), (farthest, end)]

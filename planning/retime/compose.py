@@ -1,4 +1,4 @@
-"""q(t) = r(s(t)): exact composition of a path and a speed profile."""
+"""Composition q(t) = r(s(t)) of a path and a speed profile, exact as polynomials."""
 
 from typing import Any
 
@@ -11,7 +11,7 @@ type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 
 def compose(spline: JointSpline, profile: SpeedProfile) -> TimedTrajectory:
-    """Return the trajectory that follows the spline by the profile.
+    """Return the trajectory along the spline with the given speed profile.
 
     Every phase lies on one piece of the spline, whose polynomial of degree k is expanded about the
     phase's beginning and then composed with s(t), giving degree 3 k (2 k without jerk).

@@ -1,7 +1,7 @@
-"""Why a motion takes as long as it does: what binds when, and what more of it would save.
+"""Explanation of a motion's duration: binding limits by interval, and savings from relaxing them.
 
 Between two instants at which a limit is met, jerk limits often let a motion come near several and
-meet none: what is used the most is named all the same, with the share of it that is used.
+meet none: the limit with the largest utilization is named all the same, with its utilization.
 """
 
 from collections.abc import Sequence
@@ -25,17 +25,17 @@ from planning.retime.retimer import RETIMERS, retime
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 _SAMPLES = 400
-# A limit that is used this much binds.
+# Utilization from which a limit counts as binding.
 _BINDS = 0.97
-# How much of a limit is added to see what it would save.
+# Factor by which a limit is raised to measure its saving.
 _RELAXED = 1.2
-# A limit that is met only for an instant, between samples, is used this much.
+# Utilization of a limit that is met only for an instant, between samples.
 _MET = 0.999
-# Savings that are not worth naming [s].
+# Smallest saving that is reported [s].
 _LEAST_SAVING = 1e-4
-# Savings are measured for so many limits at most, those that bind the longest.
+# Largest number of limits with measured savings, those that bind the longest.
 _MOST_SAVINGS = 6
-# Durations that are longer by this share were asked for.
+# Relative excess over the least duration from which a motion counts as slowed by request.
 _LONGER = 1e-8
 
 
@@ -44,14 +44,14 @@ type _Named = tuple[str, str]
 
 @dataclass(frozen=True)
 class _Task:
-    """A path, and what limits its timing.
+    """A path with its limits and timing options.
 
     Attributes:
         spline: The path.
-        limits: Of the joints, unscaled.
-        options: Without a duration that is asked for.
+        limits: Joint limits, unscaled.
+        options: Timing options without a requested duration.
         path_limits: Other limits.
-        deadline: When to give up.
+        deadline: Time limit.
     """
 
     spline: JointSpline
@@ -61,12 +61,12 @@ class _Task:
     deadline: Deadline
 
     def timed(self) -> RetimeReport:
-        """Return how the path is timed, as quickly as the limits allow."""
+        """Return the report of the fastest timing within the limits."""
         how = self.limits, self.options, self.path_limits, self.deadline
         return retime(self.spline, *how)[1]
 
     def relaxed(self, named: _Named) -> "_Task":
-        """Return the same with one limit relaxed."""
+        """Return the task with one limit relaxed."""
         kind, where = named
         if kind not in RATES:
             others = tuple(
@@ -87,23 +87,23 @@ def explain_duration(
     path_limits: Sequence[PathLimit] = (),
     deadline: Deadline = UNHURRIED,
 ) -> DurationExplanation:
-    """Return which limit binds in which interval, and what relaxing each by a fifth would save.
+    """Return the binding limit of each interval, and the saving from relaxing each by a fifth.
 
-    A saving is measured: the same path is timed again with that limit raised and all others as
-    they are. Where a duration was asked for that is longer than the least, that is all there is to
-    say: no limit holds the motion back.
+    A saving is measured: the same path is timed again with that limit raised and all others
+    unchanged. If the requested duration is longer than the least, no limit binds, and the
+    explanation says only that.
 
     Args:
         spline: The path.
-        trajectory: The motion along it, as `retime` made it.
-        limits: Unscaled.
-        options: With which it was made.
-        path_limits: With which it was made.
-        deadline: When to give up.
+        trajectory: The motion along it, made by `retime`.
+        limits: Joint limits, unscaled.
+        options: Timing options of the motion.
+        path_limits: Path limits of the motion.
+        deadline: Time limit.
 
     Raises:
         DeadlineExceeded: Time ran out.
-        Canceled: The end was asked for.
+        Canceled: The caller canceled.
     """
     task = _Task(spline, limits, replace(options, duration=None), tuple(path_limits), deadline)
     least = task.timed()
@@ -120,7 +120,7 @@ def explain_duration(
 
 
 def asked_for(duration: float) -> DurationExplanation:
-    """Return the explanation of a motion that takes longer than it must, as was asked for [s]."""
+    """Return the explanation of a motion slowed to a requested duration [s]."""
     whole = BindingInterval(0.0, duration, "duration", "", 1.0)
     return DurationExplanation((whole,), _RELAXED, ())
 
@@ -128,7 +128,7 @@ def asked_for(duration: float) -> DurationExplanation:
 def joined_explanation(
     parts: Sequence[tuple[DurationExplanation, float]],
 ) -> DurationExplanation:
-    """Return the explanation of motions one after another, each with its duration [s]."""
+    """Return the explanation of consecutive motions, each with its duration [s]."""
     intervals: list[BindingInterval] = []
     seconds: dict[_Named, float] = {}
     begin = 0.0
@@ -160,7 +160,7 @@ def _intervals(
             used[limit.name, where] = shares
     named, table = list(used), np.stack(list(used.values()), axis=1)
     largest = table.max(axis=1).clip(0.0, 1.0)
-    # Odd where it is met; two below what any of them has where nothing moves.
+    # Odd where a limit is met; -2 where nothing moves.
     which = np.where(largest > 0, 2 * table.argmax(axis=1) + (largest >= _BINDS), -2)
     return tuple(
         BindingInterval(
@@ -174,7 +174,7 @@ def _intervals(
 
 
 def _binding(intervals: Sequence[BindingInterval], report: RetimeReport) -> list[_Named]:
-    """Return the limits that are met somewhere, those that are met the longest first."""
+    """Return the limits that bind somewhere, the longest binding first."""
     seconds: dict[_Named, float] = {}
     for entry in intervals:
         if entry.share >= _BINDS:
@@ -189,7 +189,7 @@ def _binding(intervals: Sequence[BindingInterval], report: RetimeReport) -> list
 def _used(
     trajectory: TimedTrajectory, limits: JointLimits, rates: tuple[str, ...], times: Array
 ) -> dict[_Named, Array]:
-    """Return rate over limit at every instant, of every rate and block."""
+    """Return rate over limit at every instant, for every rate and block."""
     used: dict[_Named, Array] = {}
     names = _block_names(trajectory)
     for order, rate in enumerate(rates, start=1):
@@ -203,7 +203,7 @@ def _block_names(curve: Curve) -> list[str]:
 
 
 def _runs(which: Any, times: Array) -> list[tuple[int, slice, Array]]:
-    """Return runs of the same number: it, its samples, and from when to when it lasts."""
+    """Return runs of equal numbers: the number, its samples, and both instants of the run."""
     cuts = np.flatnonzero(np.diff(which)) + 1
     first, last = np.concatenate([[0], cuts]), np.append(cuts, len(times))
     edges = np.array([times[0], *((times[cuts - 1] + times[cuts]) / 2), times[-1]])
@@ -214,7 +214,7 @@ def _runs(which: Any, times: Array) -> list[tuple[int, slice, Array]]:
 
 
 def _saving(relaxed: _Task, duration: float) -> float:
-    """Return by how much shorter the motion is with one limit relaxed [s]."""
+    """Return the time saved by relaxing one limit [s]."""
     try:
         return max(0.0, duration - relaxed.timed().duration)
     except RetimingFailed:

@@ -1,4 +1,4 @@
-"""How much of its limits a curve uses, bounded from above by branch and bound.
+"""LimitUtilization: peak over limit of a curve's rates, bounded from above by branch and bound.
 
 Velocity is bounded by |delta'|, which an angular velocity J_r(delta) delta' never exceeds.
 """
@@ -21,9 +21,9 @@ from planning.retime.polynomials import halved, norms, to_bernstein
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
-# The bound exceeds the true peak by at most this, relatively, unless the search is cut off.
+# Largest relative excess of the bound over the true peak, unless the search is cut off.
 _GAP = 1e-9
-# Where rotation axes move, bounds converge more slowly.
+# The same for moving rotation axes, where bounds converge more slowly.
 _TURNING_GAP = 1e-6
 _MAX_HALVINGS = 40
 _MAX_NODES = 30_000
@@ -32,11 +32,11 @@ RATES = ("velocity", "acceleration", "jerk")
 
 @dataclass(frozen=True)
 class LimitUtilization:
-    """Peak over limit.
+    """Largest peak over limit of a curve's rates.
 
     Attributes:
-        fraction: An upper bound on the largest, over all blocks and pieces.
-        block: The index of the block that has it.
+        fraction: Upper bound on the largest peak over limit of all blocks and pieces.
+        block: Index of the block with the largest one.
     """
 
     fraction: float
@@ -44,7 +44,7 @@ class LimitUtilization:
 
 
 def largest_use(curve: Curve, limits: JointLimits, order: int) -> LimitUtilization:
-    """Return the largest peak over limit of the order-th derivative."""
+    """Return the largest peak over limit of the order-th derivative, over all blocks."""
     bounds = getattr(limits, RATES[order - 1])
     widths = np.diff(curve.breaks)
     turning = {
@@ -67,7 +67,7 @@ def largest_use(curve: Curve, limits: JointLimits, order: int) -> LimitUtilizati
 
 
 def largest_value(polynomials: Array) -> LimitUtilization:
-    """Return the largest value of polynomials, not below zero, and which has it.
+    """Return the largest value of polynomials, at least zero, and the index of its column.
 
     Args:
         polynomials: Bernstein coefficients, shape (n, k, columns).
@@ -89,9 +89,9 @@ def _polynomial_use(
 
     Args:
         polynomials: Bernstein coefficients, shape (n, k, nv).
-        sizes: Their norms by block, over the limits; zero for those that do not count.
-        limits: For its blocks.
-        bounds: The blocks' limits.
+        sizes: Their norms by block, over the limits; zero for excluded ones.
+        limits: Joint limits, for their blocks.
+        bounds: Limits of the blocks.
     """
     upper, attained = _extremes(sizes)
     top = int(np.argmax(attained))
@@ -101,12 +101,12 @@ def _polynomial_use(
     if keep.any():
         nodes, owners = _nodes(polynomials, keep, limits, bounds)
         best = _search(nodes, owners, _norm_bounds, _GAP, best)
-    # What is not looked at more closely may exceed what is attained, by the gap.
+    # Pieces that are not refined may exceed the attained value by the gap.
     return LimitUtilization(max(best.fraction, float(upper[~keep].max(initial=0.0))), best.block)
 
 
 def _nodes(polynomials: Array, keep: Any, limits: JointLimits, bounds: Array) -> tuple[Array, Any]:
-    """Return the chosen pieces of blocks over their limits, padded to one width, and whose."""
+    """Return the chosen pieces of blocks over their limits, padded to one width, and the blocks."""
     pieces, owners = np.nonzero(keep)
     width = max(len(block) for block in limits.blocks)
     columns = np.array([[*block, *[-1] * (width - len(block))] for block in limits.blocks])[owners]
@@ -116,7 +116,7 @@ def _nodes(polynomials: Array, keep: Any, limits: JointLimits, bounds: Array) ->
 
 
 def _extremes(sizes: Array) -> tuple[Array, Array]:
-    """Return what norms do not exceed and what they attain, from those of Bernstein coefficients.
+    """Return upper bounds and attained values of norms, from those of Bernstein coefficients.
 
     The second axis runs along the coefficients.
     """
@@ -130,9 +130,9 @@ def _norm_bounds(nodes: Array, _: int) -> tuple[Array, Array]:
 def _turning_use(
     deltas: Array, widths: Array, what: tuple[int, float, int], best: LimitUtilization
 ) -> LimitUtilization:
-    """Return the larger of `best` and the use of a turning block."""
+    """Return the larger of `best` and the utilization of a turning block."""
     order, bound, block = what
-    # Widths halve along with the nodes; they ride as one more row of equal coefficients.
+    # Widths halve along with the nodes: they are appended as one more row of equal coefficients.
     ride = np.broadcast_to(widths[:, None, None], (*deltas.shape[:2], 1))
 
     def bounded(nodes: Array, depth: int) -> tuple[Array, Array]:
@@ -150,7 +150,7 @@ def _search(
     gap: float,
     best: LimitUtilization,
 ) -> LimitUtilization:
-    """Halve the intervals that may hold more than the largest value seen, until none is left."""
+    """Branch and bound: halve the intervals that may exceed the largest attained value."""
     floor, owner, dropped = best.fraction, best.block, 0.0
     for depth in range(_MAX_HALVINGS):
         upper, attained = bounded(nodes, depth)

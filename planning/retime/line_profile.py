@@ -1,7 +1,7 @@
-"""The quickest profile through cells of a path, given the speeds at their edges.
+"""Line profile: the fastest profile through cells of a path with given speeds at their edges.
 
-On a line that is full acceleration, full speed, full braking (Lynch and Park, "Modern Robotics",
-2017, section 9.2.2.2); a curved cell is passed with constant acceleration.
+On a line it is full acceleration, full speed, full braking (trapezoidal profile: Lynch and Park,
+"Modern Robotics", 2017, section 9.2.2.2); a curved cell is passed with constant acceleration.
 """
 
 from dataclasses import dataclass
@@ -13,13 +13,13 @@ from planning.retime.profile import SpeedProfile
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
-# Phases that are briefer than this, relative to the whole duration, are left out.
+# Shortest phase relative to the whole duration; shorter ones are left out.
 _BRIEF = 1e-12
 
 
 @dataclass(frozen=True)
 class LineLimits:
-    """What is allowed on each of n cells if they are lines.
+    """Limits on each of n cells that are lines.
 
     Attributes:
         is_line: Whether the cell is a line, boolean, shape (n,).
@@ -38,8 +38,8 @@ def line_profile(s0: float, s1: float, speed: float, acceleration: float) -> Spe
     """Return the time-optimal rest-to-rest profile along a line.
 
     Args:
-        s0: Where it begins.
-        s1: Where it ends, s1 > s0.
+        s0: Path parameter at the beginning.
+        s1: Path parameter at the end, s1 > s0.
         speed: Largest ds/dt [1/s].
         acceleration: Largest d2s/dt2 [1/s^2].
     """
@@ -49,20 +49,21 @@ def line_profile(s0: float, s1: float, speed: float, acceleration: float) -> Spe
 
 
 def profile_between(edges: Array, x: Array, lines: LineLimits) -> SpeedProfile:
-    """Return the profile that has given squared speeds at the edges of cells.
+    """Return the profile with given squared speeds at the edges of cells.
 
     Where a line's acceleration does not connect the speeds at its ends, more of it is used.
 
     Args:
         edges: Path parameter, increasing, shape (n + 1,).
         x: (ds/dt)^2 at the edges [1/s^2], shape (n + 1,). On curved cells not zero at both ends.
-        lines: How to pass cells that are lines.
+        lines: Limits on cells that are lines.
     """
     v, widths = np.sqrt(x), np.diff(edges)
     before, after = v[:-1], v[1:]
     needed = (x[1:] - x[:-1]) / (2 * widths)
     a, b = _pushes(lines, needed)
-    # Where full acceleration meets full braking; both alike, x and its share are halves.
+    # Squared speed at which full acceleration meets full braking; for equal ones the shares are
+    # 1/2.
     share = b / (a + b)
     met = share * x[:-1] + (1 - share) * x[1:] + 2 * share * a * widths
     top = np.minimum(lines.speed, np.sqrt(met))
@@ -74,7 +75,7 @@ def profile_between(edges: Array, x: Array, lines: LineLimits) -> SpeedProfile:
     times[0, curved] = 2 * widths[curved] / (before[curved] + after[curved])
     times[1:, curved] = 0.0
     keep = times > _BRIEF * times.sum()
-    # What is left out moves to the phase after it, so that every edge begins a phase.
+    # The distance of an omitted phase is added to the next, so that every edge begins a phase.
     places = np.stack([
         edges[:-1],
         np.where(keep[0], edges[:-1] + climb, edges[:-1]),
@@ -93,7 +94,7 @@ def profile_between(edges: Array, x: Array, lines: LineLimits) -> SpeedProfile:
 
 
 def _pushes(lines: LineLimits, needed: Array) -> tuple[Array, Array]:
-    """Return acceleration and braking, no less than what is needed."""
+    """Return acceleration and braking, at least the values that connect the speeds."""
     alike = lines.acceleration == lines.braking
     both = np.maximum(lines.acceleration, np.abs(needed))
     a = np.where(alike, both, np.maximum(lines.acceleration, needed))

@@ -1,4 +1,4 @@
-"""Stacks of vector polynomials in Bernstein form, whose coefficients bound them.
+"""Bernstein polynomials: stacks of vector polynomials, bounded by their coefficients.
 
 A polynomial on an interval lies in the convex hull of its Bernstein coefficients, so its norm
 nowhere exceeds the largest norm of a coefficient, and meets the first and the last at the ends

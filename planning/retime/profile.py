@@ -1,4 +1,4 @@
-"""SpeedProfile: how fast a path is followed, s(t) as polynomials of degree at most three."""
+"""SpeedProfile: the path parameter over time, s(t), as polynomials of degree at most three."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -12,19 +12,19 @@ from planning.domain.value import Value
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 _BISECTIONS = 60
-# Relative to the whole duration.
+# Shortest phase relative to the whole duration.
 _BRIEF = 1e-12
 
 
 @dataclass(frozen=True, eq=False)
 class SpeedProfile(Value):
-    """Phase i: s(t) = s[i] + v[i] t + a[i] t^2 / 2 + j[i] t^3 / 6 for 0 <= t <= h[i].
+    """Speed profile: s(t) = s[i] + v[i] t + a[i] t^2 / 2 + j[i] t^3 / 6 on [0, h[i]] in phase i.
 
     Attributes:
         s: Path parameter at the start of each phase and at the end of the last, shape (n + 1,).
         v: ds/dt at the start of each phase [1/s], shape (n,).
-        a: Its derivative [1/s^2], shape (n,).
-        j: And the next [1/s^3], shape (n,).
+        a: d2s/dt2 at the start of each phase [1/s^2], shape (n,).
+        j: d3s/dt3 on each phase [1/s^3], shape (n,).
         h: Durations [s], positive, shape (n,).
     """
 
@@ -36,7 +36,7 @@ class SpeedProfile(Value):
 
     @classmethod
     def joined(cls, parts: Sequence["SpeedProfile"]) -> "SpeedProfile":
-        """Build the profile that follows the parts one after another."""
+        """Build the profile that runs through the parts one after another."""
         return cls(
             np.concatenate([*(part.s[:-1] for part in parts), parts[-1].s[-1:]]),
             np.concatenate([part.v for part in parts]),
@@ -47,13 +47,13 @@ class SpeedProfile(Value):
 
     @property
     def duration(self) -> float:
-        """The whole time [s]."""
+        """Duration of the whole profile [s]."""
         return float(self.h.sum())
 
     def split_at(self, places: Float64[np.ndarray, " m"]) -> "SpeedProfile":
-        """Return the same profile with a phase boundary at each of some increasing parameters.
+        """Return the same profile with additional phase boundaries at increasing path parameters.
 
-        Those that are reached within a moment of another boundary have none of their own.
+        Parameters reached within a moment of another boundary get none of their own.
         """
         phases = np.searchsorted(self.s, places, side="right") - 1
         inside = (places > self.s[0]) & (places < self.s[-1])
@@ -66,7 +66,7 @@ class SpeedProfile(Value):
         inside = (times > brief) & (times < self.h[phases] - brief)
         inside[1:] &= (np.diff(times) > brief) | (np.diff(phases) > 0)
         places, phases, times = places[inside], phases[inside], times[inside]
-        # Boundaries in order: each phase's own beginning, then the places inside it.
+        # Boundaries in order: the beginning of each phase, then the parameters inside it.
         owner = np.concatenate([np.arange(len(self.h)), phases])
         begin = np.concatenate([np.zeros(len(self.h)), times])
         s = np.concatenate([self.s[:-1], places])
@@ -79,7 +79,7 @@ class SpeedProfile(Value):
         return SpeedProfile(np.append(s, self.s[-1]), v, a, self.j[owner], end - begin)
 
     def _times(self, phases: Any, places: Array) -> Array:
-        """Return when each phase reaches a place, by bisection: s(t) increases."""
+        """Return the time at which each phase reaches a parameter, by bisection: s(t) increases."""
         s, v, a, j = self.s[phases], self.v[phases], self.a[phases], self.j[phases]
         low, high = np.zeros(len(phases)), self.h[phases]
         for _ in range(_BISECTIONS):

@@ -1,4 +1,4 @@
-"""retime(): follow a geometric path as quickly as the limits allow, and audit the result."""
+"""Retimer: `retime` times a geometric path as fast as the limits allow, and audits the result."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
@@ -22,23 +22,23 @@ from planning.retime.toppra.toppra_retimer import toppra_profile
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
-# A motion that goes nowhere lasts this long, so that it can be sampled and executed [s].
+# Duration of a motion without displacement, so that it can be sampled and executed [s].
 _HOLD = 1e-3
 _STANDSTILL = 1e-9
-# The audit leaves everything this far below its limit.
+# Relative reserve to every limit that the audit leaves.
 _SPARE = 1e-9
-# Stands for rates that are not limited [1/s and powers].
+# Limit that stands for unlimited rates [1/s and powers].
 _UNLIMITED = 1e6
 
 
 @dataclass(frozen=True)
 class Retimer:
-    """A way to time a path.
+    """A retiming method.
 
     Attributes:
-        profile: Times one smooth stretch, from rest to rest.
-        smoothness: Continuous derivatives that a stretch must have; where one jumps, it rests.
-        rates: Which rates it limits, as attributes of `JointLimits`, by order of derivative.
+        profile: Function that times one smooth piece, from rest to rest.
+        smoothness: Number of continuous derivatives that a piece needs; the motion rests elsewhere.
+        rates: Limited rates, as attributes of `JointLimits`, by order of derivative.
     """
 
     profile: Callable[[JointSpline, JointLimits, Sequence[PathLimit], Deadline], SpeedProfile]
@@ -54,13 +54,13 @@ RETIMERS = {
 
 @dataclass(frozen=True)
 class _Timed:
-    """One stretch.
+    """One timed smooth piece.
 
     Attributes:
-        trajectory: Within all limits.
-        uses: Of the joints' limits, by order of derivative.
-        path_uses: Of the others, by the limit's name.
-        raw: How long it was before the audit [s].
+        trajectory: The motion, within all limits.
+        uses: Utilization of the joint limits, by order of derivative.
+        path_uses: Utilization of the path limits, by name of the limit.
+        raw: Duration before the audit [s].
     """
 
     trajectory: TimedTrajectory
@@ -78,24 +78,25 @@ def retime(
 ) -> tuple[TimedTrajectory, RetimeReport]:
     """Return a trajectory exactly on the spline, from rest to rest, within scaled limits.
 
-    Every stretch between two rests is stretched or compressed in time by what the audit of its
-    polynomials says, so that it keeps all limits and meets one of them. A spline that stays where
-    it is becomes a rest of a millisecond.
+    Every smooth piece between two rests is scaled in time by the factor that the audit of its
+    polynomials gives, so that it keeps all limits and meets one of them. A spline without
+    displacement becomes a rest of a millisecond.
 
     Args:
         spline: The path; at corners the motion rests.
-        limits: Unscaled; the options' factors apply to velocity, and to acceleration and jerk.
+        limits: Joint limits, unscaled; the options' factors apply to velocity, and to acceleration
+            and jerk.
         options: Method and factors.
-        path_limits: What else limits the motion. toppra is the quickest under them, ruckig keeps
-            what it can be told of as it goes; the rest slows its motion between two rests down.
-        deadline: When to give up.
+        path_limits: Limits other than those of joints. toppra is optimal under them; ruckig handles
+            `PeakLimit`s in its profile, and slows the motion between two rests for the others.
+        deadline: Time limit.
 
     Raises:
-        RetimingFailed: The method finds no timing, a joint that must move may not, or the duration
-            that is asked for is less than the limits allow.
+        RetimingFailed: The method finds no timing, a joint that must move has a limit of zero, or
+            the requested duration is less than the limits allow.
         ProblemInvalid: A factor is not in (0, 1].
         DeadlineExceeded: Time ran out.
-        Canceled: The end was asked for.
+        Canceled: The caller canceled.
     """
     for name in ("velocity_scale", "acceleration_scale"):
         if not 0 < getattr(options, name) <= 1:
@@ -145,7 +146,7 @@ def _timed(
     path_limits: Sequence[PathLimit],
     deadline: Deadline,
 ) -> _Timed:
-    """Return one stretch timed, audited and slowed as the audit demands."""
+    """Return one smooth piece timed, audited and slowed by the factor of the audit."""
     deadline.check("retime")
     profile = retimer.profile(stretch, limits, path_limits, deadline)
     raw = compose(stretch, profile)
@@ -163,10 +164,10 @@ def _timed(
 
 
 def _slower(least: float, options: RetimeOptions) -> float:
-    """Return the factor from the least duration to the one that is asked for.
+    """Return the ratio of the requested to the least duration.
 
     Raises:
-        RetimingFailed: That would be quicker than the limits allow.
+        RetimingFailed: The requested duration is less than the limits allow.
     """
     if options.duration is None:
         return 1.0
@@ -178,10 +179,10 @@ def _slower(least: float, options: RetimeOptions) -> float:
 
 
 def _usable(spline: JointSpline, limits: JointLimits, method: str) -> JointLimits:
-    """Return limits that are positive and finite numbers for every block.
+    """Return limits that are positive and finite for every block.
 
     Raises:
-        RetimingFailed: A block that moves along the spline may not.
+        RetimingFailed: A block that moves along the spline has a limit of zero.
     """
     rates = {name: np.asarray(getattr(limits, name)) for name in RATES}
     if all((values > 0).all() and (values <= _UNLIMITED).all() for values in rates.values()):

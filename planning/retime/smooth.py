@@ -1,10 +1,10 @@
-"""A smooth curve near a path that was sampled from one.
+"""Smoothing: a smooth B-spline curve near a finely sampled path.
 
 Rounded one by one, the corners of a finely sampled curve are so short that jerk allows only little
-speed at them, the less the finer it was sampled. The curve here is a cubic B-spline by chord length
-(continuous second derivative), with as few control points as stay near enough, by least squares; or
-the spline through all waypoints. What it strays is bounded: between knots and waypoints the
-difference from the path is a cubic, and lies in the convex hull of its Bernstein coefficients.
+speed at them, the less the finer the sampling. The curve here is a cubic B-spline by chord length
+(continuous second derivative), with the fewest control points that stay near enough, by least
+squares; or the spline through all waypoints. Its deviation is bounded: between knots and waypoints
+the difference from the path is a cubic, and lies in the convex hull of its Bernstein coefficients.
 """
 
 from collections.abc import Iterator, Sequence
@@ -24,25 +24,26 @@ from planning.retime.polynomials import halved, norms, to_bernstein
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
-# Control points that are tried, fewest first.
+# Numbers of control points to try, fewest first.
 _COUNTS = (6, 8, 11, 16, 23, 32, 45, 64, 90)
-# Through more waypoints than these no spline is led.
+# Largest number of waypoints for an interpolating spline.
 _MOST_THROUGH = 100
 _FEWEST = 4
-# How much a place between waypoints counts beside a waypoint: the path cuts the curve short there.
+# Weight of points between waypoints relative to waypoints: the path cuts corners of the curve
+# there.
 _BETWEEN = 0.03
 _DEGREE = 3
 
 
 def smoothed(path: JointPath, deviations: Sequence[float]) -> list[tuple[float, JointSpline]]:
-    """Return curves with continuous second derivative near a path, and how far they are from it.
+    """Return curves with continuous second derivative near a path, with bounds on their deviation.
 
-    The distance is a bound. Where a joint floats or a base is steered there are none, and there are
-    fewer than deviations where one curve serves for several, or none is near enough.
+    With a floating joint or a steered base there are none; there are fewer curves than deviations
+    where one curve satisfies several, or none is near enough.
 
     Args:
         path: Waypoints joined by geodesics.
-        deviations: How far curves may be from the path, decreasing (joint-space length).
+        deviations: Largest distances of curves from the path, decreasing (joint-space length).
     """
     joints, manifold = path.group.joints, Manifold(path.group.joints)
     if steering_of(path.group) or not manifold.is_flat:
@@ -61,7 +62,7 @@ def smoothed(path: JointPath, deviations: Sequence[float]) -> list[tuple[float, 
 
 
 def _line(path: JointPath, manifold: Manifold) -> tuple[Array, Array]:
-    """Return waypoints without straight runs or whole turns, and their places in [0, 1]."""
+    """Return waypoints without collinear runs or whole turns, and their parameters in [0, 1]."""
     waypoints = without_straight_runs(path.waypoints, manifold, STRAIGHT)
     steps = manifold.minus(waypoints[1:], waypoints[:-1])
     steps = steps[np.sqrt((steps**2).sum(axis=1)) > STRAIGHT]
@@ -81,7 +82,7 @@ def _nearer_and_nearer(
 
 
 def _fitted(joints: tuple[Joint, ...], places: Array, points: Array, count: int) -> JointSpline:
-    """Return the B-spline of so many control points nearest to points, between both ends."""
+    """Return the least-squares B-spline with `count` control points, through both end points."""
     between = np.linspace(0.0, 1.0, 4 * count)[1:-1]
     straight = np.stack([np.interp(between, places, column) for column in points.T], axis=1)
     at = np.concatenate([places[1:-1], between])
@@ -96,7 +97,7 @@ def _fitted(joints: tuple[Joint, ...], places: Array, points: Array, count: int)
     inside = np.linspace(0.0, 1.0, _DEGREE + 1)
     local = inside * edges[1]
     values = _basis(count, (edges[:-1, None] + local).ravel()) @ controls
-    # Between two knots four values say what the cubic is.
+    # Four values between two knots determine the cubic.
     pieces = values.reshape(len(edges) - 1, _DEGREE + 1, -1)
     pieces[1:, 0] = pieces[:-1, -1]
     pieces[0, 0], pieces[-1, -1] = points[0], points[-1]
@@ -126,7 +127,7 @@ def _basis(count: int, s: Array) -> Array:
 
 
 def _distance(curve: JointSpline, places: Array, points: Array) -> float:
-    """Return a bound on how far a curve is from the polyline with the same parameter."""
+    """Return a bound on the distance of a curve from the polyline with the same parameter."""
     edges = with_cuts(curve.breaks, [places])
     cut = cut_at(curve, edges)
     line = np.clip(np.searchsorted(places, (edges[:-1] + edges[1:]) / 2) - 1, 0, len(places) - 2)

@@ -1,4 +1,4 @@
-"""Cut a spline where it cannot be followed without resting."""
+"""Smooth pieces: parts of a spline with continuous derivatives; the motion rests between them."""
 
 from itertools import pairwise
 from typing import Any
@@ -11,7 +11,7 @@ from planning.retime.polynomials import norms
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
-# Relative jump of a derivative that counts as a jump.
+# Smallest relative jump of a derivative that counts as one.
 _JUMP = 1e-8
 
 
@@ -42,7 +42,7 @@ def path_derivatives(
 
     Args:
         curve: The path.
-        pieces: Which piece each row is on, also where two of them meet, shape (n,).
+        pieces: Index of the piece of each row, also where two pieces meet, shape (n,).
         local: Parameter relative to the piece's break.
     """
     coefficients = curve.coefficients[pieces]
@@ -59,13 +59,14 @@ def path_derivatives(
 
 
 def _jumps(spline: JointSpline, smoothness: int) -> Any:
-    """Return for each inner break whether a derivative up to `smoothness` jumps there."""
+    """Return for each inner break whether a derivative up to order `smoothness` jumps there."""
     count = spline.num_pieces - 1
-    # Every break from the piece before it, then every break from the piece after it.
+    # Every inner break on the piece before it, then every one on the piece after it.
     pieces = np.concatenate([np.arange(count), np.arange(1, count + 1)])
     local = np.concatenate([np.diff(spline.breaks)[:-1], np.zeros(count)])
     jumps = np.zeros(count, dtype=bool)
-    # The whole path has a parameter of length 1, so r' is a fair reference for r'' as well.
+    # The parameter of the whole path has length 1, so r' is a reference for the size of r'' as
+    # well.
     scale = np.full(count, 1e-300)
     for both in path_derivatives(spline, pieces, local)[:smoothness]:
         before, after = both[:count], both[count:]

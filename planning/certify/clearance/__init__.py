@@ -1,1 +1,1 @@
-"""That bodies keep their distances between samples too."""
+"""Clearance proofs: pairs of bodies keep their margins at every instant of a trajectory."""

@@ -1,4 +1,4 @@
-"""The distance band: of some pairs of shapes all are far enough apart, and one is near enough."""
+"""Band check: distances of pairs of shapes, with a lower bound for all, an upper for the least."""
 
 from dataclasses import dataclass
 
@@ -13,19 +13,19 @@ from planning.domain.request.constraint import DistanceBand
 from planning.domain.request.deadline import Deadline
 from planning.world.drake_model import DrakeModel
 
-# Pairs are measured that are farther than need be by no more than this [m].
+# Pairs are measured up to this much above the distance that matters [m].
 _MARGIN = 0.01
-# What Drake may overstate distances by: a share, and as much in metres.
+# Bound on Drake's overestimate of distances: relative, and the same number absolute [m].
 _OVERSTATED = 1e-3
 
 
 def band_check(
     name: str, band: DistanceBand, model: DrakeModel, request: CertifyRequest, deadline: Deadline
 ) -> Check:
-    """Return the smallest distance where it has the least to spare to either bound.
+    """Return the check of the smallest distance, at the bound of the band with the least reserve.
 
-    From below the proof is the one of the clearance. From above it is simpler: the distance of two
-    points on two shapes bounds theirs, and grows by no more than both move.
+    The lower bound is proven as in the clearance proof. The upper bound is simpler: the distance of
+    two points on two shapes bounds theirs, and grows by no more than both move.
     """
     distances = PairDistances(model, request)
     rows = _banded(distances, band)
@@ -39,7 +39,7 @@ def band_check(
 
 
 def _check(name: str, found: BoundResult, sign: float, bound: float) -> Check:
-    # Where nothing was near enough to be measured, what is known is the bound.
+    # If no pair was near enough to be measured, the bound stands in for the value.
     value = found.value if np.isfinite(found.value) else found.top
     return Check(
         name=name,
@@ -54,7 +54,7 @@ def _check(name: str, found: BoundResult, sign: float, bound: float) -> Check:
 
 
 def _banded(distances: PairDistances, band: DistanceBand) -> Indices:
-    """Return the pairs of shapes that the band speaks of and that move."""
+    """Return the indices of the moving pairs of shapes that the band applies to."""
     pairs = distances.pairs
     first = distances.moved_bodies if band.bodies is None else set(band.bodies)
     second = None if band.to is None else set(band.to)
@@ -68,7 +68,7 @@ def _banded(distances: PairDistances, band: DistanceBand) -> Indices:
 
 @dataclass(frozen=True)
 class _Nearness:
-    """The smallest distance with its sign turned, so that it must not be too large [m]."""
+    """The negated smallest distance, a quantity with an upper bound [m]."""
 
     distances: PairDistances
     rows: Indices
@@ -86,7 +86,7 @@ class _Nearness:
 
 @dataclass(frozen=True)
 class _Farness:
-    """The smallest distance [m]."""
+    """The smallest distance, a quantity with an upper bound [m]."""
 
     distances: PairDistances
     rows: Indices

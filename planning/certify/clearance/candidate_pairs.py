@@ -1,4 +1,4 @@
-"""Pairs of collision shapes that may collide, and what is demanded of each."""
+"""Candidate pairs: pairs of collision shapes that may collide, with their margins."""
 
 from dataclasses import dataclass
 from weakref import WeakKeyDictionary
@@ -19,7 +19,7 @@ type Ids = tuple[GeometryId, GeometryId]
 
 @dataclass(frozen=True)
 class Geometry:
-    """What is read of a model once; holds no reference to it.
+    """Collision geometry of a model, computed once per model; holds no reference to the model.
 
     Attributes:
         shapes: All collision shapes.
@@ -34,7 +34,7 @@ _read: WeakKeyDictionary[StaticObjects, Geometry] = WeakKeyDictionary()
 
 
 def geometry_of(model: DrakeModel) -> Geometry:
-    """Return the model's collision geometry, reading it the first time only.
+    """Return the model's collision geometry, cached per model.
 
     Raises:
         ModelInvalid: A shape of a kind that cannot be certified.
@@ -47,15 +47,15 @@ def geometry_of(model: DrakeModel) -> Geometry:
 
 @dataclass(frozen=True)
 class CandidatePairs:
-    """Pairs of shapes, a row each.
+    """Pairs of collision shapes, a row each.
 
     Attributes:
-        ids: Drake's names of both shapes.
+        ids: Drake's geometry ids of both shapes.
         rows: Their rows in `CollisionShapes`, shape (n, 2).
         names: Full names of their bodies.
-        margins: The distance demanded [m], shape (n,).
+        margins: Required distance [m], shape (n,).
         is_moved: Whether the group moves one relative to the other, shape (n,).
-        index: Row by Drake's names, in either order.
+        index: Row by Drake's geometry ids, in either order.
     """
 
     ids: tuple[Ids, ...]
@@ -69,7 +69,7 @@ class CandidatePairs:
 def candidate_pairs(
     geometry: Geometry, bounds: MotionBounds, margins: PairMargins
 ) -> CandidatePairs:
-    """Return all pairs of a model, with what one group and one set of margins make of them."""
+    """Return all candidate pairs of a model for one group and one set of margins."""
     bodies, candidates = geometry.shapes.bodies, geometry.candidates
     names, rows = candidates.pair_names, candidates.rows
     demanded = {pair: margins.of(*pair) for pair in set(names)}

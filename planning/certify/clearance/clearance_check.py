@@ -1,4 +1,4 @@
-"""Clearance on the whole interval: the kernel's bounds first, then Drake's distances."""
+"""Clearance check: proof on the whole interval, by the kernel's bounds, then Drake's distances."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -13,18 +13,18 @@ from planning.world.kernel.kernel_scene import kernel_scene_of
 
 type Proof = Callable[[DrakeModel, CertifyRequest, Deadline], ClearanceResult]
 
-# Segments that Drake is asked about where the kernel could not decide: a second or so.
+# Largest number of segments for Drake's proof where the kernel's is undecided: about one second.
 _SECOND_LOOK = 2_000
 
 
 def quick_clearance(
     model: DrakeModel, request: CertifyRequest, deadline: Deadline
 ) -> ClearanceResult:
-    """Prove clearance by the kernel alone, if it has the scene; else by Drake alone.
+    """Prove clearance by the kernel alone, if it supports the scene; else by Drake alone.
 
     Raises:
         DeadlineExceeded: Time ran out; nothing is proven.
-        Canceled: The end was asked for.
+        Canceled: The caller canceled.
         ModelInvalid: A shape or joint of a kind that cannot be certified.
     """
     scene = kernel_scene_of(model)
@@ -39,14 +39,14 @@ def check_clearance(
     deadline: Deadline,
     first: Proof = quick_clearance,
 ) -> ClearanceResult:
-    """Prove, or fail to prove, that every pair of bodies keeps its margin throughout.
+    """Prove, or fail to prove, that every pair of bodies keeps its margin at all times.
 
-    What the first proof neither proves nor refutes (the kernel's bounds do not decide on segments
-    as short as any) Drake is asked about before the motion is refused.
+    If the first proof is undecided (the kernel's bounds do not suffice even on the shortest
+    segments), the proof is repeated with Drake's distances before the motion is refused.
 
     Raises:
         DeadlineExceeded: Time ran out; nothing is proven.
-        Canceled: The end was asked for.
+        Canceled: The caller canceled.
         ModelInvalid: A shape or joint of a kind that cannot be certified.
     """
     found = first(model, request, deadline)

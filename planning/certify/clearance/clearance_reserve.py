@@ -1,18 +1,18 @@
-"""How wrong obstacles and joints may be: the proof of clearance, with room to spare.
+"""Clearance reserve: errors of obstacle poses and joint positions that the proof tolerates.
 
-Let d_p be a proven lower bound on the distance of pair p at the centre of a segment, A_p(sigma) how
-much nearer its two shapes come while the joints stray by sigma, and m_p the pair's margin. With an
+Let d_p be a proven lower bound on the distance of pair p at the centre of a segment, A_p(sigma) the
+largest approach of its two shapes for joint deviations sigma, and m_p the pair's margin. With an
 obstacle whose points are displaced by e, the pair keeps its margin all over the segment if
 
     e <= d_p - A_p(sigma) - m_p.
 
-A joint that is off by e strays by sigma + e from the centre, and as a chord grows no faster than
+A joint with an error e deviates by sigma + e from the centre, and as a chord grows no faster than
 its arc, A_p(sigma + e) <= A_p(sigma) + e S_p with S_p the sum of the lever arms between the two
-shapes (1 for joints that shift). So the pair keeps its margin if
+shapes (1 for prismatic joints). So the pair keeps its margin if
 
     e <= (d_p - A_p(sigma) - m_p) / S_p.
 
-Both are bounded along the whole trajectory by bisection, best first.
+Both are bounded along the whole trajectory by best-first branch and bound.
 """
 
 from typing import Any
@@ -34,19 +34,19 @@ from planning.world.drake_model import DrakeModel
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
-# Segments in which shapes move more than this are halved unseen [m].
+# Segments on which shapes move more than this are halved without a distance query [m].
 _WIDE = 0.25
 _ROUNDING = 1e-9
-# Looks at most; a number is known to 1 %, or 1e-4, before that if possible.
+# Search until the value is known to 1 % or 1e-4 [rad or m], with at most `looks` evaluations.
 _FINENESS = BoundTolerance(share=0.01, least=1e-4, looks=800)
 
 
 def robustness(model: DrakeModel, request: CertifyRequest, deadline: Deadline) -> Robustness:
-    """Return what the proof of a proven request survives.
+    """Return the obstacle and joint errors under which the proof of a proven request still holds.
 
     Raises:
         DeadlineExceeded: Time ran out.
-        Canceled: The end was asked for.
+        Canceled: The caller canceled.
     """
     distances = PairDistances(model, request)
     moved = np.flatnonzero(distances.pairs.is_moved)
@@ -80,14 +80,14 @@ def _names(found: BoundResult) -> tuple[str, str]:
 
 
 def _is_obstacle(distances: PairDistances, request: CertifyRequest, pair: int) -> bool:
-    """Return whether one body of a pair is moved by the group, and the other an obstacle."""
+    """Return whether the group moves exactly one body of a pair, and the other is an obstacle."""
     a, b = distances.pairs.names[pair]
     both = {a, b} <= distances.moved_bodies
     return not both and not request.margins.are_of_one_robot(a, b)
 
 
 class _ClearanceReserve:
-    """What the tightest pair can spare: a quantity that is the larger the less that is."""
+    """The reserve of the tightest pair, negated: a quantity with an upper bound."""
 
     def __init__(
         self, distances: PairDistances, pairs: Indices, most: float, *, counts_joints: bool
@@ -106,7 +106,7 @@ class _ClearanceReserve:
         slopes = np.ones(len(self.pairs))
         if self._counts_joints:
             slopes = np.maximum(distances.sensitivities(self.pairs), 1e-12)
-        # A pair that can spare more than the least that was seen need not be measured well.
+        # A pair with more reserve than the smallest so far need not be measured accurately.
         wanted = approaches + self._margins + slopes * self._least + 2 * _ROUNDING
         lower = distances.measure(self.pairs, wanted).lower
         here = (lower - self._margins) / slopes

@@ -1,4 +1,4 @@
-"""What a proof of clearance is made of: open ends, dead ends, and the finding."""
+"""Clearance results: nodes of the search, unproven pairs, witness points and the verdict."""
 
 from dataclasses import dataclass, field
 
@@ -9,20 +9,20 @@ from planning.certify.clearance.pair_distances import Indices
 from planning.certify.intervals.joint_deviation import Segment
 from planning.domain.report.certificate import Check
 
-# Less than a margin by this is enough: a start that keeps its margin exactly would otherwise be
-# refused for rounding. No margin means no contact, with nothing off [m].
+# Tolerance below a margin: a start that keeps its margin exactly would otherwise be refused for
+# rounding. A margin of zero means no contact, without tolerance [m].
 MARGIN_SLACK = 1e-6
 
 
 @dataclass(frozen=True)
 class WitnessPoint:
-    """Two shapes at an instant.
+    """A pair of shapes at an instant, with their distance.
 
     Attributes:
-        shapes: Drake's names of both; none if there was no pair to look at.
-        bodies: Full names of their bodies, or two empty ones.
-        distance: Their signed distance as measured [m], infinite without a pair.
-        time: When [s].
+        shapes: Drake's geometry ids of both; empty without a pair.
+        bodies: Full names of their bodies, or two empty strings.
+        distance: Measured signed distance [m], infinite without a pair.
+        time: Instant [s].
     """
 
     shapes: tuple[GeometryId, ...] = ()
@@ -33,16 +33,16 @@ class WitnessPoint:
 
 @dataclass(frozen=True)
 class ClearanceResult:
-    """What was found of the clearance.
+    """Result of a clearance proof.
 
     Attributes:
-        check: The verdict: distance and margin of the pair with the least to spare.
-        nearest: The smallest signed distance at any instant looked at.
-        checked: The pair that the check tells of.
-        intervals: Segments that were bounded.
-        queries: Configurations at which distances were measured.
-        is_decided: Whether other distances, or directions, would give the same verdict: it passed,
-            or a pair is too near for certain.
+        check: The verdict: distance and margin of the pair with the smallest reserve.
+        nearest: The smallest signed distance at any evaluated instant.
+        checked: The pair that the check reports.
+        intervals: Number of segments bounded.
+        queries: Number of configurations at which distances were measured.
+        is_decided: Whether the verdict is final: passed, or a pair is certainly too near. If not,
+            other distance queries or separating directions might prove the motion.
     """
 
     check: Check
@@ -55,14 +55,14 @@ class ClearanceResult:
 
 @dataclass(order=True)
 class Node:
-    """A segment that is not decided yet, or one that is; the least promising comes first.
+    """Node of the best-first search: a segment and its undecided pairs, smallest bound first.
 
     Attributes:
-        floor: Lower bound on what distance exceeds the margin by, or on the distance itself [m].
-        number: Breaks ties, so that every run is the same.
+        floor: Lower bound on distance minus margin, or on the distance itself [m].
+        number: Tie breaker, so that every run is the same.
         segment: The segment.
-        open: Pairs that are not decided on it.
-        proven: Lower bound on the distances of the pairs that are [m].
+        open: Indices of the pairs not yet decided on it.
+        proven: Lower bound on the distances of the decided pairs [m].
     """
 
     floor: float
@@ -74,7 +74,7 @@ class Node:
 
 @dataclass(frozen=True)
 class UnprovenPair:
-    """Where the proof stopped: a pair that is too near, or cannot be shown to be far enough."""
+    """The pair at which the proof stopped: too near, or not provably far enough."""
 
     pair: int
     distance: float

@@ -1,4 +1,4 @@
-"""ClosestApproaches: the smallest distances that were seen, and when."""
+"""ClosestApproaches: the smallest distances and margin reserves so far, with their instants."""
 
 from dataclasses import dataclass, field
 from typing import Any
@@ -15,15 +15,15 @@ type Indices = np.ndarray[Any, np.dtype[np.intp]]
 
 @dataclass
 class ClosestApproach:
-    """The pair that had the least of something.
+    """The pair with the smallest value of a quantity (distance, or distance minus margin).
 
     Attributes:
-        least: Of what [m].
-        distance: Its signed distance [m].
-        margin: The distance demanded of it [m].
-        names: Its bodies.
-        shapes: Drake's names of its shapes, or none.
-        time: When [s].
+        least: The smallest value [m].
+        distance: Signed distance of the pair [m].
+        margin: Required distance of the pair [m].
+        names: Full names of its bodies.
+        shapes: Drake's geometry ids of its shapes, or none.
+        time: Instant [s].
     """
 
     least: float = np.inf
@@ -35,24 +35,24 @@ class ClosestApproach:
 
     @property
     def where(self) -> str:
-        """The bodies, as one name."""
+        """Both body names, joined by a hyphen; empty without a pair."""
         return "-".join(self.names) if self.names[0] else ""
 
     @property
     def spot(self) -> WitnessPoint:
-        """Where it was."""
+        """The pair as a witness point."""
         return WitnessPoint(self.shapes, self.names, self.distance, self.time)
 
 
 @dataclass
 class ClosestApproaches:
-    """What was seen so far.
+    """The closest approaches over all configurations evaluated so far.
 
     Attributes:
         pairs: All pairs.
         nearest: The pair with the smallest distance.
-        tightest: The pair with the least distance to spare over its margin.
-        count: Configurations that were looked at.
+        tightest: The pair with the smallest distance minus margin.
+        count: Number of configurations evaluated.
     """
 
     pairs: CandidatePairs
@@ -61,7 +61,7 @@ class ClosestApproaches:
     count: int = 0
 
     def see(self, pairs: Indices, distances: Array, time: float) -> None:
-        """Take note of distances [m], infinite where none was measured, at one configuration."""
+        """Update with the distances [m] at one configuration; infinite means not measured."""
         self.count += 1
         seen = distances < np.inf
         if seen.any():

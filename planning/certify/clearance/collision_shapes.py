@@ -1,13 +1,13 @@
-"""Collision geometry as the certifier sees it: support functions and bounding spheres.
+"""CollisionShapes: support functions and bounding spheres of a model's collision geometry.
 
 Every convex shape here is the sum of a polytope, an ellipsoid (maybe flat) and a ball, so
 
     h(n) = max_{x in shape} n . x = max_i n . v_i + |D n| + r |n|
 
 is exact: a box is eight vertices, a cylinder two and a flat disk, a capsule two and a ball. For any
-unit vector n the slab between two shapes, min_{a in A} n . a - max_{b in B} n . b, is a lower
-bound on their distance, and for the best n it is the distance (Boyd and Vandenberghe, "Convex
-Optimization", 2004, section 8.2.2). Thus a direction from anybody gives a bound that is proven.
+unit vector n the slab between two shapes, min_{a in A} n . a - max_{b in B} n . b, is a lower bound
+on their distance, and the best n attains it (Boyd and Vandenberghe, "Convex Optimization", 2004,
+section 8.2.2). So any direction n, whatever its source, gives a proven bound.
 """
 
 from dataclasses import dataclass
@@ -37,7 +37,7 @@ type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 @dataclass(frozen=True)
 class _Parts:
-    """A shape's polytope, shape (k, 3), disk or ellipsoid, shape (3,), and ball [m]."""
+    """Summands of a shape: polytope, shape (k, 3), semi-axes, shape (3,), and ball radius [m]."""
 
     vertices: Array
     axes: Array
@@ -46,19 +46,19 @@ class _Parts:
 
 @dataclass(frozen=True)
 class CollisionShapes:
-    """All collision geometry of a model, a row per geometry.
+    """Collision geometry of a model, a row per Drake geometry.
 
     Attributes:
         rows: Row by Drake's id.
-        bodies: Index of the body that carries it, shape (n,).
-        R_BG: Orientation in that body, shape (n, 3, 3).
-        p_bg: Position in that body [m], shape (n, 3).
-        vertices: Of the polytopes in G, padded by repetition [m], shape (n, k, 3).
+        bodies: Index of its body, shape (n,).
+        R_BG: Orientation in the body's frame, shape (n, 3, 3).
+        p_bg: Position in the body's frame [m], shape (n, 3).
+        vertices: Vertices of the polytopes in G, padded by repetition [m], shape (n, k, 3).
         axes: Semi-axes of the ellipsoids in G [m], shape (n, 3).
         balls: Radii of the balls [m], shape (n,).
-        centers: Of the bounding spheres in the body's frame [m], shape (n, 3).
-        radii: Of the bounding spheres [m], infinite for half spaces, shape (n,).
-        is_half_space: All points with z <= 0 in G, shape (n,).
+        centers: Centres of the bounding spheres in the body's frame [m], shape (n, 3).
+        radii: Radii of the bounding spheres [m], infinite for half spaces, shape (n,).
+        is_half_space: Whether the shape is the half space z <= 0 in G, shape (n,).
     """
 
     rows: dict[GeometryId, int]
@@ -73,10 +73,10 @@ class CollisionShapes:
     is_half_space: Bool[np.ndarray, " n"]
 
     def reach(self, rows: Any, R_WG: Array, p_wg: Array, n: Array) -> Array:
-        """Return max n . x over the points x of each shape [m], shape (m,).
+        """Return the support function max n . x over the points x of each shape [m], shape (m,).
 
         Args:
-            rows: Which shapes, shape (m,); no half spaces.
+            rows: Rows of the shapes, shape (m,); no half spaces.
             R_WG: Their orientations, shape (m, 3, 3).
             p_wg: Their positions [m], shape (m, 3).
             n: A unit vector for each, shape (m, 3).
@@ -87,7 +87,7 @@ class CollisionShapes:
         return (p_wg * n).sum(axis=1) + corner + disk + self.balls[rows]
 
     def point(self, row: int, R_WG: Array, p_wg: Array, n: Array) -> Array:
-        """Return the point of one shape that lies farthest along n [m], shape (3,)."""
+        """Return the support point: the point of one shape farthest along n [m], shape (3,)."""
         n_local = R_WG.T @ n
         point = self.vertices[row][np.argmax(self.vertices[row] @ n_local)]
         size = np.linalg.norm(self.axes[row] * n_local)
@@ -97,7 +97,7 @@ class CollisionShapes:
 
 
 def collision_shapes(model: DrakeModel) -> CollisionShapes:
-    """Read the proximity geometry of a model.
+    """Return the collision (proximity) geometry of a model.
 
     Raises:
         ModelInvalid: A shape of a kind that cannot be certified.
@@ -161,7 +161,7 @@ def _ends(length: float) -> Array:
 
 
 def _sphere(shape: Any, parts: _Parts) -> tuple[Array, float]:
-    """Return the centre, in the geometry's frame, and radius of a sphere around a shape."""
+    """Return centre (geometry frame) and radius of a bounding sphere of a shape [m]."""
     center = (parts.vertices.min(axis=0) + parts.vertices.max(axis=0)) / 2
     farthest = float(np.linalg.norm(parts.vertices - center, axis=1).max())
     if isinstance(shape, Cylinder):

@@ -1,10 +1,12 @@
-"""Clearance on the whole interval, by conservative bisection over Drake's distances.
+"""Clearance proof by branch and bound with Drake's distances (adaptive bisection of the motion).
 
-The distance of two shapes at an instant, less how much nearer they can come until either end of a
-segment, bounds their distance on the segment from below. Where the bound is above the margin the
-segment is proven for that pair; the pairs that are left are looked at again on both halves. The
-most suspicious segment is always next, so that a collision is found early. Afterwards the segments
-that may hide a smaller distance than was seen are halved until the smallest one is known well.
+The distance of two shapes at an instant, minus their largest approach until either end of a segment
+(`motion_bounds`), is a lower bound on their distance on the segment (the adaptive collision
+checking of Schwarzer, Saha, Latombe, 2005). Where the bound is above the margin the segment is
+proven for that pair; the remaining pairs are bounded again on both halves. The segment with the
+smallest bound is always next, so that a collision is found early. Afterwards the segments that may
+contain a smaller distance than the smallest measured one are halved until that one is known to a
+tolerance.
 """
 
 from heapq import heapify, heappop, heappush
@@ -29,24 +31,25 @@ from planning.world.drake_model import DrakeModel
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
-# Bounds are rounded by less than this [m].
+# Rounding error of bounds is less than this [m].
 _ROUNDING = 1e-9
-# Segments shorter than this, or more of them, are given up as unproven [s].
+# Shortest segment [s] and largest number of segments; beyond these the proof fails as unproven.
 _SHORTEST = 1e-7
 _MOST_SEGMENTS = 20_000
-# Segments in which shapes move more than this are halved unseen: near pairs are too many there [m].
+# Segments on which shapes move more than this are halved without a distance query: too many pairs
+# would be near [m].
 _WIDE = 0.25
-# How well the smallest distance is to be known [m], the larger of these, and what it may cost.
+# Resolution of the smallest distance [m], the larger of these, and the number of segments for it.
 _RESOLUTION = 1e-3
 _RELATIVE_RESOLUTION = 0.01
 _TIGHTENING_SEGMENTS = 400
-# Instants at which a refused motion is looked at for its worst collision.
+# Number of instants sampled for the worst collision of a refused motion.
 _INSTANTS = 33
 _HORIZONS = (0.05, 0.2, 1.0, 5.0, 1e6)
 
 
 class DrakeProof:
-    """One proof in a context of its own."""
+    """One clearance proof, in a Drake context of its own."""
 
     def __init__(
         self,
@@ -55,7 +58,7 @@ class DrakeProof:
         deadline: Deadline,
         most: int = _MOST_SEGMENTS,
     ) -> None:
-        """Prepare; more segments than `most` are given up as unproven."""
+        """Prepare a proof; it stops as unproven after `most` segments."""
         self._most = most
         self._request, self._deadline = request, deadline
         self._distances = PairDistances(model, request)
@@ -69,11 +72,11 @@ class DrakeProof:
         self._number = 0
 
     def run(self) -> ClearanceResult:
-        """Prove, or fail to.
+        """Return the result of the proof, proven or not.
 
         Raises:
             DeadlineExceeded: Time ran out.
-            Canceled: The end was asked for.
+            Canceled: The caller canceled.
         """
         fixed = self._fixed_violation()
         if fixed is not None:
@@ -93,7 +96,7 @@ class DrakeProof:
         return self._verdict(self._tighten())
 
     def _judge(self, node: Node) -> list[Node] | UnprovenPair:
-        """Decide what can be decided on a segment, and return what is left of it."""
+        """Decide the pairs on a segment as far as possible; return nodes for the undecided ones."""
         approaches = self._enter(node.segment, node.open)
         widest = float(approaches.max())
         if not np.isfinite(widest):
@@ -133,7 +136,7 @@ class DrakeProof:
         return children
 
     def _tighten(self) -> float:
-        """Halve the segments that may hide a smaller distance; return a bound on the smallest."""
+        """Halve segments that may contain a smaller distance; return a bound on the smallest."""
         leaves = self._leaves
         heapify(leaves)
         last = self._seen.count + _TIGHTENING_SEGMENTS
@@ -153,7 +156,7 @@ class DrakeProof:
         return leaves[0].floor
 
     def _enter(self, segment: Segment, pairs: Indices) -> Array:
-        """Go to a segment's centre and return how much nearer the pairs can come within it."""
+        """Put the group at a segment's centre; return the largest approach of each pair [m]."""
         if self._number % 8 == 0:
             self._deadline.check("certify")
         self._distances.go_to(segment.center)
@@ -165,22 +168,22 @@ class DrakeProof:
         return measured
 
     def _sample(self, within: float, time: float) -> int:
-        """Look at all near pairs at an instant; return how many there are."""
+        """Measure all near pairs at an instant; return their number."""
         self._distances.go_to(self._request.trajectory.positions(np.array([time]))[0])
         pairs, distances = self._distances.sample(within)
         self._seen.see(pairs, distances, time)
         return len(pairs)
 
     def _look(self, time: float) -> None:
-        """Measure the nearest pair at an instant, however far it is."""
+        """Measure the nearest pair at an instant, at any distance."""
         for horizon in _HORIZONS:
             if self._sample(horizon, time):
                 return
 
     def _fixed_violation(self) -> tuple[int, float, float, float] | None:
-        """Return the pair, distance, uncertainty and time if what nothing moves is too near.
+        """Return pair, distance, uncertainty and time of a violation among static pairs, or None.
 
-        They are looked at once. To touch is no fault in them if no margin is demanded.
+        Static pairs are measured once. Contact between them is no violation if the margin is zero.
         """
         fixed = np.flatnonzero(~self._pairs.is_moved)
         required = self._pairs.margins[fixed] - MARGIN_SLACK
@@ -198,7 +201,7 @@ class DrakeProof:
         return self._result(*self._tightest(gap, passed=True))
 
     def _refusal(self, refused: UnprovenPair) -> ClearanceResult:
-        """Say where the proof stopped; of collisions, report the worst that a look around shows."""
+        """Return the result of a failed proof; for a collision, with the worst one at samples."""
         if refused.distance <= self._required[refused.pair]:
             within = max(self._request.margins.largest, 0.0)
             for time in np.linspace(0.0, self._request.trajectory.duration, _INSTANTS):
@@ -209,7 +212,7 @@ class DrakeProof:
     def _of_pair(
         self, pair: int, distance: float, uncertainty: float, time: float
     ) -> ClearanceResult:
-        """Return the refusal that tells of one pair."""
+        """Return the result of a proof that failed at one pair."""
         check = Check(
             name="clearance",
             value=distance,
@@ -224,7 +227,7 @@ class DrakeProof:
         return self._result(check, WitnessPoint(self._pairs.ids[pair], bodies, distance, time))
 
     def _tightest(self, resolution: float, *, passed: bool) -> tuple[Check, WitnessPoint]:
-        """Return the check that tells of the pair with the least to spare, and where it was."""
+        """Return the check and the witness point of the pair with the smallest reserve."""
         seen = self._seen.tightest
         check = Check(
             name="clearance",

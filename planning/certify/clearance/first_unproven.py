@@ -1,8 +1,8 @@
-"""Where a proof of clearance stops: the earliest instant that could not be proven.
+"""First unproven instant: the time until which the clearance of a refused motion is proven.
 
-The proof looks at the most suspicious segment first, so that a bad motion is refused quickly, at
-some instant. That of a part of a motion from its beginning is found by halving: the part until the
-middle is proven, or it is refused at an instant before.
+The proof bounds the segment with the smallest bound first, so that a bad motion is refused quickly,
+at some instant. The first unproven instant is found by bisection over the end of the motion's
+initial part: the part until the middle is either proven, or refused at an instant before.
 """
 
 from contextlib import suppress
@@ -18,7 +18,7 @@ from planning.domain.request.deadline import Deadline
 from planning.errors import DeadlineExceeded
 from planning.world.drake_model import DrakeModel
 
-# How well the instant is found, and how much later than it is told a proof may have stopped [s].
+# Resolution of the instant, and the largest delay of a reported refusal after the true one [s].
 _FINE = 1e-4
 _SEGMENT = 1e-7
 
@@ -26,12 +26,12 @@ _SEGMENT = 1e-7
 def with_first_unproven(
     model: DrakeModel, request: CertifyRequest, certificate: Certificate, deadline: Deadline
 ) -> Certificate:
-    """Return a certificate that says until when clearance is proven, if it is not throughout.
+    """Return the certificate with `proven_until`, the time until which clearance is proven.
 
-    If the time runs out, `proven_until` is as late as was proven until then.
+    If the time runs out, `proven_until` is the latest instant proven so far.
 
     Raises:
-        Canceled: The end was asked for.
+        Canceled: The caller canceled.
     """
     if all(check.name != "clearance" for check in certificate.failed):
         return certificate
@@ -42,11 +42,11 @@ def with_first_unproven(
 
 
 class _Search:
-    """Halves what lies between proven and refused.
+    """Bisection between the latest proven and the earliest refused end of an initial part.
 
     Attributes:
-        proven: Until when clearance is [s].
-        refused: Until when it is not [s].
+        proven: End of the longest proven part [s].
+        refused: End of the shortest refused part [s].
     """
 
     def __init__(self, model: DrakeModel, request: CertifyRequest, deadline: Deadline) -> None:
@@ -55,11 +55,11 @@ class _Search:
         self._spot = WitnessPoint()
 
     def run(self) -> None:
-        """Search.
+        """Bisect until the instant is known to the resolution.
 
         Raises:
             DeadlineExceeded: Time ran out.
-            Canceled: The end was asked for.
+            Canceled: The caller canceled.
         """
         self._prove_until(self.refused)
         while self.refused - self.proven > _FINE:
@@ -79,7 +79,7 @@ class _Search:
         self.refused = min(self._spot.time + _SEGMENT, end)
 
     def pair(self) -> BodyPair | None:
-        """Return the pair at which the last refused part was; None if none was refused."""
+        """Return the pair of bodies that refused the last refused part; None if there is none."""
         spot = self._spot
         if not spot.shapes:
             return None

@@ -1,9 +1,10 @@
-"""How far joints move the points of collision shapes, whatever the configuration.
+"""Lever arms: bounds on the motion of collision shapes per joint rate, at any configuration.
 
-Between a joint and a point that it carries lie the axes of other joints. From each to the next the
-distance does not depend on the configuration, but for what a joint in between shifts, which its
-limits bound: so the sum of these bounds the point's distance from the joint's axis, and that
-times an angle how far the joint moves it. `motion_bounds` is sharper, at one configuration.
+Between a joint and a point that it carries lie the axes of other joints. The distance from each
+axis to the next does not depend on the configuration, except for the stroke of prismatic joints
+between, which their limits bound. So the sum of these distances bounds the point's distance from
+the joint's axis, and that distance times an angle bounds the displacement of the point.
+`motion_bounds` is sharper, for one configuration.
 """
 
 from dataclasses import dataclass
@@ -27,11 +28,11 @@ _read: WeakKeyDictionary[RobotDiagram, dict[tuple[str | bytes, ...], Array]] = W
 
 
 def levers_of(model: DrakeModel, request: CertifyRequest) -> Float64[np.ndarray, " nv"]:
-    """Return how much nearer two shapes come at most per change of each of a group's coordinates.
+    """Return the largest approach of two shapes per change of each of a group's coordinates.
 
-    Two shapes that both move with a joint are as far apart as before, so this bounds how far any
-    point of a shape goes. All other joints stay as the request has them. A lever is infinite where
-    nothing bounds it [m per rad or m].
+    Two shapes that both move with a joint keep their distance, so the bound is on the displacement
+    of any point of a shape. All other joints are fixed at the request's state. A lever is infinite
+    for joints without a bound (floating) [m per rad or m].
 
     Raises:
         ModelInvalid: A shape of a kind that cannot be certified.
@@ -49,7 +50,7 @@ def levers_of(model: DrakeModel, request: CertifyRequest) -> Float64[np.ndarray,
 
 @dataclass(frozen=True)
 class _Link:
-    """A moving joint: where its two sides are in world, and how far it can part them [m]."""
+    """A moving joint: positions of its frames in world, and its largest extension [m]."""
 
     near: Array
     far: Array
@@ -67,7 +68,7 @@ def _levers(model: DrakeModel, request: CertifyRequest) -> Array:
     for row, body in enumerate(shapes.bodies):
         carried = chains.get(int(body), frozenset())
         place = _place(model, context, shapes, row)
-        # From the tip on: what is farther from the world has more joints before it.
+        # From the tip inwards: a joint farther from the world has more joints before it.
         ordered = sorted(carried, key=lambda k: len(_outer(moving[k], k, chains)[1]), reverse=True)
         length = float(shapes.radii[row])
         for k in ordered:
@@ -79,7 +80,7 @@ def _levers(model: DrakeModel, request: CertifyRequest) -> Array:
 
 
 def _by_coordinate(request: CertifyRequest, moving: list[MovingJoint], arms: Array) -> Array:
-    """Return the sum of what moves with each coordinate, followers included."""
+    """Return the sum of levers of all joints moved by each coordinate, followers included."""
     levers = np.zeros(request.group.num_velocities)
     firsts = np.cumsum([0, *(joint.num_velocities for joint in request.group.joints)])
     for moved, arm in zip(moving, arms, strict=True):
@@ -119,7 +120,7 @@ def _link(
 
 
 def _range(request: CertifyRequest, moved: MovingJoint) -> float:
-    """Return how far the joint that moves another can be from anywhere within its limits."""
+    """Return the width of the limits of the joint that moves another."""
     first = sum(joint.num_positions for joint in request.group.joints[: moved.member])
     return float(request.limits.upper[first] - request.limits.lower[first])
 
@@ -127,7 +128,7 @@ def _range(request: CertifyRequest, moved: MovingJoint) -> float:
 def _outer(
     moved: MovingJoint, k: int, chains: dict[int, frozenset[int]]
 ) -> tuple[Any, frozenset[int]]:
-    """Return the body beyond a joint, seen from the world, and the joints before it."""
+    """Return the body on the far side of a joint, as seen from the world, and its joint chain."""
     for body in (moved.joint.child_body(), moved.joint.parent_body()):
         chain = chains.get(int(body.index()), frozenset())
         if k in chain:

@@ -1,23 +1,23 @@
-"""How far the points of each collision shape can move while joints move by known amounts.
+"""MotionBounds: how far collision shapes move for bounded joint motion, at one configuration.
 
-Let joint k turn by at most a_k and shift by at most d_k from the reference instant t_m, and let
-y(t) be a point of a shape in the joint's child frame, within m_{k+1} of y(t_m). In the parent frame
-it is R(t) y(t) + p(t), and
+Let joint k rotate by at most a_k and translate by at most d_k from the reference instant t_m, and
+let y(t) be a point of a shape in the joint's child frame, within m_{k+1} of y(t_m). In the parent
+frame it is R(t) y(t) + p(t), and
 
     R(t) y(t) - R(t_m) y(t_m) = R(t) (y(t) - y(t_m)) + (R(t) - R(t_m)) y(t_m),
 
-so it stays within m_k = m_{k+1} + 2 sin(a_k / 2) rho_k + d_k of where it was, where rho_k is the
-largest distance of the shape's points at t_m from the joint's axis (from its origin, if it turns
-about any axis): a chord of a circle of radius rho_k. Summing from the tip to the common ancestor of
-two shapes bounds how far each moves relative to it, and the sum of both how much nearer they come.
-This is the bound of Schwarzer, Saha, Latombe, "Adaptive dynamic collision checking for single and
-multiple articulated robots" (IEEE T-RO 21:3, 2005), with lever arms taken at the present
-configuration instead of the worst one; the first term above, rotated by R(t) as a whole, is why no
-product of a_k and m_{k+1} is needed. The argument holds as well for a joint that Drake runs from
-child to parent: the inverse transform turns about the same axis by the same angle. So it holds in
-the frame of a half space that a chain carries: there the other shape moves, by that chain run
-backwards and then its own, and the lever arms of both are those of its points, where those of the
-half space would have no end.
+so it stays within m_k = m_{k+1} + 2 sin(a_k / 2) rho_k + d_k of its reference position, where rho_k
+is the largest distance of the shape's points at t_m from the joint's axis (from its origin, for
+rotations about any axis): a chord of a circle of radius rho_k. Summing from the tip to the common
+ancestor of two shapes bounds the displacement of each relative to it, and the sum of both bounds
+their approach. This is the bound of Schwarzer, Saha, Latombe, "Adaptive dynamic collision checking
+for single and multiple articulated robots" (IEEE T-RO 21:3, 2005), with lever arms taken at the
+present configuration instead of the worst one; the first term above, rotated by R(t) as a whole, is
+why no product of a_k and m_{k+1} is needed. The argument holds as well for a joint that Drake runs
+from child to parent: the inverse transform turns about the same axis by the same angle. So it holds
+in the frame of a half space that a chain carries: there the other shape moves, by that chain run
+backwards and then its own, and the lever arms of both chains are those of its points, as those of
+the half space would be infinite.
 """
 
 from dataclasses import dataclass
@@ -40,7 +40,7 @@ from planning.world.drake_model import DrakeModel
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 
-# In what a joint can be off: in turn, in shift.
+# Kinds of error of a joint: in rotation, in translation.
 _ERRORS = {
     JointType.REVOLUTE: (1.0, 0.0),
     JointType.CONTINUOUS: (1.0, 0.0),
@@ -52,12 +52,12 @@ _ERRORS = {
 
 @dataclass(frozen=True)
 class MovingJoint:
-    """A joint that moves with the group: one of its own, or one that follows one of its own.
+    """A joint that moves with the group: one of the group's own, or a follower (mimic joint).
 
     Attributes:
-        joint: Drake's.
-        member: Which joint of the group moves it.
-        scale: Its displacement over that of the member, not negative.
+        joint: Drake's joint.
+        member: Index of the joint of the group that moves it.
+        scale: Size of its displacement relative to that of the member.
     """
 
     joint: Any
@@ -66,13 +66,13 @@ class MovingJoint:
 
 
 class MotionBounds:
-    """Bounds on the motion of one group of one model."""
+    """Bounds on the displacement of collision shapes by the joints of one group."""
 
     def __init__(self, model: DrakeModel, group: JointGroup, shapes: CollisionShapes) -> None:
-        """Read the tree; nothing here depends on a configuration.
+        """Collect joint chains and lever arms, none of which depends on a configuration.
 
         Raises:
-            ModelInvalid: A joint moves in a way that cannot be bounded here.
+            ModelInvalid: A joint of a kind whose motion cannot be bounded.
         """
         self._shapes = shapes
         self._joints = moving_joints(model, group)
@@ -101,13 +101,13 @@ class MotionBounds:
         turn: Float64[np.ndarray, " num_joints"],
         shift: Float64[np.ndarray, " num_joints"],
     ) -> Float64[np.ndarray, "num_shapes num_moving"]:
-        """Return by how much each moving joint moves the points of each shape [m].
+        """Return the largest displacement of each shape's points by each moving joint [m].
 
-        A joint that does not carry a shape moves it in the frame of what it carries.
+        A joint that does not carry a shape displaces it in the frame of the bodies that it carries.
 
         Args:
             R_WB: Orientations of all bodies at the reference instant.
-            p_wb: Their positions [m].
+            p_wb: Positions of all bodies [m].
             turn: Largest rotation of each joint of the group from there [rad].
             shift: Largest translation of each joint of the group from there [m].
         """
@@ -122,10 +122,10 @@ class MotionBounds:
     def sensitivities(
         self, R_WB: Float64[np.ndarray, "num_bodies 3 3"], p_wb: Float64[np.ndarray, "num_bodies 3"]
     ) -> Float64[np.ndarray, "num_shapes num_moving"]:
-        """Return by how much more each joint moves each shape's points per error of it.
+        """Return the growth of each entry of `reaches` per joint error [m per rad or m].
 
-        If every joint of the group turns, shifts, or does both, by e more than was said, no entry
-        of `reaches` grows by more than e times this [m per rad or m].
+        If every joint of the group rotates and translates by e more than its bounds, no entry of
+        `reaches` grows by more than e times this.
         """
         turns = np.einsum("kd,kd->k", self._to_turn, self._errors[self._members])
         shifts = np.einsum("kd,kd->k", self._to_shift, self._errors[self._members])
@@ -145,7 +145,7 @@ class MotionBounds:
 
 
 def moving_joints(model: DrakeModel, group: JointGroup) -> list[MovingJoint]:
-    """Return the group's joints and all that follow them, directly or through others."""
+    """Return the group's joints and all their followers, direct or indirect."""
     plant = model.plant
     joints = [plant.get_joint(model.joint_indices[joint.name]) for joint in group.joints]
     moving = [MovingJoint(joint, i, 1.0) for i, joint in enumerate(joints)]
@@ -164,7 +164,7 @@ def _moveable(plant: Any) -> list[Any]:
 
 
 def joint_chains(model: DrakeModel, moving: list[MovingJoint]) -> dict[int, frozenset[int]]:
-    """Return, for every body, which moving joints lie between it and the world."""
+    """Return, for every body, the moving joints between it and the world."""
     plant = model.plant
     ordinal = {int(m.joint.index()): k for k, m in enumerate(moving)}
     links: dict[int, list[tuple[int, int]]] = {}
@@ -187,7 +187,7 @@ def joint_chains(model: DrakeModel, moving: list[MovingJoint]) -> dict[int, froz
 
 
 def _axis(joint: Any) -> Array:
-    """Return the line that a joint turns about, in its own frame; zero if there is none."""
+    """Return the rotation axis of a joint in its own frame; zero if it has none."""
     match joint:
         case RevoluteJoint():
             return np.array(joint.revolute_axis())
@@ -201,9 +201,9 @@ def _axis(joint: Any) -> Array:
 
 
 def _scales(joints: list[MovingJoint]) -> tuple[Array, Array]:
-    """Return what each joint's turn and shift take from its member's turn and shift.
+    """Return factors from the member's rotation and translation to each joint's own.
 
-    A follower takes its leader's displacement as its own, whether either is an angle or a length.
+    A follower has the multiple of its leader's coordinate, whether either is an angle or a length.
     """
     to_turn, to_shift = np.zeros((len(joints), 2)), np.zeros((len(joints), 2))
     for k, moving in enumerate(joints):

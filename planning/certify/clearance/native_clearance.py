@@ -1,10 +1,10 @@
-"""Clearance on the whole interval, proven by the native code.
+"""Clearance proof by the native kernel, on the whole interval.
 
-The same bisection as `clearance`, with two differences. Every distance is computed there from both
-sides, so that no other distance is needed. And where the direct bound on how much nearer two shapes
-can come is too coarse, it bounds to second order how a slab between them narrows, which takes much
-longer segments (motion_bounds.hpp). What it shares with the collision checks of the search is what
-a shape, a pose and a distance of two convex shapes are, and no more.
+Branch and bound as in `drake_clearance`, with two differences. The kernel bounds every distance
+from both sides itself, so that no other distance query is needed. And where the direct bound on the
+approach of two shapes is too coarse, it bounds the width of a slab between them to second order,
+which allows much longer segments (motion_bounds.hpp). The proof shares with the collision checks of
+the search only the definitions of a shape, a pose and the distance of two convex shapes.
 """
 
 from functools import partial
@@ -21,18 +21,18 @@ from planning.kernel.native import native
 from planning.world.drake_model import DrakeModel
 from planning.world.kernel.kernel_scene import KernelScene
 
-# The kernel's numbers for outcomes (prover.hpp).
+# Outcome codes of the kernel (prover.hpp).
 _PROVEN, _TOO_NEAR, _UNPROVEN = 0, 1, 2
 
 
 def native_clearance(
     scene: KernelScene, model: DrakeModel, request: CertifyRequest, deadline: Deadline
 ) -> ClearanceResult:
-    """Prove, or fail to prove, that every pair of bodies keeps its margin throughout.
+    """Prove, or fail to prove, that every pair of bodies keeps its margin at all times.
 
     Raises:
         DeadlineExceeded: Time ran out; nothing is proven.
-        Canceled: The end was asked for.
+        Canceled: The caller canceled.
     """
     margins = scene.demands(request.margins)
     proof = prover(scene, model, request, margins).prove(partial(deadline.check, "certify"))
@@ -47,7 +47,7 @@ def native_clearance(
 
 
 def prover(scene: KernelScene, model: DrakeModel, request: CertifyRequest, margins: Any) -> Any:
-    """Return the kernel's Prover of a request."""
+    """Return the kernel's Prover for a request."""
     module: Any = native()
     group, curve = request.group, in_one_turn(request.trajectory)
     return module.Prover(
@@ -62,7 +62,7 @@ def prover(scene: KernelScene, model: DrakeModel, request: CertifyRequest, margi
 
 
 def _check(scene: KernelScene, proof: Any, margins: Any) -> Check:
-    """Return the verdict: of the pair with the least to spare, or of the one that cannot be."""
+    """Return the check of the pair with the smallest reserve, or of the unproven pair."""
     worst, passed = _worst(proof), proof.outcome == _PROVEN
     pair = worst.pair
     if proof.outcome in {_PROVEN, _TOO_NEAR}:
@@ -88,5 +88,5 @@ def _spot(scene: KernelScene, seen: Any) -> WitnessPoint:
 
 
 def _worst(proof: Any) -> Any:
-    """Return the sighting, or the proof itself, that has the pair to tell of."""
+    """Return the record of the worst pair: the closest approach, or the proof itself."""
     return proof.tightest if proof.outcome in {_PROVEN, _TOO_NEAR} else proof

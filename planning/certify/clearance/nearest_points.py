@@ -1,9 +1,9 @@
-"""The nearest points of two shapes at an instant of a motion: where to look, for people.
+"""Nearest points of two bodies at an instant of a motion, for reports.
 
-Drake finds them. Where it finds shapes farther apart than the proof did (it overstates distances of
-separate boxes, docs/decisions/0006), the search that bounds distances from both sides does.
-What a proof tells as the smallest distance that it met is measured closely here. Nothing is proven
-by either.
+Drake computes them. Where Drake's distance is larger than the proof's (it overestimates distances
+of separate boxes, docs/decisions/0006), our own GJK search, which bounds distances from both sides,
+is used. The smallest distance reported by a proof is measured accurately here. Neither result is
+part of a proof.
 """
 
 from itertools import product
@@ -28,11 +28,11 @@ type Array = np.ndarray[Any, np.dtype[np.float64]]
 type Ids = tuple[GeometryId, GeometryId]
 type Placed = tuple[int, Array, Array]
 
-# Drake's distance may be above that of the proof by this before it is doubted [m].
+# Drake's distance is discarded if it is above the proof's by more than this [m].
 _DOUBT = 1e-6
-# More pairs of two bodies than these are not measured again.
+# Largest number of shape pairs of two bodies that are measured again.
 _FEW = 24
-# Two ways to measure a distance differ by less [m].
+# Rounding difference between two ways to measure a distance [m].
 _ROUNDING = 1e-9
 
 
@@ -41,15 +41,16 @@ def nearest_points(
     request: CertifyRequest,
     spot: WitnessPoint,
 ) -> tuple[Float64[np.ndarray, "k 3"], float]:
-    """Return where two bodies are nearest, p_WA and p_WB [m], and how far apart they are there [m].
+    """Return the nearest points of two bodies, p_WA and p_WB [m], and their distance [m].
 
-    Of bodies that overlap these are the points of the deepest shapes. The distance is that of the
-    spot, or less: the proof need not measure all shapes of both.
+    For overlapping bodies they are the points of the deepest pair of shapes. The distance is at
+    most that of the spot: the proof need not measure all shapes of both.
 
     Args:
         model: The scene.
-        request: Has the group, its motion, and where all else is.
-        spot: Which shapes and when, and what the proof measured then; no points if there are none.
+        request: The group, its motion, and the state of all other joints.
+        spot: Pair of shapes, instant and distance from the proof; without shapes there are no
+            points.
     """
     if not spot.shapes:
         return np.zeros((0, 3)), spot.distance
@@ -70,7 +71,7 @@ def nearest_points(
 
 
 def _pairs_of_both(model: DrakeModel, spot: WitnessPoint) -> list[Ids]:
-    """Return the pair of a spot and, if they are few, the others of the same two bodies."""
+    """Return the pair of a witness point and, if few, the other shape pairs of the two bodies."""
     first = spot.shapes[0], spot.shapes[1]
     a, b = (_shapes_of_body(model, i) for i in first)
     others = list(product(a, b))
@@ -78,7 +79,7 @@ def _pairs_of_both(model: DrakeModel, spot: WitnessPoint) -> list[Ids]:
 
 
 def _shapes_of_body(model: DrakeModel, geometry: GeometryId) -> list[GeometryId]:
-    """Return the collision shapes of the body that one belongs to, without half spaces."""
+    """Return the collision shapes of a geometry's body, without half spaces."""
     if geometry in model.standing.row_of:
         return [geometry]
     inspector = model.scene_graph.model_inspector()
@@ -90,7 +91,7 @@ def _shapes_of_body(model: DrakeModel, geometry: GeometryId) -> list[GeometryId]
 def _ends(
     model: DrakeModel, near: NearStatic, found: Any, distance: float, first: GeometryId
 ) -> Array:
-    """Return the nearest points of a pair that Drake found, its own if they are near enough."""
+    """Return the nearest points of a pair: Drake's if its distance is accurate, else our own."""
     if found.distance > max(distance, 0.0) + _DOUBT:
         ids = (found.id_A, found.id_B)
         points = _searched(model, near, ids)
@@ -104,7 +105,7 @@ def _ends(
 
 
 def _near(model: DrakeModel, request: CertifyRequest, time: float) -> NearStatic:
-    """Return a context of Drake's with the motion at an instant."""
+    """Return a Drake context with the group at an instant of the motion."""
     near = NearStatic(model, None if len(model.standing) else shared_context(model))
     q = request.trajectory.positions(np.array([time]))[0]
     near.go_to(model.embed(request.group, q, request.state))
@@ -121,9 +122,9 @@ def _placed(shapes: CollisionShapes, near: NearStatic, geometry: GeometryId) -> 
 def _above(
     model: DrakeModel, near: NearStatic, ids: tuple[GeometryId, ...], flat: list[bool]
 ) -> Array:
-    """Return the lowest point of a shape over a half space, which Drake does not find, and below.
+    """Return the lowest point of a shape above a half space, and its projection onto the plane.
 
-    Two half spaces have no nearest points.
+    Drake has no nearest points for half spaces. Two half spaces have none at all.
     """
     if all(flat):
         return np.zeros((0, 3))
@@ -136,7 +137,7 @@ def _above(
 
 
 def _searched(model: DrakeModel, near: NearStatic, ids: tuple[GeometryId, ...]) -> Array:
-    """Return the points by our own search."""
+    """Return the nearest points by our own GJK search."""
     shapes = geometry_of(model).shapes
     a, b = (_placed(shapes, near, i) for i in ids)
     return nearest_point(lambda n: shapes.point(*a, n), lambda n: shapes.point(*b, n), a[2] - b[2])

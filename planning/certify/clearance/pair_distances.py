@@ -1,12 +1,12 @@
-"""Distances of all pairs of shapes that may collide, and bounds on how they change.
+"""PairDistances: distances of candidate pairs of shapes, with proven lower bounds.
 
-Drake measures; it does not prove. Its distances of separate shapes are never too small, but they
-can be too large: its documentation observes 0.05 mm, and of two boxes with parallel edges Drake
-1.58 was seen to say 60 mm where 25 mm are true. So Drake's distances are what is reported and what
-refuses a motion, and its directions are used, but that a pair is far enough is shown by a slab that
-contains neither shape (see `collision_shapes`): first of the bounding spheres, then along the
-direction that did last time, then along Drake's, along the axes of both shapes, and at last along
-the one that `separation` finds. Half spaces, which Drake does not measure, are slabs already.
+Drake measures distances; it does not prove them. Its distances of separate shapes are never too
+small, but they can be too large: its documentation observes 0.05 mm, and for two boxes with
+parallel edges Drake 1.58 returned 60 mm where 25 mm are true. So Drake's distances are reported and
+refuse a motion, and its directions are used, but the lower bound is the width of a slab that
+contains neither shape (see `collision_shapes`): first of the bounding spheres, then along the last
+successful direction, then along Drake's, along the axes of both shapes, and at last along the one
+that GJK (`gjk`) finds. Half spaces, which Drake does not measure, are slabs already.
 """
 
 from dataclasses import dataclass
@@ -27,11 +27,11 @@ from planning.world.drake_model import DrakeModel
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 type Indices = np.ndarray[Any, np.dtype[np.intp]]
 
-# Up to so many pairs Drake is asked for one by one.
+# Largest number of pairs that are queried from Drake one by one.
 _FEW = 24
-# A bound that is this far below a distance is worth another direction [m].
+# Gap between lower bound and distance above which another direction is tried [m].
 _MUCH = 5e-4
-# Shapes that overlap by more have no slab to be looked for [m].
+# Signed distance below which shapes overlap, so that no slab separates them [m].
 _TOUCHING = -1e-6
 
 
@@ -40,9 +40,9 @@ class Measured:
     """Distances of some pairs at one configuration.
 
     Attributes:
-        pairs: Which ones, shape (n,).
-        distances: Signed distances as measured; infinite where bounds were enough [m].
-        lower: Proven lower bounds on the true ones [m].
+        pairs: Indices of the pairs, shape (n,).
+        distances: Measured signed distances; infinite where the bounds sufficed [m].
+        lower: Proven lower bounds on the true distances [m].
     """
 
     pairs: Int[np.ndarray, " n"]
@@ -51,7 +51,7 @@ class Measured:
 
 
 class PairDistances:
-    """Measures distances in a context of its own.
+    """Distance queries for the candidate pairs, in a Drake context of its own.
 
     Attributes:
         pairs: All pairs that may collide.
@@ -76,20 +76,20 @@ class PairDistances:
 
     @property
     def moved_bodies(self) -> set[str]:
-        """Full names of the bodies that the group moves."""
+        """Full names of the bodies moved by the group."""
         chains = self._bounds.chains
         return {name for i, name in self._model.body_names.items() if chains.get(int(i))}
 
     def go_to(self, q: Float64[np.ndarray, " nq"]) -> None:
-        """Put the group at q, and all else where it is."""
+        """Put the group at q; all other joints keep the request's state."""
         full = self._model.embed(self._group, q, self._state)
         self._near.go_to(full)
         self._placed.place(self._near.plant_context)
 
     def approaches(self, segment: Segment, pairs: Indices) -> Float64[np.ndarray, " n"]:
-        """Return how much nearer some pairs can come within a segment from its centre [m].
+        """Return the largest approach of some pairs within a segment, from its centre [m].
 
-        The centre is where the group must be.
+        The group must be at the segment's centre (`go_to`).
         """
         placed = self._placed
         return self._between(
@@ -98,18 +98,14 @@ class PairDistances:
         )
 
     def sensitivities(self, pairs: Indices) -> Float64[np.ndarray, " n"]:
-        """Return how much nearer some pairs come at most per error of every joint.
-
-        That is by how much `approaches` grows if every joint turns and shifts by so much more
-        [m per rad or m].
-        """
+        """Return the growth of `approaches` per error of every joint [m per rad or m]."""
         placed = self._placed
         return self._between(self._bounds.sensitivities(placed.rotations, placed.positions), pairs)
 
     def _between(self, moved: Array, pairs: Indices) -> Array:
         """Return the sum over the joints that move one shape of a pair relative to the other.
 
-        In the frame of a half space it is the other shape that they move.
+        In the frame of a half space the joints move the other shape.
         """
         carries, is_flat = self._bounds.carries, self._shapes.is_half_space
         a, b = self.pairs.rows[pairs].T
@@ -118,7 +114,7 @@ class PairDistances:
         return (by_a + by_b).sum(axis=1)
 
     def measure(self, pairs: Indices, wanted: Float64[np.ndarray, " n"]) -> Measured:
-        """Bound distances here until each bound is as large as wanted, or as good as can be.
+        """Raise lower bounds of distances to the wanted values, or as far as possible.
 
         Pairs that are farther apart than wanted may be left unmeasured.
         """
@@ -144,20 +140,21 @@ class PairDistances:
         return Measured(pairs, distances, lower)
 
     def closely(self, pair: int) -> float:
-        """Return an upper bound on the distance of a pair that is hardly larger than it [m]."""
+        """Return a close upper bound on the distance of a pair [m]."""
         a, b = self.pairs.rows[pair].tolist()
         if self._is_flat[pair]:
             return self._placed.height(a, b)
         return self._placed.separate(a, b, np.inf, close=0.0).upper
 
     def sample(self, within: float) -> tuple[Indices, Array]:
-        """Return the moved pairs that Drake, or the height above a half space, finds near [m]."""
+        """Return moving pairs within a distance [m], by Drake or by height above a half space."""
         rows, is_moved = self.pairs.rows, self.pairs.is_moved
         near: dict[int, float] = {
             int(i): self._placed.height(*rows[i].tolist())
             for i in np.flatnonzero(self._is_flat & is_moved)
         }
-        # Of what stands outside of Drake's model those that are shown first are enough to tell of.
+        # Of the static objects outside of Drake's model the first nearby batch is enough for a
+        # report.
         next(self._near.shown_within(within))
         for found in distances_within(self._near.query, within):
             i = self.pairs.index.get(self._near.own_ids((found.id_A, found.id_B)), -1)
@@ -166,7 +163,7 @@ class PairDistances:
         return np.array(list(near), dtype=np.intp), np.array(list(near.values()), dtype=np.float64)
 
     def _raise(self, lower: Array, left: Indices, pairs: Indices, directions: Array) -> None:
-        """Raise the lower bounds that are `left` by slabs, and keep the directions that did."""
+        """Raise lower bounds of the rows `left` by slabs; store the directions that improved."""
         a, b = self.pairs.rows[pairs[left]].T
         slabs = self._placed.slabs(a, b, directions)
         better = slabs > lower[left]
@@ -188,9 +185,10 @@ class PairDistances:
         return distances, directions
 
     def _asked(self, pairs: Indices, within: float) -> list[Any]:
-        """Return what Drake says of some pairs, and maybe of others.
+        """Return Drake's signed distances of some pairs, possibly with others.
 
-        It is not asked of more than it can be shown: those bounds are left to our own search.
+        Static objects that do not fit into Drake's context are left out: GJK bounds their
+        distances.
         """
         ids = [self.pairs.ids[i] for i in pairs]
         is_shown = self._near.show_ids(ids)
@@ -202,6 +200,6 @@ class PairDistances:
 
 
 def _may_rise(lower: Array, distances: Array, wanted: Array) -> np.ndarray[Any, np.dtype[np.bool_]]:
-    """Return which bounds a better direction may lift to what is wanted, or at least by much."""
+    """Return whether another direction may raise each bound to the wanted value, or by much."""
     hopeful = (distances >= wanted) | (distances > lower + _MUCH)
     return (lower < wanted) & (distances > _TOUCHING) & hopeful

@@ -1,4 +1,4 @@
-"""Collision shapes where they are now, and slabs between them."""
+"""PlacedShapes: collision shapes at their current poses, and the slabs that separate them."""
 
 from typing import Any
 
@@ -15,15 +15,15 @@ type Indices = np.ndarray[Any, np.dtype[np.intp]]
 
 
 class PlacedShapes:
-    """Shapes at one configuration.
+    """Collision shapes at one configuration.
 
     Attributes:
         rotations: R_WB of all bodies of interest, shape (num_bodies, 3, 3).
-        positions: p_WB of the same [m], shape (num_bodies, 3).
+        positions: p_WB of all bodies of interest [m], shape (num_bodies, 3).
     """
 
     def __init__(self, model: DrakeModel, shapes: CollisionShapes, bounds: MotionBounds) -> None:
-        """Remember which bodies matter, and which of them move; call `place` before all else."""
+        """Select the bodies with shapes, moving and static; `place` must be called first."""
         self._plant, self._shapes = model.plant, shapes
         indices = sorted({*map(int, shapes.bodies), *map(int, bounds.joint_bodies)})
         bodies = [model.plant.get_body(BodyIndex(i)) for i in indices]
@@ -34,7 +34,7 @@ class PlacedShapes:
         self.positions = np.zeros((count, 3))
 
     def place(self, plant_context: Any) -> None:
-        """Put all shapes where their bodies are; what does not move is read only once."""
+        """Update the poses of all shapes; those of static bodies are computed only once."""
         for body in [*self._moving, *self._unread]:
             pose = self._plant.EvalBodyPoseInWorld(plant_context, body).GetAsMatrix34()
             index = int(body.index())
@@ -47,20 +47,20 @@ class PlacedShapes:
         self._centers = (R_WB @ shapes.centers[:, :, None])[:, :, 0] + p_wb
 
     def sphere_gaps(self, a: Indices, b: Indices) -> Array:
-        """Return the distances of bounding spheres [m]; half spaces have none, so -inf."""
+        """Return the distances of bounding spheres [m]; -inf for half spaces."""
         between = self._centers[a] - self._centers[b]
         return np.sqrt((between**2).sum(axis=1)) - self._shapes.radii[a] - self._shapes.radii[b]
 
     def slabs(self, a: Indices, b: Indices, n: Array) -> Array:
-        """Return the widths of the slabs across unit vectors n between shapes b and a ahead [m].
+        """Return the widths of the separating slabs along unit vectors n, from shapes b to a [m].
 
-        Where n is not a number, neither is the width bounded: -inf.
+        The width is -inf where n is NaN.
         """
         widths = -self._reach(a, -n) - self._reach(b, n)
         return np.where(np.isfinite(widths), widths, -np.inf)
 
     def best_axes(self, a: Indices, b: Indices) -> Array:
-        """Return the best for a slab of both shapes' axes, towards a, and the lines of centres."""
+        """Return the best slab normal, from b to a, of both shapes' axes and the centre line."""
         between = self._centers[a] - self._centers[b]
         axes = [*np.moveaxis(self._R_WG[a], 2, 0), *np.moveaxis(self._R_WG[b], 2, 0)]
         with np.errstate(invalid="ignore"):
@@ -72,7 +72,7 @@ class PlacedShapes:
         return np.stack(lines)[best, np.arange(len(a))]
 
     def separate(self, a: int, b: int, enough: float, *, close: float = CLOSE) -> GjkResult:
-        """Bound the distance of two shapes from both sides [m]; see `separation`."""
+        """Bound the distance of two shapes from both sides [m] by GJK; see `gjk`."""
         rotations, positions, shapes = self._R_WG, self._p_wg, self._shapes
 
         def support(n: Array) -> Array:
@@ -82,7 +82,7 @@ class PlacedShapes:
         return separation(support, self._centers[a] - self._centers[b], enough, close)
 
     def height(self, a: int, b: int) -> float:
-        """Return the height of the lowest point of one shape above the other, a half space [m]."""
+        """Return the height of the lowest point of one shape above another, a half space [m]."""
         flat, other = (a, b) if self._shapes.is_half_space[a] else (b, a)
         up = self._R_WG[flat][:, 2]
         level = up @ self._p_wg[flat]

@@ -1,1 +1,1 @@
-"""Where frames are, how fast they move and turn, on whole intervals."""
+"""Frame checks: position, speed, acceleration and rotation of frames on whole intervals."""

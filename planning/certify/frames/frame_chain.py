@@ -1,20 +1,21 @@
-"""Bounds on the derivatives of a frame's origin along a trajectory, on whole pieces.
+"""Frame chain: bounds on the derivatives of a frame's origin on whole pieces of a trajectory.
 
-From the world to the frame lie joints k = 1..n, each with a rotation R_k(t), a shift T_k(t) and a
-rigid link l_k behind it: p = sum_k R_1 .. R_k (l_k + T_k), up to fixed turns, which change no
-length. Replace every Taylor coefficient at an instant by a bound on its size that holds on the
-piece (a majorant): a joint that turns by q has R(t + h) = R(t) exp([a] (q(t + h) - q(t))), so
+From the world to the frame lie joints k = 1..n, each with a rotation R_k(t), a translation T_k(t)
+and a rigid link l_k behind it: p = sum_k R_1 .. R_k (l_k + T_k), up to fixed rotations, which
+change no length. Replace every Taylor coefficient at an instant by a bound on its size that holds
+on the piece (a majorant): a joint that rotates by q has R(t + h) = R(t) exp([a] (q(t + h) - q(t))),
+so
 
     |p^(m)| / m! <= the coefficient of h^m in  sum_k exp(Q_1 + .. + Q_k) (|l_k| + |T_k|),
 
 with Q_k(h) = sum_m>0 max |q_k^(m)| h^m / m!. Where the axis moves, R = R_0 exp(delta), Q is the
-integral of a majorant of the angular velocity, which `turn_bounds` has.
+integral of a majorant of the angular velocity, from `turn_bounds`.
 
-The same series says what rounding does. Let no q_k^(m) be off by more than e_km. What is computed
-of the frame is then off by no more than the series with |q_k^(m)| + e_km has more than without, the
-constant terms e_k0 included: each power of each difference is a sum of products in which lengths
-count as above. Of a rotation in space J is off by no more than e_0 / 2, and its derivative by no
-more than e_1 / 2 + e_0 |delta'| / 3, both of which factors 1 + e_0 on all sizes make up for.
+The same series bounds rounding errors. Let e_km bound the error of q_k^(m). The error of the
+computed frame is then at most the difference between the series with |q_k^(m)| + e_km and the one
+with |q_k^(m)|, the constant terms e_k0 included: each power of each difference is a sum of products
+in which lengths count as above. For a rotation in space the error of J is at most e_0 / 2, and that
+of its derivative at most e_1 / 2 + e_0 |delta'| / 3; factors 1 + e_0 on all sizes cover both.
 """
 
 from dataclasses import dataclass
@@ -42,7 +43,7 @@ type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 _ORDER = 4
 _FACTORIALS = np.array([float(factorial(m)) for m in range(_ORDER + 1)])
-# What the rounding of sums and products here, and of kinematics, is less than, as a share.
+# Bound on the relative rounding error of sums and products here, and of kinematics.
 _ROUNDED = 64 * UNIT
 
 
@@ -60,9 +61,9 @@ def derivative_bounds(
 def direction_bounds(
     model: DrakeModel, request: CertifyRequest, frame: str
 ) -> Float64[np.ndarray, "n 4"]:
-    """Return bounds on the first four derivatives of a unit vector that turns with a frame.
+    """Return bounds on the first four derivatives of a unit vector fixed in a frame.
 
-    It is R_1 .. R_n u: the same series, with a last link of length 1 and no shifts.
+    The vector is R_1 .. R_n u: the same series, with a last link of length 1 and no translations.
 
     Raises:
         ModelInvalid: A joint moves in a way that cannot be bounded here.
@@ -73,7 +74,7 @@ def direction_bounds(
 def origin_errors(
     model: DrakeModel, request: CertifyRequest, frame: str
 ) -> Float64[np.ndarray, "n 3"]:
-    """Bound what rounding makes of a frame's origin, its velocity and its acceleration, by piece.
+    """Bound the rounding errors of a frame's origin, velocity and acceleration, by piece.
 
     Raises:
         ModelInvalid: A joint moves in a way that cannot be bounded here.
@@ -84,7 +85,7 @@ def origin_errors(
 def direction_errors(
     model: DrakeModel, request: CertifyRequest, frame: str
 ) -> Float64[np.ndarray, " n"]:
-    """Bound what rounding makes of a unit vector that turns with a frame, on every piece.
+    """Bound the rounding error of a unit vector fixed in a frame, on every piece.
 
     Raises:
         ModelInvalid: A joint moves in a way that cannot be bounded here.
@@ -93,14 +94,14 @@ def direction_errors(
 
 
 def _more(bounds: list[Array]) -> Array:
-    """Return by how much the second is more than the first, rounding of both included."""
+    """Return the second minus the first bound, rounding errors of both included."""
     less, more = bounds
     with np.errstate(invalid="ignore"):
         return np.nan_to_num(more - less + _ROUNDED * more, nan=np.inf, posinf=np.inf)
 
 
 def _origin(model: DrakeModel, request: CertifyRequest, frame: str, times: int) -> Array:
-    """Bound the origin and its derivatives with what rounding hides taken so many times, (n, 5)."""
+    """Bound the origin and its derivatives, `times` times the rounding errors added, (n, 5)."""
     count = request.trajectory.num_pieces
     total, turned = np.zeros((count, _ORDER + 1)), np.zeros((count, _ORDER + 1))
     with np.errstate(over="ignore", invalid="ignore"):
@@ -110,7 +111,7 @@ def _origin(model: DrakeModel, request: CertifyRequest, frame: str, times: int) 
             reach = np.array(shift)
             reach[:, 0] += link.length
             total += _product(_exponential(turned), reach)
-    # Not a number is what overflow leaves behind: no bound.
+    # NaN is the result of overflow: no bound.
     return np.where(np.isnan(total), np.inf, total * _FACTORIALS)
 
 
@@ -125,14 +126,14 @@ def _direction(model: DrakeModel, request: CertifyRequest, frame: str, times: in
 
 @dataclass(frozen=True)
 class _Link:
-    """A joint on the way to the frame, and how far the next one, or the frame, is from it [m]."""
+    """A joint of the chain, and its distance to the next joint or to the frame [m]."""
 
     moving: MovingJoint
     length: float
 
 
 def _links(model: DrakeModel, request: CertifyRequest, name: str) -> list[_Link]:
-    """Return what lies between the world and a frame, in order."""
+    """Return the chain of joints between the world and a frame, in order."""
     moving = moving_joints(model, request.group)
     chains = joint_chains(model, moving)
     context = model.plant.CreateDefaultContext()
@@ -151,7 +152,7 @@ def _links(model: DrakeModel, request: CertifyRequest, name: str) -> list[_Link]
         ends.append((rank, moving[k], places[0], places[1]))
     ends.sort(key=lambda entry: entry[0])
     tip = np.array(frame.CalcPoseInWorld(context).translation())
-    # Without a joint in between the frame does not move, however far away it is.
+    # Without a joint between world and frame the frame does not move.
     nexts = [near for _, _, near, _ in ends[1:]] + [tip] * bool(ends)
     return [
         _Link(joint, float(np.linalg.norm(there - far)))
@@ -162,9 +163,9 @@ def _links(model: DrakeModel, request: CertifyRequest, name: str) -> list[_Link]
 def _series(
     model: DrakeModel, request: CertifyRequest, moving: MovingJoint, times: int
 ) -> tuple[Array, Array]:
-    """Return majorants of a joint's turn, without constant, and of its shift, shape (n, 5).
+    """Return majorants of a joint's rotation, without constant, and of its translation, (n, 5).
 
-    The constant of the turn is what rounding hides, but for the first time.
+    The constant of the rotation is the rounding error beyond the first time.
     """
     nothing = np.zeros((request.trajectory.num_pieces, _ORDER + 1))
     sizes = _sizes(request, moving, times)
@@ -188,8 +189,9 @@ def _series(
 def _sizes(request: CertifyRequest, moving: MovingJoint, times: int) -> list[tuple[Array, Array]]:
     """Return majorants of the member's blocks, |c^(m)| / m! on every piece, each shape (n, 5).
 
-    The constant is how far the block is from where the piece begins. What rounding hides is added
-    so many times; what it hides of the block itself, but for the first time, comes besides (n,).
+    The constant is the largest distance of the block from its value at the beginning of the piece.
+    Rounding errors are added `times` times; those of the block itself, beyond the first time, are
+    returned separately (n,).
     """
     curve, widths = request.trajectory, np.diff(request.trajectory.breaks)
     joints = request.group.joints
@@ -215,7 +217,7 @@ def _sizes(request: CertifyRequest, moving: MovingJoint, times: int) -> list[tup
 def _shifts(
     model: DrakeModel, request: CertifyRequest, joint: Any, first: int, last: int = 1
 ) -> Array:
-    """Return how far a joint is shifted where each piece begins [m], shape (n,)."""
+    """Return the displacement of a joint at the beginning of each piece [m], shape (n,)."""
     q = request.trajectory.positions(request.trajectory.breaks[:-1])
     full = model.embed(request.group, q, request.state)
     begin = joint.position_start()
@@ -235,13 +237,13 @@ def _about_axis(series: Array, constant: Array) -> Array:
 
 
 def _turn(sizes: Array, constant: Array) -> Array:
-    """Return the majorant of a turn in space from that of its tangent."""
+    """Return the majorant of a rotation in space from that of its tangent."""
     rates = turn_bounds((sizes * _FACTORIALS)[:, 1:].T * (1 + constant))
     return np.column_stack([constant, rates.T]) / _FACTORIALS
 
 
 def _exponential(series: Array) -> Array:
-    """Return exp of series."""
+    """Return exp of a series."""
     powers = _about_axis(series, np.zeros(len(series)))
     total = term = np.zeros_like(series)
     total[:, 0] = 1.0
@@ -252,7 +254,7 @@ def _exponential(series: Array) -> Array:
 
 
 def _product(a: Array, b: Array) -> Array:
-    """Return products of series, cut off behind the last coefficient."""
+    """Return products of series, truncated to the number of coefficients."""
     product = np.zeros_like(a)
     for i in range(_ORDER + 1):
         product[:, i:] += a[:, i : i + 1] * b[:, : _ORDER + 1 - i]

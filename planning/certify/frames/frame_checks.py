@@ -1,4 +1,4 @@
-"""Boxes and cones: where the origin of a frame is, and where one of its axes points."""
+"""Frame checks of path constraints: boxes for a frame's origin, and cones for one of its axes."""
 
 from dataclasses import dataclass
 from typing import Any, override
@@ -30,8 +30,9 @@ def box_check(
     request: CertifyRequest,
     deadline: Deadline,
 ) -> Check:
-    """Return how far the origin of a frame goes beyond the faces of a box, on the wrong side.
+    """Return the check of the largest excess of a frame's origin over the faces of a box.
 
+    The excess is on the forbidden side: outside of a box to stay in, inside of one to stay out of.
     The signed distance to a box is convex, and changes by no more than the point moves.
 
     Raises:
@@ -69,9 +70,10 @@ def cone_check(
     request: CertifyRequest,
     deadline: Deadline,
 ) -> Check:
-    """Return the largest angle between an axis of a frame and a direction.
+    """Return the check of the largest angle between an axis of a frame and a direction.
 
-    The tip of the axis, a point of the unit sphere, is bounded; chords of the sphere are angles.
+    The bound is on the tip of the axis, a point of the unit sphere; its chords correspond to
+    angles.
 
     Raises:
         DeadlineExceeded: Time ran out.
@@ -87,7 +89,7 @@ def cone_check(
     )
     moving = model, request, constraint.frame
     bends = direction_bounds(*moving)[:, 1], direction_errors(*moving)
-    # What is forgiven is an angle: near half a turn its chord changes less.
+    # The tolerance is an angle: near half a turn its chord changes less.
     largest = constraint.tolerance + SLACK
     bound = 2 * np.sin(largest / 2) - SLACK if largest < np.pi else np.inf
     found = ChordProof(quantity, bends, request, deadline).run(bound)
@@ -127,7 +129,7 @@ class _Box:
 
 @dataclass(frozen=True)
 class _BoxDistance:
-    """How far a frame's origin is beyond a box, negative within it [m]."""
+    """Signed distance of a frame's origin from a box, negative inside [m]."""
 
     poses: FramePoses
     box: _Box
@@ -139,13 +141,13 @@ class _BoxDistance:
         return self.box.signed_distances(points)[0]
 
     def on_chords(self, begin: Array, end: Array) -> Array:
-        """A convex function is largest at an end."""
+        """Return the larger end value: a convex function on a chord is largest at an end."""
         return np.maximum(self.values(begin), self.values(end))
 
 
 @dataclass(frozen=True)
 class _Depth(_BoxDistance):
-    """How far a frame's origin is within a box, negative beyond it [m]."""
+    """Depth of a frame's origin inside a box, negative outside [m]."""
 
     @override
     def values(self, points: Array) -> Array:
@@ -153,7 +155,7 @@ class _Depth(_BoxDistance):
 
     @override
     def on_chords(self, begin: Array, end: Array) -> Array:
-        """A convex function is nowhere below its tangent plane at either end."""
+        """Return bounds by tangent planes: a convex function is nowhere below them."""
         lowest: list[Array] = []
         for here, there in ((begin, end), (end, begin)):
             distances, slopes = self.box.signed_distances(here)
@@ -164,7 +166,7 @@ class _Depth(_BoxDistance):
 
 @dataclass(frozen=True)
 class _Chord:
-    """The distance between the tips of an axis of a frame and of a direction, both of length 1."""
+    """Chord length between the unit vectors of a frame's axis and of a direction."""
 
     poses: FramePoses
     axis: Array
@@ -177,10 +179,10 @@ class _Chord:
         return np.linalg.norm(points - self.direction, axis=1)
 
     def on_chords(self, begin: Array, end: Array) -> Array:
-        """A convex function is largest at an end."""
+        """Return the larger end value: a convex function on a chord is largest at an end."""
         return np.maximum(self.values(begin), self.values(end))
 
 
 def _angle(chord: float) -> float:
-    """Return the angle between two unit vectors whose tips are so far apart [rad]."""
+    """Return the angle between two unit vectors at a given chord length [rad]."""
     return 2 * float(np.arcsin(min(chord / 2, 1.0)))

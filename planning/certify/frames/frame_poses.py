@@ -1,4 +1,4 @@
-"""Where a frame is: at the request's reference, and at instants of its trajectory."""
+"""FramePoses: poses of a frame at the reference configuration and at instants of a trajectory."""
 
 from typing import Any
 
@@ -15,27 +15,27 @@ _AT_ONCE = 256
 
 
 class FramePoses:
-    """One frame along one trajectory, by Drake in a context of its own."""
+    """Poses of one frame along one trajectory, by Drake in a context of its own."""
 
     def __init__(self, model: DrakeModel, request: CertifyRequest, name: str) -> None:
-        """Prepare; the frame exists."""
+        """Prepare; the frame must exist."""
         self._model, self._request = model, request
         self._frame = model.frame(name)
         self._context: Any = model.plant.CreateDefaultContext()
 
     def at_reference(self) -> Float64[np.ndarray, "4 4"]:
-        """Return X_WF where the group is at the request's reference."""
+        """Return X_WF with the group at the request's reference configuration."""
         return self._of(self._request.reference[None])[0]
 
     def at(
         self, pieces: Any, local: Float64[np.ndarray, " n"], deadline: Deadline
     ) -> Float64[np.ndarray, "n 4 4"]:
-        """Return X_WF at places in given pieces, also where two pieces meet.
+        """Return X_WF at instants of given pieces, also where two pieces meet.
 
         Args:
-            pieces: Which piece each place is on, shape (n,).
-            local: When, since the piece began [s].
-            deadline: When to stop.
+            pieces: Index of the piece of each instant, shape (n,).
+            local: Time since the beginning of the piece [s].
+            deadline: Time limit.
 
         Raises:
             DeadlineExceeded: Time ran out.

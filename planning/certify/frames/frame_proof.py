@@ -1,9 +1,10 @@
-"""Bounds on what a frame does along a whole trajectory, by bisection of its pieces.
+"""FrameProof: bounds on a frame's speed and acceleration along a trajectory, by branch and bound.
 
-On an interval of width h the velocity is within h^2 / 8 max |p'''| of the chord between its ends,
-and no point of a chord is longer than both its ends; so is the acceleration, with max |p''''|, and
-the origin with max |p''|. `derivative_bounds` has the maxima. Intervals on which that decides
-nothing are halved. What rounding makes of what is looked at (`origin_errors`) is added.
+On an interval of width h the velocity is within h^2 / 8 max |p'''| of the chord between its end
+values, and no point of a chord is longer than both its ends; likewise the acceleration with
+max |p''''|, and the origin with max |p''|. `derivative_bounds` computes the maxima. Intervals on
+which the bound is undecided are halved. The rounding error of the samples (`origin_errors`) is
+added.
 """
 
 from dataclasses import dataclass
@@ -21,7 +22,7 @@ from planning.world.drake_model import DrakeModel
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
-# A bound exceeds what was seen by this share at most, or by this share of the limit.
+# Largest gap between a bound and the samples, relative to them, or relative to the limit.
 _GAP, _LEAST = 1e-3, 0.01
 _MOST_PLACES = 40_000
 _NARROWEST = 2.0**-40
@@ -29,15 +30,15 @@ _NARROWEST = 2.0**-40
 
 @dataclass(frozen=True)
 class Spans:
-    """Intervals within pieces, with what is known of them.
+    """Intervals within pieces, with samples of the frame's motion at both ends.
 
     Attributes:
-        pieces: Which piece, shape (n,).
-        low: Where each begins, as a fraction of its piece.
-        begin: The frame there.
-        end: And at its end.
-        strays: How far position, velocity and acceleration can be from the chords between what was
-            looked at, shape (3, n).
+        pieces: Index of the piece, shape (n,).
+        low: Beginning of each interval, as a fraction of its piece.
+        begin: Motion of the frame at the beginning.
+        end: Motion of the frame at the end.
+        strays: Largest deviations of position, velocity and acceleration from the chords between
+            the samples, shape (3, n).
     """
 
     pieces: Any
@@ -49,21 +50,21 @@ class Spans:
 
 @runtime_checkable
 class FrameQuantity(Protocol):
-    """A limit, with a name for its check."""
+    """A quantity of the frame's motion with a limit, and the name of its check."""
 
     @property
     def name(self) -> str:
-        """Of its check."""
+        """Name of the check."""
         ...
 
     @property
     def limit(self) -> float:
-        """In `unit`."""
+        """The limit, in `unit`."""
         ...
 
     @property
     def unit(self) -> str:
-        """Of the limit."""
+        """Unit of the limit."""
         ...
 
     def look(self, spans: Spans) -> tuple[Array, Array]:
@@ -72,7 +73,7 @@ class FrameQuantity(Protocol):
 
 
 class FrameProof:
-    """Proofs of several quantities of one frame, which share what is seen of it."""
+    """Proofs of several quantities of one frame, which share the samples of its motion."""
 
     def __init__(
         self,
@@ -81,7 +82,7 @@ class FrameProof:
         frame: str,
         quantities: list[FrameQuantity],
     ) -> None:
-        """Bound the derivatives on every piece.
+        """Bound the derivatives of the frame's origin on every piece.
 
         Raises:
             ModelInvalid: A joint of a kind that cannot be certified.
@@ -101,7 +102,7 @@ class FrameProof:
 
         Raises:
             DeadlineExceeded: Time ran out.
-            Canceled: The end was asked for.
+            Canceled: The caller canceled.
         """
         with np.errstate(over="ignore", invalid="ignore"):
             self._bisect(deadline)
@@ -120,7 +121,7 @@ class FrameProof:
             spans = self._halved(spans, width, deadline)
 
     def _undecided(self, spans: Spans, width: float, *, is_last: bool) -> Spans:
-        """Take note of what is seen; return the intervals that must be looked at more closely."""
+        """Update the results; return the intervals that must be halved."""
         keep = np.zeros(len(spans.pieces), dtype=bool)
         for i, quantity in enumerate(self._quantities):
             upper, seen = (_known(part) / quantity.limit for part in quantity.look(spans))
@@ -141,7 +142,7 @@ class FrameProof:
         )
 
     def _enough(self, i: int) -> float:
-        """Return what an interval's bound need not be below: of a failed limit, anything."""
+        """Return the bound below which an interval is decided; infinite for a failed limit."""
         if self._seen[i] > MAX_UTILISATION:
             return np.inf
         return min(max(self._seen[i] * (1 + _GAP), _LEAST), MAX_UTILISATION)
@@ -187,5 +188,5 @@ class FrameProof:
 
 
 def _known(values: Array) -> Array:
-    """Return values with those that overflow gave no number as infinite."""
+    """Return the values with NaN, the result of overflow, replaced by infinity."""
     return np.where(np.isnan(values), np.inf, values)

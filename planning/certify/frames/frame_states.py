@@ -1,4 +1,4 @@
-"""Where a frame's origin is at instants of a trajectory, how fast, and how that changes."""
+"""FrameStates: position, velocity and acceleration of a frame's origin along a trajectory."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -19,12 +19,12 @@ _AT_ONCE = 256
 
 @dataclass(frozen=True)
 class FrameMotion:
-    """A frame's origin at some instants, in world.
+    """Motion of a frame's origin at some instants, in world.
 
     Attributes:
-        position: [m], shape (n, 3).
-        velocity: [m/s], shape (n, 3).
-        acceleration: [m/s^2], shape (n, 3).
+        position: Position [m], shape (n, 3).
+        velocity: Velocity [m/s], shape (n, 3).
+        acceleration: Acceleration [m/s^2], shape (n, 3).
     """
 
     position: Float64[np.ndarray, "n 3"]
@@ -36,7 +36,7 @@ class FrameMotion:
         return FrameMotion(self.position[rows], self.velocity[rows], self.acceleration[rows])
 
     def interleaved(self, other: "FrameMotion") -> "FrameMotion":
-        """Return the rows of both, in turn."""
+        """Return the rows of both, alternating."""
         return FrameMotion(
             *(
                 np.stack([mine, its], axis=1).reshape(-1, 3)
@@ -46,31 +46,31 @@ class FrameMotion:
 
     @property
     def parts(self) -> tuple[Array, Array, Array]:
-        """All three."""
+        """Position, velocity and acceleration."""
         return self.position, self.velocity, self.acceleration
 
 
 class FrameStates:
-    """One frame along one trajectory, by Drake in a context of its own."""
+    """States of one frame along one trajectory, by Drake in a context of its own."""
 
     def __init__(self, model: DrakeModel, request: CertifyRequest, frame: str) -> None:
-        """Prepare; the frame exists."""
+        """Prepare; the frame must exist."""
         self._model, self._request, self._plant = model, request, model.plant
         self._frame = model.frame(frame)
         self._context: Any = model.plant.CreateDefaultContext()
         self._columns = model.velocity_indices(request.group)
 
     def at(self, pieces: Any, local: Float64[np.ndarray, " n"], deadline: Deadline) -> FrameMotion:
-        """Look at places in given pieces, also where two pieces meet.
+        """Return the frame's motion at instants of given pieces, also where two pieces meet.
 
         Args:
-            pieces: Which piece each place is on, shape (n,).
-            local: When, since the piece began [s].
-            deadline: When to stop.
+            pieces: Index of the piece of each instant, shape (n,).
+            local: Time since the beginning of the piece [s].
+            deadline: Time limit.
 
         Raises:
             DeadlineExceeded: Time ran out.
-            Canceled: The end was asked for.
+            Canceled: The caller canceled.
         """
         request, model = self._request, self._model
         q, v, vdot = _joint_states(request.trajectory, pieces, local)
@@ -84,7 +84,7 @@ class FrameStates:
         return FrameMotion(*found)
 
     def _followed(self, rates: Array) -> Array:
-        """Return rates of the whole plant: followers follow, the rest stays."""
+        """Return rates of the whole plant: those of the group, of its followers, else zero."""
         full = np.zeros((len(rates), self._plant.num_velocities()))
         full[:, self._columns] = rates
         for follower, leader, multiplier in self._model.mimics:
@@ -106,7 +106,7 @@ class FrameStates:
 
 
 def _joint_states(curve: TimedTrajectory, pieces: Any, local: Array) -> tuple[Array, Array, Array]:
-    """Return q, v and vdot at places in given pieces."""
+    """Return q, v and vdot at instants of given pieces."""
     delta, rate, change = (
         _evaluated(derivative(curve.coefficients, order)[pieces], local) for order in range(3)
     )

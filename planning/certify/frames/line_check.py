@@ -1,15 +1,17 @@
-"""Whether parts of a motion keep to straight lines of a tool, between samples too.
+"""Line check: sections of a motion follow straight lines of a tool (linear moves) at every instant.
 
-Let f(t) be what is off: for the origin its distance from the segment, for the rotation the matrix
-R(t) - S(s(t)), with S the line's rotation at the fraction s of the way that the origin has gone.
+Let f(t) be the deviation: for the origin its distance from the segment, for the rotation the matrix
+R(t) - S(s(t)), with S the line's rotation at the fraction s of the distance that the origin has
+covered.
 The origin is within h^2 / 8 max |p''| of the chord between two samples h apart, and the distance
 from a segment is convex; so is a norm. Hence on every interval between samples
 
     |f| <= max(|f(a)|, |f(b)|) + h^2 / 8 max |p''|    (of R - S: its second derivative's bound).
 
-The bounds of second derivatives are `ToolRates`' and hold on whole cells. Lines that hardly shift
-have no fraction to go by: of them the axis of the turn is held against the line's instead, where
-R n - n_W plays the part of R - S. What rounding makes of where the tool is, is added to both.
+The bounds of second derivatives are those of `ToolRates` and hold on whole cells. Lines with almost
+no translation have no such fraction: for them the axis of rotation is compared with the line's
+axis instead, where R n - n_W takes the place of R - S. Rounding errors of the tool's pose are
+added to both.
 """
 
 from dataclasses import dataclass
@@ -30,28 +32,30 @@ from planning.world.drake_model import DrakeModel
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
-# Share of what is allowed that may be lost to the space between samples.
+# Share of the tolerance that the bound between samples may use.
 _LOST = 0.02
 _MAX_SAMPLES = 50_000
-# A line with less way than this per turn is a turn on the spot [m per rad], or [m].
+# A line with a shorter translation than this per rotation is a pure rotation [m per rad], or [m].
 _LEAST_WAY = 0.02
 _SHORTEST = 1e-4
 
 
 @dataclass(frozen=True)
 class _Worst:
+    """The largest bound of a deviation, and its instant [s]."""
+
     value: float
     time: float
 
 
 def line_checks(model: DrakeModel, request: CertifyRequest, deadline: Deadline) -> list[Check]:
-    """Return, for the section that is worst, how far the tool's origin and rotation are off.
+    """Return the checks of the tool's position and rotation errors, on the worst section.
 
     Values are guaranteed bounds. Without a section there is no check.
 
     Raises:
         DeadlineExceeded: Time ran out.
-        Canceled: The end was asked for.
+        Canceled: The caller canceled.
     """
     checks: list[Check] = []
     for section in request.lines:
@@ -83,7 +87,7 @@ def line_checks(model: DrakeModel, request: CertifyRequest, deadline: Deadline) 
 
 
 def _worst_of(checks: list[Check], name: str) -> list[Check]:
-    """Return the check of a name that uses most of its bound, if there is one."""
+    """Return the check with a given name that has the largest utilization, if there is one."""
     named = [check for check in checks if check.name == name]
     return [max(named, key=lambda check: check.value / check.bound)] if named else []
 
@@ -94,7 +98,7 @@ def _bounds(
     rates = ToolRates(model, request, section.line.frame)
     cells = rates.cells(section.begin, section.end)
     turning = _turning(section.line, cells)
-    # Chords of the angles that are allowed, as the norms below measure them.
+    # Chord of the allowed angle, in the norm of the rotation errors below.
     chord = 2 * np.sqrt(2) * np.sin(section.max_turn / 2)
     wanted = np.maximum(
         cells.acceleration / (8 * _LOST * section.max_shift), turning / (8 * _LOST * chord)
@@ -115,7 +119,7 @@ def _bounds(
 
 
 def _errors(model: DrakeModel, request: CertifyRequest, line: ToolLine) -> tuple[float, float]:
-    """Bound what rounding makes of the distances [m], and of the norms of what is misturned."""
+    """Bound the rounding errors of the distances [m] and of the rotation norms."""
     moving = model, request, line.frame
     shift, turn = origin_errors(*moving)[:, 0].max(), np.sqrt(3) * direction_errors(*moving).max()
     if _has_way(line):
@@ -137,7 +141,7 @@ def _has_way(line: ToolLine) -> bool:
 
 
 def _turning(line: ToolLine, cells: RateCells) -> Array:
-    """Bound the second derivative of the matrix that is off, in Frobenius' norm [1/s^2].
+    """Bound the second derivative of the rotation error matrix, in the Frobenius norm [1/s^2].
 
     |R''| <= sqrt(2) (|omega'| + |omega|^2), and S'' = S_ss s'^2 + S_s s'' in the same way.
     """
@@ -162,7 +166,7 @@ def _fractions(line: ToolLine, p_wt: Array) -> Array:
 
 
 def _misturns(line: ToolLine, R_WT: Array, p_wt: Array) -> Array:
-    """Return the norms of what is off in rotation, comparable with |R - S|."""
+    """Return the norms of the rotation errors, comparable with |R - S|."""
     if _has_way(line):
         turned = rotation.exp(_fractions(line, p_wt)[:, None] * line.turn)
         wanted = rotation.matrix(rotation.multiply(line.begin.quaternion[None], turned))
@@ -172,5 +176,5 @@ def _misturns(line: ToolLine, R_WT: Array, p_wt: Array) -> Array:
     if angle < 1e-9:
         return np.linalg.norm(R_WT - start, axis=(1, 2))
     axis = line.turn / angle
-    # A tilt by an angle moves its axis by the chord; the norm of a matrix is sqrt(2) times that.
+    # A tilt moves the axis by the chord of its angle; the matrix norm is sqrt(2) times that.
     return np.sqrt(2) * np.linalg.norm((R_WT - start) @ axis, axis=1)

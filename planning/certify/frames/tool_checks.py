@@ -1,4 +1,4 @@
-"""Speeds and accelerations of frames, everywhere and in boxes, between samples too."""
+"""Tool checks: speed and acceleration limits of frames, everywhere and in speed zones."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -22,11 +22,11 @@ _UNITS = {1: "m/s", 2: "m/s^2"}
 
 
 def tool_checks(model: DrakeModel, request: CertifyRequest, deadline: Deadline) -> list[Check]:
-    """Return a check for every limit of a frame and every zone; values are guaranteed bounds.
+    """Return a check for every frame limit and every speed zone; values are guaranteed bounds.
 
     Raises:
         DeadlineExceeded: Time ran out.
-        Canceled: The end was asked for.
+        Canceled: The caller canceled.
         ModelInvalid: A joint of a kind that cannot be certified.
     """
     by_frame: dict[str, list[FrameQuantity]] = {}
@@ -46,7 +46,7 @@ def tool_checks(model: DrakeModel, request: CertifyRequest, deadline: Deadline) 
 
 @dataclass(frozen=True)
 class _Rate:
-    """The size of the origin's velocity (order 1) or acceleration (order 2)."""
+    """Norm of the origin's velocity (order 1) or acceleration (order 2)."""
 
     name: str
     limit: float
@@ -66,6 +66,8 @@ class _Rate:
 
 @dataclass(frozen=True)
 class _SpeedInBox:
+    """Norm of the origin's velocity inside a box (speed zone)."""
+
     name: str
     limit: float
     R_WB: Array
@@ -75,7 +77,7 @@ class _SpeedInBox:
 
     def look(self, spans: Spans) -> tuple[Array, Array]:
         beyond = [self._beyond(part) for part in (spans.begin, spans.end)]
-        # Along each axis of the box, on each of its two sides.
+        # Distances beyond both faces along each axis of the box.
         is_outside = (np.minimum(*beyond) > spans.strays[0][:, None]).any(axis=1)
         speeds = np.stack([_length(part.velocity) for part in (spans.begin, spans.end)])
         is_inside = np.stack([(away <= 0).all(axis=1) for away in beyond])
@@ -83,7 +85,7 @@ class _SpeedInBox:
         return upper, np.where(is_inside, speeds, 0.0)
 
     def _beyond(self, part: FrameMotion) -> Array:
-        """Return how far positions are beyond each face [m], shape (n, 6)."""
+        """Return the distances of positions beyond each face [m], shape (n, 6)."""
         local = (part.position - self.p_wb) @ self.R_WB
         return np.concatenate([local - self.half, -local - self.half], axis=1)
 

@@ -1,15 +1,15 @@
-"""Bounds on how fast a tool frame moves and turns along a trajectory, and how that changes.
+"""ToolRates: bounds on the speeds and accelerations, linear and angular, of a tool frame.
 
-The trajectory is cut into cells on which no joint moves far. In the middle of each, Drake gives the
-Jacobian's columns (a_k; v_k), of rotation and of translation, for every joint coordinate that
-moves, followers included. With |rate| <= r_k and |its derivative| <= b_k on the cell,
+The trajectory is cut into cells with little motion of each joint. In the middle of each, Drake
+gives the Jacobian's columns (a_k; v_k), of rotation and of translation, for every joint coordinate
+that moves, followers included. With |rate| <= r_k and |its derivative| <= b_k on the cell,
 
     |p'| <= sum v_k r_k,    |p''| <= sum v_k b_k + sum_ij |a_i x v_j| r_i r_j,
     |omega| <= sum a_k r_k,    |omega'| <= sum a_k b_k + (sum a_k r_k)^2 / 2,
 
 where i is no farther from the tip than j (dv_j / dq_i = a_i x v_j), which max(a_i v_j, a_j v_i)
 covers for any order. By the same derivative no v_j grows faster than sum r times the largest, so
-while the joints move by D in sum each stays within (e^D - 1) max v of what it was.
+while the joints move by D in sum each stays within (e^D - 1) max v of its value in the middle.
 """
 
 from dataclasses import dataclass
@@ -29,22 +29,22 @@ from planning.world.drake_model import DrakeModel
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 type Indices = np.ndarray[Any, np.dtype[np.intp]]
 
-# Joint coordinates move by this much in sum on a cell [rad or m].
+# Largest sum of joint motions on a cell [rad or m].
 _FAR = 0.2
 _AT_ONCE = 256
 
 
 @dataclass(frozen=True)
 class RateCells:
-    """Parts of a trajectory, with bounds that hold all over each.
+    """Time intervals of a trajectory, with bounds that hold on all of each.
 
     Attributes:
         begins: First instants [s], shape (n,).
         widths: Durations [s].
-        speed: Of the tool's origin [m/s].
-        acceleration: Of the tool's origin [m/s^2].
-        turn_speed: Of the tool [rad/s].
-        turn_acceleration: Of the tool [rad/s^2].
+        speed: Bound on the speed of the tool's origin [m/s].
+        acceleration: Bound on the acceleration of the tool's origin [m/s^2].
+        turn_speed: Bound on the angular speed of the tool [rad/s].
+        turn_acceleration: Bound on the angular acceleration of the tool [rad/s^2].
     """
 
     begins: Float64[np.ndarray, " n"]
@@ -56,10 +56,10 @@ class RateCells:
 
 
 class ToolRates:
-    """One tool frame along one trajectory, by Drake in a context of its own."""
+    """Rates of one tool frame along one trajectory, by Drake in a context of its own."""
 
     def __init__(self, model: DrakeModel, request: CertifyRequest, frame: str) -> None:
-        """Prepare; the frame exists."""
+        """Prepare; the frame must exist."""
         self._model, self._request = model, request
         self._plant = model.plant
         self._frame = model.frame(frame)
@@ -73,7 +73,7 @@ class ToolRates:
 
         Raises:
             DeadlineExceeded: Time ran out.
-            Canceled: The end was asked for.
+            Canceled: The caller canceled.
         """
         found = np.empty((len(times), 4, 4))
         for i, q in enumerate(self._full(times)):
@@ -84,7 +84,7 @@ class ToolRates:
         return found[:, :3, :3], found[:, :3, 3]
 
     def cells(self, begin: float, end: float) -> RateCells:
-        """Return the cells of the pieces between two instants, both of which pieces meet at."""
+        """Return the cells between two instants, both of which must be breaks of the trajectory."""
         curve = self._request.trajectory
         breaks = curve.breaks
         middles = (breaks[:-1] + breaks[1:]) / 2
@@ -119,7 +119,7 @@ class ToolRates:
         return self._model.embed(self._request.group, q, self._request.state)
 
     def _columns_at(self, times: Array) -> tuple[Array, Array]:
-        """Return the sizes of the Jacobian's columns, rotation and translation, at instants."""
+        """Return the norms of the Jacobian's columns, rotation and translation, at instants."""
         found = np.empty((len(times), 6, len(self._columns)))
         world = self._plant.world_frame()
         for i, q in enumerate(self._full(times)):
@@ -132,9 +132,9 @@ class ToolRates:
 
 
 def _moving(model: DrakeModel, request: CertifyRequest) -> tuple[Indices, Indices, Array]:
-    """Return the plant's velocity coordinates that move, which of the group's move them, and how.
+    """Return the moving velocity coordinates of the plant, their leaders in v, and the factors.
 
-    How is the factor between the two rates, not negative.
+    The factor is the ratio of the two rates, not negative.
     """
     own = model.velocity_indices(request.group)
     found = {int(column): (i, 1.0) for i, column in enumerate(own)}
@@ -149,7 +149,7 @@ def _moving(model: DrakeModel, request: CertifyRequest) -> tuple[Indices, Indice
 def _joint_rates(request: CertifyRequest, pieces: Any) -> tuple[Array, Array]:
     """Bound each coordinate's rate and its derivative on pieces, shape (pieces, nv).
 
-    Of a joint that floats, omega = J_r(delta) delta' is no longer than delta'.
+    For a floating joint, omega = J_r(delta) delta' is no longer than delta'.
     """
     forms = [form[:, pieces] for form in request.forms[:3]]
     hidden = request.rounding[1:3]

@@ -1,1 +1,1 @@
-"""Bounds on whole intervals: polynomials, Taylor series, branch and bound."""
+"""Interval bounds: Bernstein polynomials, Taylor series, and branch and bound over trajectories."""

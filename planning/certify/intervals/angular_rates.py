@@ -1,4 +1,4 @@
-"""Rigorous bounds on angular velocity and its derivatives along R(t) = R_0 exp(delta(t)).
+"""Angular rates: rigorous bounds on angular velocity and derivatives of R(t) = R_0 exp(delta(t)).
 
 In the body's frame omega = J_r(delta) delta', with the right Jacobian as a series and as a mean of
 rotations (Sola et al. 2018, eq. 143)
@@ -8,17 +8,18 @@ rotations (Sola et al. 2018, eq. 143)
 Taylor coefficients of delta about an instant give those of omega: by multiplying the series out
 where delta is small, else from the unit quaternion of exp(delta) (`turn_series`).
 
-How large they are does not depend on delta itself. With delta(t + h) = delta(t) + e(h) Duhamel's
-formula makes of exp(-s ad(delta + e)) a sum of integrals over products of rotations and of ad(e),
-so that coefficients of it are bounded by those of exp(s E), E(h) = sum_{k >= 1} |delta^(k)| h^k /
-k!, and those of omega by those of the majorant
+Their size does not depend on delta itself. With delta(t + h) = delta(t) + e(h), Duhamel's formula
+expands exp(-s ad(delta + e)) into a sum of integrals over products of rotations and of ad(e), so
+that its coefficients are bounded by those of exp(s E), E(h) = sum_{k >= 1} |delta^(k)| h^k / k!,
+and those of omega by those of the majorant
 
     int_0^1 exp(s E) ds E' = sum_{k >= 0} E^k E' / (k + 1)!.
 
 So on |t - t_m| <= h a derivative of omega is its Taylor polynomial, whose length Bernstein
 coefficients bound, plus a remainder of at most the majorant's next coefficient times h to its power
-(Lagrange). The majorant says what rounding does, too: where no coefficient of delta is off by more
-than e_k, those of omega are off by no more than it has more if E has e_k more, e_0 included.
+(Lagrange). The majorant bounds rounding errors, too: if e_k bounds the error of the coefficients of
+delta, the error of those of omega is at most the growth of the majorant when e_k is added to E, e_0
+included.
 """
 
 from math import factorial
@@ -37,10 +38,10 @@ type Array = np.ndarray[Any, np.dtype[np.float64]]
 _ORDER = 6
 _MAX_HALVINGS = 14
 _MAX_PARTS = 20_000
-# Up to this the powers of delta are summed: beyond it that loses digits [rad].
+# Largest angle at which powers of delta are summed: beyond it cancellation loses digits [rad].
 _LARGEST_ANGLE = 3.0
 _TERMS = 60
-# A bound on what the rounding of all sums and products makes, as a share of their sizes.
+# Bound on the rounding error of all sums and products, relative to their sizes.
 _ROUNDED = 2 * (_TERMS + 2 * _ORDER) * UNIT
 
 
@@ -50,17 +51,17 @@ def angular_peak(
     order: int,
     tolerance: float,
 ) -> tuple[float, int, float]:
-    """Bound the length of a derivative of the angular velocity.
+    """Bound the norm of the angular velocity or of one of its derivatives.
 
     Args:
         coefficients: Power basis of delta on each piece [rad], lowest first.
         widths: Lengths of the pieces [s].
         order: 1 for angular velocity, 2 for acceleration, 3 for jerk.
-        tolerance: How far above the true peak the bound should lie at most [rad/s^order].
+        tolerance: Largest excess of the bound over the true peak, if attainable [rad/s^order].
 
     Returns:
-        The bound, the piece where it is, and the fraction of that piece. It lies farther above
-        where pieces turn so far that they would have to be cut into too many parts.
+        The bound, the piece where it is attained, and the fraction of that piece. The tolerance is
+        exceeded where pieces rotate so far that they would have to be cut into too many parts.
     """
     tangents = _derivatives(coefficients, widths, _ORDER + order + 2)
     hidden = _hidden(tangents, coefficients, widths)
@@ -98,7 +99,7 @@ def _derivatives(coefficients: Array, widths: Array, count: int) -> list[Array]:
 
 
 def _hidden(tangents: list[Array], coefficients: Array, widths: Array) -> Array:
-    """Bound how far each piece's vectors in `tangents` are off, shape (n, k)."""
+    """Bound the rounding errors of each piece's vectors in `tangents`, shape (n, k)."""
     off = [
         rounding(np.abs(part).max(axis=1) * factorial(k), coefficients, widths, k) / factorial(k)
         for k, part in enumerate(tangents)
@@ -109,9 +110,9 @@ def _hidden(tangents: list[Array], coefficients: Array, widths: Array) -> Array:
 def _model(
     tangents: list[Array], hidden: Array, half: Array, order: int
 ) -> tuple[Array, Array, Array]:
-    """Return the derivative's Taylor polynomial about the middle, and what it misses at most.
+    """Return a derivative's Taylor polynomial about the middle, and a bound on its error.
 
-    That is, beyond its last power, and by rounding.
+    The error is the remainder beyond its last power, plus rounding.
     """
     middle = np.stack([bernstein.halves(part)[0][:, -1] for part in tangents], axis=1)
     lengths = [np.linalg.norm(part, axis=2).max(axis=1) for part in tangents]
@@ -131,7 +132,7 @@ def _model(
 
 
 def turn_rates(delta: Float64[np.ndarray, "n k 3"]) -> Float64[np.ndarray, "n m 3"]:
-    """Return Taylor coefficients of omega from those of delta, one less."""
+    """Return Taylor coefficients of omega from those of delta; there is one less."""
     is_small = np.linalg.norm(delta[:, 0], axis=1) <= _LARGEST_ANGLE
     found = np.empty_like(delta[:, 1:])
     if is_small.any():
@@ -146,9 +147,9 @@ def velocity_series(adjoint: Array, delta: Array, sign: float) -> Array:
     """Return Taylor coefficients of omega from those of delta, or of the majorant.
 
     Args:
-        adjoint: What multiplies a coefficient of delta with another vector, shape (n, k, c, c).
+        adjoint: Matrices of ad for each coefficient of delta (vector product), shape (n, k, c, c).
         delta: Coefficients, shape (n, k, c).
-        sign: Of ad in the series.
+        sign: Sign of ad in the series.
     """
     count, length, width = len(delta), delta.shape[1] - 1, delta.shape[2]
     # Multiplication by the whole polynomial: a lower block-triangular Toeplitz matrix.

@@ -1,6 +1,6 @@
-"""How far angular rates are from the derivatives of a tangent whose direction hardly changes.
+"""Axis drift: difference of angular rates and tangent derivatives for an almost fixed axis.
 
-Where a piece turns about one axis, omega = delta'. In general, with D = delta x delta' and the
+On a piece with a fixed rotation axis, omega = delta'. In general, with D = delta x delta' and the
 series of the right Jacobian (Sola et al. 2018, eq. 143),
 
     omega - delta' = sum_{k >= 1} (-1)^k / (k + 1)! ad(delta)^(k - 1) D,
@@ -12,7 +12,7 @@ derivative of ad(delta)^(k - 1) brings one factor |delta'| for one factor x,
     |omega'  - delta''|  <= f |D'| + f' a |D|,
     |omega'' - delta'''| <= f |D''| + 2 f' a |D'| + (f'' a^2 + f' b) |D|,
 
-with bounds a, b on |delta'| and |delta''|. What rounding hides (`rounding`) is added to all sizes.
+with bounds a, b on |delta'| and |delta''|. Rounding errors (`rounding`) are added to all sizes.
 """
 
 from math import factorial
@@ -27,7 +27,7 @@ from planning.certify.intervals.rounding import UNIT, rounding
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
-# The number of terms of the series, and the angle up to which they are exact to rounding [rad].
+# Number of terms of the series, and largest angle at which they are exact to rounding [rad].
 _TERMS, _LARGEST_ANGLE = 100, 20.0
 
 
@@ -41,7 +41,7 @@ def axis_drift(
         widths: Lengths of the pieces [s].
         order: 1 for angular velocity, 2 for acceleration, 3 for jerk.
     """
-    # In the piece's own time u = t / width: what is large there is large on the piece.
+    # In the piece's normalized time u = t / width, so that coefficients compare in size.
     scaled = coefficients * (widths[:, None] ** np.arange(coefficients.shape[1]))[:, :, None]
     x, a, b = (_size(scaled, k) for k in range(3))
     moments = _moment(scaled)
@@ -58,7 +58,7 @@ def axis_drift(
 
 
 def _size(power: Array, order: int) -> Array:
-    """Return the largest length of the derivative of a vector's polynomial on each piece."""
+    """Return the largest norm of a derivative of a vector polynomial on each piece."""
     ones = np.ones(len(power))
     form = bernstein.from_power(bernstein.derivative(power, order), ones)
     off = rounding(np.abs(form).max(axis=1), power, ones, order)
@@ -77,7 +77,7 @@ def _moment(scaled: Array) -> Array:
 
 
 def _rounding(scaled: Array, order: int) -> Array:
-    """Return what rounding may hide of the order-th derivative of delta x delta'.
+    """Bound the rounding error of the order-th derivative of delta x delta'.
 
     Each power of it is a sum of products, no more than delta has powers, of three roundings each.
     """
@@ -88,7 +88,7 @@ def _rounding(scaled: Array, order: int) -> Array:
 
 
 def _series(x: Array) -> tuple[Array, Array, Array]:
-    """Return f, f' and f'' of sizes; infinite where the sum is cut off too early."""
+    """Return f, f' and f'' at the given sizes; infinite where the sum is truncated too early."""
     f = np.array([1.0 / factorial(k + 2) for k in range(_TERMS)])
     f, slope, bend = (
         np.where(x <= _LARGEST_ANGLE, polyval(x, polyder(f, order)), np.inf) for order in range(3)

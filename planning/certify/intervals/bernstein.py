@@ -1,9 +1,9 @@
-"""Polynomials in Bernstein form: rigorous bounds on intervals.
+"""Bernstein form of polynomials: rigorous bounds on intervals.
 
 A polynomial on an interval lies between the smallest and the largest of its Bernstein coefficients,
 and meets the first and the last at the ends (Farouki, "The Bernstein polynomial basis: a centennial
 retrospective", 2012, section 3). Halving the interval makes the bounds four times tighter.
-Coefficients are rounded: `rounding` bounds by how much, and who asks for a proof adds it.
+Computed coefficients have rounding errors: `rounding` bounds them, and every proof adds that bound.
 """
 
 from functools import cache
@@ -33,7 +33,7 @@ def from_power(
 def rows_from_power(
     coefficients: Float64[np.ndarray, "n k nv"], widths: Float64[np.ndarray, " n"]
 ) -> Float64[np.ndarray, "nv n k"]:
-    """Return the same, a row of k coefficients for every coordinate and piece."""
+    """Return Bernstein coefficients as rows: k coefficients for every coordinate and piece."""
     return _rows(coefficients, widths[:, None] ** np.arange(coefficients.shape[1]))
 
 
@@ -77,7 +77,7 @@ def halves(
 def derivative(
     coefficients: Float64[np.ndarray, "n k nv"], order: int
 ) -> Float64[np.ndarray, "n m nv"]:
-    """Return the power-basis coefficients of the order-th derivative; at least one, maybe 0."""
+    """Return power-basis coefficients of the order-th derivative; at least one, possibly 0."""
     for _ in range(order):
         powers = np.arange(1, coefficients.shape[1], dtype=np.float64)
         coefficients = coefficients[:, 1:] * powers[None, :, None]
@@ -89,19 +89,19 @@ def derivative(
 def peak(
     bernstein: Float64[np.ndarray, "n k"], tolerance: float, *, natively: bool = True
 ) -> tuple[float, int, float]:
-    """Return an upper bound on the largest value of n polynomials, each on its own interval.
+    """Return an upper bound on the maximum of n polynomials, each on its own interval.
 
-    Branch and bound: intervals whose largest coefficient may exceed the largest value seen at any
+    Branch and bound: intervals whose largest coefficient exceeds the largest value at any interval
     end by more than `tolerance` are halved, the others are dropped.
 
     Args:
         bernstein: Coefficients, a row per interval.
-        tolerance: How far above the true maximum the bound may lie.
-        natively: Whether the native code may answer, if there is any.
+        tolerance: Largest excess of the bound over the true maximum.
+        natively: Whether the native kernel may be used, if it is available.
 
     Returns:
-        The bound, the row where it is, and the fraction of that row's interval. The bound holds
-        always; it is within the tolerance unless the coefficients leave too many intervals open.
+        The bound, the row where it is attained, and the fraction of that row's interval. The bound
+        always holds; it is within the tolerance unless too many intervals stay undecided.
     """
     module = native() if natively else None
     if module is not None:
@@ -132,7 +132,7 @@ def _peak(bernstein: Float64[np.ndarray, "n k"], tolerance: float) -> tuple[floa
 
 
 def square_norm(bernstein: Float64[np.ndarray, "n k nv"]) -> Float64[np.ndarray, "n m"]:
-    """Return the coefficients, of twice the degree, of the sum of squares over coordinates."""
+    """Return Bernstein coefficients, of twice the degree, of the squared norm over coordinates."""
     degree = bernstein.shape[1] - 1
     outer = np.einsum("niv,njv->nij", bernstein, bernstein) * _product(degree)
     squared = np.zeros((len(bernstein), 2 * degree + 1))
@@ -152,7 +152,7 @@ def _power_to_bernstein(degree: int) -> Array:
 
 @cache
 def _unit_to_symmetric(degree: int) -> Array:
-    """Return what takes coefficients in x to those in u, x = 2 u - 1."""
+    """Return the matrix that maps coefficients in x to those in u, x = 2 u - 1."""
     matrix = np.zeros((degree + 1, degree + 1))
     for k in range(degree + 1):
         for j in range(k + 1):

@@ -1,7 +1,7 @@
-"""Products of polynomials in Bernstein form, a row of coefficients for each.
+"""Bernstein products: products and degree elevation of polynomials, a row of coefficients for each.
 
-With every coefficient times its binomial, a product is a convolution, and to raise a degree is to
-multiply by one (Farouki 2012, section 4).
+After scaling every coefficient by its binomial, a product is a convolution, and degree elevation is
+multiplication by one (Farouki 2012, section 4).
 """
 
 from functools import cache
@@ -15,7 +15,7 @@ type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 
 def times(a: Float64[np.ndarray, "n i"], b: Float64[np.ndarray, "n j"]) -> Array:
-    """Return the coefficients of the products of rows, of the sum of both degrees."""
+    """Return the Bernstein coefficients of products of rows; the degrees add up."""
     if b.shape[1] < a.shape[1]:
         a, b = b, a
     scaled, other = a * _binomials(a.shape[1] - 1), b * _binomials(b.shape[1] - 1)
@@ -26,7 +26,7 @@ def times(a: Float64[np.ndarray, "n i"], b: Float64[np.ndarray, "n j"]) -> Array
 
 
 def raised(a: Float64[np.ndarray, "n i"], degree: int) -> Array:
-    """Return the coefficients of the same polynomials at a degree that is no less."""
+    """Return the coefficients of the same polynomials, elevated to a degree no smaller."""
     return times(a, np.ones((len(a), degree - a.shape[1] + 2)))
 
 

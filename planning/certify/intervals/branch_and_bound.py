@@ -1,8 +1,8 @@
-"""A bound on a quantity along a whole trajectory, by conservative bisection.
+"""Branch and bound: the maximum of a quantity along a whole trajectory.
 
-A quantity is measured at a segment's centre; what the joints can move within the segment bounds how
-much larger it can be anywhere in it. Segments on which that does not exceed the bound are proven,
-the others are halved, the most suspicious first.
+A quantity is measured at a segment's centre; the largest joint motion within the segment bounds its
+growth anywhere in it. Segments whose upper bound does not exceed the limit are proven, the others
+are halved, the one with the largest upper bound first.
 """
 
 from dataclasses import dataclass, field
@@ -15,25 +15,25 @@ from planning.certify.intervals.joint_deviation import Segment, Segments
 from planning.certify.request import CertifyRequest
 from planning.domain.request.deadline import Deadline
 
-# More than a bound by this is forgiven: a start that lies on it would be refused for rounding.
+# Tolerance above a bound: a start that lies on it would be refused for rounding.
 SLACK = 1e-6
-# Segments shorter than this, or more of them, are given up as unproven [s].
+# Shortest segment [s] and largest number of segments; beyond these the search fails as unproven.
 _SHORTEST = 1e-6
 _MOST_SEGMENTS = 20_000
-# How well the largest value is to be known, as a share of the bound or at least, and what it may
-# cost in segments.
+# Resolution of the largest value, relative to the bound or absolute, and the number of additional
+# segments for it.
 _RESOLUTION, _LEAST = 0.02, 1e-4
 _TIGHTENING = 100
 
 
 @dataclass(frozen=True)
 class QuantityBound:
-    """A quantity at the centre of a segment.
+    """A quantity on a segment: its value at the centre, and an upper bound.
 
     Attributes:
-        value: As measured.
-        top: At most so much anywhere in the segment.
-        where: What is worst there.
+        value: Value at the centre.
+        top: Upper bound on all of the segment.
+        where: Name of the worst object (a pair, a joint) at the centre.
     """
 
     value: float
@@ -43,23 +43,23 @@ class QuantityBound:
 
 @runtime_checkable
 class Quantity(Protocol):
-    """Something that shall not exceed a bound."""
+    """A quantity that must not exceed a bound."""
 
     def look(self, segment: Segment) -> QuantityBound:
-        """Measure at the centre of a segment, and bound on all of it."""
+        """Return the value at the centre of a segment, and a bound on all of it."""
         ...
 
 
 @dataclass(frozen=True)
 class BoundResult:
-    """What is known of a quantity.
+    """Result of branch and bound: the largest value of a quantity.
 
     Attributes:
-        value: The largest that was measured.
-        top: At most so much anywhere, also of what is not proven; infinite if that is not known.
-        passed: Whether it is proven to keep its bound.
-        where: What was worst.
-        time: When [s].
+        value: Largest measured value.
+        top: Upper bound on the whole trajectory, unproven parts included; infinite if unknown.
+        passed: Whether the quantity is proven to keep its bound.
+        where: Name of the worst object.
+        time: Instant of the largest value [s].
     """
 
     value: float
@@ -71,6 +71,8 @@ class BoundResult:
 
 @dataclass(order=True)
 class _Node:
+    """A segment of the search, ordered by its negated upper bound."""
+
     rank: float
     number: int
     segment: Segment = field(compare=False)
@@ -79,29 +81,29 @@ class _Node:
 def bounded(
     quantity: Quantity, bound: float, request: CertifyRequest, deadline: Deadline
 ) -> BoundResult:
-    """Prove, or fail to prove, that a quantity keeps its bound throughout.
+    """Prove, or fail to prove, that a quantity keeps its bound on the whole trajectory.
 
     Args:
-        quantity: Measured in the unit of the bound.
-        bound: May be passed by `SLACK`.
-        request: Has the trajectory.
-        deadline: When to stop.
+        quantity: The quantity, in the unit of the bound.
+        bound: Upper limit, with the tolerance `SLACK`.
+        request: The request with the trajectory.
+        deadline: Time limit.
 
     Raises:
         DeadlineExceeded: Time ran out.
-        Canceled: The end was asked for.
+        Canceled: The caller canceled.
     """
     return _Bisection(quantity, bound, request, deadline).run()
 
 
 @dataclass(frozen=True)
 class BoundTolerance:
-    """How well a largest value is to be known, and what that may cost.
+    """Tolerance of a largest value, and the effort for it.
 
     Attributes:
-        share: Of the value, or
-        least: of its unit, whichever is larger.
-        looks: Segments at most.
+        share: Relative tolerance.
+        least: Absolute tolerance, in the quantity's unit; the larger of both counts.
+        looks: Largest number of segments.
     """
 
     share: float
@@ -112,17 +114,17 @@ class BoundTolerance:
 def bound_maximum(
     quantity: Quantity, fineness: BoundTolerance, request: CertifyRequest, deadline: Deadline
 ) -> BoundResult:
-    """Return how large a quantity becomes, whatever that is; `top` is a bound on it always.
+    """Return the largest value of a quantity without a limit; `top` is always an upper bound.
 
     Raises:
         DeadlineExceeded: Time ran out.
-        Canceled: The end was asked for.
+        Canceled: The caller canceled.
     """
     return _Bisection(quantity, np.inf, request, deadline).highest(fineness)
 
 
 class _Bisection:
-    """One proof."""
+    """One branch-and-bound search over segments."""
 
     def __init__(
         self, quantity: Quantity, bound: float, request: CertifyRequest, deadline: Deadline
@@ -139,7 +141,7 @@ class _Bisection:
         while heap:
             node = heappop(heap)
             if self._worst.value > self._bound + SLACK:
-                # No segment that is left has a larger bound, and the leaves keep theirs.
+                # No remaining segment has a larger bound, and the leaves keep theirs.
                 return self._finding(-node.rank, passed=False)
             if -node.rank <= self._bound + SLACK:
                 leaves.append(node)
@@ -156,7 +158,7 @@ class _Bisection:
         return self._finding(self._tightened([whole], fineness), passed=True)
 
     def _tightened(self, leaves: list[_Node], fineness: BoundTolerance) -> float:
-        """Halve the segments that may hide a larger value than was seen; return a bound on all."""
+        """Halve segments that may contain a larger value; return an upper bound on all."""
         heapify(leaves)
         last = self._count + fineness.looks
         while self._count < last:
@@ -167,7 +169,7 @@ class _Bisection:
             node = heappop(leaves)
             for half in self._segments.halves(node.segment):
                 child = self._node(half)
-                # What was proven of the whole is true of its halves.
+                # A bound proven for a segment holds for its halves.
                 child.rank = max(child.rank, node.rank)
                 heappush(leaves, child)
         return -leaves[0].rank

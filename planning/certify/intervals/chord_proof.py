@@ -1,10 +1,10 @@
-"""A bound on a function of a moving point along a whole trajectory, by chords between instants.
+"""Chord proof: bounds on a function of a moving point, by chords between instants.
 
 Between two instants h apart a point whose acceleration is at most b stays within b h^2 / 8 of the
-chord between where it is at both. A function that changes by no more than the point moves is hence
-at most what it is on the chord, plus that. Intervals on which this does not settle the bound are
-halved. The bound is of second order: a motion that keeps a constraint by little is proven on
-intervals as long as the root of what it has to spare.
+chord between its positions at both. A function that changes by no more than the point moves is
+hence at most its largest value on the chord, plus that. Intervals on which this does not settle the
+bound are halved. The bound is of second order: a motion with a small reserve is proven on intervals
+whose length is proportional to the square root of the reserve.
 """
 
 from dataclasses import dataclass
@@ -18,22 +18,22 @@ from planning.domain.request.deadline import Deadline
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
-# More than a bound by this is forgiven: a start that lies on it would be refused for rounding.
+# Tolerance above a bound: a start that lies on it would be refused for rounding.
 SLACK = 1e-6
-# Instants beyond which, and widths (as a share of a piece) below which, a motion is given up.
+# Largest number of instants, and smallest width (as a share of a piece), of a proof.
 _MOST_INSTANTS, _NARROWEST = 60_000, 2.0**-40
-# How well the largest value is to be known, as a share of the bound or at least, and for how many
-# instants more than the proof takes.
+# Resolution of the largest value, relative to the bound or absolute, and the number of additional
+# instants for it.
 _RESOLUTION, _LEAST = 0.02, 1e-4
 _TIGHTENING = 2_000
 
 
 @runtime_checkable
 class ChordQuantity(Protocol):
-    """A function of a point that changes by no more than the point moves."""
+    """A function of a point that changes by no more than the point moves (Lipschitz constant 1)."""
 
     def points(self, pieces: Any, local: Array, deadline: Deadline) -> Array:
-        """Return the point at places in pieces, shape (n, 3)."""
+        """Return the point at instants in pieces, shape (n, 3)."""
         ...
 
     def values(self, points: Array) -> Array:
@@ -47,7 +47,7 @@ class ChordQuantity(Protocol):
 
 @dataclass(frozen=True)
 class _Intervals:
-    """Parts of pieces: which piece, where in it as a fraction, and the point at both ends."""
+    """Parts of pieces: the piece, the beginning as a fraction of it, and the point at both ends."""
 
     pieces: Any
     low: Array
@@ -59,7 +59,7 @@ class _Intervals:
 
 
 class ChordProof:
-    """One proof: the largest value of a quantity, held against a bound."""
+    """One proof: the largest value of a quantity, compared with a bound."""
 
     def __init__(
         self,
@@ -68,14 +68,14 @@ class ChordProof:
         request: CertifyRequest,
         deadline: Deadline,
     ) -> None:
-        """Prepare.
+        """Prepare a proof.
 
         Args:
-            quantity: What to bound.
-            bends: Bounds on the point's acceleration on every piece, shape (n,), and on what
-                rounding makes of its place, the same.
-            request: Has the trajectory.
-            deadline: When to stop.
+            quantity: The function to bound.
+            bends: Bounds on the point's acceleration and on the rounding error of its position, on
+                every piece, each shape (n,).
+            request: The request with the trajectory.
+            deadline: Time limit.
         """
         self._quantity, self._deadline = quantity, deadline
         self._bends, self._errors = bends
@@ -84,7 +84,7 @@ class ChordProof:
         self._seen, self._time, self._count, self._settled = -np.inf, 0.0, 0, -np.inf
 
     def run(self, bound: float) -> BoundResult:
-        """Prove, or fail to prove, that the quantity is at most a bound throughout.
+        """Prove, or fail to prove, that the quantity is at most a bound on the whole trajectory.
 
         Raises:
             DeadlineExceeded: Time ran out.

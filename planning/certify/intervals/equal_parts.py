@@ -1,4 +1,4 @@
-"""Pieces of a motion cut into equal parts, each into as many as it needs."""
+"""Equal parts: pieces of a motion, each cut into a number of equal parts."""
 
 from typing import Any
 
@@ -11,10 +11,10 @@ type Indices = np.ndarray[Any, np.dtype[np.intp]]
 def split_equally(
     counts: Int[np.ndarray, " pieces"],
 ) -> tuple[Int[np.ndarray, " n"], Int[np.ndarray, " n"]]:
-    """Return of which piece each part is, and how many of that piece come before it.
+    """Return the piece of each part, and the index of the part within its piece.
 
     Args:
-        counts: Into how many parts each piece is cut, at least one.
+        counts: Number of parts of each piece, at least one.
     """
     owners: Indices = np.repeat(np.arange(len(counts)), counts)
     return owners, np.arange(len(owners)) - np.repeat(np.cumsum(counts) - counts, counts)

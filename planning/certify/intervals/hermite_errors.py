@@ -1,13 +1,15 @@
-"""How far apart samples may be: what interpolation between them misses, from derivatives.
+"""Hermite interpolation errors: bounds on the sample spacing from the derivatives of a motion.
 
-Let a polynomial of degree 2 k - 1 meet a function and its first k - 1 derivatives at both ends of
-an interval of length h, and let M bound the function's derivative of order 2 k there. Then the r-th
-derivatives differ by at most c_r h^(2 k - r) M (Birkhoff and Priver, "Hermite interpolation errors
-for derivatives", J. Math. and Physics 46, 1967, for k = 2 and 3; for k = 1 it is h^2 M / 8).
-Samples that lie where the pieces of a motion meet have every interval in one piece, but for ramps,
-on which accelerations go over linearly, so that no rate is larger than at an end of them. Straight
-lines are nowhere faster than the motion, which has their mean speed, and pass no limit on
-positions.
+Let a polynomial of degree 2 k - 1 agree with a function and its first k - 1 derivatives at both
+ends of an interval of length h, and let M bound the function's derivative of order 2 k there. Then
+the r-th derivatives differ by at most c_r h^(2 k - r) M (Birkhoff and Priver, "Hermite
+interpolation errors for derivatives", J. Math. and Physics 46, 1967, for k = 2 and 3; for k = 1 it
+is h^2 M / 8).
+
+With samples at all breaks of a motion every interval lies in one piece, except for ramps between
+accelerations, which are linear, so that no rate is larger than at one of their ends. Linear
+interpolation is nowhere faster than the motion, whose mean speed it has, and exceeds no position
+limit.
 """
 
 from dataclasses import dataclass
@@ -30,26 +32,26 @@ _ERRORS: dict[Interpolation, tuple[float, ...]] = {
     "quintic": (1 / 46_080, 5**0.5 / 30_000, 1 / 1_920, 1 / 120),
 }
 _ORDERS: dict[Interpolation, int] = {"linear": 2, "cubic": 4, "quintic": 6}
-# By so little of its limit an acceleration may jump where jerk is limited, on both sides together.
+# Largest jump of acceleration under jerk limits, relative to its limit, on both sides together.
 _STEP = 4e-4
-# Share of what is to spare that interpolation may use; samples may be off by the rest.
+# Share of the reserve for interpolation errors; the rest is for errors of the samples.
 _SHARE = 0.9
 
 
 @dataclass(frozen=True)
 class HermiteErrors:
-    """What interpolation misses of one motion, against what limits leave it.
+    """Interpolation errors of one motion, compared with the reserve to its limits.
 
     Attributes:
-        request: The motion, proven, and the limits that it keeps; every coordinate is limited by
-            itself, and alike both ways.
+        request: The motion, proven, and its limits; every coordinate has limits of its own, the
+            same in both directions.
     """
 
     request: CertifyRequest
 
     @classmethod
     def of(cls, request: CertifyRequest) -> "HermiteErrors | None":
-        """Build from a request, if it is such a one."""
+        """Build from a request; None if its limits are not of that kind."""
         is_scalar = all(len(indices) == 1 for _, indices in request.group.blocks)
         return cls(request) if is_scalar and not request.acceleration_bounds else None
 
@@ -59,7 +61,7 @@ class HermiteErrors:
 
     @cached_property
     def _spare(self) -> list[Array]:
-        """What is left of limits on positions and rates, by order, each shape (nv, n)."""
+        """The reserve to limits on positions and rates, by order, each shape (nv, n)."""
         request = self.request
         limits, columns = request.limits, [indices[0] for _, indices in request.group.blocks]
         places = request.forms[0] + request.trajectory.bases.T[:, :, None]
@@ -78,9 +80,9 @@ class HermiteErrors:
         return found
 
     def gaps(self, kind: Interpolation) -> Array:
-        """Return how far apart samples may be on each piece for limits to be kept [s], shape (n,).
+        """Return the sample spacing on each piece that keeps the limits [s], shape (n,).
 
-        They may be farther apart than that: where a limit is met, hardly anything is to spare.
+        The condition is sufficient, not necessary: near a limit there is almost no reserve.
         """
         found = [np.full(len(self._widths), np.inf)]
         steepest, order, errors = self._steepest(kind), _ORDERS[kind], _ERRORS[kind]
@@ -93,15 +95,14 @@ class HermiteErrors:
         return np.min(found, axis=0)
 
     def longest(self, kind: Interpolation, levers: Array, way: float) -> float:
-        """Return the longest time between samples that is proven for certain [s].
+        """Return the longest sample period that is proven to keep limits and clearance [s].
 
-        The duration, if any time is; 0 if none.
+        It is the duration if every period is proven to, and 0 if none is.
 
         Args:
-            kind: What receivers make of the samples.
-            levers: How much nearer two shapes come at most per change of each coordinate, shape
-                (nv,).
-            way: How much nearer any two shapes may come [m].
+            kind: Interpolation used by the receiver of the samples.
+            levers: Largest approach of two shapes per change of each coordinate, shape (nv,).
+            way: Allowed approach of any two shapes [m].
         """
         steepest = self._steepest(kind)
         if not steepest.any():
@@ -121,7 +122,7 @@ class HermiteErrors:
         return {}
 
     def _steepest(self, kind: Interpolation) -> Array:
-        """Return a bound on the derivative that is missed, shape (nv, n)."""
+        """Return a bound on the derivative in the error term, shape (nv, n)."""
         known = self._known.get(kind)
         if known is None:
             power = bernstein.derivative(self.request.trajectory.coefficients, _ORDERS[kind])
@@ -131,7 +132,7 @@ class HermiteErrors:
 
 
 def _longest(spare: Array, errors: Array, power: int) -> Array:
-    """Return the largest h with errors h^power within a share of what is to spare."""
+    """Return the largest h with errors h^power within a share of the reserve."""
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         found = (_SHARE * np.maximum(spare, 0.0) / errors) ** (1 / power)
     return np.where(errors > 0, found, np.inf)

@@ -1,14 +1,13 @@
-"""Segments of a trajectory, each with a configuration and how far the joints stray from it.
+"""Joint deviation: segments of a trajectory, each with a configuration and bounds on joint motion.
 
-A segment of many pieces is judged from its middle piece: a joint strays at most by the distance of
-two pieces' middles and by how far it strays within the other piece. A segment within one piece is
-judged by the Bernstein coefficients c_i of the tangent: |delta(t) - delta(t_m)| is at most the
-largest |c_i - delta(t_m)|, as a norm is convex. A floating joint turns by no more than its tangent
-moves, for exp is 1-Lipschitz from R^3 to SO(3): its Jacobian's singular values, 1 and
+For a segment of many pieces the reference is its middle piece: the deviation of a joint is at most
+the distance of two pieces' middles plus the deviation within the other piece. For a segment within
+one piece the Bernstein coefficients c_i of the tangent bound it: |delta(t) - delta(t_m)| is at most
+the largest |c_i - delta(t_m)|, as a norm is convex. A floating joint rotates by no more than its
+tangent moves, for exp is 1-Lipschitz from R^3 to SO(3): its Jacobian's singular values, 1 and
 |sin(x/2) / (x/2)|, are at most 1.
-
-Where a piece ends elsewhere than the next one begins, the joints go from the one to the other: what
-they stray by within a piece includes that jump, and what rounding may hide (`rounding`).
+Where a piece ends off the beginning of the next one, the joints move from one to the other: the
+deviation within a piece includes that jump, and rounding errors (`rounding`).
 """
 
 from dataclasses import dataclass
@@ -28,15 +27,15 @@ type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 @dataclass(frozen=True)
 class Segment:
-    """A part of a trajectory.
+    """A time interval of a trajectory, with a configuration and bounds on the deviation from it.
 
     Attributes:
         begin: First instant [s].
         end: Last instant [s].
-        time: When the configuration `center` is taken [s].
-        center: The group's q then, shape (nq,).
-        turn: How far each joint turns from there at most [rad], shape (num_joints,).
-        shift: How far each joint is displaced from there at most [m], shape (num_joints,).
+        time: Instant of the configuration `center` [s].
+        center: Configuration q of the group at `time`, shape (nq,).
+        turn: Largest rotation of each joint from there [rad], shape (num_joints,).
+        shift: Largest translation of each joint from there [m], shape (num_joints,).
         pieces: First piece, and the one after the last.
         bernstein: Coefficients of the tangent, for a segment within one piece.
     """
@@ -52,15 +51,15 @@ class Segment:
 
     @property
     def is_part(self) -> bool:
-        """Whether it lies within one piece."""
+        """Whether the segment lies within one piece."""
         return self.pieces[1] - self.pieces[0] == 1
 
 
 class Segments:
-    """Cuts one trajectory into segments, from the whole to parts of pieces."""
+    """Bisection of one trajectory into segments, from the whole to parts of pieces."""
 
     def __init__(self, trajectory: TimedTrajectory) -> None:
-        """Bound every piece."""
+        """Bound the joint motion on every piece."""
         self._curve = curve = in_one_turn(trajectory)
         self._turns, self._shifts = _selections(curve.joints)
         self._bernstein = bernstein.from_power(curve.coefficients, np.diff(curve.breaks))
@@ -74,7 +73,7 @@ class Segments:
         self._shift = np.sqrt(stray @ self._shifts).max(axis=1) + self._loose_shift
 
     def _loose(self) -> Array:
-        """Bound how far each piece is from its polynomials, up to where the next one begins."""
+        """Bound the gap between each piece and the next, and the rounding errors of the piece."""
         curve = self._curve
         largest = np.abs(self._bernstein).max(axis=1)
         off = rounding(largest, curve.coefficients, np.diff(curve.breaks))
@@ -130,10 +129,10 @@ class Segments:
         )
 
     def _between(self, q1: Array, q0: Array) -> Array:
-        """Return a displacement per velocity coordinate, shape (m, nv); whole turns count.
+        """Return a displacement per velocity coordinate, shape (m, nv), with whole turns.
 
-        They move the joint itself nowhere, but a joint that follows it by half moves half a turn.
-        Of a rotation only the angle is given, in the first of its three coordinates.
+        Whole turns leave the joint itself in place, but not a follower with another multiplier.
+        For a rotation in space only the angle is returned, in the first of its three coordinates.
         """
         parts: list[Array] = []
         begin = 0
@@ -158,7 +157,7 @@ def _angle(a: Array, b: Array) -> Array:
 
 
 def _selections(joints: tuple[Joint, ...]) -> tuple[Array, Array]:
-    """Return which velocity coordinates turn and which shift each joint, shape (nv, num_joints)."""
+    """Return which velocity coordinates rotate and translate each joint, shape (nv, num_joints)."""
     count = sum(joint.num_velocities for joint in joints)
     turns, shifts = np.zeros((count, len(joints))), np.zeros((count, len(joints)))
     begin = 0

@@ -1,12 +1,12 @@
-"""What happens where pieces meet: how far jumps add up.
+"""Jumps: sums of the discontinuities of a trajectory between its pieces.
 
-A robot makes no jump. Take the motion's jumps out, each from where it is on, and what is left is
-continuous, has the same rates, and is off by the sum of the jumps until then. So what matters is
-not the largest jump but the largest sum of jumps between any two instants: by so much more than its
-rates allow the motion changes within some time, however short.
+A robot makes no jump. Without its jumps, each removed from its instant on, the motion is
+continuous, has the same rates, and differs by the sum of the jumps so far. So the relevant quantity
+is not the largest jump but the largest sum of jumps between any two instants: the motion exceeds
+the change that its rates allow by that much, within any time, however short.
 
 The largest sum of consecutive jumps, signs counted, is the range of their partial sums. Rotations
-do not add up like numbers; of them sizes are added, which is no less.
+are not additive; for them sizes are added, which is an upper bound.
 """
 
 from dataclasses import dataclass, replace
@@ -25,11 +25,11 @@ _TURN = 2 * np.pi
 
 @dataclass(frozen=True)
 class Sums:
-    """Sums of consecutive jumps.
+    """Partial sums of consecutive jumps.
 
     Attributes:
-        partial: Of the first jumps, one more in each row, shape (n, nv).
-        sizes: The largest between any two instants, of each coordinate, shape (nv,).
+        partial: Sums of the first 1, 2, ... jumps, shape (n, nv).
+        sizes: Largest sum between any two instants, by coordinate, shape (nv,).
     """
 
     partial: Float64[np.ndarray, "n nv"]
@@ -37,17 +37,17 @@ class Sums:
 
     @classmethod
     def of(cls, jumps: Float64[np.ndarray, "n nv"]) -> "Sums":
-        """Add up jumps that come one after another."""
+        """Build from consecutive jumps."""
         partial = np.cumsum(jumps, axis=0)
         return cls(partial, partial.max(axis=0, initial=0.0) - partial.min(axis=0, initial=0.0))
 
     def parted(self, count: int) -> tuple["Sums", "Sums"]:
-        """Return the sums of the first so many coordinates, and those of the others."""
+        """Return the sums of the first `count` coordinates, and those of the others."""
         partial, sizes = self.partial, self.sizes
         return Sums(partial[:, :count], sizes[:count]), Sums(partial[:, count:], sizes[count:])
 
     def last_of(self, column: int) -> int:
-        """Return the jump with which the largest sum of a coordinate is complete."""
+        """Return the index of the jump that completes the largest sum of a coordinate."""
         partial = self.partial[:, column]
         above, below = int(np.argmax(partial)), int(np.argmin(partial))
         # The sums before any jump are 0.
@@ -60,12 +60,12 @@ def position_jumps(
     begins: Float64[np.ndarray, "n nq"],
     ends: Float64[np.ndarray, "n nq"],
 ) -> Float64[np.ndarray, "n nv"]:
-    """Return by how much each piece begins off the end of the one before it, but for the first.
+    """Return the jump from each piece's end to the next piece's beginning, shape (n - 1, nv).
 
     Args:
         trajectory: The motion.
-        begins: Where its pieces begin.
-        ends: And where they end.
+        begins: Configurations at the beginnings of its pieces.
+        ends: Configurations at the ends of its pieces.
     """
     jumps = trajectory.manifold.minus(begins[1:], ends[:-1])
     if trajectory.manifold.is_flat:
@@ -77,9 +77,9 @@ def position_jumps(
 
 
 def in_one_turn(trajectory: TimedTrajectory) -> TimedTrajectory:
-    """Return the same motion with pieces that are not anchored whole turns off one another.
+    """Return the same motion without whole-turn jumps between the anchors of its pieces.
 
-    Only of joints on a circle, where whole turns are nothing.
+    Only for joints on a circle, where whole turns make no difference.
     """
     if not any(trajectory.manifold.wraps) or trajectory.num_pieces == 1:
         return trajectory

@@ -1,9 +1,9 @@
-"""MotionCells: a trajectory in short cells, with bounds on its rates that hold all over each.
+"""MotionCells: a trajectory in short cells, with rate bounds that hold on all of each.
 
-Rates are Bernstein coefficients of one degree: what a convex bound says of all coefficients of a
-sum, it says of the sum itself at every instant of the cell. They come from the trajectory's powers
-in two steps, each of which rounds by no more than `rounding` says: twice that is taken from limits,
-and added to sizes.
+Rates are Bernstein coefficients of a common degree: a convex bound that holds for all coefficients
+of a sum holds for the sum itself at every instant of the cell. They come from the trajectory's
+powers in two steps, each with a rounding error of at most `rounding`: twice that is subtracted from
+limits, and added to sizes.
 """
 
 from dataclasses import dataclass
@@ -31,16 +31,17 @@ type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 @dataclass(frozen=True)
 class BlockRates:
-    """Rates of some blocks of as many coordinates each.
+    """Rates of blocks with the same number of coordinates.
 
     Attributes:
-        names: Of the blocks.
-        forms: By order of derivative, the first first: coefficients, shape (n, k, blocks, size).
-        limits: By order: what the norm of each block is limited to, shape (blocks,).
-        middles: What to take from accelerations first, where they are bounded by sign, shape
-            (blocks,).
-        is_turning: Whether these are bounds on the size of an angular rate, and of its derivative:
-            of any direction, and one coordinate each.
+        names: Names of the blocks.
+        forms: Bernstein coefficients by order of derivative, from the first, shape
+            (n, k, blocks, size).
+        limits: By order: limit of the norm of each block, shape (blocks,).
+        middles: Offset to subtract from accelerations before the limit, where bounds differ by
+            sign, shape (blocks,).
+        is_turning: Whether these are bounds on the norm of an angular rate and its derivatives,
+            without direction and with one coordinate each.
     """
 
     names: tuple[str, ...]
@@ -51,12 +52,12 @@ class BlockRates:
 
     @cached_property
     def hulls(self) -> tuple[Array, ...]:
-        """Least and largest coefficients by order, shape (2, n, blocks, size)."""
+        """Smallest and largest coefficients by order, shape (2, n, blocks, size)."""
         return tuple(hull(form) for form in self.forms)
 
     @cached_property
     def load(self) -> StopConstraint:
-        """How accelerations change with how the motion is slowed down."""
+        """The acceleration limits as a constraint on stops."""
         slope, bend = self.forms[:2]
         cells, _, blocks, _ = slope.shape
         return StopConstraint(
@@ -72,13 +73,13 @@ class BlockRates:
 
 @dataclass(frozen=True)
 class MotionCells:
-    """Cells of a trajectory.
+    """Cells of a trajectory, with rates and constraints on stops.
 
     Attributes:
         begins: First instants [s], shape (n,).
         widths: Durations [s], shape (n,).
-        rates: Of all blocks, those of one coordinate together.
-        loads: What else is limited of stops.
+        rates: Rates of all blocks; blocks of one coordinate are together.
+        loads: Other constraints on stops (frame accelerations, torques).
     """
 
     begins: Float64[np.ndarray, " n"]
@@ -88,12 +89,12 @@ class MotionCells:
 
     @property
     def all_loads(self) -> tuple[StopConstraint, ...]:
-        """All that is limited of stops under acceleration limits."""
+        """All constraints on stops under acceleration limits."""
         return (*(rates.load for rates in self.rates), *self.loads)
 
     @cached_property
     def holds(self) -> Any:
-        """Where the motion may stand still, and go on at any s' up to 1, shape (n,)."""
+        """Whether the motion can rest in each cell, and continue at any s' up to 1, shape (n,)."""
         holds = np.ones(len(self.begins), dtype=bool)
         for load in self.loads:
             holds &= load.holds.all(axis=1)
@@ -101,11 +102,11 @@ class MotionCells:
 
     @property
     def end(self) -> float:
-        """When the motion ends [s]."""
+        """Last instant of the motion [s]."""
         return float(self.begins[-1] + self.widths[-1])
 
     def ways(self) -> tuple[tuple[str, ...], Float64[np.ndarray, "n blocks"]]:
-        """Return the blocks, and bounds on how far each goes in each cell [rad or m].
+        """Return block names, and bounds on the path length of each in each cell [rad or m].
 
         A norm is convex, and each polynomial of the basis covers the same share of a cell.
         """
@@ -115,7 +116,7 @@ class MotionCells:
 
 
 def motion_cells(request: CertifyRequest, count: int) -> MotionCells:
-    """Cut a trajectory into about so many cells, and at least one for each of its pieces."""
+    """Cut a trajectory into about `count` cells, at least one for each of its pieces."""
     curve = request.trajectory
     pieces = np.diff(curve.breaks)
     counts = np.maximum(1, np.ceil(pieces / (curve.duration / count))).astype(np.int64)
@@ -130,7 +131,7 @@ def motion_cells(request: CertifyRequest, count: int) -> MotionCells:
 
 
 def _form(taylor: Array, order: int, widths: Array) -> Array:
-    """Return the coefficients of a derivative, all orders in the degree of the tangent's."""
+    """Return Bernstein coefficients of a derivative, in the degree of the tangent."""
     power = bernstein.derivative(taylor, order)
     padding = ((0, 0), (0, taylor.shape[1] - power.shape[1]), (0, 0))
     return bernstein.from_power(np.pad(power, padding), widths)
@@ -173,9 +174,9 @@ def _by_size(request: CertifyRequest, forms: list[Array]) -> list[BlockRates]:
 
 
 def _by_sign(request: CertifyRequest, names: tuple[str, ...], limits: Array) -> tuple[Array, Array]:
-    """Return the middles of the accelerations that scalar blocks may have, and how far from them.
+    """Return middle and half width of the acceleration range of scalar blocks.
 
-    A block without bounds by sign has its limit both ways.
+    A block without bounds by sign has its limit in both directions.
     """
     bounds = request.acceleration_bounds
     allowed = [bounds.get(name, (-np.inf, np.inf)) for name in names]
@@ -185,7 +186,7 @@ def _by_sign(request: CertifyRequest, names: tuple[str, ...], limits: Array) -> 
 
 
 def _turning(forms: list[Array], hidden: list[float]) -> list[Array]:
-    """Return bounds on the size of an angular velocity and its derivatives."""
+    """Return bounds on the norm of an angular velocity and its derivatives."""
     sizes = np.stack([
         np.linalg.norm(form, axis=3).max(axis=1) + off
         for form, off in zip(forms[1:], hidden, strict=True)

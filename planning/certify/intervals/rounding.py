@@ -1,15 +1,15 @@
-"""How far double precision is off a polynomial: of its Bernstein coefficients, and of its values.
+"""Rounding errors in double precision: of Bernstein coefficients, and of polynomial values.
 
 A polynomial sum_k c_k t^k of n terms on [0, w] has Bernstein coefficients b_i = sum_k M_ik c_k w^k
 with 0 <= M_ik <= 1. Each product and each partial sum is rounded by u = 2^-53 of itself, so that
 the computed b_i are within 4 (n + 1) u S of the true ones, S = sum_k |c_k| w^k, to first order in
 u; and so is any value by Horner's rule, within 2 n u S (Higham, "Accuracy and Stability of
-Numerical Algorithms", 2002, sections 3.1 and 5.1). Halving takes means, where nothing cancels: each
-time the coefficients are rounded by (n + 1) u of the largest, at most 64 times. One more of each
-makes up for higher orders and for the rounding of these bounds themselves.
+Numerical Algorithms", 2002, sections 3.1 and 5.1). Halving takes means, without cancellation: each
+time the rounding error of the coefficients is (n + 1) u of the largest, at most 64 times. One more
+of each covers higher orders and the rounding of these bounds themselves.
 
-S is much larger than the polynomial where powers of a high degree cancel each other: then neither a
-proof nor a controller knows where the motion goes.
+S is much larger than the polynomial where powers of a high degree cancel each other: then the value
+is numerically undetermined, for a proof as for a controller.
 """
 
 from typing import Any
@@ -23,7 +23,7 @@ type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 UNIT = 2.0**-53
 _CONVERSION, _HALVINGS = 5, 65
-# Up to this degree S is known well enough from the b_i: rounding hides less than 5e-9 of them.
+# Up to this degree the b_i bound S well enough: rounding errors are below 5e-9 of them.
 LOW_DEGREE = 12
 
 
@@ -33,14 +33,13 @@ def rounding(
     widths: Float64[np.ndarray, " n"],
     order: int = 0,
 ) -> Float64[np.ndarray, "*n nv"]:
-    """Bound how far Bernstein coefficients and values of polynomials are off.
+    """Bound the rounding errors of Bernstein coefficients and values of polynomials.
 
     Args:
-        largest: Of the polynomials' Bernstein coefficients the largest absolute values: of each
-            polynomial, or of all of them.
+        largest: Largest absolute Bernstein coefficients: of each polynomial, or of all together.
         coefficients: Power basis, lowest first.
-        widths: Of the intervals [0, w].
-        order: Of the derivative that is meant.
+        widths: Widths w of the intervals [0, w].
+        order: Order of the derivative.
     """
     terms = max(coefficients.shape[1] - order, 1)
     if terms > LOW_DEGREE + 1:
@@ -55,7 +54,7 @@ def closely(
     widths: Float64[np.ndarray, " n"],
     order: int = 0,
 ) -> Float64[np.ndarray, "*n nv"]:
-    """Return the same with S itself, of low degree too: smaller, and more work."""
+    """Return the bound of `rounding` with S itself, for low degrees too: smaller, more work."""
     terms = max(coefficients.shape[1] - order, 1)
     powers = widths[:, None] ** np.arange(terms)
     sizes = np.einsum("nk,nkv->nv", powers, np.abs(derivative(coefficients, order)))

@@ -1,7 +1,7 @@
-"""Taylor series of many segments at once, truncated alike.
+"""Taylor series: arithmetic on truncated series of many segments at once.
 
 A series is an array whose first axis runs over segments and whose second one over powers, from 0
-up. Products are Cauchy's, so every coefficient that is kept is exact.
+up. Products are Cauchy products, so every coefficient within the truncation is exact.
 """
 
 from typing import Any
@@ -15,12 +15,12 @@ type Array = np.ndarray[Any, np.dtype[np.float64]]
 def expand_at(
     coefficients: Float64[np.ndarray, "n k nv"], offsets: Float64[np.ndarray, " n"], terms: int
 ) -> Float64[np.ndarray, "n terms nv"]:
-    """Return the coefficients of polynomials about other points, the first `terms` of them.
+    """Return the first `terms` Taylor coefficients of polynomials about other points.
 
     Args:
         coefficients: Power basis about 0.
-        offsets: Where each is expanded.
-        terms: How many; beyond the degree they are zero.
+        offsets: Expansion point of each.
+        terms: Number of coefficients; beyond the degree they are zero.
     """
     count, length, width = coefficients.shape
     moved = np.array(coefficients)
@@ -33,7 +33,7 @@ def expand_at(
 
 
 def derivative(series: Float64[np.ndarray, "n k *d"], order: int) -> Float64[np.ndarray, "n m *d"]:
-    """Return the order-th derivative, shorter by as many terms."""
+    """Return the order-th derivative, shorter by `order` terms."""
     for _ in range(order):
         powers = np.arange(1, series.shape[1], dtype=np.float64)
         series = series[:, 1:] * powers.reshape(1, -1, *[1] * (series.ndim - 2))
@@ -85,7 +85,7 @@ def dot(
 
 
 def skew(vectors: Float64[np.ndarray, "*n 3"]) -> Float64[np.ndarray, "*n 3 3"]:
-    """Return the matrices that multiply with vectors by the cross product."""
+    """Return the cross-product (skew-symmetric) matrices of vectors."""
     x, y, z = np.moveaxis(vectors, -1, 0)
     matrix = np.zeros((*vectors.shape, 3))
     matrix[..., 0, 1], matrix[..., 0, 2], matrix[..., 1, 2] = -z, y, -x

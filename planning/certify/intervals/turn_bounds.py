@@ -1,13 +1,14 @@
-"""Bounds on angular velocity and its derivatives from sizes alone, however far a body turns.
+"""Turn bounds: bounds on angular velocity and its derivatives from norms of tangent derivatives.
 
-Along R(t) = R_0 exp(delta(t)) the angular velocity in the body is omega = J(delta) delta', and the
-right Jacobian of SO(3) is the mean of rotations (Sola et al. 2018, eq. 143, summed)
+The bounds hold for any angle. Along R(t) = R_0 exp(delta(t)) the angular velocity in the body is
+omega = J(delta) delta', and the right Jacobian of SO(3) is the mean of rotations (Sola et al. 2018,
+eq. 143, summed)
 
     J(delta) = int_0^1 exp(-s ad(delta)) ds.
 
-A rotation is no longer than 1, and exp(-s ad(delta)) is a rotation of its own whose angular
-velocity is no larger than s |delta'|. Differentiating under the integral, with a, b, c, d bounds on
-|delta'|, |delta''|, |delta'''|, |delta''''|:
+A rotation has norm 1, and exp(-s ad(delta)) is a rotation whose angular velocity is no larger than
+s |delta'|. Differentiating under the integral, with a, b, c, d bounds on |delta'|, |delta''|,
+|delta'''|, |delta''''|:
 
     |J'|   <= a / 2,   |J''| <= b / 2 + a^2 / 2,   |J'''| <= c / 2 + 3 a b / 2 + 3 a^3 / 4,
     |omega|    <= a,
@@ -25,7 +26,7 @@ type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 
 def turn_bounds(sizes: Float64[np.ndarray, "k *n"]) -> Float64[np.ndarray, "k *n"]:
-    """Return bounds on |omega| and its first derivatives, as many as there are sizes.
+    """Return bounds on |omega| and its first derivatives, one for each of the sizes.
 
     Args:
         sizes: Bounds on |delta'|, |delta''|, ..., up to four of them [rad/s, rad/s^2, ...].

@@ -1,4 +1,4 @@
-"""Taylor series of the unit quaternion exp(delta / 2), and of the angular velocity that it has.
+"""Turn series: Taylor series of the unit quaternion exp(delta / 2), and of its angular velocity.
 
 With s = |delta|^2 / 4 the quaternion is (C(s), S(s) delta / 2), C = cos sqrt(s) and
 S = sin sqrt(s) / sqrt(s). Both are analytic in s, and their derivatives are
@@ -24,7 +24,7 @@ type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 
 def spun_rates(delta: Float64[np.ndarray, "n k 3"]) -> Float64[np.ndarray, "n m 3"]:
-    """Return the angular velocity's coefficients, one less than those of delta, which is not 0."""
+    """Return Taylor coefficients of the angular velocity, one less than those of delta (not 0)."""
     last = delta.shape[1] - 1
     real, vector = _quaternion(delta)
     turned, spun = derivative(real, 1), derivative(vector, 1)

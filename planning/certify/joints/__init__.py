@@ -1,1 +1,1 @@
-"""That joints keep their limits between samples too."""
+"""Joint checks: positions, rates and locks of joints at every instant of a trajectory."""

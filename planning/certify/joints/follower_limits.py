@@ -1,6 +1,7 @@
-"""Limits of joints that follow others, on the whole interval.
+"""Follower limits: limits of mimic joints on the whole interval of a trajectory.
 
-Where a follower is, is a multiple of the polynomial of the joint that it follows, and an offset.
+A follower's coordinate is a multiple of the polynomial of the joint that it follows, plus an
+offset.
 """
 
 from collections.abc import Iterator
@@ -18,7 +19,7 @@ _RELATIVE_GAP = 1e-8
 
 
 def follower_excesses(request: CertifyRequest) -> tuple[list[str], Array]:
-    """Return by how much followers leave their bounds, as coefficients with rounding added.
+    """Return the excess of followers over their bounds, as coefficients with rounding errors.
 
     Returns:
         The follower's name for each bound, and the coefficients, shape (num_bounds, n, k).
@@ -41,7 +42,7 @@ def follower_excesses(request: CertifyRequest) -> tuple[list[str], Array]:
 def follower_uses(
     request: CertifyRequest, name: str, order: int
 ) -> Iterator[tuple[float, str, int, float]]:
-    """Yield the peak of a rate over its limit, whose, on which piece, at which fraction of it."""
+    """Yield the peak of a rate over its limit, the follower, the piece, and the fraction of it."""
     for follower in request.followers:
         limit = getattr(follower, name)
         if not np.isfinite(limit):

@@ -1,4 +1,4 @@
-"""Locked joints and tightened limits, from the trajectory's polynomials."""
+"""Joint constraint checks: locked joints and tightened limits, from trajectory polynomials."""
 
 from typing import Any
 
@@ -13,12 +13,12 @@ from planning.domain.robot.joints import Joint, JointType
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
-# What counts as not having moved, or as within a bound [rad or m].
+# Tolerance of locked joints and of bounds [rad or m].
 _DUST = 1e-6
 
 
 def lock_check(name: str, constraint: LockedJoints, request: CertifyRequest) -> Check:
-    """Return how far any of the joints goes from where the start has it, by a guaranteed bound."""
+    """Return the check of the largest motion of locked joints from the start (guaranteed bound)."""
     worst = Check(name, 0.0, _DUST, "rad or m", 0.0, passed=True)
     iq = iv = 0
     for joint in request.group.joints:
@@ -33,7 +33,7 @@ def lock_check(name: str, constraint: LockedJoints, request: CertifyRequest) -> 
 
 
 def tight_check(name: str, constraint: TightLimits, request: CertifyRequest) -> Check:
-    """Return by how much any coordinate leaves its bounds, by a guaranteed bound."""
+    """Return the check of the largest excess over tightened bounds (guaranteed bound)."""
     curve, names = request.trajectory, request.group.position_names
     to_v, circle = _plain(request.group.joints)
     worst = Check(name, -np.inf, _DUST, "rad or m", 0.0, passed=True)
@@ -59,7 +59,7 @@ def tight_check(name: str, constraint: TightLimits, request: CertifyRequest) -> 
 
 
 def _away(request: CertifyRequest, joint: Joint, iq: int, iv: int) -> tuple[float, int]:
-    """Return how far a joint goes from the start at most, in any coordinate, and the piece."""
+    """Return the largest motion of a joint from the start, in any coordinate, and the piece."""
     curve, start = request.trajectory, request.reference
     moves = request.forms[0][iv : iv + joint.num_velocities]
     if joint.type is JointType.FLOATING:
@@ -79,7 +79,7 @@ def _away(request: CertifyRequest, joint: Joint, iq: int, iv: int) -> tuple[floa
 
 
 def _plain(joints: tuple[Joint, ...]) -> tuple[dict[int, int], dict[int, bool]]:
-    """Return, by index in q, the index in v of what simply adds, and whether it is on a circle."""
+    """Return the index in v by index in q of additive coordinates, and which are circular."""
     to_v: dict[int, int] = {}
     circle: dict[int, bool] = {}
     iq = iv = 0

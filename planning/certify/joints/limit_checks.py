@@ -1,6 +1,6 @@
-"""Limits on the whole interval, from the trajectory's polynomials.
+"""Limit checks: joint positions and rates on the whole interval, from Bernstein coefficients.
 
-What rounding may hide (`rounding`) is added to what is found.
+Rounding errors (`rounding`) are added to all values.
 """
 
 from collections.abc import Iterator
@@ -20,21 +20,22 @@ from planning.domain.robot.joints import JointType
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
-# Utilisation (peak over limit) up to this passes; positions may pass their bounds by DUST.
+# Largest utilization (peak over limit) that passes; the tolerance of position bounds is DUST.
 MAX_UTILISATION = 1 + 1e-6
 DUST = 1e-6
 _RELATIVE_GAP = 1e-8
-# Angular rates this near to the tangent's derivatives, as a share of their limit, pass for them.
+# Largest difference of angular rates and tangent derivatives that is neglected, relative to the
+# limit.
 _LEAST_DRIFT = 1e-7
 # Attributes of `JointLimits`, by order of derivative from 1.
 RATES = ("velocity", "acceleration", "jerk")
 
 
 def position_check(request: CertifyRequest) -> Check:
-    """Return by how much any coordinate leaves its limits at worst; negative is to spare.
+    """Return the check of the largest excess over position limits; negative means a reserve.
 
-    Quaternions are exempt: they have no limits. Joints that follow have their own. The value is a
-    guaranteed bound.
+    Quaternions are exempt: they have no limits. Followers are checked against their own limits. The
+    value is a guaranteed bound.
     """
     worst = Check("position", -np.inf, DUST, "rad or m", 0.0, passed=True)
     for names, excesses in (_own_excesses(request), follower_excesses(request)):
@@ -48,7 +49,7 @@ def position_check(request: CertifyRequest) -> Check:
 
 
 def _own_excesses(request: CertifyRequest) -> tuple[list[str], Array]:
-    """Return by how much the group leaves its bounds: whose, and coefficients for each piece."""
+    """Return coordinate names, and excesses of the group over its bounds as coefficients."""
     limits, names = request.limits, request.group.position_names
     iq, iv = request.group.plain
     bases = request.trajectory.bases.T[iq]
@@ -64,11 +65,11 @@ def _own_excesses(request: CertifyRequest) -> tuple[list[str], Array]:
 
 
 def rate_check(request: CertifyRequest, name: str, order: int) -> Check:
-    """Return the peak over limit of a rate: velocity (1), acceleration (2) or jerk (3).
+    """Return the check of peak over limit of velocity (1), acceleration (2) or jerk (3).
 
-    The norm of a block is meant, and of an acceleration also its lowest and highest value where
-    those are bounded. The value is a guaranteed bound, for floating joints of the true angular
-    velocity and its derivatives, not of the tangent's.
+    The peak is that of each block's norm, and for accelerations with bounds by sign also the lowest
+    and highest value. The value is a guaranteed bound, for floating joints on the true angular
+    velocity and its derivatives, not on the tangent's.
     """
     worst = Check(name, 0.0, MAX_UTILISATION, "1", 0.0, passed=True)
     found = [*_utilisations(request, name, order), *follower_uses(request, name, order)]
@@ -84,7 +85,7 @@ def rate_check(request: CertifyRequest, name: str, order: int) -> Check:
 def _utilisations(
     request: CertifyRequest, name: str, order: int
 ) -> Iterator[tuple[float, str, int, float]]:
-    """Yield peak over limit, block, piece and fraction: of all scalar blocks, and of each other."""
+    """Yield peak over limit, block, piece and fraction: scalar blocks together, others each."""
     limits: list[float] = getattr(request.limits, name).tolist()
     limited = [
         (block, list(indices), limit)
@@ -113,7 +114,7 @@ def _utilisations(
 
 
 def _signed_utilisations(request: CertifyRequest) -> Iterator[tuple[float, str, int, float]]:
-    """Yield the same of accelerations over bounds that differ by sign, of every bounded block."""
+    """Yield the same for accelerations with bounds that differ by sign, for every bounded block."""
     if not request.acceleration_bounds:
         return
     columns = {name: indices[0] for name, indices in request.group.blocks if len(indices) == 1}
@@ -129,7 +130,7 @@ def _signed_utilisations(request: CertifyRequest) -> Iterator[tuple[float, str, 
 def _norm_bound(
     request: CertifyRequest, indices: list[int], order: int, limit: float, rows: Any = slice(None)
 ) -> tuple[float, int, float]:
-    """Bound the norm of a block's derivative on some pieces; return which and the fraction too."""
+    """Bound the norm of a block's derivative on pieces; return bound, piece and fraction."""
     forms = request.forms[order][indices][:, rows]
     squares = bernstein.square_norm(np.moveaxis(forms, 0, -1))
     top, row, fraction = bernstein.peak(squares, _RELATIVE_GAP * limit**2)
@@ -148,9 +149,9 @@ def _time(request: CertifyRequest, piece: int, fraction: float) -> float:
 def _angular_bound(
     request: CertifyRequest, indices: list[int], order: int, limit: float
 ) -> tuple[float, int, float]:
-    """Bound the norm of a floating joint's angular rate; return its piece and fraction as well.
+    """Bound the norm of a floating joint's angular rate; return bound, piece and fraction.
 
-    Where a piece turns about one axis, the tangent's own derivatives are the rates.
+    On pieces with a fixed rotation axis, the tangent's own derivatives are the rates.
     """
     drift = _axis_drift(request, indices, order)
     is_fixed = drift <= _LEAST_DRIFT * limit
@@ -169,13 +170,13 @@ def _angular_bound(
 
 
 def has_fixed_axes(request: CertifyRequest, indices: list[int], limits: list[float]) -> bool:
-    """Return whether every piece turns a floating joint, of these coordinates, about one axis.
+    """Return whether every piece rotates a floating joint about a fixed axis.
 
     Args:
-        request: Has the trajectory.
+        request: The request with the trajectory.
         indices: The joint's angular coordinates in v.
-        limits: By order of derivative, from 1: rates that differ by a ten-millionth of these pass
-            for equal.
+        limits: Limits by order of derivative, from 1: differences below `_LEAST_DRIFT` of them are
+            neglected.
     """
     return all(
         bool((_axis_drift(request, indices, order) <= _LEAST_DRIFT * limit).all())

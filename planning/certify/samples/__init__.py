@@ -1,1 +1,1 @@
-"""Whether the samples of a motion stand for it, as a receiver may read them."""
+"""Sample proofs: motions that receivers interpolate from the samples of a proven motion."""

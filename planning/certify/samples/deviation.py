@@ -1,4 +1,4 @@
-"""How far apart two motions of the same joints are, at the same instant."""
+"""Deviations: the distance between two motions of the same joints at the same instants."""
 
 from typing import Any
 
@@ -12,25 +12,25 @@ type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 
 class Deviations:
-    """How far other motions are from one."""
+    """Deviations of other motions from a given one."""
 
     def __init__(self, curve: TimedTrajectory, times: Float64[np.ndarray, " n"]) -> None:
-        """Cut the motion at its breaks and at some instants, where others may have theirs."""
+        """Cut the motion at its breaks and at the instants of possible breaks of others."""
         self._curve = curve
         self._times = np.union1d(curve.breaks, times)
         self._widths = self._times[1:] - self._times[:-1]
         self._here = shifted(curve, self._times[:-1]) if curve.manifold.is_flat else None
 
     def of(self, other: TimedTrajectory) -> Float64[np.ndarray, "m nv"]:
-        """Return how far apart each coordinate of two motions is at most, at the same instant.
+        """Return the largest difference of each coordinate of two motions at equal instants.
 
         One row for each interval between instants at which either may have a break.
 
-        The difference of two polynomials is one, and its Bernstein coefficients bound it. Whole
-        turns do not count. Where joints float nothing is known: it is infinite.
+        The difference of two polynomials is a polynomial, bounded by its Bernstein coefficients.
+        Whole turns do not count. With floating joints the bound is infinite.
 
         Args:
-            other: Of the same joints and as long; its breaks are among the instants.
+            other: A motion of the same joints and duration, with breaks among the instants.
         """
         curve = self._curve
         if self._here is None:
@@ -43,7 +43,7 @@ class Deviations:
         np.negative(there[:, common:], out=apart[:, common : there.shape[1]])
         apart[:, 0] = curve.manifold.minus(q, q_other)
         forms = np.abs(bernstein.rows_from_power(apart, self._widths))
-        # The largest of a few terms each: quicker term by term than along the last axis.
+        # Maximum over few terms: faster term by term than along the last axis.
         largest = forms[:, :, 0]
         for k in range(1, forms.shape[2]):
             largest = np.maximum(largest, forms[:, :, k])
@@ -51,9 +51,9 @@ class Deviations:
 
 
 def shifted(curve: TimedTrajectory, begins: Float64[np.ndarray, " m"]) -> tuple[Array, Array]:
-    """Return where a curve is at some instants, and its polynomials about them.
+    """Return positions of a curve at instants, and its polynomials expanded about them.
 
-    That is by repeated synthetic division; shapes (m, nq) and (m, degree + 1, nv).
+    By repeated synthetic division; shapes (m, nq) and (m, degree + 1, nv).
     """
     piece, offsets = curve.locate(begins)
     moved = curve.coefficients[piece]
@@ -64,7 +64,7 @@ def shifted(curve: TimedTrajectory, begins: Float64[np.ndarray, " m"]) -> tuple[
 
 
 def _expanded(coefficients: Array, away: Array) -> Array:
-    """Return polynomials about places so far away, changing what is given."""
+    """Return polynomials expanded about other points; the input is overwritten."""
     terms = np.ascontiguousarray(coefficients.swapaxes(0, 1))
     for i in range(len(terms) - 1):
         for k in range(len(terms) - 2, i - 1, -1):

@@ -1,11 +1,11 @@
-"""What receivers make of a motion's samples, held to what the motion was proven to keep.
+"""Interpolants: the motions that receivers make of samples, checked against the proven properties.
 
-A receiver of positions alone goes straight from sample to sample, one of velocities too follows the
-polynomial of degree 3 that meets them, one of accelerations too that of degree 5. Each is another
-motion than the one that was proven, and is proven by itself: its ends, limits and constraints by
-the checks of every certificate, on its own polynomials. Its clearance follows from that of the
-motion if their deviation, times the levers of all joints, is less than the motion has to spare;
-else it is proven like any other.
+A receiver of positions alone interpolates linearly, one of velocities too by cubic Hermite
+polynomials, one of accelerations too by quintic ones. Each interpolant differs from the proven
+motion, and is proven by itself: its ends, limits and constraints by the checks of every
+certificate, on its own polynomials. Its clearance follows from that of the motion if their
+deviation, times the lever arms of all joints, is less than the motion's reserve; else it is proven
+like that of any other motion.
 """
 
 from dataclasses import dataclass, replace
@@ -51,16 +51,16 @@ def prove_interpolants(
     deadline: Deadline,
     errors: HermiteErrors | None = None,
 ) -> tuple[InterpolationProof, ...]:
-    """Return a verdict on each of what receivers may make of samples.
+    """Return a proof or refusal for each kind of interpolation of the samples.
 
     Args:
         model: The scene.
-        request: The motion, and what it was proven to keep.
-        samples: Of that motion.
-        clearance: What the distance of no two bodies is below along the motion, as was proven
-            [m]; minus infinity if that is not known.
-        deadline: When to stop; what is not proven by then is told as not proven.
-        errors: What interpolation misses of the motion, if that is bounded.
+        request: The motion, and its proven properties.
+        samples: Samples of that motion.
+        clearance: Proven lower bound on the distance of any two bodies along the motion [m]; minus
+            infinity if unknown.
+        deadline: Time limit; interpolants not proven by then are returned as not proven.
+        errors: Bounds on interpolation errors of the motion, if known.
 
     Raises:
         Canceled: The caller canceled.
@@ -75,6 +75,8 @@ _NO_TIME = "there was no time left to prove it"
 
 @dataclass(frozen=True)
 class _Judge:
+    """Proof of all interpolants of one set of samples."""
+
     model: DrakeModel
     request: CertifyRequest
     samples: SampledTrajectory
@@ -84,7 +86,7 @@ class _Judge:
 
     @cached_property
     def way(self) -> float:
-        """How much nearer two shapes may come than along the motion [m]."""
+        """Allowed approach of two shapes beyond that along the motion [m]."""
         return self.clearance - self.request.margins.largest + MARGIN_SLACK
 
     @cached_property
@@ -97,7 +99,7 @@ class _Judge:
 
     @cached_property
     def has_more(self) -> bool:
-        """Whether the motion was held to more than limits of joints and clearance."""
+        """Whether the request has constraints other than joint limits and clearance."""
         request = self.request
         more = (request.constraints, request.lines, request.tool_limits, request.speed_zones)
         return any(more) or request.effort or bool(steering_of(request.group))
@@ -129,7 +131,7 @@ class _Judge:
     def _checks(self, asked: CertifyRequest, apart: Array, kind: Interpolation) -> list[Check]:
         own = place_checks(asked) if kind == "linear" else motion_checks(asked)
         found = [*own, *special_checks(self.model, asked, self.deadline)]
-        # Where nothing is apart an infinite lever moves nothing.
+        # Zero deviation times an infinite lever is zero.
         nearer = np.multiply(apart, self.levers, out=np.zeros_like(apart), where=apart > 0)
         if not float(nearer.sum(axis=1).max()) <= self.way:
             found.append(check_clearance(self.model, asked, self.deadline).check)
@@ -141,12 +143,12 @@ class _Judge:
             longest = self.errors.longest(kind, self.levers, self.way)
         if proven:
             return max(seen, longest)
-        # Where these samples fail, what is said of longer periods cannot be so.
+        # Where these samples fail, no longer period can be proven.
         return longest if 0 < longest < seen else None
 
 
 def interpolated(samples: SampledTrajectory, kind: Interpolation) -> TimedTrajectory:
-    """Return the motion that samples stand for; only straight lines if joints float."""
+    """Return the interpolated motion of samples; only linear with floating joints."""
     joints, times, positions = samples.joints, samples.times, samples.positions
     match kind:
         case "linear":

@@ -1,1 +1,1 @@
-"""Whether a motion can be stopped anywhere on its way, and how soon."""
+"""Stopping: stops along the path from any instant of a motion, and their duration."""

@@ -1,4 +1,4 @@
-"""Whether a motion can be stopped anywhere, how long that takes, and how far it goes on."""
+"""Stop check: the longest stop along the path from any instant of a motion: duration, distance."""
 
 from typing import Any
 
@@ -17,29 +17,29 @@ from planning.world.drake_model import DrakeModel
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
-# Cells that a motion is cut into: with jerk limits each is looked at more often.
+# Number of cells of a motion: fewer with jerk limits, where each takes more work.
 _CELLS, _SMOOTH_CELLS = 600, 300
 
 
 def stop_check(
     model: DrakeModel, request: CertifyRequest, deadline: Deadline
 ) -> tuple[Check, StopReport]:
-    """Return the longest stop along the path of a proven trajectory; see `stops`.
+    """Return the check and report of the longest stop along a proven trajectory; see `stops`.
 
-    What was proven of places and velocities is true of a stop: it is the same path, and no velocity
-    is larger. Limits on accelerations of joints, by sign too, and of frames are kept, and those on
-    torques and on jerk. Where a joint cannot hold the robot still no stop can end: they go on to
-    where it can, or to the end, and the report says where that is, and which joint.
+    Proven positions and velocities hold for a stop: it has the same path, and no velocity is
+    larger. Limits on accelerations of joints (also by sign) and of frames, on torques and on jerk
+    are kept. Where the static load of a joint exceeds its limit no stop can end: stops continue to
+    where the robot can rest, or to the end, and the report names the instant and the joint.
 
     Raises:
         DeadlineExceeded: Time ran out.
-        Canceled: The end was asked for.
+        Canceled: The caller canceled.
     """
     deadline.check("certify")
     cells = motion_cells(request, _SMOOTH_CELLS if request.jerk else _CELLS)
     cells = with_constraints(model, request, cells, deadline)
     stops = (smooth_stops if request.jerk else hardest_stops)(cells, deadline)
-    # From within a cell the motion goes on to its end, and stops from there.
+    # From within a cell the motion continues to the cell's end, and stops from there.
     times = cells.widths + stops.times[1:]
     longest = int(np.argmax(times))
     ways = _report(model, request, cells, stops, deadline)
@@ -52,7 +52,7 @@ def stop_check(
 
 
 def _unheld(cells: MotionCells) -> tuple[str, float | None]:
-    """Return what is most over its limit where the motion is held still, and when; or ""."""
+    """Return the block with the largest static overload and its instant [s]; or "" and None."""
     worst, found = 1.0, ("", None)
     for load in cells.loads:
         over = load.held_use
@@ -69,7 +69,7 @@ def _report(
     stops: Stops,
     deadline: Deadline,
 ) -> tuple[float, str, float | None, str]:
-    """Return the longest way of a joint, which joint, the tool's longest way, and its frame."""
+    """Return a joint's longest stopping distance, the joint, and the tool's, and its frame."""
     names, ways = cells.ways()
     longest = _longest(ways, stops)
     joint = int(np.argmax(longest))
@@ -81,7 +81,7 @@ def _report(
 
 
 def _longest(ways: Float64[np.ndarray, "n m"], stops: Stops) -> Float64[np.ndarray, " m"]:
-    """Return the longest sums from a cell to where a stop from its end stands."""
+    """Return the longest path length from a cell to the end of the stop that follows it."""
     gone = np.concatenate([np.zeros((1, ways.shape[1])), np.cumsum(ways, axis=0)])
     return (gone[stops.ends[1:]] - gone[:-1]).max(axis=0)
 
@@ -89,10 +89,10 @@ def _longest(ways: Float64[np.ndarray, "n m"], stops: Stops) -> Float64[np.ndarr
 def _tool_ways(
     tool: ToolRates, cells: MotionCells, deadline: Deadline
 ) -> Float64[np.ndarray, " n"]:
-    """Bound how far the tool's origin goes in each cell [m].
+    """Bound the path length of the tool's origin in each cell [m].
 
     On a cell of width h with |p''| <= a, velocity differs from its mean by no more than
-    a (t^2 + (h - t)^2) / (2 h): the way is longer than the chord by a h^2 / 3 at most.
+    a (t^2 + (h - t)^2) / (2 h): the path is longer than the chord by a h^2 / 3 at most.
     """
     coarse = tool.cells(0.0, cells.end)
     edges = np.append(cells.begins, cells.end)

@@ -1,12 +1,12 @@
-"""StopConstraint: something that is limited and changes with how a motion is slowed down.
+"""StopConstraint: a limit on a quantity that depends on how a motion is slowed down.
 
-Where a motion is followed with s' and s'', let y = s'^2, r = s' and x = -s''. What is limited is
+For a motion followed with s' and s'', let y = s'^2, r = s' and x = -s''. The constraint is
 
     |bend y + drag r + rest - slope x| <= bound,
 
-whose four coefficients are polynomials on every cell. Of accelerations `bend` and `slope` are the
-second derivative and the first, and `rest` is what bounds by sign are counted from; of torques
-`rest` is gravity, and `drag` is what damping takes.
+whose four coefficients are polynomials on every cell. For accelerations `bend` and `slope` are the
+second derivative and the first, and `rest` is the middle of bounds that differ by sign; for torques
+`rest` is gravity, and `drag` is damping.
 """
 
 from collections.abc import Iterator
@@ -23,20 +23,20 @@ type Indices = np.ndarray[Any, np.dtype[np.intp]]
 
 @dataclass(frozen=True)
 class StopConstraint:
-    """Some blocks of as many coordinates each, in n cells.
+    """Constraints on blocks with the same number of coordinates, in n cells.
 
-    Coefficients are in Bernstein form, or values at so many places between which they are straight:
-    what a convex bound says of all of them, it says of the whole cell.
+    Coefficients are in Bernstein form, or values at places between which the quantity is linear:
+    a convex bound that holds for all of them holds on the whole cell.
 
     Attributes:
-        names: Of the blocks.
-        slope: Shape (n, k, blocks, size).
-        bend: The same.
-        rest: The same, or of shapes that broadcast to it.
-        drag: The same; None for nothing.
-        off_slope: By how much slope may be off, shape (n, blocks).
-        bounds: What the norm is bounded by, less what all else may be off for y and r up to 1;
-            negative where nothing is known. Shape (n, blocks).
+        names: Names of the blocks.
+        slope: Coefficients of -x, shape (n, k, blocks, size).
+        bend: Coefficients of y, same shape.
+        rest: Constant term, same shape or one that broadcasts to it.
+        drag: Coefficients of r, same shape; None for zero.
+        off_slope: Bound on the error of `slope`, shape (n, blocks).
+        bounds: Bound on the norm, minus the errors of all other coefficients for y and r up to 1;
+            negative where the coefficients are unknown. Shape (n, blocks).
     """
 
     names: tuple[str, ...]
@@ -49,7 +49,7 @@ class StopConstraint:
 
     @property
     def where_known(self) -> "StopConstraint":
-        """The same, with no bound where something has overflowed: nothing is known there."""
+        """The same, with no admissible value where a coefficient has overflowed."""
         is_known = np.isfinite(self.off_slope) & np.isfinite(self.bounds)
         for part in (self.slope, self.bend, self.rest, self.drag):
             if part is not None:
@@ -66,31 +66,31 @@ class StopConstraint:
 
     @cached_property
     def holds(self) -> Any:
-        """Where it is within its bound at a stand, and at every s' with s'' = 0; (n, blocks).
+        """Whether the bound is kept at rest, and at every constant s' <= 1; shape (n, blocks).
 
-        Of the latter: if `bend + drag + rest` is, as it is of the motion itself, then with y the
-        whole is y (bend + drag + rest) + (1 - y) (rest + drag r / (1 + r)), and r / (1 + r) is 1/2
-        at most.
+        At constant s': if `bend + drag + rest` is within the bound, as it is for the motion itself,
+        then with y the whole is y (bend + drag + rest) + (1 - y) (rest + drag r / (1 + r)), and
+        r / (1 + r) is 1/2 at most.
         """
         return self.held_use <= 1.0
 
     @cached_property
     def held_use(self) -> Float64[np.ndarray, "n blocks"]:
-        """The same as a share of the bound; infinite where nothing is known."""
+        """Utilization of the bound at rest and at constant s'; infinite where unknown."""
         rests = [self.rest] if self.drag is None else [self.rest, self.rest + self.drag / 2]
         sizes = [np.linalg.norm(rest, axis=3).max(axis=1) for rest in rests]
         used = np.maximum(sizes[0], sizes[-1]) / np.where(self.bounds > 0, self.bounds, 1.0)
         return np.where(self.bounds > 0, used, np.inf)
 
     def sides(self, at: Indices, y: Array, widths: Array) -> Iterator[tuple[int, Array, Array]]:
-        """Yield what must hold in some cells, as `begun - part x` of norm `bounds` at most.
+        """Yield the conditions in some cells, as `begun - part x` of norm `bounds` at most.
 
-        In a cell that is entered with y and has the width h, y falls to y - 2 h x, and all of it is
-        affine in y but for r. That lies between y / r0 and (y / r0 + r0) / 2, with r0 where the
-        cell is entered: where both of them are within a convex bound, so is r.
+        In a cell of width h entered with y, y falls to y - 2 h x, and the quantity is affine in y
+        but for r. That lies between y / r0 and (y / r0 + r0) / 2, with r0 at the cell's entry: if
+        both are within a convex bound, so is the value at r.
 
         Yields:
-            0 on entering, 1 on leaving, 2 at a stand; begun and part, shape (m, k, blocks, size).
+            0 on entering, 1 on leaving, 2 at rest; begun and part, shape (m, k, blocks, size).
         """
         slope, bend, rest = self.slope[at], self.bend[at], self.rest[at]
         drag = None if self.drag is None else self.drag[at]
@@ -104,10 +104,10 @@ class StopConstraint:
             yield 2, np.broadcast_to(stood, begun.shape), slope
 
     def used(self, at: Indices, rate: Array, ramp: Array) -> Any:
-        """Return in which cells the bound is kept while s' and s'' are in intervals.
+        """Return in which cells the bound is kept for s' and s'' in intervals.
 
         Args:
-            at: Which cells, shape (m,).
+            at: Indices of the cells, shape (m,).
             rate: Least and largest s', shape (2, m).
             ramp: Least and largest s'', shape (2, m).
         """
@@ -122,7 +122,7 @@ class StopConstraint:
 
     @cached_property
     def _hulls(self) -> tuple[Array, Array, Array, Array | None]:
-        """Those of slope, bend, rest and drag in all cells: they are asked for again and again."""
+        """Hulls of slope, bend, rest and drag in all cells, cached for repeated use."""
         drag = None if self.drag is None else hull(self.drag)
         return hull(self.slope), hull(self.bend), hull(self.rest), drag
 
@@ -132,7 +132,7 @@ def _finite(form: Array) -> Array:
 
 
 def hull(form: Array) -> Array:
-    """Return the least and the largest coefficient, shape (2, m, blocks, size)."""
+    """Return the smallest and the largest coefficient, shape (2, m, blocks, size)."""
     return np.stack([form.min(axis=1), form.max(axis=1)])
 
 

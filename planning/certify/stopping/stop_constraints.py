@@ -1,9 +1,9 @@
-"""What limits stops besides their joints' rates: accelerations of frames, and torques.
+"""Stop constraints other than joint rates: accelerations of frames, and torques.
 
 Along t = s(clock) the origin of a frame has the acceleration p'' s'^2 + p' s''. Both derivatives
-are seen at a few places of every cell; in between each is within h^2 / 8 of its own second
-derivative from straight, as in `frame_proof`. The torques' shares are Taylor polynomials about the
-middles of the cells, with bounds on what they miss, as in `torque_series`.
+are evaluated at a few instants of every cell; between these each is within h^2 / 8 of its own
+second derivative from linear, as in `frame_proof`. The torques' shares are Taylor polynomials about
+the middles of the cells, with bounds on their remainders, as in `taylor_torques`.
 """
 
 from dataclasses import replace
@@ -25,7 +25,7 @@ from planning.world.drake_model import DrakeModel
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
-# A frame is looked at where each cell begins, and so many times more.
+# Number of evaluations of a frame in each cell after the one at its beginning.
 _LOOKS = 8
 _AT_ONCE = 256
 
@@ -33,12 +33,13 @@ _AT_ONCE = 256
 def with_constraints(
     model: DrakeModel, request: CertifyRequest, cells: MotionCells, deadline: Deadline
 ) -> MotionCells:
-    """Return the cells with all that the request limits besides the rates of joints.
+    """Return the cells with all constraints on stops other than joint rates.
 
     Raises:
-        ModelInvalid: A joint of a kind that cannot be certified, or nobody says what a body weighs.
+        ModelInvalid: A joint of a kind that cannot be certified, or a moving body without known
+            mass.
         DeadlineExceeded: Time ran out.
-        Canceled: The end was asked for.
+        Canceled: The caller canceled.
     """
     loads = [
         _of_frame(model, request, cells, (limit.frame, limit.acceleration), deadline)
@@ -84,7 +85,7 @@ def _of_frame(
 def _of_torques(
     model: DrakeModel, request: CertifyRequest, cells: MotionCells, deadline: Deadline
 ) -> list[StopConstraint]:
-    """Return the loads of all blocks of as many coordinates, for those with a limit on effort."""
+    """Return the torque constraints of all blocks with effort limits, grouped by size."""
     limits = request.limits
     limited = [i for i in range(len(limits.effort)) if np.isfinite(limits.effort[i])]
     shares = _shares(model, request, cells, deadline) if limited else []
@@ -111,7 +112,7 @@ def _of_torques(
 def _shares(
     model: DrakeModel, request: CertifyRequest, cells: MotionCells, deadline: Deadline
 ) -> list[Torques]:
-    """Return what s'' takes, what s'^2 does, what gravity does, and s' if a joint is damped."""
+    """Return the torques' shares of s'', of s'^2, of gravity, and of s' if a joint is damped."""
     links = links_of(model, request)
     gravity = np.array(model.plant.gravity_field().gravity_vector())
     free = tuple(replace(link, motion=replace(link.motion, damping=0.0)) for link in links)
@@ -135,7 +136,7 @@ def _share(
         deadline.check("certify")
         rows = slice(begin, begin + _AT_ONCE)
         where = pieces[rows], begins[rows] + halves[rows], halves[rows]
-        # What overflows is not a number, and nothing is known of it.
+        # Overflow gives NaN: the torque is unknown there.
         with np.errstate(over="ignore", invalid="ignore"):
             parts.append(torque_series(links, gravity, request.trajectory, where, order))
     return Torques(
@@ -145,7 +146,7 @@ def _share(
 
 
 def _placed(request: CertifyRequest, cells: MotionCells) -> tuple[Any, Array]:
-    """Return the piece of every cell, and where the cell begins since the piece's break [s]."""
+    """Return the piece of every cell, and the cell's beginning since the piece's break [s]."""
     breaks = request.trajectory.breaks
     pieces = np.searchsorted(breaks, cells.begins + cells.widths / 2) - 1
     return pieces, cells.begins - breaks[pieces]

@@ -1,20 +1,20 @@
-r"""Stops along the path within limits: from every instant, and how soon.
+r"""Stops along the path of a trajectory: from every instant, within limits, as short as possible.
 
 A trajectory q(t) followed at t = s(clock) from rate s' = 1 to s' = 0 stays on its path, so it is as
-free as the trajectory is. With y = s'^2, x = -s'' and, on a cell, constant x,
+collision-free as the trajectory is. With y = s'^2, x = -s'' and, on a cell, constant x,
 
     vdot = q''(s) y - q'(s) x,        y falls by 2 x for every second of s.
 
-**Acceleration limits.** On a cell of width h the condition |q'' y - q' x| <= a is asked for at both
+**Acceleration limits.** On a cell of width h the condition |q'' y - q' x| <= a is imposed at both
 of its values of y, y_0 and y_0 - 2 x h, for every Bernstein coefficient: it then holds on the whole
 cell, being convex in (q', q'') and affine in y. Each is a quadratic inequality in x; where the
-motion comes to a stand within the cell, y = 0 takes the place of the second. Where bounds differ by
-sign, |q'' y - q' x - m| <= a is asked for, about their middle m. The largest x
-that satisfies all of them is taken, or none (x = 0: the trajectory's own acceleration times y <= 1,
-which is within limits, as was shown of it). So each stop brakes as hard as its cells allow.
-Accelerations of frames and torques are more conditions of that form, of a `StopLoad` each. Torques
-have gravity in them, which falls with no rate: where a joint cannot hold the robot still no stop
-may end, and there may be no x at all. What meets such a place has to begin later.
+motion comes to rest within the cell, y = 0 takes the place of the second. Where bounds differ by
+sign, the condition is |q'' y - q' x - m| <= a, about their middle m. The largest x that satisfies
+all of them is taken, or x = 0 (the trajectory's own acceleration times y <= 1, which is proven to
+be within limits). So each stop brakes as hard as its cells allow. Accelerations of frames and
+torques are more conditions of that form, a `StopConstraint` each. Torques contain gravity, which
+does not depend on the rate: where the static load exceeds a joint's limit no stop may end, and
+there may be no admissible x. Stops that meet such a place must begin later.
 
 **Jerk limits.** Then s'' must not jump, and stops are of one form: s' = 1 - 3 u^2 + 2 u^3 with
 u = clock / T. On each cell s', s'' and s''' lie in known intervals, as do q', q'' and q''', and
@@ -23,10 +23,9 @@ u = clock / T. On each cell s', s'' and s''' lie in known intervals, as do q', q
 
 and vdot are bounded by interval arithmetic. The smallest T that passes, from a list, is taken.
 
-A stop may wait: from an instant within a cell the motion goes on as it was until the next one
-begins, and until the next one if there is none from here; under jerk limits until a stop of its own
-is sooner over. Finishing the motion is a stop
-as well, so there always is one.
+A stop may be delayed: from an instant within a cell the motion continues unchanged until the next
+stop begins, and further if there is none there; under jerk limits until the stop that ends first.
+Finishing the motion is a stop as well, so there always is one.
 """
 
 from dataclasses import dataclass
@@ -44,24 +43,25 @@ type Array = np.ndarray[Any, np.dtype[np.float64]]
 type Indices = np.ndarray[Any, np.dtype[np.intp]]
 
 _STANDS = 1e-12
-# A squared rate that is none, and moves nothing even with the largest ramp.
+# Squared rate that counts as zero: it moves nothing even with the largest ramp.
 _STILL = 1e-200
-# Any ramp that ends within a cell is larger, and any that means something smaller [1/s].
+# Range of ramps: any that ends within a cell is above the first, any meaningful one below the
+# second [1/s].
 _LEAST_RAMP, _MOST_RAMP = 1e-12, 1e9
-# Durations of stops under jerk limits: from this [s], each longer than the one before by so much.
+# Durations of stops under jerk limits: shortest [s], and ratio of consecutive ones.
 _SHORTEST, _STEP = 0.01, 1.15
-# How many values the profile's integral is looked up in, and what that may be off.
+# Table of the profile's integral, and the error of a lookup.
 _TABLE = np.linspace(0.0, 1.0, 4097)
 _OFF = 1e-3
 
 
 @dataclass(frozen=True)
 class Stops:
-    """Stops from where each cell begins, and from the end.
+    """Stops from the beginning of each cell, and from the end.
 
     Attributes:
-        times: Until the motion stands [s], shape (n + 1,).
-        ends: The first cell that is not entered, shape (n + 1,).
+        times: Time until rest [s], shape (n + 1,).
+        ends: Index of the first cell not entered, shape (n + 1,).
     """
 
     times: Float64[np.ndarray, " n_plus_1"]
@@ -73,7 +73,7 @@ def hardest_stops(cells: MotionCells, deadline: Deadline = UNHURRIED) -> Stops:
 
     Raises:
         DeadlineExceeded: Time ran out.
-        Canceled: The end was asked for.
+        Canceled: The caller canceled.
     """
     count = len(cells.begins)
     ends = np.arange(count + 1)
@@ -86,7 +86,7 @@ def hardest_stops(cells: MotionCells, deadline: Deadline = UNHURRIED) -> Stops:
         ramp = ramps(cells, at, before)
         after = before - 2 * width * ramp
         after[after < _STANDS] = 0.0
-        # Where it comes to a stand within the cell, that takes s' / x.
+        # Coming to rest within the cell takes s' / x.
         passed = np.where(after > 0, width, before / (2 * np.maximum(ramp, _LEAST_RAMP)))
         times[moving] += 2 * passed / (np.sqrt(before) + np.sqrt(after))
         y[moving] = after
@@ -96,7 +96,7 @@ def hardest_stops(cells: MotionCells, deadline: Deadline = UNHURRIED) -> Stops:
 
 
 def _waited(cells: MotionCells, times: Array, ends: Indices) -> tuple[Array, Indices]:
-    """Return stops that wait for the next one where there is none."""
+    """Return stops with those that do not exist replaced by the next one, after a delay."""
     for i in range(len(cells.begins) - 1, -1, -1):
         if np.isnan(times[i]):
             times[i], ends[i] = cells.widths[i] + times[i + 1], ends[i + 1]
@@ -104,15 +104,15 @@ def _waited(cells: MotionCells, times: Array, ends: Indices) -> tuple[Array, Ind
 
 
 def smooth_stops(cells: MotionCells, deadline: Deadline = UNHURRIED) -> Stops:
-    """Return stops under acceleration and jerk limits, by one profile, begun when that is best.
+    """Return stops under acceleration and jerk limits, by one profile, with the best delay.
 
     Raises:
         DeadlineExceeded: Time ran out.
-        Canceled: The end was asked for.
+        Canceled: The caller canceled.
     """
     count, best = len(cells.begins), smooth_durations(cells, deadline)
     over = np.append(cells.begins + best, cells.end)
-    # Of all stops that begin here or later, the one that is over first.
+    # Of all stops that begin here or later, the one that ends first.
     soonest = np.arange(count + 1)
     for i in range(count - 1, -1, -1):
         soonest[i] = i if over[i] < over[soonest[i + 1]] else soonest[i + 1]
@@ -126,7 +126,7 @@ def smooth_stops(cells: MotionCells, deadline: Deadline = UNHURRIED) -> Stops:
 def smooth_durations(
     cells: MotionCells, deadline: Deadline = UNHURRIED
 ) -> Float64[np.ndarray, " n"]:
-    """Return how long a smooth stop takes that begins with a cell; infinite if none passes [s]."""
+    """Return durations of smooth stops that begin with each cell [s], infinite if none passes."""
     best = np.full(len(cells.begins), np.inf)
     lasting = _SHORTEST
     while lasting < 2 * cells.end:
@@ -137,22 +137,22 @@ def smooth_durations(
 
 
 def _or_finished(cells: MotionCells, times: Array, ends: Indices) -> Stops:
-    """Return the stops, but where it is sooner the end of the motion."""
+    """Return the stops, replaced by the end of the motion where that is sooner."""
     left = cells.end - np.append(cells.begins, cells.end)
     is_sooner = left < times
     return Stops(np.where(is_sooner, left, times), np.where(is_sooner, len(cells.begins), ends))
 
 
 def ramps(cells: MotionCells, at: Indices, y: Array) -> Array:
-    """Return how hard to brake in some cells that are entered with y, as x [1/s].
+    """Return the hardest braking x in some cells that are entered with y [1/s].
 
     Args:
-        cells: Of the motion.
-        at: Which cells, shape (m,).
+        cells: Cells of the motion.
+        at: Indices of the cells, shape (m,).
         y: s'^2 at the beginning of each, in [0, 1], shape (m,).
 
     Returns:
-        Shape (m,); not a number where there is no way on.
+        Shape (m,); NaN where no x is admissible.
     """
     width = cells.widths[at]
     lows, highs = np.zeros((3, len(at))), np.full((3, len(at)), _MOST_RAMP)
@@ -164,7 +164,7 @@ def ramps(cells: MotionCells, at: Indices, y: Array) -> Array:
     holds = cells.holds[at]
     stands = np.where(highs[[0, 2]].min(axis=0) >= lows[0], highs[[0, 2]].min(axis=0), 0.0)
     goes_on = np.minimum(highs[:2].min(axis=0), np.where(holds, y, y / 2) / (2 * width))
-    # Where it cannot stand, only the motion itself may go on as it does.
+    # Where the motion cannot rest, it may only continue at full rate.
     otherwise = np.where(holds | (y == 1), 0.0, np.nan)
     goes_on = np.where(goes_on >= lows[:2].max(axis=0), goes_on, otherwise)
     goes_on[~holds & (y - 2 * width * goes_on < _STANDS)] = np.nan
@@ -172,13 +172,13 @@ def ramps(cells: MotionCells, at: Indices, y: Array) -> Array:
 
 
 def _between(begun: Array, part: Array, bound: Array, off: Array) -> tuple[Array, Array]:
-    """Return the x for which |begun - x part| <= bound - x off throughout, an interval per cell.
+    """Return the interval of x per cell for which |begun - x part| <= bound - x off throughout.
 
     Args:
         begun: Shape (m, k, blocks, size).
         part: The same.
         bound: Shape (m, blocks).
-        off: By how much part may be off, shape (m, blocks).
+        off: Bound on the error of part, shape (m, blocks).
     """
     bound, off = bound[:, None], off[:, None]
     square, along = _dot(part, part) - off**2, _dot(begun, part) - bound * off
@@ -201,7 +201,7 @@ def _dot(left: Array, right: Array) -> Array:
 
 
 def _passes(cells: MotionCells, starts: Indices, lasting: float, deadline: Deadline) -> Any:
-    """Return which of some cells a smooth stop of a duration can begin with."""
+    """Return in which of some cells a smooth stop of a given duration can begin."""
     passes = np.ones(len(starts), dtype=bool)
     integral = _TABLE - _TABLE**3 + _TABLE**4 / 2
     live, step = np.arange(len(starts)), 0

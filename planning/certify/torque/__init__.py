@@ -1,1 +1,1 @@
-"""Joint torques on whole intervals, against the limits on effort."""
+"""Torque check: joint torques and forces on whole intervals, against effort limits."""

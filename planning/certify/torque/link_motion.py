@@ -1,4 +1,4 @@
-"""How the joints of a group move its links, one single motion after another.
+"""JointMotion: joints of a group as chains of one-coordinate motions of links.
 
 A planar joint is two slides and a turn, a floating one three slides and a spin.
 """
@@ -23,7 +23,7 @@ type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 
 class Kind(Enum):
-    """How a link moves in the one before it."""
+    """Kind of motion of a link relative to its parent."""
 
     TURN = "turn"
     SLIDE = "slide"
@@ -32,17 +32,17 @@ class Kind(Enum):
 
 @dataclass(frozen=True)
 class JointMotion:
-    """A coordinate that moves a link.
+    """A joint coordinate that moves a link.
 
     Attributes:
-        kind: How.
-        axis: Of a turn or slide, unit, shape (3,).
+        kind: Kind of motion.
+        axis: Unit axis of a turn or slide, shape (3,).
         rate: Index of the (first) coordinate in the group's v.
         position: Index of the (first) coordinate in the group's q.
-        scale: The link's displacement over that of the coordinate; negative if it goes against it.
-        offset: What a link that follows adds [rad or m].
-        damping: What speed takes of it [N m s/rad or N s/m].
-        rotor: What turns along with it inside its drive, as seen from the link [kg m^2 or kg].
+        scale: Ratio of the link's displacement to that of the coordinate, with sign.
+        offset: Constant added for a follower [rad or m].
+        damping: Viscous damping [N m s/rad or N s/m].
+        rotor: Reflected inertia of the motor's rotor [kg m^2 or kg].
     """
 
     kind: Kind
@@ -56,12 +56,12 @@ class JointMotion:
 
     @property
     def reversed(self) -> "JointMotion":
-        """The same seen from the other side; of a turn or a slide."""
+        """The same motion seen from the other side; for a turn or a slide."""
         return replace(self, scale=-self.scale, offset=-self.offset)
 
 
 class JointMotions:
-    """How the joints move that the group moves."""
+    """Motions of all joints that the group moves."""
 
     def __init__(self, model: DrakeModel, group: JointGroup) -> None:
         plant = model.plant
@@ -92,7 +92,7 @@ class JointMotions:
             self._found[int(by_start[c.follower_velocity].index())] = [motion]
 
     def of(self, joint: Any) -> list[JointMotion]:
-        """Return how a joint moves, part after part; nothing if it does not."""
+        """Return the motions of a joint in order; empty if it does not move."""
         return self._found.get(int(joint.index()), [])
 
 

@@ -1,13 +1,12 @@
-"""A group's links as chains of single motions, with the mass that each carries.
+"""Links: rigid links of a group as a tree of one-coordinate motions, with their inertia.
 
-All bodies that do not move relative to each other are one link. A rigid mass distribution is its
-pseudo-inertia
+All bodies without relative motion are one link. A rigid mass distribution is its pseudo-inertia
 
     J = integral of [x; 1] [x; 1]^T dm = [[S, h], [h^T, m]],   S = tr(I) / 2 - I,   h = m c,
 
-(Wensing, Kim, Slotine, RA-L 2018), which is carried into another frame by X J X^T and adds up. With
-the eigenvectors e_k and values s_k of S about the centre of mass, the moment of momentum about that
-is sum s_k (R e_k) x (R e_k)': what the motion of three points tells.
+(Wensing, Kim, Slotine, RA-L 2018), which is transformed into another frame by X J X^T and is
+additive. With the eigenvectors e_k and eigenvalues s_k of S about the centre of mass, the angular
+momentum about it is sum s_k (R e_k) x (R e_k)': a function of the motion of three points.
 """
 
 from dataclasses import dataclass, replace
@@ -27,13 +26,13 @@ type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 @dataclass(frozen=True)
 class Link:
-    """What moves as one.
+    """A rigid link: bodies without relative motion.
 
     Attributes:
-        parent: Index of the link before it; -1 is the world.
-        X_PF: Where it is in its parent while its coordinate is 0, shape (4, 4).
-        motion: How it moves.
-        inertia: J of its bodies in its own frame, shape (4, 4).
+        parent: Index of the parent link; -1 is the world.
+        X_PF: Pose in its parent at coordinate 0, shape (4, 4).
+        motion: Motion relative to the parent.
+        inertia: Pseudo-inertia J of its bodies in its own frame, shape (4, 4).
     """
 
     parent: int
@@ -43,7 +42,7 @@ class Link:
 
     @property
     def mass(self) -> float:
-        """[kg]."""
+        """Mass [kg]."""
         return float(self.inertia[3, 3])
 
     @property
@@ -53,23 +52,23 @@ class Link:
 
     @property
     def moments(self) -> tuple[Array, Array]:
-        """The s_k [kg m^2], shape (3,), and the e_k as columns, shape (3, 3)."""
+        """Eigenvalues s_k [kg m^2], shape (3,), and eigenvectors e_k as columns, shape (3, 3)."""
         center = self.center
         return np.linalg.eigh(self.inertia[:3, :3] - self.mass * np.outer(center, center))
 
 
 def links_of(model: DrakeModel, request: CertifyRequest) -> tuple[Link, ...]:
-    """Return the links that the group moves, parents first.
+    """Return the links that the group moves, parents before children.
 
     Raises:
-        ModelInvalid: A joint is of a kind that cannot be certified, or nobody says what a body
-            weighs that moves.
+        ModelInvalid: A joint is of a kind that cannot be certified, or a moving body has no known
+            mass.
     """
     return _Reading(model, request).run()
 
 
 class _Reading:
-    """One walk from the world to the tips."""
+    """One traversal of the model from the world to the tips."""
 
     def __init__(self, model: DrakeModel, request: CertifyRequest) -> None:
         self._model, self._plant, self._payload = model, model.plant, request.payload
@@ -104,7 +103,7 @@ class _Reading:
         return found
 
     def _across(self, joint: Any, hold: "_Hold", *, is_forward: bool) -> "_Hold":
-        """Return where the body beyond a joint is."""
+        """Return the link and pose of the body beyond a joint."""
         frames = joint.frame_on_parent(), joint.frame_on_child()
         near, far = frames if is_forward else frames[::-1]
         x_near = hold.pose @ _matrix(near.GetFixedPoseInBodyFrame())
@@ -127,7 +126,7 @@ class _Reading:
         return _Hold(link, x_far)
 
     def _reflected(self) -> dict[int, float]:
-        """Return the rotor inertia of every joint that has a drive with one."""
+        """Return the reflected rotor inertia of every joint with an actuator."""
         actuators = map(self._plant.get_joint_actuator, self._plant.GetJointActuatorIndices())
         return {
             int(actuator.joint().index()): float(actuator.calc_reflected_inertia(self._context))
@@ -135,7 +134,7 @@ class _Reading:
         }
 
     def _dampings(self, joint: Any, motions: list[JointMotion]) -> list[float]:
-        """Return the damping of every part of a joint."""
+        """Return the damping of every part of a joint's motion."""
         given = np.array(joint.GetDampingVector(self._context)).tolist()
         if motions[-1].kind is not Kind.SPIN:
             return given
@@ -145,7 +144,7 @@ class _Reading:
         return [0.0] * len(motions)
 
     def _load(self, body: Any, hold: "_Hold") -> None:
-        """Add what a body weighs, and what it carries, to the link that it is part of."""
+        """Add the inertia of a body, and of its payload, to its link."""
         if hold.link < 0:
             return
         inertia = body.CalcSpatialInertiaInBodyFrame(self._context)
@@ -170,14 +169,14 @@ class _Reading:
 
 @dataclass(frozen=True)
 class _Hold:
-    """Which link a body is part of, and X_LB, where it is in it."""
+    """Link of a body, and X_LB, the body's pose in it."""
 
     link: int
     pose: Array
 
 
 def _pseudo(mass: float, center: Array, moments: Array) -> Array:
-    """Return J from mass, centre of mass and rotational inertia about the frame's origin."""
+    """Return pseudo-inertia J from mass, centre of mass and rotational inertia about the origin."""
     pseudo = np.zeros((4, 4))
     pseudo[:3, :3] = np.trace(moments) / 2 * np.eye(3) - moments
     pseudo[:3, 3] = pseudo[3, :3] = mass * center

@@ -1,18 +1,17 @@
-"""Torques along short segments of a motion as Taylor series, by the recursion of Newton and Euler.
+"""Newton-Euler recursion: joint torques along short segments of a motion as Taylor series.
 
-Everything follows from where the links are. With R(t) and p(t) of each link as Taylor series about
-a segment's middle, from the tips down to the base,
+With R(t) and p(t) of each link as Taylor series about a segment's middle, from the tips down to
+the base,
 
     F = m (c'' - g),   N = sum s_k (R e_k) x (R e_k)'',
     f = F + sum f_child,   n = N + (c - p) x F + sum (n_child + (p_child - p) x f_child),
 
 and the torque of a turn about a is a . n, the force of a slide along it a . f: the recursive
 Newton-Euler algorithm in the world's axes (Featherstone, "Rigid body dynamics algorithms", 2008,
-section 5.3, with N as `links` has it).
-
-Followed at t = s(clock) the motion has c'' s'^2 + c' s'' for c'', and so has everything that masses
-resist. With the second derivative (`order` 2) they give the share of s'^2, with the first that of
-s'', and with none of it what holds the links still.
+section 5.3, with N as in `links`).
+Followed at t = s(clock) the motion has c'' s'^2 + c' s'' for c'', and so have all inertial terms.
+With the second derivative (`order` 2) they give the share of s'^2, with the first that of s'', and
+with order 0 the static load.
 """
 
 from typing import Any
@@ -35,12 +34,12 @@ from planning.domain.geometry.rotation import exp, matrix, multiply
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
-# Powers of the torques' polynomials: 0 to this less one.
+# Number of coefficients of the torques' polynomials: powers 0 to TERMS - 1.
 TERMS = 5
 
 
 class TorqueRecursion:
-    """The torques themselves."""
+    """Recursion for the Taylor coefficients of the torques."""
 
     def __init__(
         self, links: tuple[Link, ...], gravity: Array, motion: tuple[Array, Array], order: int = 2
@@ -51,7 +50,7 @@ class TorqueRecursion:
         count, terms, _ = tangents.shape
         still = np.zeros((count, terms, 3, 3))
         still[:, 0] = np.eye(3)
-        # The world is the last one, where index -1 finds it.
+        # The world is the last entry, at index -1.
         self._turns = [still] * (len(links) + 1)
         self._places = [np.zeros((count, terms, 3))] * (len(links) + 1)
         self._axes = [np.zeros(0)] * len(links)
@@ -78,7 +77,7 @@ class TorqueRecursion:
         return total
 
     def _place(self, i: int, link: Link) -> None:
-        """Find R, p and the axis of a link."""
+        """Compute R, p and the axis of a link."""
         motion = link.motion
         before = self._turns[link.parent]
         turn = before @ link.X_PF[:3, :3]
@@ -103,13 +102,13 @@ class TorqueRecursion:
         return series
 
     def _drive(self, link: Link) -> Array:
-        """Return what damping and the rotor take."""
+        """Return the torque of damping and rotor inertia."""
         motion, coordinate = link.motion, self._coordinate(link)
         speed = motion.damping * derivative(coordinate, 1)[:, :TERMS]
         return speed + motion.rotor * resisted(coordinate, self._order, TERMS)
 
     def _spin(self, link: Link) -> Array:
-        """Return R_0 exp(delta(t)) from R' = R [omega], omega as `angular_rates` has it."""
+        """Return R_0 exp(delta(t)) from R' = R [omega], omega from `angular_rates`."""
         rate, at = link.motion.rate, link.motion.position
         delta = self._tangents[:, :, rate : rate + 3]
         omega = skew(turn_rates(delta))
@@ -122,7 +121,7 @@ class TorqueRecursion:
         return spun
 
     def _force(self, i: int, link: Link) -> tuple[Array, Array]:
-        """Return F, and N with F's moment about the link's origin."""
+        """Return F, and N plus F's moment about the link's origin."""
         zero = np.zeros((len(self._tangents), TERMS, 3))
         if link.mass <= 0:
             return zero, zero
@@ -141,7 +140,7 @@ class TorqueRecursion:
 
 
 def resisted(series: Array, order: int, terms: int) -> Array:
-    """Return what masses resist of a motion: its derivative of an order, or nothing of order 0."""
+    """Return the derivative of a motion in the inertial terms, order 1 or 2; zero for order 0."""
     return derivative(series, order)[:, :terms] if order else np.zeros_like(series[:, :terms])
 
 

@@ -1,8 +1,8 @@
-"""Joint torques along short segments of a motion, as polynomials with a bound on what they miss.
+"""Taylor torques: joint torques along short segments of a motion, as polynomials with error bounds.
 
 Coefficients about a segment's middle come from those about the piece's break by Horner's rule: a
-sum of k + 1 terms is off by less than 2 (k + 1) 2^-53 of the sum of their sizes (Higham 2002,
-section 5.1). `torque_majorant` says what that does to torques.
+sum of k + 1 terms has an error below 2 (k + 1) 2^-53 of the sum of their sizes (Higham 2002,
+section 5.1). `torque_remainder` propagates that error to the torques.
 """
 
 from dataclasses import dataclass
@@ -23,13 +23,13 @@ type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 @dataclass(frozen=True)
 class Torques:
-    """Of n segments.
+    """Torque polynomials of n segments.
 
     Attributes:
         taylor: Coefficients about the middle [N m or N per second to the power], shape (n, k, nv);
-            of a rotation in space along the world's axes, else per coordinate.
-        missed: What each coordinate's polynomial misses at most, by rounding too [N m or N], shape
-            (n, nv); of a rotation in space the length of all three, at the first.
+            for a rotation in space along the world's axes, else per coordinate.
+        missed: Bound on the error of each coordinate's polynomial, rounding included [N m or N],
+            shape (n, nv); for a rotation in space on the norm of all three, at the first.
     """
 
     taylor: Float64[np.ndarray, "n k nv"]
@@ -43,14 +43,15 @@ def torque_series(
     segments: tuple[Any, Float64[np.ndarray, " n"], Float64[np.ndarray, " n"]],
     order: int = 2,
 ) -> Torques:
-    """Return the torques along segments of a trajectory.
+    """Return the torque polynomials along segments of a trajectory.
 
     Args:
-        links: Parents first.
-        gravity: g [m/s^2].
+        links: The links, parents before children.
+        gravity: Gravity vector g [m/s^2].
         trajectory: The motion.
         segments: The piece of each, its middle relative to the piece's break, and half its width.
-        order: Of the derivative that masses resist: 2, but for shares of them; see the recursion.
+        order: Order of the derivative in the inertial terms: 2 for torques, else shares of them;
+            see `newton_euler`.
     """
     pieces, middles, halves = segments
     coefficients = trajectory.coefficients[pieces]

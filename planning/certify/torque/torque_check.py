@@ -1,7 +1,7 @@
-"""Joint torques and forces on the whole interval, against the limits on effort.
+"""Torque check: joint torques and forces on the whole interval, against the limits on effort.
 
-Segments of the motion are bounded by `torque_series`; those that may hide more than was seen are
-halved, many at once.
+Segments of the motion are bounded by `torque_series`; those whose bound is above the largest
+sampled value are halved, many at once (branch and bound).
 """
 
 from dataclasses import dataclass
@@ -21,14 +21,14 @@ from planning.world.drake_model import DrakeModel
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
-# The bound may exceed what was seen by this share; below it nothing is looked at more closely.
+# Relative gap between the bound and the largest sampled value at which the search stops.
 _GAP = 1e-3
 _AT_ONCE = 256
 
 
 @dataclass(frozen=True)
 class _Segments:
-    """Parts of pieces: the piece, the middle from its break, half the width [s], shape (n,)."""
+    """Parts of pieces: piece, middle since its break [s], half width [s], each of shape (n,)."""
 
     pieces: Any
     middles: Array
@@ -39,7 +39,7 @@ class _Segments:
 
     @property
     def halved(self) -> "_Segments":
-        """Both halves of each."""
+        """Return both halves of each segment."""
         quarter = self.halves / 2
         return _Segments(
             np.concatenate([self.pieces, self.pieces]),
@@ -50,7 +50,7 @@ class _Segments:
 
 @dataclass(frozen=True)
 class _Uses:
-    """Torque over limit by segment: at most, in the middle, and whose; each of shape (n,)."""
+    """Torque over limit by segment: bound, value in the middle, and block; each of shape (n,)."""
 
     upper: Array
     seen: Array
@@ -65,29 +65,30 @@ def torque_check(
     far: float = 0.3,
     most: int = 20_000,
 ) -> Check:
-    """Return the peak over limit of any joint's torque or force, as a guaranteed bound.
+    """Return the check of the peak torque or force over limit of any joint, a guaranteed bound.
 
-    What is not limited is not looked at. Not in it: friction and contact.
+    Joints without limits are skipped. Not included: Coulomb friction and contact.
 
     Args:
         model: The scene.
         request: The trajectory and its limits.
-        deadline: When to stop.
-        far: The joints move by this much in sum on a first segment [rad or m].
-        most: Segments beyond two for each first one; a motion that needs more is refused.
+        deadline: Time limit.
+        far: Largest sum of joint motions on an initial segment [rad or m].
+        most: Largest number of segments beyond two for each initial one; a motion that needs more
+            is refused.
 
     Raises:
-        ModelInvalid: A joint is of a kind that cannot be certified, or nobody says what a body
-            weighs that moves.
+        ModelInvalid: A joint is of a kind that cannot be certified, or a moving body has no known
+            mass.
         DeadlineExceeded: Time ran out.
-        Canceled: The end was asked for.
+        Canceled: The caller canceled.
     """
     search = _Search(model, request, deadline, most)
     return search.run(far)
 
 
 class _Search:
-    """Branch and bound."""
+    """Branch and bound over segments."""
 
     def __init__(
         self, model: DrakeModel, request: CertifyRequest, deadline: Deadline, most: int
@@ -121,13 +122,13 @@ class _Search:
             segments = segments.only(is_open).halved
 
     def _counts(self, far: float) -> Array:
-        """Return into how many segments to cut each piece, so that no joint moves far on any."""
+        """Return the number of segments of each piece, so that no joint moves far on any."""
         widths = np.diff(self._request.trajectory.breaks)
         rates = np.abs(self._request.forms[1]).max(axis=2).sum(axis=0)
         return np.maximum(1.0, np.ceil(rates * widths / far))
 
     def _first(self, counts: Any) -> _Segments:
-        """Return segments of the whole motion."""
+        """Return the initial segments of the whole motion."""
         widths = np.diff(self._request.trajectory.breaks)
         pieces, within = split_equally(counts)
         halves = (widths / counts)[pieces] / 2
@@ -138,7 +139,7 @@ class _Search:
         for begin in range(0, len(segments.halves), _AT_ONCE):
             self._deadline.check("certify")
             chosen = segments.only(slice(begin, begin + _AT_ONCE))
-            # What overflows is not a number, and refused as such.
+            # Overflow gives NaN, which is refused.
             with np.errstate(over="ignore", invalid="ignore"):
                 found = torque_series(
                     self._links,
@@ -154,7 +155,7 @@ class _Search:
         return _Uses(upper.max(axis=1), seen.max(axis=1), blocks)
 
     def _shares(self, torques: Torques, halves: Array) -> tuple[Array, Array]:
-        """Return upper bounds and values in the middle over limits, shape (n, limited blocks)."""
+        """Return upper bounds and middle values over limits, shape (n, limited blocks)."""
         limits = self._request.limits
         forms = bernstein.about_middle(torques.taylor, halves)
         upper, seen = np.empty((2, len(halves), len(self._limited)))

@@ -1,13 +1,12 @@
-"""Bounds on what the torques' Taylor series miss.
+"""Torque remainder: bounds on the error of the torques' Taylor polynomials.
 
-The recursion that gives the torques gives these too: with bounds on lengths for vectors, products
-for cross products and plus for every sign. A rotation by q(t) has the majorant exp(sum b_i x^i),
-b_i bounding the i-th coefficient of q: the exponential series of a rotation, of which only what
-changes counts.
+The recursion for the torques gives these bounds too: with bounds on norms for vectors, products for
+cross products and plus for every sign. A rotation by q(t) has the majorant exp(sum b_i x^i), b_i
+bounding the i-th coefficient of q: the exponential series of a rotation, without its constant.
 
-They bound what rounding does, too: where no coefficient of q is off by more than e_i, none of the
-torques' is off by more than the recursion gives for b_i + e_i more than for b_i. Of a rotation the
-constant counts then: exp(e_0).
+The majorants bound rounding errors, too: if e_i bounds the error of the coefficients of q, the
+error of the torques' is at most the growth of the recursion's result from b_i to b_i + e_i. For a
+rotation the constant counts then: exp(e_0).
 """
 
 from typing import Any
@@ -24,7 +23,7 @@ from planning.certify.torque.newton_euler import TERMS, resisted
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 
-# What the rounding of sums and products is less than, as a share of their sizes.
+# Bound on the relative rounding error of sums and products.
 _ROUNDED = 2**13 * UNIT
 
 
@@ -35,18 +34,18 @@ def missed(
     hidden: Array,
     order: int,
 ) -> Array:
-    """Bound what the torques' polynomials of `TERMS` powers miss, and what rounding hides, (n, nv).
+    """Bound remainder and rounding errors of the torques' polynomials of `TERMS` powers, (n, nv).
 
-    What the series misses on |t - t_m| <= h is at most T h^k (Lagrange), where T bounds the
-    coefficient of the first power k that was left out at every instant of the segment.
+    The remainder of the series on |t - t_m| <= h is at most T h^k (Lagrange), where T bounds the
+    coefficient of the first omitted power k at every instant of the segment.
 
     Args:
-        links: Parents first.
-        gravity: g [m/s^2].
-        motion: Taylor coefficients about the segments' middles, shape (n, k, nv), where the pieces
-            are anchored, (n, nq), and half of the segments' widths [s].
-        hidden: By how much the coefficients may be off, shape (n, k, nv).
-        order: Of the derivative that masses resist.
+        links: The links, parents before children.
+        gravity: Gravity vector g [m/s^2].
+        motion: Taylor coefficients about the segments' middles, shape (n, k, nv), anchor
+            configurations of the pieces, (n, nq), and half of the segments' widths [s].
+        hidden: Bound on the errors of the coefficients, shape (n, k, nv).
+        order: Order of the derivative in the inertial terms.
     """
     tangents, bases, halves = motion
     sizes, off = (_lengths(links, np.abs(part)) for part in (tangents, hidden))
@@ -59,7 +58,7 @@ def missed(
 
 
 def _lengths(links: tuple[Link, ...], sizes: Array) -> Array:
-    """Return sizes of coefficients with those of each rotation in space as one, its first."""
+    """Return norms of coefficients, with each rotation in space as one norm, at its first."""
     found = np.array(sizes)
     for link in links:
         if link.motion.kind is Kind.SPIN:
@@ -69,7 +68,7 @@ def _lengths(links: tuple[Link, ...], sizes: Array) -> Array:
 
 
 class TorqueRemainderBound:
-    """Bounds on coefficients at every instant of a segment, up to the first that is left out."""
+    """Bounds on coefficients at every instant of a segment, up to the first omitted power."""
 
     def __init__(
         self,
@@ -128,7 +127,7 @@ class TorqueRemainderBound:
             case Kind.TURN:
                 rate = rate + derivative(bound, 1)
             case Kind.SPIN:
-                # How far it is turned counts for nothing; see `angular_rates`.
+                # The angle itself does not matter; see `angular_rates`.
                 spin = np.array(bound)
                 spin[:, 0] = self._constants[:, motion.rate]
                 rate = rate + velocity_series(spin[..., None, None], spin[..., None], 1.0)[..., 0]

@@ -1,1 +1,1 @@
-"""Profiles and transitions under jerk limits, by ruckig and our own optimiser."""
+"""Jerk-limited retiming: profiles and transitions by ruckig and an interior-point optimizer."""

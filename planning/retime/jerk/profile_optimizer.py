@@ -1,14 +1,14 @@
-"""Make a jerk-limited profile quicker, by an interior-point method.
+"""Profile optimizer: faster jerk-limited profiles by an interior-point method.
 
-A profile goes through fixed places of the path, its phases take times h_k that are free. At both
-ends of every phase the speed v, the acceleration a and the jerk j in the path parameter make
+A profile passes fixed parameters of the path; the durations h_k of its phases are the variables. At
+both ends of every phase the speed v, the acceleration a and the jerk j in the path parameter make
 
     q' = r' v,   q'' = r' a + r'' v^2,   q''' = r' j + 3 r'' v a + r''' v^3
 
-(the chain rule), which are to stay within their limits. Newton's method with a logarithmic barrier
-makes the sum of all h_k small (Boyd and Vandenberghe, "Convex optimization", chapter 11; the
-problem is not convex, and the curvature of the limits is left out). Nothing is promised of the time
-within phases: it is looked at, and the profile slowed as a whole by what it exceeds.
+(the chain rule), which must stay within their limits. Newton's method with a logarithmic barrier
+minimizes the sum of all h_k (Boyd and Vandenberghe, "Convex optimization", chapter 11; the problem
+is not convex, and the curvature of the limits is left out). Limits are not imposed inside phases:
+the peaks there are bounded afterwards, and the whole profile is slowed by the excess.
 """
 
 from dataclasses import dataclass
@@ -28,21 +28,22 @@ from planning.retime.smooth_pieces import evaluated
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
-# On paths of more pieces a step would take too long.
+# Largest number of pieces of a path: with more a step would take too long.
 _MOST_PIECES = 64
-# Phases of the same duration; those that begin at breaks of the path are added.
+# Number of phases of equal duration; those that begin at breaks of the path are added.
 _NUM_PHASES = 48
-# Shorter phases than this share of the others are left out, but for breaks.
+# Shortest phase relative to the others; shorter ones are left out, except at breaks.
 _NEAR = 0.4
 _ROUNDS, _STEPS = 3, 8
-# How far from all limits a round begins.
+# Largest utilization of limits at the beginning of a round.
 _ROOM = 0.97
-# The barrier's weight relative to a phase's duration, and what each step leaves of it.
+# The barrier's weight relative to a phase's duration, and its factor per step.
 _BARRIER, _FALL = 0.1, 0.5
-# No step changes a phase's duration by more than about this share.
+# Largest relative change of a phase's duration in a step, approximately.
 _LONGEST_STEP = 0.3
 _SUFFICIENT, _SHORTEST_STEP = 0.01, 1e-3
-# A limit that is exceeded within a phase is tightened there for the next round, by no more.
+# Largest factor by which a limit exceeded within a phase is tightened for the next round, and the
+# smallest utilization at its ends that the factor is computed with.
 _TIGHTEST, _LITTLE_USED = 2.0, 0.3
 
 
@@ -52,19 +53,19 @@ def optimize_profile(
     limits: JointLimits,
     deadline: Deadline = UNHURRIED,
 ) -> SpeedProfile:
-    """Return a quicker profile that keeps the limits, or the given one.
+    """Return a faster profile within the limits, or the given one.
 
-    Where joints float, coordinates are limited together, or pieces are many, it is the given one.
+    With floating joints, blocks of several coordinates, or many pieces, it is the given one.
 
     Args:
-        stretch: Whose profile it is.
+        stretch: Smooth piece of the path to which the profile belongs.
         profile: From rest to rest.
-        limits: Of velocity, acceleration and jerk.
-        deadline: When to give up.
+        limits: Limits of velocity, acceleration and jerk.
+        deadline: Time limit.
 
     Raises:
         DeadlineExceeded: Time ran out.
-        Canceled: The end was asked for.
+        Canceled: The caller canceled.
     """
     is_plain = stretch.manifold.is_flat and all(len(block) == 1 for block in limits.blocks)
     if not is_plain or stretch.num_pieces > _MOST_PIECES:
@@ -89,13 +90,13 @@ def optimize_profile(
 
 @dataclass(frozen=True)
 class _Task:
-    """What to make quick.
+    """The optimization problem of one profile.
 
     Attributes:
-        places: Between phases, shape (n + 1,).
+        places: Path parameters between phases, shape (n + 1,).
         geometry: r', r'' and r''' at both ends of phases, shape (3, 2, n, nv).
-        bounds: Of velocity, acceleration and jerk, shape (3, nv).
-        excess: By what they are to be divided on each phase, shape (3, n).
+        bounds: Limits of velocity, acceleration and jerk, shape (3, nv).
+        excess: Divisors of the limits on each phase, shape (3, n).
     """
 
     places: Array
@@ -105,7 +106,7 @@ class _Task:
 
     @classmethod
     def of(cls, stretch: JointSpline, places: Array, limits: JointLimits) -> "_Task":
-        """Build from a stretch, places on it and limits."""
+        """Build from a smooth piece, path parameters on it and limits."""
         pieces, _ = stretch.locate((places[:-1] + places[1:]) / 2)
         columns = [block[0] for block in limits.blocks]
         local = [places[:-1] - stretch.breaks[pieces], places[1:] - stretch.breaks[pieces]]
@@ -115,7 +116,7 @@ class _Task:
         return cls(places, np.array(geometry), bounds, np.ones((3, len(pieces))))
 
     def tightened(self, excess: Array) -> "_Task":
-        """Return the same with other excesses."""
+        """Return the task with other divisors of the limits."""
         return _Task(self.places, self.geometry, self.bounds, excess)
 
     def untightened(self, at: TimingSpline) -> list[Array]:
@@ -127,12 +128,12 @@ class _Task:
         return [rate / bound for rate, bound in zip(rates, self.bounds, strict=True)]
 
     def uses(self, at: TimingSpline) -> list[Array]:
-        """Return the same over tightened limits."""
+        """Return rates over tightened limits at both ends of phases, each shape (2, n, nv)."""
         uses = self.untightened(at)
         return [use * more[:, None] for use, more in zip(uses, self.excess, strict=True)]
 
     def gradients(self, at: TimingSpline) -> list[Array]:
-        """Return the derivatives of uses by v, a and j, each shape (2, n, nv, 3)."""
+        """Return the derivatives of `uses` by v, a and j, each shape (2, n, nv, 3)."""
         r1, r2, r3 = self.geometry
         v, a = (np.stack([x[:-1], x[1:]])[..., None] for x in (at.v, at.a))
         zero = np.zeros_like(r1)
@@ -148,7 +149,7 @@ class _Task:
         ]
 
     def cost(self, h: Array, weight: float) -> float:
-        """Return the duration and the barrier of phases, infinite beyond limits."""
+        """Return the duration plus the barrier of all phases, infinite beyond limits."""
         at = TimingSpline.through(h, self.places)
         uses = self.uses(at)
         if not at.goes_on or max(float(np.abs(use).max()) for use in uses) >= 1:
@@ -157,7 +158,7 @@ class _Task:
 
 
 def _descended(task: _Task, h: Array, deadline: Deadline) -> TimingSpline | None:
-    """Return a quicker passage than the one of given durations; None without a beginning."""
+    """Return a faster timing spline than the one with durations h; None if that one stops."""
     begin = TimingSpline.through(h, task.places)
     if not begin.goes_on:
         return None
@@ -176,7 +177,7 @@ def _descended(task: _Task, h: Array, deadline: Deadline) -> TimingSpline | None
 
 
 def _stepped(task: _Task, h: Array, weight: float, step: Array, slope: float) -> Array:
-    """Return durations after as much of a step as makes the cost enough less."""
+    """Return durations after a backtracking line search along a step."""
     before, share = task.cost(h, weight), 1.0
     while share > _SHORTEST_STEP:
         tried = h * np.exp(share * step)
@@ -187,7 +188,7 @@ def _stepped(task: _Task, h: Array, weight: float, step: Array, slope: float) ->
 
 
 def _newton(task: _Task, h: Array, weight: float) -> tuple[Array, float]:
-    """Return a step of log h, and the slope of the cost along it."""
+    """Return a Newton step of log h, and the slope of the cost along it."""
     at = TimingSpline.through(h, task.places)
     moves = at.derivatives()
     count = len(h)
@@ -205,14 +206,15 @@ def _newton(task: _Task, h: Array, weight: float) -> tuple[Array, float]:
 
 
 def _phases(stretch: JointSpline, profile: SpeedProfile) -> tuple[Array, Array]:
-    """Return durations of phases, and the places between them, breaks of the path among these."""
+    """Return durations of phases and the parameters between them, breaks of the path included."""
     cut = profile.split_at(stretch.breaks[1:-1])
     begins = np.concatenate([[0.0], np.cumsum(cut.h)])
     fixed = begins[np.abs(cut.s[:, None] - stretch.breaks[1:-1]).argmin(axis=0)]
     even = np.linspace(0.0, begins[-1], _NUM_PHASES + 1)[1:-1]
     away = np.abs(even[:, None] - fixed).min(axis=1, initial=np.inf)
     inner = np.sort(np.concatenate([even[away > _NEAR * even[0]], fixed]))
-    # The first and the last place between phases give way to the rests: they are no breaks.
+    # The first and the last inner parameter are free, for the rests at the ends: they are no
+    # breaks.
     ends = inner[0] / 2, (inner[-1] + begins[-1]) / 2
     times = np.concatenate([[0.0, ends[0]], inner, [ends[1], begins[-1]]])
     phase = np.clip(np.searchsorted(begins, times, side="right") - 1, 0, len(cut.h) - 1)
@@ -226,7 +228,7 @@ def _phases(stretch: JointSpline, profile: SpeedProfile) -> tuple[Array, Array]:
 def _within(
     stretch: JointSpline, profile: SpeedProfile, limits: JointLimits
 ) -> tuple[SpeedProfile, Array]:
-    """Return the profile as quick as its limits allow, and what it uses of each on its phases."""
+    """Return the profile scaled to its limits, and its utilization of each on its phases."""
     motion = compose(stretch, profile)
     peaks = np.stack([
         (block_peaks(motion, limits, order) / getattr(limits, rate)).max(axis=1)

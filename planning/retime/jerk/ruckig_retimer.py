@@ -1,11 +1,11 @@
-"""Profiles under velocity, acceleration and jerk limits, by ruckig on the path parameter.
+"""Ruckig retimer: profiles under velocity, acceleration and jerk limits, on the path parameter.
 
 Berscheid and Kroeger, "Jerk-limited real-time trajectory generation with arbitrary target states",
-RSS 2021. The path is one degree of freedom; ruckig takes it from speed to speed, state to state:
-its waypoint mode would call a service in the network and is never used. On a straight line that is
-exact and time-optimal. Where the path bends, `speed_plan` says at which places the acceleration is
-zero, how fast to be there, and which bounds on sdot, sddot and sdddot keep the limits in between;
-from what that gives, `polish` goes on.
+RSS 2021. The path is one degree of freedom, along which ruckig connects consecutive states: its
+waypoint mode would call a service in the network and is never used. On a straight line that is
+exact and time-optimal. On a curve, `speed_dp` chooses the parameters at which the acceleration is
+zero, the speeds there, and bounds on sdot, sddot and sdddot that keep the limits in between; from
+the resulting profile, `profile_optimizer` continues.
 """
 
 from collections.abc import Sequence
@@ -28,14 +28,14 @@ from planning.retime.profile import SpeedProfile
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
-# Cells on a whole stretch, and at least on each of its pieces.
+# Number of cells of a smooth piece, and smallest number on each of its polynomial pieces.
 _NUM_CELLS = 40
 _LEAST_PER_PIECE = 2
-# Limits that change along a line are looked at on cells no longer than this (joint-space length).
+# Longest cell for limits that change along a line (joint-space length).
 _LONGEST = 0.1
-# A cycle time is asked for by ruckig's constructor and used only in its online mode [s].
+# Cycle time [s], required by ruckig's constructor and used only in its online mode.
 _CYCLE = 0.01
-# Relative to the hop's length: how far ruckig may stop from where it should.
+# Largest end error of ruckig, relative to the length of the speed segment.
 _MISSED = 1e-6
 _BRIEF = 1e-12
 _DONE = {str(ruckig.Result.Working), str(ruckig.Result.Finished)}
@@ -47,15 +47,15 @@ def ruckig_profile(
     path_limits: Sequence[PathLimit] = (),
     deadline: Deadline = UNHURRIED,
 ) -> SpeedProfile:
-    """Return a rest-to-rest profile along a stretch, the quickest if it is straight.
+    """Return a rest-to-rest profile along a smooth piece, the fastest one if it is straight.
 
-    Under path limits it is the quickest of several: one that knows those of them that are
-    `PeakLimit`s, and others that know none; slowed as a whole, they keep all.
+    Under path limits it is the fastest of several: one computed with the `PeakLimit`s among them,
+    and others without any; all are slowed as a whole to keep all limits.
 
     Raises:
         RetimingFailed: No profile is found.
         DeadlineExceeded: Time ran out.
-        Canceled: The end was asked for.
+        Canceled: The caller canceled.
     """
     cut, is_straight = _in_cells(stretch)
     plain = _planned(stretch, _cells(cut, limits), is_straight, deadline)
@@ -82,7 +82,7 @@ def ruckig_profile(
 def _planned(
     stretch: JointSpline, cells: SpeedCells, is_straight: Any, deadline: Deadline
 ) -> SpeedProfile:
-    """Return the profile along cells.
+    """Return the fastest profile along cells, by dynamic programming and ruckig.
 
     Raises:
         RetimingFailed: No profile is found.
@@ -104,13 +104,13 @@ def _slowing(
     path_limits: Sequence[PathLimit],
     deadline: Deadline,
 ) -> float:
-    """Return by what factor a profile must be slowed to keep path limits, 1 at least."""
+    """Return the factor, at least 1, by which a profile must be slowed to keep path limits."""
     uses = uses_of(path_limits, compose(stretch, profile), deadline)
     return max([1.0, *(use.factor for _, use in uses)])
 
 
 def _in_cells(stretch: JointSpline) -> tuple[JointSpline, Any]:
-    """Return the stretch cut into cells, and whether each is straight."""
+    """Return the smooth piece cut into cells, and whether each cell is straight."""
     widths = np.diff(stretch.breaks)
     counts = np.ceil(_NUM_CELLS * widths / widths.sum()).astype(int)
     counts = np.maximum(counts, _LEAST_PER_PIECE)
@@ -133,7 +133,7 @@ def _cells(cut: JointSpline, limits: JointLimits, known: Sequence[PeakLimit] = (
 
 
 def _straight_bounds(cells: SpeedCells, cell: int) -> tuple[float, float, float]:
-    """Return V, A and J on a straight piece, which one of its cells tells."""
+    """Return V, A and J on a straight piece, from one of its cells."""
     v, a, j = (1 / float(cells.m1[n, cell].max()) for n in range(3))
     return v, a, j
 
@@ -141,7 +141,7 @@ def _straight_bounds(cells: SpeedCells, cell: int) -> tuple[float, float, float]
 def _merged(
     hops: list[SpeedSegment], cells: SpeedCells, is_straight: Any, stretch: JointSpline
 ) -> list[SpeedSegment]:
-    """Return the hops with those on one straight piece made one, where ruckig knows the best."""
+    """Return the segments with those on one straight piece merged: there ruckig is optimal."""
     pieces, _ = stretch.locate((cells.edges[:-1] + cells.edges[1:]) / 2)
     merged: list[SpeedSegment] = []
     for hop in hops:
@@ -162,9 +162,9 @@ def _merged(
 
 
 def _profile(hop: SpeedSegment, edges: Array) -> SpeedProfile:
-    """Return ruckig's phases for a hop.
+    """Return ruckig's phases for a speed segment.
 
-    Ruckig sees a top speed and a jerk of 1, as its absolute tolerances want, and no more
+    Ruckig gets units with a top speed and a jerk of 1, for its absolute tolerances, and no more
     acceleration than it could use.
     """
     begin, end = float(edges[hop.begin]), float(edges[hop.end])
@@ -189,7 +189,7 @@ def _profile(hop: SpeedSegment, edges: Array) -> SpeedProfile:
         message = "ruckig misses the end of a piece of path"
         raise RetimingFailed(message, {"method": "ruckig", "missed": s - length})
     columns = np.array(rows).T
-    # The phases add up to the length but for rounding; the parameter is scaled to end exactly.
+    # The phases add up to the length up to rounding; the parameter is scaled to end exactly.
     scale = (end - begin) / s
     places = np.append(begin + columns[0] * scale, end)
     return SpeedProfile(

@@ -1,14 +1,14 @@
-"""Where along a path the acceleration is zero, and how fast to be there, under jerk limits.
+"""Speed dynamic programming: speeds along a path under jerk limits, at points of zero acceleration.
 
 The path is cut into cells. With M_n >= |r^(n)| on the cells in between, bounds V, A, J on sdot,
 sddot and sdddot keep every limit if
 
     M_1 V <= v,   M_1 A + M_2 V^2 <= a,   M_1 J + 3 M_2 V A + M_3 V^3 <= j
 
-(the chain rule). A hop from one cell boundary to another goes from one speed to another, both with
-zero acceleration, as fast as such bounds allow, and cruises at the greater speed for what length is
-left; its time has a closed form. The quickest chain of hops over a few speeds at every boundary is
-found by dynamic programming.
+(the chain rule). A speed segment connects two cell boundaries with given speeds and zero
+acceleration at both, as fast as such bounds allow, and cruises at the greater speed for the
+remaining length; its duration has a closed form. The fastest chain of segments over a few speeds at
+every boundary is found by dynamic programming.
 """
 
 from dataclasses import dataclass
@@ -20,29 +20,30 @@ from planning.domain.request.deadline import UNHURRIED, Deadline
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
-# Speeds that are tried at every cell boundary, relative to the greatest possible there, and then
-# relative to the ones that were chosen.
+# Candidate speeds at every cell boundary, relative to the greatest possible there, and then
+# relative to the chosen ones.
 _COARSE = 0.8 ** np.arange(11.0)
-# On a stretch that is too short to reach any of these, slower ones are.
+# Factors for slower candidates, where the path is too short to reach any of these.
 _SLOWER = 0.1 ** np.arange(4.0)
 _FINE = np.geomspace(0.84, 1.19, 9)
-# How much of the jerk that is left at a speed may go to 3 M_2 V A; the rest is J's.
+# Shares of the remaining jerk for 3 M_2 V A; the rest is for J.
 _SHARES = (0.5, 0.15)
-# Hops over more cells are not tried.
+# Largest number of cells of a speed segment.
 _LONGEST_HOP = 24
-# On paths of more cells hops begin and end at some of their boundaries only.
+# Largest number of boundaries at which segments begin and end; of more cells some are skipped.
 _MOST_NODES = 320
-# So many hops are timed at once, which fits a cache.
+# Number of segments timed at once, which fits a cache.
 _AT_ONCE = 1024
 _ROOM = 1 - 1e-9
-# Speeds are whole powers of one plus this, so that two of them are the same or clearly not: hops
-# between almost the same speeds would have phases too short for polynomials in double precision.
+# Speeds are whole powers of one plus this, so that two of them are equal or clearly different:
+# segments between almost equal speeds would have phases too short for polynomials in double
+# precision.
 _NOTCH = 1e-3
 
 
 @dataclass(frozen=True)
 class SpeedCells:
-    """A path in cells.
+    """Derivative bounds of a path on cells, relative to limits.
 
     Attributes:
         edges: Path parameter at the boundaries, shape (n + 1,).
@@ -57,7 +58,7 @@ class SpeedCells:
     m3: Array
 
     def top_speeds(self) -> Array:
-        """Return the greatest constant speed on each cell, shape (n,)."""
+        """Return the largest constant path speed on each cell, shape (n,)."""
         with np.errstate(divide="ignore"):
             fastest = np.minimum(1 / self.m1[0], 1 / np.sqrt(self.m2[0]))
             fastest = np.minimum(fastest, 1 / np.cbrt(self.m3[0]))
@@ -66,12 +67,12 @@ class SpeedCells:
 
 @dataclass(frozen=True)
 class SpeedSegment:
-    """From one boundary to another, at rest in acceleration at both.
+    """A transition between two cell boundaries, with zero acceleration at both.
 
     Attributes:
         begin: Index of the boundary.
         end: Index of the boundary, greater.
-        speeds: At both.
+        speeds: Path speeds at both.
         bounds: V, A and J in between.
     """
 
@@ -82,11 +83,11 @@ class SpeedSegment:
 
 
 def solve_speed_dp(cells: SpeedCells, deadline: Deadline = UNHURRIED) -> list[SpeedSegment]:
-    """Return the quickest chain of hops from rest to rest; empty if there is none.
+    """Return the fastest chain of speed segments from rest to rest; empty if there is none.
 
     Raises:
         DeadlineExceeded: Time ran out.
-        Canceled: The end was asked for.
+        Canceled: The caller canceled.
     """
     tops = cells.top_speeds()
     caps = np.minimum(np.append(tops, np.inf), np.insert(tops, 0, np.inf))
@@ -110,7 +111,7 @@ def solve_speed_dp(cells: SpeedCells, deadline: Deadline = UNHURRIED) -> list[Sp
 def _quickest(
     cells: SpeedCells, nodes: Any, speeds: Array, deadline: Deadline
 ) -> list[SpeedSegment]:
-    """Return the quickest chain over the given nodes with the given speeds, shape (nodes, k)."""
+    """Return the fastest chain over the given nodes with the given speeds, shape (nodes, k)."""
     speeds = (1 + _NOTCH) ** np.floor(np.log(np.maximum(speeds, 1e-300)) / np.log1p(_NOTCH))
     speeds[[0, -1]] = 0.0
     begins, ends = _pairs(len(nodes))
@@ -151,7 +152,7 @@ def _quickest(
 
 
 def _pairs(num_nodes: int) -> tuple[Any, Any]:
-    """Return both indices of every hop that is tried, by end."""
+    """Return both node indices of every candidate segment, ordered by end."""
     begins, ends = np.meshgrid(np.arange(num_nodes), np.arange(num_nodes))
     tried = (ends > begins) & (ends - begins <= _LONGEST_HOP)
     return begins[tried], ends[tried]
@@ -184,7 +185,7 @@ def _bounds(peaks: Array, speeds: Array, share: float) -> tuple[Array, Array]:
 
 
 def _hop_times(peaks: Array, lengths: Array, before: Array, after: Array) -> tuple[Array, Any]:
-    """Return the time of every hop, infinite where there is none, and the share that gives it."""
+    """Return the duration of every segment, infinite if impossible, and the share that gives it."""
     v0, v1 = before[:, :, None], after[:, None, :]
     is_braking = v0 >= v1
     top, gain = np.where(is_braking, v0, v1), np.abs(v1 - v0)
@@ -199,7 +200,7 @@ def _hop_times(peaks: Array, lengths: Array, before: Array, after: Array) -> tup
                 np.where(is_braking, at_before[n][:, :, None], at_after[n][:, None, :])
                 for n in range(2)
             )
-            # A triangle of acceleration, or a trapezium.
+            # Triangular or trapezoidal acceleration profile.
             ramp = np.where(gain * j < a * a, 2 * np.sqrt(gain / j), gain / a + a / j)
             rest = spare - mean * ramp
             possible = (a > 0) & (j > 0) & (rest >= 0)

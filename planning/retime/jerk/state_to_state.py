@@ -1,4 +1,4 @@
-"""Motions from one state to another, or to rest, by ruckig: the quickest under jerk limits.
+"""State-to-state motions by ruckig: time-optimal transitions, or stops, under jerk limits.
 
 Berscheid and Kroeger, "Jerk-limited real-time trajectory generation with arbitrary target states",
 RSS 2021. Each joint has phases of constant jerk; where a phase of any joint begins, all of them
@@ -19,11 +19,12 @@ from planning.errors import RetimingFailed
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
-# A cycle time is asked for by ruckig's constructor and used only in its online mode [s].
+# Cycle time [s], required by ruckig's constructor and used only in its online mode.
 _CYCLE = 0.01
-# Room above the limits for a state that is on them; the certifier allows for five times as much.
+# Factor on the limits for a state that lies on them; the certifier's tolerance is five times as
+# large.
 _ROOM = 1 + 2e-7
-# Phases that are shorter are none [s].
+# Shortest phase [s]; shorter ones are left out.
 _BRIEF = 1e-9
 _PLAIN = {JointType.REVOLUTE, JointType.CONTINUOUS, JointType.PRISMATIC}
 
@@ -34,10 +35,10 @@ def to_rest(
     state: MotionState,
     bounds: AccelerationBounds = MappingProxyType({}),
 ) -> TimedTrajectory:
-    """Return the quickest stop: every joint brakes by itself, wherever that ends.
+    """Return the fastest stop: every joint brakes independently, wherever it comes to rest.
 
     Raises:
-        RetimingFailed: A joint is planar or floating, or ruckig finds none.
+        RetimingFailed: A joint is planar or floating, or ruckig finds no profile.
     """
     wanted = _input(joints, limits, state, bounds)
     wanted.control_interface = ruckig.ControlInterface.Velocity
@@ -53,10 +54,10 @@ def to_state(
     target: MotionState,
     bounds: AccelerationBounds = MappingProxyType({}),
 ) -> TimedTrajectory:
-    """Return the quickest motion to a state that is moving or not; all joints arrive together.
+    """Return the fastest motion to a target state, moving or at rest; all joints arrive together.
 
     Raises:
-        RetimingFailed: A joint is planar or floating, or ruckig finds none.
+        RetimingFailed: A joint is planar or floating, or ruckig finds no profile.
     """
     wanted = _input(joints, limits, state, bounds)
     wanted.target_position = target.q.tolist()
@@ -108,7 +109,7 @@ def _solved(joints: tuple[Joint, ...], wanted: Any) -> TimedTrajectory:
 
 
 def _breaks(found: Any, duration: float) -> Array:
-    """Return the instants at which some joint begins a phase, and both ends."""
+    """Return the instants at which a phase of any joint begins, and both ends [s]."""
     instants = [0.0, duration]
     for profile in found.profiles[0]:
         phases = [*profile.brake.t, *profile.t]

@@ -1,9 +1,9 @@
-"""Stops that stay on the path of a motion: q(s(t)) with s' falling from 1 to 0.
+"""Stops along the path of a motion: q(s(t)) with s' falling from 1 to 0.
 
 Without limits on jerk s'' is constant on short cells, and on each as low as the rows a u + b x <= 1
-of all limits allow, with x = s'^2 where the cell begins (as toppra's passes have it; here the only
-pass is forward, from x = 1). With them s''' is: s' falls by an S-curve, at once or after a while,
-and of these the one that is over first is taken.
+of all limits allow, with x = s'^2 at the cell's beginning (as in toppra's passes; here the only
+pass is forward, from x = 1). With limits on jerk s' falls by an S-curve, at once or after a delay;
+of these the one that ends first is taken.
 """
 
 from collections.abc import Iterator, Sequence
@@ -26,19 +26,19 @@ from planning.retime.toppra.path_rows import acceleration_rows
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
-# Cells are so long [s], but no more than so many.
+# Width of cells [s], and their largest number.
 _CELL, _MOST_CELLS = 4e-3, 600
-# What is left of the limits of joints, for what happens between the places of a cell.
+# Reserves to the joint limits, for peaks between the evaluated parameters of a cell.
 _ROOM = (2e-3, 1e-2, 5e-2)
-# Pieces shorter than this are none [s], and so are squared rates.
+# Shortest piece [s], and largest squared rate that counts as rest.
 _BRIEF, _STANDS = 1e-9, 1e-14
-# How long an S-curve takes: from this [s], each longer than the one before by so much; the share of
-# that in which s'' sets in, and as long in which it ends; and from how many instants on.
+# Durations of S-curves: shortest [s], and ratio of consecutive ones; shares of the duration in
+# which s'' ramps up, and down again; and number of initial delays.
 _SHORTEST, _STEP, _ONSETS, _WAITS = 0.02, 1.12, (0.08, 0.2, 0.35, 0.5), 8
 _SAMPLES, _AT_ONCE = 48, 64
-# So many are made but for the last.
+# Largest number of stops before the last.
 _MOST = 12
-# Terms of a polynomial that move nothing by more than this on its piece [rad or m] are left out.
+# Smallest effect of a polynomial term on its piece [rad or m]; smaller terms are left out.
 _NOTHING = 1e-13
 
 
@@ -51,21 +51,21 @@ def stops_along(
     *,
     jerk: bool,
 ) -> Iterator[TimedTrajectory]:
-    """Yield stops along the path of a motion, the first the best; the last goes on to its end.
+    """Yield stops along the path of a motion, best first; the last continues to its end.
 
-    Not promised: that they keep the limits between the places that were looked at.
+    Not promised: that they keep the limits between the evaluated parameters.
 
     Args:
         running: The motion; it ends at rest.
         time: When the stop begins, within the motion [s].
-        limits: To keep; the motion keeps them.
-        path_limits: What else it keeps.
-        deadline: When to give up.
-        jerk: Whether jerk is limited, so that s'' begins and ends with 0.
+        limits: Joint limits; the motion keeps them.
+        path_limits: Other limits that the motion keeps.
+        deadline: Time limit.
+        jerk: Whether jerk is limited, so that s'' begins and ends at 0.
 
     Raises:
         DeadlineExceeded: Time ran out.
-        Canceled: The end was asked for.
+        Canceled: The caller canceled.
     """
     rest = _rest(running, time)
     make = _smooth if jerk else _hardest
@@ -77,7 +77,7 @@ def stops_along(
 
 
 def _rest(running: TimedTrajectory, time: float) -> TimedTrajectory:
-    """Return what is left of a motion, a moment at least, without a piece that is none."""
+    """Return the remainder of a motion, at least a moment long, without empty pieces."""
     if running.duration - time < _BRIEF:
         still = np.zeros((1, 1, running.coefficients.shape[2]))
         return TimedTrajectory(running.joints, np.array([0.0, _BRIEF]), running.end[None], still)
@@ -102,7 +102,7 @@ def _hardest(
     try:
         others = [limit.rows(cells) for limit in path_limits]
     except RetimingFailed:
-        # Somewhere the robot cannot stand: what is left is to go on.
+        # The robot cannot rest somewhere: the only stop is to finish the motion.
         return
     for room in _ROOM:
         deadline.check("retime")
@@ -114,14 +114,14 @@ def _hardest(
 
 
 def _lowest(edges: Array, a: Array, b: Array) -> SpeedProfile | None:
-    """Return the profile that brakes as hard as all rows allow; None if it reaches the end."""
+    """Return the profile of hardest braking within all rows; None if it reaches the end."""
     x, phases, widths = 1.0, list[tuple[float, float, float]](), np.diff(edges)
     for i, width in enumerate(widths):
         room = 1 - b[i] * x
         down, up = a[i] < 0, a[i] > 0
         least = float((room[down] / a[i][down]).max(initial=-np.inf))
         most = float((room[up] / a[i][up]).min(initial=np.inf))
-        # What cannot be kept is not made better by braking; the motion itself keeps it.
+        # Braking does not help where rows cannot be satisfied; the motion itself keeps the limits.
         u = min(least, 0.0) if least <= most else 0.0
         rate, after = np.sqrt(x), x + 2 * width * u
         if after <= _STANDS:
@@ -140,7 +140,7 @@ def _smooth(
     path_limits: Sequence[PathLimit],
     deadline: Deadline,
 ) -> Iterator[TimedTrajectory]:
-    """Yield S-curves that keep the limits wherever they are looked at, soonest over first."""
+    """Yield S-curves that keep the limits at all samples, the soonest end first."""
     waits = np.linspace(0.0, rest.duration, _WAITS + 1)[:-1]
     count = int(np.log(max(rest.duration / _SHORTEST, 1.0)) / np.log(_STEP)) + 1
     lasting = _SHORTEST * _STEP ** np.arange(count + 1)
@@ -160,7 +160,7 @@ def _smooth(
 
 
 def _seem_kept(rest: TimedTrajectory, limits: JointLimits, ways: Array) -> Any:
-    """Return which S-curves keep the limits of joints at samples."""
+    """Return which S-curves keep the joint limits at samples."""
     waits, lengths, which = ways.T
     unit = np.stack([_sampled(_s_curve(0.0, 1.0, onset)) for onset in _ONSETS])
     s, v, a, j = np.moveaxis(unit[which.astype(np.int64)], 1, 0)
@@ -193,7 +193,7 @@ def _sampled(profile: SpeedProfile) -> Array:
 
 
 def _s_curve(wait: float, length: float, onset: float) -> SpeedProfile:
-    """Return s' from 1 to 0, with s'' that falls, stays and rises again, after a while."""
+    """Return the profile with s' from 1 to 0 after a delay: s'' falls, is constant, rises again."""
     most = 1 / (length - onset)
     h = np.array([wait, onset, length - 2 * onset, onset])
     j = np.array([0.0, -most / onset, 0.0, most / onset])
@@ -205,7 +205,7 @@ def _s_curve(wait: float, length: float, onset: float) -> SpeedProfile:
 
 
 def _keeps(motion: TimedTrajectory, limits: JointLimits, path_limits: Sequence[PathLimit]) -> bool:
-    """Return whether a stop keeps the limits on acceleration and jerk, and all others."""
+    """Return whether a stop keeps the limits on acceleration and jerk, and the path limits."""
     if any(largest_use(motion, limits, order).fraction > 1 for order in (2, 3)):
         return False
     try:
@@ -216,7 +216,7 @@ def _keeps(motion: TimedTrajectory, limits: JointLimits, path_limits: Sequence[P
 
 
 def _composed(path: JointSpline, profile: SpeedProfile) -> TimedTrajectory:
-    """Return the motion along the path, without the powers that do not count."""
+    """Return the motion along the path, without negligible powers."""
     made = compose(path, profile)
     powers = np.arange(made.coefficients.shape[1])
     sizes = np.abs(made.coefficients).max(axis=2) * profile.h[:, None] ** powers

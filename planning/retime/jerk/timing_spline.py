@@ -1,8 +1,8 @@
-"""The profile whose phases take given times between given places of a path.
+"""TimingSpline: the profile with given durations of phases between given parameters of a path.
 
-It is the cubic spline s(t) through the places at those times that rests, without acceleration, at
-both ends. Speeds, accelerations and jerks follow from a linear system (de Boor, "A practical guide
-to splines", chapter IV), and what they change with the times from the same system.
+It is the cubic spline s(t) through the parameters at those times, at rest and without acceleration
+at both ends. Speeds, accelerations and jerks follow from a linear system (de Boor, "A practical
+guide to splines", chapter IV), and their derivatives by the durations from the same system.
 """
 
 from dataclasses import dataclass
@@ -17,15 +17,16 @@ type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 @dataclass(frozen=True)
 class TimingSpline:
-    """How places are passed by n phases.
+    """A cubic spline s(t) of n phases.
 
     Attributes:
         h: Durations [s], shape (n,).
-        s: Places; the second and the last but one give way to the rests, shape (n + 1,).
+        s: Path parameters between phases, shape (n + 1,); the second and the last but one are
+            determined by the rests at the ends.
         v: ds/dt there [1/s], shape (n + 1,).
-        a: Its derivative there [1/s^2], shape (n + 1,).
-        j: And the next, between them [1/s^3], shape (n,).
-        matrix: Of the system, for a at inner places and s at the two that give way.
+        a: d2s/dt2 there [1/s^2], shape (n + 1,).
+        j: d3s/dt3 on the phases [1/s^3], shape (n,).
+        matrix: Matrix of the linear system, for a at inner parameters and the two determined s.
     """
 
     h: Array
@@ -37,7 +38,7 @@ class TimingSpline:
 
     @classmethod
     def through(cls, h: Array, places: Array) -> "TimingSpline":
-        """Build from durations [s] of at least four phases, and places."""
+        """Build from durations [s] of at least four phases, and path parameters."""
         n = len(h)
         matrix, right = np.zeros((n + 1, n + 1)), np.zeros(n + 1)
         i = np.arange(n - 1)
@@ -50,7 +51,7 @@ class TimingSpline:
             unit = np.zeros(n + 1)
             unit[node] = 1.0
             matrix[:-2, column] = -np.diff(np.diff(unit) / h)
-        # At rest at both ends.
+        # Zero speed at both ends.
         matrix[-2, [0, -2]], right[-2] = (-h[0] / 6, 1 / h[0]), places[0] / h[0]
         matrix[-1, [-3, -1]], right[-1] = (h[-1] / 6, -1 / h[-1]), -places[-1] / h[-1]
         found = np.linalg.solve(matrix, right)
@@ -62,16 +63,16 @@ class TimingSpline:
 
     @property
     def goes_on(self) -> bool:
-        """Whether no place is passed backwards, or stood at."""
+        """Whether s increases over every phase, and ds/dt is positive at all inner parameters."""
         return bool((self.v[1:-1] > 0).all() and (np.diff(self.s) > 0).all())
 
     @property
     def profile(self) -> SpeedProfile:
-        """The same as a profile."""
+        """The spline as a speed profile."""
         return SpeedProfile(self.s, self.v[:-1], self.a[:-1], self.j, self.h)
 
     def derivatives(self) -> Array:
-        """Return those of v, a and j at both ends of all phases by log h, shape (2, n, 3, n)."""
+        """Return the derivatives of v, a, j at both ends of phases by log h, shape (2, n, 3, n)."""
         h, a, steps, n = self.h, self.a, np.diff(self.s), len(self.h)
         i, k = np.arange(n - 1), np.arange(n)
         by = np.zeros((n + 1, n))

@@ -1,4 +1,4 @@
-"""How fast each cell of a path may be entered and left, so that it is nowhere too fast.
+"""Velocity bounds: largest path speeds at both ends of cells that keep velocity limits inside.
 
 Where |r'| is at most m times the chord rho between its ends (m from Bernstein coefficients) and
 x = sdot^2 is linear in s, r'^2 x is largest where
@@ -25,7 +25,7 @@ def speed_caps(
 
     Args:
         sizes: Norms of the Bernstein coefficients of every block's r' on each cell.
-        velocity: The blocks' limits.
+        velocity: Velocity limits of the blocks.
     """
     first, last = sizes[:, 0], sizes[:, -1]
     level = sizes.max(axis=1) ** 2
@@ -42,7 +42,7 @@ def speed_caps(
 
 
 def _bulge(sizes: Array) -> Array:
-    """Return m, shape (n, blocks); infinite or not a number where an end is zero."""
+    """Return m, shape (n, blocks); infinite or NaN where an end is zero."""
     if sizes.shape[1] <= 2:
         return np.ones_like(sizes[:, 0])
     fractions = np.linspace(0.0, 1.0, sizes.shape[1])[None, :, None]
@@ -51,10 +51,10 @@ def _bulge(sizes: Array) -> Array:
 
 
 def _peak_of_chords(first: Array, last: Array) -> Array:
-    """Return M; infinite or not a number where an end is zero."""
+    """Return M; infinite or NaN where an end is zero."""
     ratio = last / first
     gain, loss = ratio - 1, 1 / ratio**2 - 1
-    # The only stationary point of f between the ends; ends that are alike have it in the middle.
+    # The only stationary point of f between the ends; for equal ends it is in the middle.
     tau = (2 * gain + loss) / (-3 * gain * loss)
     tau = np.where((tau > 0) & (tau < 1), tau, 0.5)
     return np.maximum((1 + gain * tau) ** 2 * (1 + loss * tau), 1.0)

@@ -1,1 +1,1 @@
-"""What limits a motion along a path besides the limits of its joints."""
+"""Path limits: limits on a motion along a path other than joint limits (tools, zones, torques)."""

@@ -1,4 +1,4 @@
-"""How fast a rotation R(t) = R_0 exp(delta(t)) turns, when its axis is not fixed.
+"""Angular rate bounds: angular rates of a rotation R(t) = R_0 exp(delta(t)) with a moving axis.
 
 In the body's frame omega = J_r(delta) delta', with the series of the right Jacobian (Sola et al.
 2018, eq. 143): omega = sum_k (-1)^k / (k + 1)! [delta]^k delta', [a] b = a x b. On Taylor
@@ -18,7 +18,7 @@ from planning.retime.polynomials import norms, to_bernstein
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
-# A block's axis counts as fixed if the components across it are relatively smaller.
+# Relative size of components across the axis below which it counts as fixed.
 _FIXED = 1e-13
 _MAX_TERMS = 80
 _SMALL = 1e-17
@@ -35,14 +35,14 @@ def has_moving_axis(coefficients: Float64[np.ndarray, "n k 3"]) -> Any:
 def with_derivatives(
     coefficients: Float64[np.ndarray, "n k 3"], widths: Float64[np.ndarray, " n"], order: int
 ) -> Float64[np.ndarray, "n k d"]:
-    """Return Bernstein coefficients of delta and what `rate_bounds` needs of its derivatives.
+    """Return Bernstein coefficients of delta and of its derivatives, as input of `rate_bounds`.
 
     Taken from the power basis: differences of Bernstein coefficients cancel on short intervals.
 
     Args:
         coefficients: Power basis of delta on each interval [rad], lowest first.
         widths: Lengths of the intervals.
-        order: As of `rate_bounds`.
+        order: Order of the rate, as in `rate_bounds`.
 
     Returns:
         All Taylor coefficients up to index order + 2 side by side, d = 3 (order + 3), as functions
@@ -69,14 +69,14 @@ def rate_bounds(
     Args:
         polynomials: From `with_derivatives`, or halves of those.
         widths: Lengths of the intervals.
-        order: 1 for omega itself, 2 for its first derivative, 3 for its second, which is the
-            larger of what it is in the body's frame and in the world's.
+        order: 1 for omega itself, 2 for its first derivative, 3 for its second: the larger of its
+            values in the body's frame and in the world's.
 
     Returns:
-        Upper bounds, and values that are attained.
+        Upper bounds, and attained values.
     """
     lag = order - 1
-    # The body's frame and the world's differ in what they call the second derivative.
+    # The second derivatives in the body's frame and in the world's differ.
     signs = (-1.0,) if order < 3 else (-1.0, 1.0)
     taylor = polynomials.reshape(*polynomials.shape[:2], order + 3, 3)
     at_ends = [norms(_angular(taylor[:, end], lag, sign)) for end in (0, -1) for sign in signs]
@@ -88,7 +88,7 @@ def rate_bounds(
 
 
 def _angular(taylor: Array, index: int, sign: float) -> Array:
-    """Return the Taylor coefficient of omega with this index, from those of delta.
+    """Return the Taylor coefficient of omega with a given index, from those of delta.
 
     In the body's frame with sign -1, in that of R_0 with +1 (the left Jacobian).
     """

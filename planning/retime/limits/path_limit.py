@@ -1,9 +1,9 @@
-"""PathLimit: what limits a motion along a path besides the limits of its joints.
+"""PathLimit: a limit on a motion along a path other than joint limits; interface for retimers.
 
-Along a path r(s) with x = sdot^2 and u = sddot, the rate of anything that depends on q is linear in
-u and x. A limit tells the retimer that as inequalities on cells of the path, and says afterwards of
-the timed motion by what factor it must be slowed to keep the limit everywhere: cells are looked at
-in a few places only, the motion between them too.
+Along a path r(s) with x = sdot^2 and u = sddot, the rate of any function of q is linear in u and x.
+A limit gives the retimer inequalities on cells of the path, and afterwards the factor by which the
+timed motion must be slowed to keep the limit everywhere: cells are evaluated at a few parameters
+only, the audit of the motion covers those between.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -18,19 +18,19 @@ from planning.domain.request.deadline import Deadline
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
-# Motions stay this share below a path limit, so that a proof needs few samples.
+# Relative reserve of motions to a path limit, so that a proof needs few samples.
 HEADROOM = 2e-3
 
 
 @dataclass(frozen=True)
 class PathUtilization:
-    """How much of a limit a motion uses.
+    """Utilization of a limit by a motion.
 
     Attributes:
-        where: The frame or joint that is limited.
-        factor: The motion that takes this many times as long keeps the limit with `HEADROOM` to
-            spare, and no more; below 1 if it could be quicker.
-        share: Peak over limit of the motion that takes so many times as long.
+        where: The limited frame or joint.
+        factor: Smallest time scaling that keeps the limit with `HEADROOM` in reserve; below 1 if
+            the motion could be faster.
+        share: Peak over limit as a function of the time scaling.
     """
 
     where: str
@@ -41,12 +41,12 @@ class PathUtilization:
     def of_rate(
         cls, where: str, fraction: float, order: int, headroom: float = HEADROOM
     ) -> "PathUtilization":
-        """Build from peak over limit of something that falls with a power of the duration."""
+        """Build from peak over limit of a rate, which scales with a power of the duration."""
         factor = (fraction * (1 + headroom)) ** (1 / order)
         return cls(where, factor, lambda slower: fraction / slower**order)
 
     def slowed(self, factor: float) -> "PathUtilization":
-        """Return the use of the motion that takes so many times as long."""
+        """Return the utilization after scaling the motion's time by a factor."""
         return PathUtilization(
             self.where, self.factor / factor, lambda more: self.share(factor * more)
         )
@@ -54,18 +54,18 @@ class PathUtilization:
 
 @runtime_checkable
 class PathLimit(Protocol):
-    """A limit on a motion along a path.
+    """A limit on a motion along a path (interface).
 
     Attributes:
-        name: Of its kind, such as "tool_speed": key of `RetimeReport.utilisation`, and what the
-            certificate's check begins with.
-        is_uniform: Whether it demands the same all along a straight line in joint space, so that a
+        name: Kind of limit, such as "tool_speed": key of `RetimeReport.utilisation`, and first word
+            of the certificate's check.
+        is_uniform: Whether the limit is constant along a straight line in joint space, so that a
             line may stay one cell; its rows have b = 0 there.
     """
 
     @property
     def name(self) -> str:
-        """Of its kind."""
+        """Kind of limit."""
         ...
 
     @property
@@ -74,27 +74,27 @@ class PathLimit(Protocol):
         ...
 
     def cuts(self, stretch: JointSpline) -> Float64[np.ndarray, " m"]:
-        """Return parameters where what is demanded jumps: cells shall meet there. Often none."""
+        """Return parameters at which the limit jumps: cells need edges there. Often empty."""
         ...
 
     def rows(self, cells: JointSpline) -> tuple[Array, Array]:
         """Return a and b of a u + b x <= 1 on every cell, each shape (cells, rows).
 
-        u is constant on a cell and x is that at its beginning; `path_rows.CellPlaces` makes such
-        rows from those at places in the cells. A limit a u + b x <= c is divided by c, which must
-        be positive: standing still must be allowed.
+        u is constant on a cell and x is the value at its beginning; `path_rows.CellPlaces` converts
+        rows at other parameters of the cells. A limit a u + b x <= c is divided by c, which must be
+        positive: rest must be admissible.
 
         Raises:
-            RetimingFailed: It is not.
+            RetimingFailed: Rest is not admissible.
         """
         ...
 
     def caps(self, cells: JointSpline) -> Float64[np.ndarray, "cells 2"]:
-        """Return bounds on x at both ends of every cell; infinite where there is none."""
+        """Return bounds on x at both ends of every cell; infinite without a bound."""
         ...
 
     def uses(self, trajectory: TimedTrajectory) -> tuple[PathUtilization, ...]:
-        """Return how much of it a motion uses, at all instants, with `HEADROOM` to spare.
+        """Return the utilization by a motion, at all instants, with `HEADROOM` in reserve.
 
         Raises:
             RetimingFailed: No slowing down helps.
@@ -104,20 +104,20 @@ class PathLimit(Protocol):
     def shares(
         self, curve: Curve, times: Float64[np.ndarray, " m"]
     ) -> Mapping[str, Float64[np.ndarray, " m"]]:
-        """Return value over limit at instants of a motion, by what is limited; to explain it."""
+        """Return value over limit at instants of a motion, by limited object; for explanations."""
         ...
 
     def relaxed(self, where: str, factor: float) -> "PathLimit":
-        """Return the limit with so many times as much allowed there, if it limits that."""
+        """Return the limit multiplied by a factor for one object, if it limits that."""
         ...
 
 
 @runtime_checkable
 class PeakLimit(Protocol):
-    """A path limit that bounds the norm of some rate, so that ruckig can be told of it as well."""
+    """A path limit that bounds the norm of a rate, so that the ruckig retimer can use it, too."""
 
     def peaks(self, cells: JointSpline) -> Float64[np.ndarray, "6 cells rates"]:
-        """Return on every cell what `speed_plan` wants of each rate.
+        """Return derivative bounds of each rate on every cell, relative to limits, for `speed_dp`.
 
         The largest |r'| over the limits of velocity, acceleration and jerk, |r''| over those of
         acceleration and jerk, |r'''| over that of jerk; zero where there is no such limit.
@@ -128,12 +128,12 @@ class PeakLimit(Protocol):
 def uses_of(
     path_limits: Sequence[PathLimit], trajectory: TimedTrajectory, deadline: Deadline
 ) -> list[tuple[str, PathUtilization]]:
-    """Return how much of all limits a motion uses, by their names.
+    """Return the names of all limits with their utilization by a motion.
 
     Raises:
         RetimingFailed: No slowing down helps.
         DeadlineExceeded: Time ran out.
-        Canceled: The end was asked for.
+        Canceled: The caller canceled.
     """
     found: list[tuple[str, PathUtilization]] = []
     for limit in path_limits:
@@ -148,9 +148,9 @@ def rows_of(
     """Return the rows of all limits on the same cells.
 
     Raises:
-        RetimingFailed: One does not allow to stand still.
+        RetimingFailed: A limit does not allow rest.
         DeadlineExceeded: Time ran out.
-        Canceled: The end was asked for.
+        Canceled: The caller canceled.
     """
     found: list[tuple[Array, Array]] = []
     for limit in path_limits:

@@ -1,4 +1,4 @@
-"""The path limits of one group that the options of the timing ask for."""
+"""Request limits: the path limits of a group from the timing options of a request."""
 
 import numpy as np
 
@@ -17,7 +17,7 @@ from planning.world.world import World
 
 
 def path_limits(world: World, group: JointGroup, options: RetimeOptions) -> tuple[PathLimit, ...]:
-    """Return what limits motions of a group besides its joints; zones are in world.
+    """Return the path limits on motions of a group; zones are in world.
 
     Raises:
         UnknownName: A frame does not exist.

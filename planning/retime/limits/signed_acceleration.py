@@ -1,4 +1,4 @@
-"""SignedAcceleration: joints that may speed up and slow down by different amounts."""
+"""SignedAcceleration: acceleration limits that differ for speeding up and slowing down."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -18,11 +18,11 @@ type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 @dataclass(frozen=True)
 class SignedAcceleration:
-    """Lowest and highest accelerations of blocks of one coordinate.
+    """Lowest and highest accelerations of scalar blocks.
 
     Attributes:
-        bounds: By name of the block [rad/s^2 or m/s^2].
-        columns: Their indices in v, in the same order.
+        bounds: Lowest and highest acceleration by name of the block [rad/s^2 or m/s^2].
+        columns: Indices of the blocks in v, in the same order.
     """
 
     bounds: AccelerationBounds
@@ -30,16 +30,16 @@ class SignedAcceleration:
 
     @property
     def name(self) -> str:
-        """As the options have it."""
+        """Kind of limit, as in the options."""
         return "acceleration_bounds"
 
     @property
     def is_uniform(self) -> bool:
-        """On a straight line in joint space every joint's acceleration is a multiple of u."""
+        """True: along a line in joint space every joint's acceleration is a multiple of u."""
         return True
 
     def cuts(self, stretch: JointSpline) -> Array:  # noqa: ARG002
-        """Return none."""
+        """Return no cuts."""
         return np.zeros(0)
 
     def rows(self, cells: JointSpline) -> tuple[Array, Array]:
@@ -49,11 +49,11 @@ class SignedAcceleration:
         return places.by_cell(ahead, bend)
 
     def caps(self, cells: JointSpline) -> Array:
-        """Return none."""
+        """Return no bounds."""
         return np.full((cells.num_pieces, 2), np.inf)
 
     def peaks(self, cells: JointSpline) -> Array:
-        """Return the largest derivatives over the smaller of both bounds, which has no sign."""
+        """Return the largest derivatives over the smaller of both bounds, regardless of sign."""
         found = np.zeros((6, cells.num_pieces, len(self.columns)))
         widths = np.diff(cells.breaks)
         for row, order in ((1, 1), (3, 2)):
@@ -72,13 +72,13 @@ class SignedAcceleration:
         )
 
     def shares(self, curve: Curve, times: Array) -> Mapping[str, Array]:
-        """Return acceleration over the bound of its sign."""
+        """Return acceleration over the bound of its sign, by block."""
         shares = self._shares(curve.tangents(times, 2))
         pairs = shares.reshape(len(times), -1, 2).max(axis=2)
         return dict(zip(self._names, pairs.T, strict=True))
 
     def relaxed(self, where: str, factor: float) -> "SignedAcceleration":
-        """Return both bounds of a block times a factor."""
+        """Return the limit with both bounds of a block multiplied by a factor."""
         more = {
             name: (factor * low, factor * high) if name == where else (low, high)
             for name, (low, high) in self.bounds.items()

@@ -1,9 +1,9 @@
-"""The way of a frame's origin along a curve of its group, as polynomials in space.
+"""ToolPath: the path of a frame's origin along a curve of its group, as polynomials in space.
 
 On a short part of the curve the origin's velocity J(q) q' is analytic and nearly a polynomial: it
 is interpolated at Chebyshev points (Trefethen, "Approximation Theory and Approximation Practice",
-2013, theorem 8.2: the error falls geometrically with the degree) and integrated. What is known of
-polynomials and their blocks of coordinates then holds for the frame as it does for joints.
+2013, theorem 8.2: the error falls geometrically with the degree) and integrated. Bounds on
+polynomials and their blocks of coordinates then apply to the frame as to joints.
 """
 
 from functools import cache
@@ -18,24 +18,24 @@ from planning.world.mechanics.tool_kinematics import ToolKinematics
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
-# Parts on which the group moves by this at most (joint-space length) are interpolated at so many
-# points: the error is below 1e-9 of the speed.
+# Longest part (joint-space length), and number of its interpolation points: the error is below 1e-9
+# of the speed.
 _LONGEST, _POINTS = 0.2, 8
 _AXES = tuple(Joint(axis, JointType.PRISMATIC) for axis in ("x", "y", "z"))
 
 
 class ToolPath:
-    """One frame of one group."""
+    """The path of one frame of one group."""
 
     def __init__(self, kinematics: ToolKinematics) -> None:
-        """Remember the last answer only: several limits of one frame ask the same."""
+        """Prepare; only the last result is cached, for several limits of one frame."""
         self._kinematics = kinematics
         self._last: tuple[Curve, JointSpline] | None = None
 
     def along(self, curve: Curve) -> JointSpline:
-        """Return p_WT [m] as a curve over the same parameter, on the same pieces or parts of them.
+        """Return p_WT [m] as a curve over the same parameter, on the same or shorter pieces.
 
-        Pieces on which the group moves little stay whole.
+        Pieces with little motion of the group stay whole.
         """
         if self._last is None or self._last[0] is not curve:
             counts = num_short(curve, _LONGEST)
@@ -61,7 +61,7 @@ class ToolPath:
 
 @cache
 def _interpolation() -> tuple[Array, Array]:
-    """Return Chebyshev points on [0, 1], both ends among them, and values to power basis."""
+    """Return Chebyshev points on [0, 1], both ends included, and the matrix to the power basis."""
     points = (1 - np.cos(np.pi * np.arange(_POINTS) / (_POINTS - 1))) / 2
     return points, np.linalg.inv(points[:, None] ** np.arange(_POINTS))
 

@@ -1,7 +1,7 @@
 """ToolRate: a limit on the speed or the acceleration of a frame's origin.
 
-To the retimer the origin's way is one more curve whose three coordinates are limited together, as
-those of a floating body are: the same rows, caps and audit as for joints.
+For the retimer the origin's path is one more curve whose three coordinates have a common limit, as
+those of a floating body have: the same rows, caps and audit as for joints.
 """
 
 from collections.abc import Mapping
@@ -25,13 +25,13 @@ type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 @dataclass(frozen=True)
 class ToolRate:
-    """At most so much speed (order 1) or acceleration (order 2).
+    """Largest speed (order 1) or acceleration (order 2) of a frame's origin.
 
     Attributes:
-        frame: Full name.
-        path: Of the frame.
-        order: Of the derivative.
-        limit: [m/s or m/s^2].
+        frame: Full name of the frame.
+        path: Path of the frame.
+        order: Order of the derivative.
+        limit: Largest value [m/s or m/s^2].
     """
 
     frame: str
@@ -41,27 +41,27 @@ class ToolRate:
 
     @property
     def name(self) -> str:
-        """As certificates have it."""
+        """Kind of limit, as in certificates."""
         return "tool_speed" if self.order == 1 else "tool_acceleration"
 
     @property
     def is_uniform(self) -> bool:
-        """No: while joints move evenly a tool does not."""
+        """False: the tool's rate varies along a line in joint space."""
         return False
 
     def cuts(self, stretch: JointSpline) -> Array:  # noqa: ARG002
-        """Return none."""
+        """Return no cuts."""
         return np.zeros(0)
 
     def rows(self, cells: JointSpline) -> tuple[Array, Array]:
-        """Return the rows of an acceleration limit."""
+        """Return the rows of an acceleration limit; none for a speed limit."""
         if self.order == 1:
             nothing = np.zeros((cells.num_pieces, 0))
             return nothing, nothing
         return acceleration_rows(self.path.along(cells), self._limits)
 
     def caps(self, cells: JointSpline) -> Array:
-        """Return the caps of a speed limit."""
+        """Return the bounds on x of a speed limit; none for an acceleration limit."""
         if self.order == 2:
             return np.full((cells.num_pieces, 2), np.inf)
         limits = self._limits
@@ -84,11 +84,11 @@ class ToolRate:
         return (PathUtilization.of_rate(self.frame, use.fraction, self.order),)
 
     def shares(self, curve: Curve, times: Array) -> Mapping[str, Array]:
-        """Return the rate over the limit."""
+        """Return the rate over the limit at instants."""
         return {self.frame: norms(self.path.along(curve).tangents(times, self.order)) / self.limit}
 
     def relaxed(self, where: str, factor: float) -> "ToolRate":
-        """Return the limit times a factor, if it is this frame's."""
+        """Return the limit multiplied by a factor, if it is this frame's."""
         return replace(self, limit=self.limit * factor) if where == self.frame else self
 
     @property
@@ -97,6 +97,6 @@ class ToolRate:
 
 
 def together(rate: float) -> JointLimits:
-    """Return limits of all three coordinates of a point in space together."""
+    """Return limits of a point in space, with all three coordinates in one block."""
     free, one = np.full(3, np.inf), np.array([rate])
     return JointLimits(-free, free, one, one, one, one, ((0, 1, 2),))

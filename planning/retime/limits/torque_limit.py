@@ -1,7 +1,7 @@
-"""TorqueLimit: the joints' torques and forces along a path stay within their limits.
+"""TorqueLimit: limits of the joints' torques and forces along a path.
 
 Along r(s) with x = sdot^2 and u = sddot, tau = a u + b x + c (Bobrow, Dubowsky, Gibson, IJRR 1985):
-a = M r', b = M r'' + C(r, r') r', c what holds the robot still. A motion that takes k times as long
+a = M r', b = M r'' + C(r, r') r', c the static load (gravity). A motion that takes k times as long
 takes c + (tau - c) / k^2: gravity does not slow down with it.
 """
 
@@ -26,24 +26,24 @@ from planning.world.mechanics.dynamics import GroupDynamics
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
-# On cells more is left than the audit leaves, for what happens between the places of a cell.
+# Reserve on cells, above the audit's, for peaks between the evaluated parameters of a cell.
 _SPARE = 2 * HEADROOM
-# What is left for motion where gravity is held, at least, as a share of the limit.
+# Smallest share of the limit that gravity must leave for motion.
 _LEAST = 1e-3
-# A motion is looked at twice on so long a way (joint-space length).
+# Step of the audit: two samples per this length (joint-space length).
 _STEP = 0.1
-# A motion that is damped is not made quicker than this by the audit, in 1 / k.
+# Largest speed-up of a damped motion by the audit, in 1 / k, and number of bisections for it.
 _QUICKEST, _BISECTIONS = 2.0, 50
 _TINY = 1e-300
 
 
 @dataclass(frozen=True)
 class TorqueLimit:
-    """Every block's torque or force.
+    """Torque or force limits of all blocks.
 
     Attributes:
-        group: Whose joints.
-        dynamics: What a motion takes of them.
+        group: The joint group.
+        dynamics: Inverse dynamics of the group.
         efforts: Limits by block [N m or N], infinite where there is none, shape (num_blocks,).
     """
 
@@ -53,26 +53,26 @@ class TorqueLimit:
 
     @property
     def name(self) -> str:
-        """Of its kind."""
+        """Kind of limit."""
         return "torque"
 
     @property
     def is_uniform(self) -> bool:
-        """Never: gravity pulls differently along any line."""
+        """False: gravity torques vary along a line."""
         return False
 
     def cuts(self, stretch: JointSpline) -> Float64[np.ndarray, " m"]:  # noqa: ARG002  (none ever)
-        """Return no parameters: nothing jumps where the path does not."""
+        """Return no cuts: torques jump only at breaks of the path."""
         return np.zeros(0)
 
     def caps(self, cells: JointSpline) -> Float64[np.ndarray, "cells 2"]:
-        """Return no bounds on x: the rows have them."""
+        """Return no bounds on x: the rows contain them."""
         return np.full((cells.num_pieces, 2), np.inf)
 
     def rows(self, cells: JointSpline) -> tuple[Array, Array]:
         """Return a and b of a u + b x <= 1 on every cell, each shape (cells, rows).
 
-        The ball of a block of several coordinates becomes a polyhedron within it.
+        For a block of several coordinates the ball is replaced by an inscribed polyhedron.
 
         Raises:
             RetimingFailed: Gravity alone is too much somewhere.
@@ -92,7 +92,7 @@ class TorqueLimit:
         return places.by_cell(np.concatenate(ahead, axis=1), np.concatenate(bend, axis=1))
 
     def uses(self, trajectory: TimedTrajectory) -> tuple[PathUtilization, ...]:
-        """Return how much of each limit a motion uses, looked at in small steps.
+        """Return the utilization of each limit by a motion, sampled in small steps.
 
         Raises:
             RetimingFailed: Gravity alone is too much somewhere.
@@ -122,14 +122,14 @@ class TorqueLimit:
         return {name: norms(efforts[:, indices]) / limit for name, indices, limit in self._limited}
 
     def relaxed(self, where: str, factor: float) -> "TorqueLimit":
-        """Return the limits with so many times as much allowed of one block."""
+        """Return the limits with that of one block multiplied by a factor."""
         efforts = np.array(self.efforts)
         efforts[[name == where for name, _ in self.group.blocks]] *= factor
         return replace(self, efforts=efforts)
 
     @property
     def _limited(self) -> list[tuple[str, list[int], float]]:
-        """Name, coordinates and limit of every block that has one."""
+        """Name, coordinates and limit of every limited block."""
         return [
             (name, list(indices), float(limit))
             for (name, indices), limit in zip(self.group.blocks, self.efforts, strict=True)
@@ -143,7 +143,7 @@ def _positions(curve: Curve, pieces: Any, local: Array) -> Array:
 
 
 def _between(values: Array) -> Array:
-    """Return values at the beginnings, middles and ends of steps, and in between, by parabolas."""
+    """Return values at beginnings, middles and ends of steps, and between them, by parabolas."""
     begin, middle, end = np.split(values, 3)
     early, late = (
         0.375 * first + 0.75 * middle - 0.125 * last for first, last in ((begin, end), (end, begin))
@@ -152,11 +152,12 @@ def _between(values: Array) -> Array:
 
 
 def _factor(held: Array, dragged: Array, pushed: Array, bound: float) -> float:
-    """Return a k from which on |held + dragged / k + pushed / k^2| <= bound at every instant.
+    """Return a time scaling k from which |held + dragged / k + pushed / k^2| <= bound holds.
 
-    Without damping the least: the positive root y = 1 / k^2 of |held + y pushed| = bound, in a form
-    that never cancels. With damping slower is not always less; the quadratic in z = 1 / k keeps the
-    bound on all of [0, z] if its Bernstein coefficients there do.
+    The bound holds at every instant for k or more. Without damping k is the smallest: the positive
+    root y = 1 / k^2 of |held + y pushed| = bound, in a form without cancellation. With damping the
+    torque is not monotonic in k; the quadratic in z = 1 / k keeps the bound on all of [0, z] if its
+    Bernstein coefficients there do.
     """
     if not dragged.any():
         square, along = (np.einsum("ij,ij->i", part, pushed) for part in (pushed, held))
@@ -199,7 +200,7 @@ def _require_held(name: str, torques: Array, bound: float, at: Array) -> None:
 
 @cache
 def _directions(dimensions: int) -> tuple[Array, float]:
-    """Return unit normals of a polyhedron, a row each, and how near its faces are to its centre.
+    """Return unit normals of a polyhedron, a row each, and the distance of its faces to its centre.
 
     Its corners are within the unit ball: of dimension 1 both ends, of 2 a polygon of 24 sides, of 3
     the normals of a cube's faces, edges and corners.
@@ -211,6 +212,6 @@ def _directions(dimensions: int) -> tuple[Array, float]:
         return np.stack([np.cos(angles), np.sin(angles)], axis=1), float(np.cos(np.pi / 24))
     signs = np.array(list(product((-1.0, 0.0, 1.0), repeat=3)))
     normals = signs[np.abs(signs).any(axis=1)]
-    # The direction that is as far from a face's normal as from an edge's and a corner's.
+    # The direction equally far from a face's normal, an edge's and a corner's.
     farthest = np.array([1.0, np.sqrt(2) - 1, np.sqrt(3) - np.sqrt(2)])
     return normals / norms(normals)[:, None], float(1 / np.linalg.norm(farthest))

@@ -1,4 +1,4 @@
-"""ZoneSpeed: a limit on the speed of a frame's origin while it is in a box."""
+"""ZoneSpeed: a limit on the speed of a frame's origin inside a box (speed zone)."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -20,24 +20,24 @@ from planning.retime.polynomials import halved, norms, to_bernstein
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
-# Motions are slow this far before the box already, so that a proof can tell before from in [m].
+# Distance before the box at which motions are slow already, so that a proof can separate the box
+# from its outside [m].
 _BEFORE = 1e-4
-# What may be in the box is looked at from the nearest first: where cells are cut, which of them are
-# capped, and what is audited, each with some less of that distance than the one before, so that a
-# cell that ends at the box is not taken to be in it.
+# Shares of that distance by which the box is enlarged: for cutting cells, for capping them, and for
+# the audit. They decrease so that a cell that ends at the box is not taken to be in it.
 _CUT, _CAPPED, _AUDITED = 1.0, 0.75, 0.5
-# Parts that may be partly in a box are halved so often.
+# Number of halvings of parts that may be partly in a box.
 _HALVINGS = 14
 
 
 @dataclass(frozen=True)
 class ZoneSpeed:
-    """At most so much speed in a box.
+    """Largest speed of a frame's origin inside a box.
 
     Attributes:
         zone: The box in world.
-        path: Of the frame.
-        speed: [m/s].
+        path: Path of the frame.
+        speed: Speed limit [m/s].
     """
 
     zone: SpeedZone
@@ -46,27 +46,27 @@ class ZoneSpeed:
 
     @property
     def name(self) -> str:
-        """As certificates have it."""
+        """Kind of limit, as in certificates."""
         return "speed_zone"
 
     @property
     def is_uniform(self) -> bool:
-        """No: a line may lead into the box."""
+        """False: a line may lead into the box."""
         return False
 
     def cuts(self, stretch: JointSpline) -> Array:
-        """Return where the origin enters and leaves."""
+        """Return the parameters at which the origin enters and leaves the box."""
         visits = _visits(self.zone, self.path.along(stretch), _CUT * _BEFORE)
         edges, counts = np.unique(np.concatenate([visits.low, visits.high]), return_counts=True)
         return edges[counts == 1]
 
     def rows(self, cells: JointSpline) -> tuple[Array, Array]:
-        """Return none."""
+        """Return no rows."""
         nothing = np.zeros((cells.num_pieces, 0))
         return nothing, nothing
 
     def caps(self, cells: JointSpline) -> Array:
-        """Return the caps on the cells that are in the box, if only partly."""
+        """Return the bounds on x of cells that are at least partly in the box."""
         along, limits = self.path.along(cells), together(self.speed / (1 + HEADROOM))
         caps = speed_caps(block_sizes(along, limits, 1), limits.velocity)
         return np.where(self._are_in(along)[:, None], caps, np.inf)
@@ -80,13 +80,13 @@ class ZoneSpeed:
         return found
 
     def _are_in(self, along: JointSpline) -> Any:
-        """Return whether each piece is in the box, if only partly."""
+        """Return whether each piece is at least partly in the box."""
         is_in = np.zeros(along.num_pieces, dtype=bool)
         is_in[_visits(self.zone, along, _CAPPED * _BEFORE).pieces] = True
         return is_in
 
     def uses(self, trajectory: TimedTrajectory) -> tuple[PathUtilization, ...]:
-        """Return the largest speed over the limit on all that may be in the box."""
+        """Return the largest speed over the limit on all parts that may be in the box."""
         along = self.path.along(trajectory)
         visits = _visits(self.zone, along, _AUDITED * _BEFORE)
         if not len(visits.low):
@@ -102,18 +102,18 @@ class ZoneSpeed:
         return {self.zone.name: np.where(is_in, norms(along.tangents(times, 1)) / self.speed, 0.0)}
 
     def relaxed(self, where: str, factor: float) -> "ZoneSpeed":
-        """Return the limit times a factor, if it is this zone's."""
+        """Return the limit multiplied by a factor, if it is this zone's."""
         return replace(self, speed=self.speed * factor) if where == self.zone.name else self
 
 
 @dataclass(frozen=True)
 class _Visits:
-    """Parts of pieces, in order, outside of which a point is outside a box.
+    """Parts of pieces, in order, that contain all visits of a point to a box.
 
     Attributes:
-        pieces: Whose parts, shape (n,).
-        low: Where each begins, in the curve's parameter.
-        high: Where it ends.
+        pieces: Index of the piece of each part, shape (n,).
+        low: Beginning of each part, in the curve's parameter.
+        high: End of each part.
     """
 
     pieces: Any
@@ -121,16 +121,16 @@ class _Visits:
     high: Array
 
     def of(self, curve: JointSpline) -> JointSpline:
-        """Return these parts of the curve put together, with a parameter of their own."""
+        """Return these parts of the curve joined, with a parameter of their own."""
         local = shifted(curve.coefficients[self.pieces], self.low - curve.breaks[self.pieces])
         breaks = np.append(0.0, np.cumsum(self.high - self.low))
         return JointSpline(curve.joints, breaks, curve.bases[self.pieces], local)
 
 
 def _visits(zone: SpeedZone, curve: JointSpline, before: float) -> _Visits:
-    """Return when a point that moves along a curve may be in a box, or this far before it [m].
+    """Return the parts of a curve on which a point may be within `before` of a box [m].
 
-    By Bernstein coefficients in the box's axes: all of them beyond a face, and so is the curve.
+    By Bernstein coefficients in the box's axes: if all are beyond a face, so is the curve.
     """
     half = zone.box.size / 2 + before
     pieces = np.arange(curve.num_pieces)
@@ -153,6 +153,6 @@ def _visits(zone: SpeedZone, curve: JointSpline, before: float) -> _Visits:
 
 
 def _in_box(zone: SpeedZone, points: Array) -> Array:
-    """Return points in the box's axes, from its middle."""
+    """Return points in the box's axes, relative to its centre."""
     pose = zone.box.pose
     return (points - pose.position) @ rotation.matrix(pose.quaternion)

@@ -1,1 +1,1 @@
-"""Time-optimal profiles under velocity and acceleration limits, by TOPP-RA."""
+"""TOPP-RA retiming: time-optimal profiles under velocity and acceleration limits."""

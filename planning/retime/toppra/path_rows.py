@@ -1,10 +1,10 @@
-"""Acceleration limits along a path, as linear inequalities in x = sdot^2 and u = sddot.
+"""Path rows: acceleration limits along a path, as linear inequalities in x = sdot^2 and u = sddot.
 
 With x at a cell's beginning and u constant on it, sdot^2 = x + 2 D u at a distance D into it,
 where q'' = r' u + r'' (x + 2 D u). A scalar coordinate gives two inequalities. A block of several
 has |q''| <= limit: q'' lies in the plane of r' and r'', in fact in the half of it with p >= 0 for
-p = w (x + 2 D u), w = |r'' - (r'' . n) n|, n = r' / |r'|; there the disc is replaced by a polygon
-with corners on it, one of them for motion straight ahead.
+p = w (x + 2 D u), w = |r'' - (r'' . n) n|, n = r' / |r'|; there the disc is replaced by an
+inscribed polygon, with one corner in the direction of r'.
 """
 
 from dataclasses import dataclass
@@ -18,8 +18,8 @@ from planning.retime.smooth_pieces import path_derivatives
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
-# Where in each cell the limits are demanded. If r is quadratic, q'' is linear in D, and |q''| is
-# largest at an end.
+# Fractions of each cell at which limits are imposed. If r is quadratic, q'' is linear in D, and
+# |q''| is largest at an end.
 _PLACES = np.array([0.0, 0.5, 1.0])
 _ENDS = np.array([0.0, 1.0])
 # Sides of the half polygon; it lacks at most 1 - cos(pi / 24), 0.9 %, of the disc's radius.
@@ -30,12 +30,13 @@ _APOTHEM = np.cos(np.pi / (2 * _SIDES))
 
 @dataclass(frozen=True)
 class CellPlaces:
-    """Places in the cells of a path, where limits are demanded.
+    """Parameters in the cells of a path at which limits are imposed.
 
     Attributes:
         cells: The path in cells.
-        pieces: The cell that each place is in, shape (n,): each place of all cells in turn.
-        local: How far into it, in the path's parameter, shape (n,).
+        pieces: Index of the cell of each place, shape (n,): the first place of all cells, then the
+            next.
+        local: Path parameter since the beginning of the cell, shape (n,).
     """
 
     cells: JointSpline
@@ -44,7 +45,7 @@ class CellPlaces:
 
     @classmethod
     def of(cls, cells: JointSpline) -> "CellPlaces":
-        """Return both ends and the middle of every cell; ends alone if they say all."""
+        """Build with both ends and the middle of every cell; the ends alone if they suffice."""
         is_quadratic = cells.manifold.is_flat and not cells.coefficients[:, 3:].any()
         places = _ENDS if is_quadratic else _PLACES
         steps = np.diff(cells.breaks)
@@ -57,9 +58,9 @@ class CellPlaces:
         return path_derivatives(self.cells, self.pieces, self.local)
 
     def by_cell(self, ahead: Array, bend: Array) -> tuple[Array, Array]:
-        """Return the rows of the cells from those of places, ahead u + bend x(place) <= 1.
+        """Return the rows of cells from rows ahead u + bend x(place) <= 1 of their places.
 
-        With x at a cell's beginning, that at a place which is D farther on is x + 2 D u.
+        With x at a cell's beginning, its value at a distance D is x + 2 D u.
         """
         count = len(self.local) // self.cells.num_pieces
         ahead = ahead + 2 * self.local[:, None] * bend
@@ -69,7 +70,7 @@ class CellPlaces:
 def acceleration_rows(cells: JointSpline, limits: JointLimits) -> tuple[Array, Array]:
     """Return a and b of a u + b x <= 1 on every cell, each shape (cells, rows).
 
-    Blocks that nowhere move have no rows.
+    Blocks without motion have no rows.
     """
     places = CellPlaces.of(cells)
     rate, curvature = places.derivatives
@@ -121,6 +122,6 @@ def _in_plane(rate: Array, curvature: Array) -> tuple[Array, Array, Array]:
 
 
 def _side_by_side(rows: Array, num_places: int) -> Array:
-    """Return what is demanded of one cell at its places in one row."""
+    """Return the rows of all places of a cell in one row."""
     by_place = rows.reshape(num_places, -1, rows.shape[1])
     return by_place.transpose(1, 0, 2).reshape(by_place.shape[1], -1)

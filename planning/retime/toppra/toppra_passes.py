@@ -1,10 +1,10 @@
-"""The two passes of TOPP-RA over given cells of a path, with toppra's linear programs.
+"""TOPP-RA passes: backward and forward pass over cells of a path, with toppra's LP solver.
 
 Pham and Pham, "A new approach to time-optimal path parameterization based on reachability
-analysis", T-RO 2018. Backwards, the set of squared speeds from which the end can be reached; then
-forwards, the greatest of them. Rest is always among them, because the limits are symmetric: the
-sets begin at zero, and half of toppra's own programs need not be solved. Its class does more than
-that around every program; only its solver is used here.
+analysis", T-RO 2018. The backward pass computes the controllable sets of squared speeds; the
+forward pass takes the greatest of them. Rest is always controllable, because the limits are
+symmetric: the sets begin at zero, and half of toppra's own linear programs need not be solved.
+    toppra's class has more overhead around every program; only its solver is used here.
 """
 
 from math import isfinite, isnan
@@ -23,8 +23,8 @@ from planning.retime.toppra.toppra_solver import (
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
-# As in toppra: a speed that was reached, less this, can be gone on from in spite of rounding; if
-# it still cannot, some more is taken away, so often.
+# As in toppra: a reached speed is lowered by this, so that it stays controllable in spite of
+# rounding; if it is not, it is lowered further, this number of times.
 _ROUNDING = 1e-8
 _TRIES = 10
 _FREE = float("nan")
@@ -41,7 +41,7 @@ def squared_speeds(
         edges: Path parameter, increasing.
         rows: a and b of the limits a u + b x <= 1 on every cell, u = d2s/dt2, x at its beginning.
             They must allow u = 0 at x = 0. Numbers should be of order one.
-        caps: Upper bounds on x.
+        caps: Upper bounds on x at the edges.
 
     Raises:
         RetimingFailed: toppra finds none.
@@ -49,7 +49,7 @@ def squared_speeds(
     solver = seidelWrapper([_Bounds(rows, caps)], None, edges, solve_lp1d=True)
     steps = (2 * np.diff(edges)).tolist()
     reach = _controllable(solver, len(steps))
-    # A sum is a number only if all of them are: toppra's solver says "none" by not a number.
+    # A sum is finite only if all terms are: toppra's solver returns NaN if there is no solution.
     x = np.array(_greedy(solver, steps, reach)) if isfinite(sum(reach)) else np.array(_FREE)
     if not np.isfinite(x).all():
         message = "toppra finds no speed profile along the path"
@@ -58,7 +58,7 @@ def squared_speeds(
 
 
 def _controllable(solver: Any, count: int) -> list[float]:
-    """Return the greatest x at every edge from which the path's end can be reached."""
+    """Return the greatest controllable x at every edge (backward pass)."""
     solve = solver.solve_stagewise_optim
     # Greatest x; among equals, the smallest u.
     objective = np.array([1e-9, -1.0])
@@ -69,7 +69,7 @@ def _controllable(solver: Any, count: int) -> list[float]:
 
 
 def _greedy(solver: Any, steps: list[float], reach: list[float]) -> list[float]:
-    """Return the greatest x at every edge, from rest on."""
+    """Return the greatest x at every edge, from rest on (forward pass)."""
     solve = solver.solve_stagewise_optim
     objective = np.array([0.0, -1.0])
     x = [0.0] * len(reach)
@@ -87,7 +87,7 @@ def _greedy(solver: Any, steps: list[float], reach: list[float]) -> list[float]:
 
 
 class _Bounds(LinearConstraint):
-    """The rows, as toppra wants them."""
+    """Constraint rows in toppra's format."""
 
     def __init__(self, rows: tuple[Array, Array], caps: Array) -> None:
         super().__init__()
@@ -101,7 +101,7 @@ class _Bounds(LinearConstraint):
     def compute_constraint_params(
         self, path: Any, gridpoints: Array, *args: Any, **kwargs: Any
     ) -> tuple[Any, ...]:
-        # Nothing follows the last grid point; toppra wants rows for it all the same.
+        # toppra needs rows for the last grid point as well, though no cell follows it.
         a, b = (np.concatenate([part, part[-1:]]) for part in self._rows)
         count = a.shape[1]
         bounds = np.stack([np.zeros_like(self._caps), self._caps], axis=1)

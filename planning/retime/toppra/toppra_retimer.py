@@ -1,9 +1,9 @@
-"""Time-optimal profiles under velocity and acceleration limits, by TOPP-RA.
+"""TOPP-RA retimer: time-optimal profiles under velocity and acceleration limits.
 
 Only the speeds at the edges of cells are taken from toppra. A curve is cut into cells on which s(t)
-has constant acceleration. A line is one cell: its limits are the same all along, so that speeds at
-both ends that one acceleration can connect are all that toppra must find, and what is quickest in
-between has a closed form. q(t) = r(s(t)) is composed exactly: the motion never leaves the path.
+has constant acceleration. A line is one cell: its limits are constant along it, so that toppra need
+only find speeds at both ends that one acceleration can connect; the fastest motion in between has a
+closed form (`line_profile`). q(t) = r(s(t)) is composed exactly: the motion never leaves the path.
 """
 
 from collections.abc import Sequence
@@ -28,22 +28,22 @@ from planning.retime.toppra.toppra_passes import squared_speeds
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
-# Cells of a curve, and how many more if it turns by one radian.
+# Smallest number of cells of a curve, additional ones per radian of turn, and the largest number.
 _LEAST, _PER_TURN, _MOST = 2, 6, 64
-# Where nothing is a line every cell costs some time, so they are cut into so many. Durations of
-# refined curves are within 0.15 % of what many more cells give, of wild ones within 2 %.
+# Factor on the number of cells where nothing is a line, as every cell costs some time. Durations
+# are within 0.15 % of those with many more cells, on strongly curved paths within 2 %.
 _FINER = 2
-# Limits that change along a line are demanded on cells no longer than this (joint-space length), so
-# many at least.
+# Longest cell for limits that change along a line (joint-space length), and smallest number of
+# cells.
 _LONGEST, _LEAST_CELLS = 0.06, 32
-# Cells in which the acceleration should jump are cut into so many, until that costs less than this
-# share of the duration, or so often.
+# Refinement of cells in which the acceleration should jump: number of parts, share of the duration
+# at which it stops, and number of rounds.
 _SPLIT, _COST, _ROUNDS = 4, 3e-4, 3
-# Squared speeds beyond this, in toppra's units of order one, are unbounded to it.
+# Squared speed that stands for no bound, in toppra's units of order one.
 _UNBOUNDED = 1e6
-# Rows smaller than this limit nothing.
+# Smallest row that counts as a limit.
 _LEAST_ROW = 1e-300
-# Cells on which r' is this small relative to its largest count as if it were larger.
+# Smallest r' of a cell relative to the largest; smaller values are replaced by it.
 _STANDSTILL = 1e-9
 
 
@@ -53,12 +53,12 @@ def toppra_profile(
     path_limits: Sequence[PathLimit] = (),
     deadline: Deadline = UNHURRIED,
 ) -> SpeedProfile:
-    """Return the quickest rest-to-rest profile along a smooth stretch.
+    """Return the fastest rest-to-rest profile along a smooth piece.
 
     Raises:
-        RetimingFailed: toppra finds none, or a path limit does not allow to stand still.
+        RetimingFailed: toppra finds none, or a path limit does not allow rest.
         DeadlineExceeded: Time ran out.
-        Canceled: The end was asked for.
+        Canceled: The caller canceled.
     """
     is_line = ~stretch.coefficients[:, 2:].any(axis=(1, 2))
     if all(limit.is_uniform for limit in path_limits):
@@ -91,7 +91,7 @@ def _profile(
     path_limits: Sequence[PathLimit],
     deadline: Deadline,
 ) -> SpeedProfile:
-    """Return the quickest profile that has constant acceleration on all cells but lines.
+    """Return the fastest profile with constant acceleration on all cells but lines.
 
     Raises:
         RetimingFailed: As `toppra_profile`.
@@ -106,8 +106,8 @@ def _profile(
     lines = LineLimits(is_line, speed, *_line_pushes(acceleration, others))
     if cells.num_pieces == 1 and is_line[0]:
         return profile_between(cells.breaks, np.zeros(2), lines)
-    # In units of the least time that a path as fast as allowed would take, toppra's numbers are
-    # of order one, as its absolute tolerances want them.
+    # In units of the duration at the velocity limits, toppra's numbers are of order one, as its
+    # absolute tolerances require.
     unit = float((np.diff(cells.breaks) / speed).sum())
     caps = _at_edges(speed_caps(sizes, limits.velocity) * unit**2)
     a, b = acceleration_rows(cells, limits)
@@ -123,7 +123,7 @@ def _profile(
 
 
 def _line_pushes(acceleration: Array, rows: list[tuple[Array, Array]]) -> tuple[Array, Array]:
-    """Return the largest d2s/dt2 and -d2s/dt2 on cells if they are lines, where all b are zero."""
+    """Return the largest d2s/dt2 and -d2s/dt2 on cells that are lines, where all b are zero."""
     up = down = acceleration
     for a, _ in rows:
         most = np.maximum(a.max(axis=1, initial=0.0), _LEAST_ROW)
@@ -133,24 +133,24 @@ def _line_pushes(acceleration: Array, rows: list[tuple[Array, Array]]) -> tuple[
 
 
 def _at_edges(caps: Array) -> Array:
-    """Return the least of bounds at both ends of cells, at their edges."""
+    """Return the smaller bound of both adjacent cells at each edge."""
     return np.minimum(np.append(caps[:, 0], _UNBOUNDED), np.insert(caps[:, 1], 0, _UNBOUNDED))
 
 
 def _short_edges(
     stretch: JointSpline, cells: JointSpline, path_limits: Sequence[PathLimit]
 ) -> Array:
-    """Return edges of cells on which limits change little, and where none jumps."""
+    """Return edges of cells with little change of limits inside, and jumps only at edges."""
     longest = min(_LONGEST, float(ways(cells).sum()) / _LEAST_CELLS)
     edges = even_edges(cells.breaks, num_short(cells, longest))
     return with_cuts(edges, [limit.cuts(stretch) for limit in path_limits])
 
 
 def _sharper_edges(profile: SpeedProfile) -> Array:
-    """Return the edges with more of them where the acceleration jumps in the midst of a cell.
+    """Return the edges with additional ones where the acceleration jumps inside a cell.
 
-    Squared speeds are linear on cells: with a jump D of their slope inside one of width w, the best
-    x is larger by up to w D / 4, which costs that over x^1.5 times w / 2 of time.
+    Squared speeds are linear on cells: with a jump D of their slope inside one of width w, the
+    optimal x is larger by up to w D / 4; the lost time is that over x^1.5 times w / 2.
     """
     widths, pushes = np.diff(profile.s), profile.a
     jumps = np.abs(np.diff(2 * pushes))
@@ -162,7 +162,7 @@ def _sharper_edges(profile: SpeedProfile) -> Array:
 
 
 def _in_cells(stretch: JointSpline, is_line: Any, finer: int) -> tuple[JointSpline, Any]:
-    """Return the stretch cut into cells, and whose piece each is."""
+    """Return the smooth piece cut into cells, and the piece of each cell."""
     counts = np.where(is_line, 1, finer * _num_cells(stretch))
     widths = np.diff(stretch.breaks)
     owners = np.repeat(np.arange(len(counts)), counts)
@@ -174,7 +174,7 @@ def _in_cells(stretch: JointSpline, is_line: Any, finer: int) -> tuple[JointSpli
 
 
 def _num_cells(stretch: JointSpline) -> Any:
-    """Return how many cells to cut each piece into if it is no line, more the more it turns."""
+    """Return the number of cells of each curved piece, more for larger changes of direction."""
     degrees = np.arange(stretch.coefficients.shape[1])
     if len(degrees) < 3:
         return np.ones(stretch.num_pieces, dtype=int)

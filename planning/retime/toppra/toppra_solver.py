@@ -1,7 +1,7 @@
-"""toppra's linear programs, without all that importing toppra's front door imports.
+"""toppra solver: toppra's linear programs, without importing the rest of toppra.
 
-The package as such imports pyplot, for methods that draw: a third of the time in which a process
-gets ready to plan. Here that is deferred until something is asked of it that only it has.
+Importing the toppra package imports pyplot, for methods that draw: a third of the start-up time of
+a planning process. Here that import is deferred until an attribute is used that needs it.
 """
 
 import logging
@@ -13,7 +13,7 @@ from typing import Any, override
 
 
 class _DeferredPackage(ModuleType):
-    """A package whose own code runs when something is asked for that is not there yet."""
+    """A package whose own code runs at the first access to an attribute that is missing."""
 
     @override
     def __getattr__(self, name: str) -> Any:
@@ -25,7 +25,7 @@ class _DeferredPackage(ModuleType):
 
 
 def _defer(name: str) -> None:
-    """Let parts of a package be imported without its own code, if that has not run yet."""
+    """Allow imports of submodules without running the package's own code, unless it already ran."""
     spec = find_spec(name)
     if name not in sys.modules and spec is not None:
         package = module_from_spec(spec)
