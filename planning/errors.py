@@ -33,7 +33,7 @@ WayproofError                 code, detail, evidence; pickles, so it crosses pro
 
 from collections.abc import Iterable, Mapping
 from difflib import get_close_matches
-from typing import Any, ClassVar, Self, override
+from typing import Any, ClassVar, override
 
 type Evidence = Mapping[str, Any]
 
@@ -132,12 +132,13 @@ class PlanningFailure(WayproofError):
     def __reduce__(self) -> tuple[Any, ...]:
         return *super().__reduce__(), {"stage": self.stage, "timings": self.timings}
 
-    def in_stage(self, stage: str) -> Self:
+    # Not Self, which beartype knows in decorated classes only.
+    def in_stage[F: "PlanningFailure"](self: F, stage: str) -> F:  # noqa: PYI019
         """Return itself, told where it happened."""
         self.stage = stage
         return self
 
-    def saying(self, detail: str, more: Evidence) -> Self:
+    def saying[F: "PlanningFailure"](self: F, detail: str, more: Evidence) -> F:  # noqa: PYI019
         """Return the same failure in other words and with more evidence, of the same stage."""
         told = type(self)(detail, {**self.evidence, **more}).in_stage(self.stage)
         told.timings = self.timings

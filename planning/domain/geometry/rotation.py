@@ -130,8 +130,8 @@ def _cross(a: Array, b: Array) -> Array:
     return _stacked(_crossed([a[..., i] for i in range(3)], [b[..., i] for i in range(3)]))
 
 
-def _stacked(components: Sequence[Array]) -> Array:
-    """Return components, all of one shape, along a last axis."""
+def _stacked(components: Sequence[Array | np.float64]) -> Array:
+    """Return components, all of one shape or all numbers, along a last axis."""
     stacked = np.empty((*components[0].shape, len(components)))
     for i, component in enumerate(components):
         stacked[..., i] = component
