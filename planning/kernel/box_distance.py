@@ -1,4 +1,4 @@
-"""The distance of two boxes, exactly.
+"""Distances of pairs of boxes, exact, and their separating slabs.
 
 Two convex polytopes that do not overlap are nearest at a corner of one and any point of the other,
 or at an edge of each (Ericson, "Real-Time Collision Detection", 2005, section 5.1). All of these
@@ -28,10 +28,10 @@ def box_distances(
     half_b: Float64[np.ndarray, "n 3"],
     X_WB: Float64[np.ndarray, "n 4 4"],
 ) -> tuple[Float64[np.ndarray, " n"], Float64[np.ndarray, "n 2 3"]]:
-    """Return the distances of pairs of boxes, and the nearest points of both in world.
+    """Return the distances of pairs of boxes [m], and the nearest points of both in world.
 
-    Not promised: how deep boxes are that overlap. Their distance is the smallest that was met
-    between corners and edges: zero if a corner of one is in the other. `box_gaps` knows.
+    Not promised: the penetration depth of boxes that overlap. Their distance is then the smallest
+    between corners and edges: zero if a corner of one is in the other. `box_gaps` has the depth.
 
     Args:
         half_a: Half sizes of the first boxes [m].
@@ -55,10 +55,10 @@ def box_gaps(
     half_b: Float64[np.ndarray, "n 3"],
     X_WB: Float64[np.ndarray, "n 4 4"],
 ) -> Float64[np.ndarray, " n"]:
-    """Return the widest slabs between pairs of boxes [m]; negative is how deep they overlap.
+    """Return the widest slabs between pairs of boxes [m]; negative is the depth of overlap.
 
-    Two boxes are separate if a slab across an axis of one, or across an edge of each, separates
-    them (Gottschalk, Lin, Manocha, "OBBTree", 1996).
+    Separating axis test: two boxes are separate if a slab across an axis of one, or across an edge
+    of each, separates them (Gottschalk, Lin, Manocha, "OBBTree", 1996).
 
     Args:
         half_a: Half sizes of the first boxes [m].

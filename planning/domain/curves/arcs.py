@@ -77,7 +77,7 @@ def _rates(yaw: Array, velocity: Array, turn: Array) -> tuple[Array, Array]:
 
 def _hermite(shift: Array, v0: Array, a0: Array, v1: Array, a1: Array) -> Array:
     """Return polynomials on [0, 1] from 0 to `shift` with given derivatives at both ends."""
-    # What the start alone would give is missed at the end by so much.
+    # Residuals at the end of each piece of the polynomial that meets the start's values alone.
     p, v, a = shift - v0 - a0 / 2, v1 - v0 - a0, a1 - a0
     last = (10 * p - 4 * v + a / 2, -15 * p + 7 * v - a, 6 * p - 3 * v + a / 2)
     return np.stack([np.zeros_like(shift), v0, a0 / 2, *last], axis=1)

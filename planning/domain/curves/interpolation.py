@@ -50,7 +50,7 @@ def trajectory_through(
         columns = [np.zeros_like(steps), v0, a0 / 2, c3]
     else:
         a0, a1 = accelerations[:-1], accelerations[1:]
-        # What the start alone would give is missed at the end by so much.
+        # Residuals at the end of each piece of the polynomial that meets the start's values alone.
         p = steps - v0 * h - a0 * h**2 / 2
         v = (v1 - v0 - a0 * h) * h
         a = (a1 - a0) * h**2
@@ -84,7 +84,7 @@ def polyline_through(
 
 
 def _displacements(joints: tuple[Joint, ...], positions: Array) -> Array:
-    """Return the displacement from each sample to the next, whole turns included, shape (n - 1, nv)."""
+    """Return the displacement from each sample to the next, whole turns kept, shape (n - 1, nv)."""
     steps = Manifold.of(joints).minus(positions[1:], positions[:-1])
     plain = np.diff(positions, axis=0)
     at_q = at_v = 0

@@ -140,7 +140,7 @@ def _bent(curve: TimedTrajectory, knots: Knots, states: tuple[Array, Array, Arra
         wanted = 2 * (v[j] - v[i]) - before * a[i] - after * a[j]
         rows = slice(0 if m == 0 else knots.pieces[i], knots.pieces[j] + 1)
         begins, ends = bend[rows, 0], evaluated(bend[rows], curve.widths[rows])
-        # Of the pieces before and after what counts is where they end and where they begin.
+        # Of the piece before only its end counts, of the piece after only its beginning.
         there = [begins if m == 0 else begins[1:], ends if m == last else ends[:-1], a[[i, j]]]
         every = np.concatenate(there)
         chosen[m] = np.clip(wanted / (before + after), every.min(axis=0), every.max(axis=0))
@@ -150,7 +150,7 @@ def _bent(curve: TimedTrajectory, knots: Knots, states: tuple[Array, Array, Arra
 def _ramped(
     curve: TimedTrajectory, knots: Knots, states: tuple[Array, Array, Array]
 ) -> tuple[Array, Array, Array]:
-    """Return the states with linear accelerations on ramps, and all later states shifted to match."""
+    """Return the states with linear accelerations on ramps, and later states shifted to match."""
     (q, v, a), times = states, knots.times
     i, j = knots.ramps, knots.ramps + 1
     h = (times[j] - times[i])[:, None]

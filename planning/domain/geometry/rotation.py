@@ -82,7 +82,7 @@ def from_matrix(r: Float64[np.ndarray, "3 3"]) -> Float64[np.ndarray, "4"]:
 
 def from_rpy(rpy: Float64[np.ndarray, "3"]) -> Float64[np.ndarray, "4"]:
     """Return the unit quaternion of roll, pitch, yaw [rad] about fixed x, y, z (URDF's)."""
-    # What `exp` gives of turns about one axis each, without its stacks: scenes have thousands.
+    # Product of `exp` of rotations about one axis each, without stacks: scenes have thousands.
     half_sinc = 0.5 * np.sinc(np.abs(rpy) / (2 * np.pi))
     nil = (half_sinc * 0.0).tolist()
     w, s = np.cos(np.abs(rpy) / 2).tolist(), (half_sinc * rpy).tolist()
