@@ -50,7 +50,7 @@ class Solid:
 
     @property
     def dust(self) -> float:
-        """Rounding margin [m]: larger than rounding errors of lengths computed from the shape's own."""
+        """Rounding margin [m]: larger than rounding errors of lengths computed from the shape's."""
         return 1e-9 * float(np.abs([self.low, self.high]).max())
 
     def depth(self, points: Float64[np.ndarray, "n 3"]) -> Float64[np.ndarray, " n"]:
