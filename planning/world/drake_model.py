@@ -121,7 +121,7 @@ class DrakeModel:
         q: Float64[np.ndarray, "*n nq"],
         state: Float64[np.ndarray, " num_positions"],
     ) -> Array:
-        """Return full configurations: the group at q, mimic joints following, the rest at `state`."""
+        """Return full configurations: the group at q, mimics following, the rest at `state`."""
         full = np.broadcast_to(state, (*q.shape[:-1], len(state))).copy()
         full[..., self.position_indices(group)] = q
         return self.follow(full)

@@ -62,7 +62,7 @@ class BoxPairs:
         return {int(near[i]): (float(distances[i]), points[i]) for i in kept}
 
     def _gaps(self, poses: Array, a: Any, b: Any) -> Array:
-        """Return lower bounds of the distances of boxes b from the bounding balls of boxes a [m]."""
+        """Return lower bounds on the distances of boxes b from the balls around boxes a [m]."""
         away = poses[a, :3, 3] - poses[b, :3, 3]
         local = np.einsum("nji,nj->ni", poses[b, :3, :3], away)
         beyond = np.maximum(np.abs(local) - self.halves[b], 0.0)

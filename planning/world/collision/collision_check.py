@@ -140,7 +140,7 @@ class DistanceProbe:
     def geometries_within(
         self, full: Float64[np.ndarray, " num_positions"], distance: float
     ) -> list[tuple[tuple[Any, Any], tuple[str, str], float]]:
-        """Return Drake's ids, bodies and distance of the geometries at most `distance` apart [m]."""
+        """Return Drake's ids, bodies and distance of geometries at most `distance` apart [m]."""
         return [(ids, bodies, length) for ids, bodies, length, _ in self._measured(full, distance)]
 
     def nearest_within(

@@ -25,7 +25,7 @@ _OVERSTATED = 1e-3
 
 
 def farther(distance: float) -> float:
-    """Return the distance at which Drake must search to find all pairs truly within `distance` [m]."""
+    """Return Drake's query distance that finds all pairs truly within `distance` [m]."""
     return distance * (1 + _OVERSTATED) + _OVERSTATED
 
 
@@ -34,7 +34,7 @@ _known: WeakKeyDictionary[RobotDiagram, dict[GeometryId, ConvexShape | None]] = 
 
 
 class TrueLengths:
-    """Lower bounds of the distances of geometries, of a model or registered (`NearStanding`)."""
+    """Lower bounds of the distances of geometries, of a model or registered (`NearStatic`)."""
 
     def __init__(self, model: DrakeModel) -> None:
         """Prepare; each shape of the model is converted at its first use."""

@@ -57,8 +57,8 @@ class NearStatic:
         """Register the objects that may be within `reach` [m] of a moving shape, in batches.
 
         Yields:
-            Rows of `StandingObjects` registered now and not earlier in this call, and
-            whether this is the first batch; at least one batch, and most often one.
+            Rows of `StaticObjects` registered now and not earlier in this call, and whether this is
+            the first batch; at least one batch, and most often one.
         """
         rows = self._rows_within(reach)
         if len(rows) <= MOST_SHOWN:
@@ -178,7 +178,7 @@ class NearStatic:
         return np.flatnonzero(self._gaps()[0].min(axis=0) <= reach)
 
     def _gaps(self) -> tuple[Array, Array]:
-        """Return gaps of bounding balls, moving shapes by objects, and twice the sums of radii [m]."""
+        """Return gaps of bounding balls, moving shapes by objects, and twice sums of radii [m]."""
         here = self._model.plant.GetPositions(self.plant_context).tobytes()
         if self._last_gaps is None or self._last_gaps[0] != here:
             self._last_gaps = here, self._gaps_here()

@@ -1,10 +1,10 @@
 """StaticObjects: objects that stand in the world, in our own tables instead of Drake's model.
 
-A Drake model grows with the square of its bodies and of its collision shapes: SceneGraph keeps
-a table of all pairs of shapes, even of those that can never move, in the model and in every
-context. Static objects need none of that. From a few dozen objects on they are kept here: the
-kernel has all of them, Drake gets the near ones per query (`NearStanding`), and moving an object
-changes one row (docs/decisions/0034).
+A Drake model grows with the square of its bodies and of its collision shapes: SceneGraph keeps a
+table of all pairs of shapes, even of those that can never move, in the model and in every context.
+Static objects need none of that. From a few dozen objects on they are kept here: the kernel has all
+of them, Drake gets the near ones per query (`NearStatic`), and moving an object changes one row
+(docs/decisions/0034).
 """
 
 from collections.abc import Mapping, Sequence

@@ -156,7 +156,7 @@ class _Probe:
         return float(least) - _TRUSTED
 
     def _reach(self, joint: Any) -> float:
-        """Return an upper bound on the distance of the child's shapes' points from the joint axis [m]."""
+        """Return an upper bound on the distance of the child's shapes from the joint axis [m]."""
         body = joint.child_body()
         X_MB = joint.frame_on_child().GetFixedPoseInBodyFrame().inverse()
         axis = joint.revolute_axis()

@@ -109,7 +109,7 @@ def leave_out_neighbours(
 
 def _exclude(build: Build, pair: tuple[str, str]) -> None:
     if not build.standing.isdisjoint(pair):
-        return  # no pair of Drake's: `standing_build` has it
+        return  # no pair of Drake's: `static_build` has it
     sets = [_geometries(build, build.bodies[name]) for name in pair]
     filters = build.builder.scene_graph().collision_filter_manager()
     filters.Apply(CollisionFilterDeclaration().ExcludeBetween(*sets))

@@ -67,7 +67,7 @@ def load_world(
 def _built(
     kept: KeptScene, names: frozenset[str], *, kernel: bool
 ) -> tuple[DrakeModel, tuple[LoadedRobot, ...]]:
-    """Return the scene in Drake, with objects outside of its model if the kernel has their shapes."""
+    """Return the scene in Drake; static objects stay outside if the kernel has their shapes."""
     if names:
         model, robots = build_diagram(kept, names, kernel=kernel)
         if kernel_scene_of(model) is not None and not has_half_space_that_moves(model):

@@ -16,7 +16,7 @@ type Positions = str | dict[str, float | tuple[float, ...]] | tuple[float, ...]
 
 
 class RobotCache:
-    """Cache of a scene's loaded robots, for link poses and joint names; objects do not affect these."""
+    """Cache of a scene's loaded robots, for link poses and joint names; objects play no part."""
 
     def __init__(self, library: ModelLibrary) -> None:
         """Find robots in `library`."""

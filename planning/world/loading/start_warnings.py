@@ -91,7 +91,7 @@ def start_warnings(world: "World") -> tuple[str, ...]:
 
 
 def _is_still_free(world: "World", known: _Known | None, margins: PairMargins) -> bool:
-    """Return whether all pairs certainly keep their margins, by the cached result and what moved."""
+    """Return whether all pairs certainly keep their margins, by the cache and what moved."""
     if known is None or not known.is_free:
         return False
     near = NearStatic(world.drake, shared_context(world.drake))
