@@ -22,7 +22,7 @@ _THIN = 0.2
 
 @dataclass(frozen=True)
 class BoxConstraint:
-    """Constraint by a box B in world, with a signed margin: the distance of the origin from the faces.
+    """Constraint by a box B in world; its signed margin is the origin's distance from the faces.
 
     Attributes:
         label: For messages.
@@ -68,7 +68,7 @@ class BoxConstraint:
         return self.spares(qs) >= self.room - DUST
 
     def residual(self, q: Float64[np.ndarray, " nq"]) -> Float64[np.ndarray, "3"]:
-        """Return the distance of the origin from the box shrunk by `room`, along the box's axes [m]."""
+        """Return the origin's excess over the box shrunk by twice `room`, along its axes [m]."""
         local = self.local(q[None])[0]
         return np.sign(local) * np.maximum(np.abs(local) - (self.half - 2 * self.room), 0.0)
 

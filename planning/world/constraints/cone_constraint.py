@@ -52,7 +52,7 @@ class ConeConstraint:
 
     @property
     def is_thin(self) -> bool:
-        """Whether the cone is too narrow to be sampled, so that samples must be projected onto it."""
+        """Whether the cone is too narrow to be sampled: samples must be projected onto it."""
         return self.tolerance < _NARROW
 
     def leaving(self, room: float) -> "ConeConstraint":

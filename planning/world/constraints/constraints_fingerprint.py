@@ -55,7 +55,7 @@ def _told(rule: CompiledConstraint, group: JointGroup) -> list[Any]:
 
 
 def predicates_refused(label: str) -> ProblemInvalid:
-    """Return the error for a predicate in a request whose results are to be cached."""
+    """Return the error for a predicate in a request for a stored roadmap."""
     field = "search.roadmap"
     message = (
         f"{field}: {label}: roadmaps are known by what they keep to, and of a "

@@ -91,7 +91,7 @@ class PathConstraints:
     def leaving_room(
         self, start: Float64[np.ndarray, " nq"], goals: Float64[np.ndarray, "n nq"]
     ) -> "PathConstraints":
-        """Return tightened constraints: with the largest margins that the start and a goal satisfy."""
+        """Return constraints tightened by the largest margins that the start and a goal keep."""
         rules: list[CompiledConstraint] = []
         rows = goals
         for rule in self.rules:
@@ -107,7 +107,7 @@ class PathConstraints:
 
     @property
     def roomy(self) -> "PathConstraints":
-        """The constraints tightened by their whole preferred margins, regardless of start and goals."""
+        """The constraints tightened by their whole preferred margins, for any start and goals."""
         return replace(self, rules=tuple(rule.leaving(rule.wish) for rule in self.rules))
 
     def without(self, index: int) -> "PathConstraints":

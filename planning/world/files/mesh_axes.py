@@ -1,4 +1,4 @@
-"""upright(): transform of a mesh file's units and axes to metres with z up, as Drake does for glTF."""
+"""upright(): transform of a mesh's units and axes to metres with z up, as Drake does with glTF."""
 
 from io import BytesIO
 from typing import Any

@@ -21,8 +21,8 @@ _CONVERTED = (".stl", ".dae", ".ply", ".off", ".glb")
 # Version of the conversion, raised with every change of it: other versions' files are not read.
 _VERSION = 2
 _TWIN = re.compile(r"^[0-9a-f]{64}-(.*)\.obj$")
-# Age at which a file may go; loaded worlds read theirs again for a replay, and touched them then
-# [s].
+# Size of the cache [bytes], and age above which a file may be removed [s]: loaded worlds touch
+# theirs when they load, and may read them again for a replay.
 _MOST_BYTES, _IN_USE = 2**29, 3600.0
 _LONGEST_NAME = 100
 
@@ -68,7 +68,7 @@ def with_readable_meshes(
 
 
 def _tame_colors(root: ET.Element) -> None:
-    """Repair colours that other viewers accept and Drake rejects: they are no reason to refuse a robot.
+    """Repair colours that other viewers accept and Drake rejects: no reason to refuse a robot.
 
     A material's name that is given twice with different colours gets a number, and a colour of five
     numbers, as one converter writes, loses the fourth.

@@ -92,7 +92,7 @@ def _load(kept: KeptScene, things: Sequence[Thing], far: int, parent: int) -> No
     try:
         die_with_parent()
         if os.getppid() == parent:
-            faulthandler.disable()  # what the file does is told by the parent, in a sentence
+            faulthandler.disable()  # the parent reports the crash
             _bound_memory()
             for _ in map(partial(_load_one, kept, far), things):
                 pass

@@ -93,7 +93,7 @@ class KernelCollisionOracle:
         return bool(self.are_motions_free(origin[None], displacement[None], resolution)[0])
 
     def is_edge_free(self, q0: list[float], q1: list[float], resolution: float) -> tuple[bool, int]:
-        """Return whether the straight edge between two configurations is free, and its number of steps.
+        """Return whether the straight edge between two configurations is free, and its steps.
 
         Both ends are checked. For joints that do not float.
         """
