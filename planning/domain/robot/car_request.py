@@ -8,8 +8,8 @@ from planning.errors import ProblemInvalid, UnknownName
 # Range of turning radii [m].
 LEAST_RADIUS, LARGEST_RADIUS = 1e-3, 1e3
 # OMPL's planners that check every edge of their solution in the direction of motion. The others
-# check some from the goal's side, which is the same only where a car drives backwards. A test tells
-# which these are.
+# check some from the goal's side, which is the same only where a car drives backwards. A test
+# determines which these are.
 _DIRECTED = ("BITstar", "InformedRRTstar", "KPIECE1", "RRT", "RRTConnect", "RRTstar", "SORRTstar")
 
 

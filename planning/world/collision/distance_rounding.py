@@ -59,7 +59,7 @@ class TrueLengths:
         shown = slab(shapes, poses, normal)
         if not shown >= length * (1 - _SHARE) - _LEAST:
             shown = distance_bounds(shapes, poses, normal).lower
-        # Of tiny shapes that overlap Drake may not know it.
+        # Drake may miss the overlap of tiny shapes.
         return min(shown, length)
 
     def _shape(self, geometry: GeometryId, query: Any) -> ConvexShape | None:

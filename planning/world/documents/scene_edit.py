@@ -133,7 +133,7 @@ def _attach(operation: AttachObject, scene: Scene, robots: RobotCache) -> Scene:
         pose = x_wf.inverse @ thing.pose
     held = replace(thing, pose=pose, attached=Attachment(operation.frame, operation.touch))
     edited = _with_object(scene, held)
-    hold_of(held.name, parents(edited))  # raises if it hangs on itself
+    hold_of(held.name, parents(edited))  # raises if it is its own ancestor
     return edited
 
 

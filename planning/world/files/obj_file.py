@@ -38,4 +38,4 @@ def _is_finite(word: bytes) -> bool:
     try:
         return math.isfinite(float(word))
     except ValueError:
-        return True  # what is no number Drake refuses itself
+        return True  # Drake itself refuses words that are no numbers

@@ -157,7 +157,7 @@ class _Search:
             self.direct.add(file.with_suffix(".srdf"))
         root = plain_root(content)
         if root is None:
-            return  # what inspects it says so
+            return  # the inspection reports it
         self.bases.add(self.main.parent)
         for element in root.iter():
             folders, texts = _folders_of(element), _named_by(element)
@@ -224,7 +224,7 @@ def _gltf_uris(content: bytes) -> list[str]:
         entries = [*document.get("buffers", []), *document.get("images", [])]
         uris = [str(entry.get("uri", "")) for entry in entries]
     except (ValueError, AttributeError, TypeError, RecursionError):
-        return []  # what loads it says so
+        return []  # the loader reports it
     return [unquote(uri) for uri in uris if uri and not uri.startswith("data:")]
 
 

@@ -47,7 +47,7 @@ def _root_of(path: Path) -> ET.Element | None:
     try:
         return xml_root(path.read_bytes())
     except (ValueError, OSError):
-        return None  # Drake says so
+        return None  # Drake reports it
 
 
 def _invalid(file: Path, reason: str) -> ModelInvalid:

@@ -19,7 +19,7 @@ def require_sound_vtk(file: Path) -> None:
         message = "it is BINARY, which cannot be looked at before it is read: write it as ASCII"
         raise ValueError(message)
     if b"POINTS" not in words or b"CELLS" not in words:
-        return  # what is neither Drake refuses
+        return  # Drake refuses any other kind
     count, points = _list(words, b"POINTS", 3)
     if not np.isfinite(_numbers(points[:], np.float64, "POINTS")).all():
         message = "POINTS: one of them is at no place"

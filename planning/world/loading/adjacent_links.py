@@ -32,8 +32,8 @@ _NUM_SAMPLES = 17
 _MOST_OVERLAPPING = 0.5
 # Distance up to which shapes touch: rounding error of faces that meet without a gap [m].
 _FLUSH = 1e-4
-# Positions of a turning joint at which its bodies are measured at most, to show that they never
-# touch; what distances are trusted to [m], and the share of Drake's that a slab need not show.
+# Largest number of measured positions of a revolute joint, to prove that its bodies never touch;
+# accuracy of distances [m], and the share of Drake's that a slab may lack.
 _MOST_LOOKS, _TRUSTED = 600, 1e-7
 _SHOWN = 0.02
 # Initial displacement of a point within an interval, as a share of the distance.

@@ -36,5 +36,5 @@ def _is_finite(text: str) -> bool:
     try:
         number = float(text)
     except ValueError:
-        return True  # the parser says what is wrong with it
+        return True  # the parser reports it
     return math.isfinite(number) and abs(number) < _ENDLESS

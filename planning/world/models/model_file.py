@@ -243,7 +243,7 @@ def _efforts(root: ET.Element) -> dict[str, float]:
         limit = joint.find("limit")
         word = limit.get("effort") if limit is not None else None
         if word is not None:
-            efforts[joint.get("name", "")] = float(word)  # was looked at (`refuse_faults`)
+            efforts[joint.get("name", "")] = float(word)  # checked by `refuse_faults`
     return efforts
 
 

@@ -174,7 +174,7 @@ class WorldView:
         )
 
     def _color(self, body: RigidBody, geometry: GeometryId) -> Rgba:
-        # Drake answers None for a geometry that only collides, whatever its stubs say.
+        # Drake returns None for a geometry that only collides, contrary to its stubs.
         properties: Any = self._inspector.GetIllustrationProperties(geometry)
         if properties is not None and properties.HasProperty("phong", "diffuse"):
             found: Rgba = properties.GetProperty("phong", "diffuse")
