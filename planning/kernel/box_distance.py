@@ -73,7 +73,7 @@ def box_gaps(
     away = np.abs(np.einsum("ni,nik->nk", X_WA[:, :3, 3] - X_WB[:, :3, 3], axes))
     for half, R_WG in ((half_a, R_WA), (half_b, R_WB)):
         away -= np.einsum("nj,njk->nk", half, np.abs(np.einsum("nij,nik->njk", R_WG, axes)))
-    # Edges that are all but parallel have no axis of their own.
+    # Nearly parallel edges give no separating axis of their own.
     is_axis = lengths > _PARALLEL
     return np.where(is_axis, away / np.where(is_axis, lengths, 1.0), -np.inf).max(axis=1)
 
@@ -98,7 +98,7 @@ def _edge_points(corners_a: Array, corners_b: Array) -> tuple[Array, Array]:
     r = p - q
     uu, vv, uv = (u * u).sum(-1), (v * v).sum(-1), (u * v).sum(-1)
     ur, vr = (u * r).sum(-1), (v * r).sum(-1)
-    # Of parallel edges any point will do: corners are tried besides.
+    # Any point of parallel edges suffices: corners are tried as well.
     s = np.clip((uv * vr - ur * vv) / np.maximum(uu * vv - uv * uv, _TINY), 0.0, 1.0)
     t = np.clip((uv * s + vr) / vv, 0.0, 1.0)
     s = np.clip((uv * t - ur) / uu, 0.0, 1.0)

@@ -105,8 +105,8 @@ def rotate(a: Float64[np.ndarray, "*#n 4"], p: Float64[np.ndarray, "*#n 3"]) -> 
     return p + a[..., :1] * turned + _cross(axes, turned)
 
 
-# Numbers of single vectors are plain, those of stacks are arrays: a call of numpy takes ten times
-# as long as what it does with one number.
+# Single vectors use plain numbers, stacks use arrays: a call of numpy takes ten times as long as
+# its arithmetic on one number.
 def _product(a: Sequence[Any], b: Sequence[Any]) -> list[Any]:
     """Return the Hamilton product of two quaternions, component by component."""
     aw, ax, ay, az = a

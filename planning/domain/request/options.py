@@ -200,7 +200,7 @@ class RetimeOptions(Value):
             refined path has no corners.
         explain: Whether to report which limit is active when, and the time saved by relaxing it, if
             there is time for that once the motion is proven.
-        tool_limits: Cartesian limits of frames, besides the joint limits; at most one a frame.
+        tool_limits: Cartesian limits of frames, besides the joint limits; at most one per frame.
         speed_zones: Boxes with lower speed limits for frames.
         acceleration_bounds: Signed bounds besides the joint limits, lowest (negative) and highest
             acceleration [rad/s^2 or m/s^2], by name of a scalar joint or of a block of one

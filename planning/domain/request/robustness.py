@@ -21,8 +21,8 @@ class Robustness(Value):
             position [m]; at most `MOST_DISPLACEMENT`.
         obstacle_pair: The two bodies that limit it, or ("", "").
         obstacle_time: Time at which they do [s].
-        joint_error: Largest position error of all joints at once, of each coordinate
-            [rad or m]; at most `MOST_ERROR`.
+        joint_error: Largest simultaneous error of all joints, of each in rotation and in
+            translation [rad or m]; at most `MOST_ERROR`.
         joint_pair: The two bodies that limit it, or ("", "").
         joint_time: Time at which they do [s].
     """

@@ -32,7 +32,7 @@ _LEAST_ROUNDS, _ROUNDS = 2, 4
 _GAIN = 0.005
 _STEPS = 8
 _STENCIL = directions(18)
-# Of two centres that are nearer than this share of the shape's size, one goes.
+# If two centres are nearer than this share of the shape's size, one is removed.
 _CLOSEST = 1e-4
 
 

@@ -85,7 +85,7 @@ class MeasuredMargins:
         self.is_needed = self._has_box_margins or len(self._of_half_spaces) > 0
 
     def are_kept(self, full: Float64[np.ndarray, " num_positions"]) -> bool:
-        """Return whether all pairs keep their margins; contact with a half space never does."""
+        """Return whether all pairs keep their margins; contact with a half space is a violation."""
         if not self.is_needed:
             return True
         self._model.plant.SetPositions(self._plant_context, full)

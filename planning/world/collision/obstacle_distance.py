@@ -10,7 +10,7 @@ from planning.world.world import World
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
-# Largest distance that is distinguished [m].
+# Upper end of reported distances: farther obstacles count as this far [m].
 _FAR = 0.3
 
 

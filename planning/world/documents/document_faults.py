@@ -15,7 +15,7 @@ type Schema = Mapping[str, Any]
 
 _UNKNOWN_FIELD, _MISSING_FIELD = "extra_forbidden", "missing"
 _LONGEST = 500
-# Of one inside the other: `positions` by joint, each a number or several.
+# Depth of nested unions: `positions` by joint, each a number or several.
 _MOST_UNIONS = 4
 # Number of faults with suggested names: a search for names takes a tenth of a millisecond each.
 _MOST_EXPLAINED = 1000

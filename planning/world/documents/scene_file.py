@@ -120,7 +120,7 @@ def _line_of(node: Any, location: Sequence[str | int]) -> int | None:
     for step in location:
         children = _children(node)
         if step not in children:
-            continue  # a step that pydantic made up, such as the branch of a union
+            continue  # an artificial step of pydantic's, such as the branch of a union
         line, node = children[step]
     return line + 1
 

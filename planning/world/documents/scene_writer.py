@@ -46,7 +46,10 @@ def scene_document(scene: Scene, like: SceneDocument | None = None) -> SceneDocu
     try:
         return SceneDocument.model_validate({**written, "objects": objects})
     except ValidationError:
-        parse_scene({**written, "objects": list(map(_object, scene.objects))})  # says what is wrong
+        parse_scene({
+            **written,
+            "objects": list(map(_object, scene.objects)),
+        })  # raises with the reason
         raise
 
 

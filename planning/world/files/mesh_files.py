@@ -63,7 +63,7 @@ def with_readable_meshes(
             element.text = paths[(element.text or "").strip()]
     _tame_colors(copy)
     for transmission in copy.findall("transmission"):
-        copy.remove(transmission)  # of no use to us, and fatal to Drake if its joint is not there
+        copy.remove(transmission)  # unused here, and fatal to Drake if its joint does not exist
     return ET.tostring(copy, encoding="unicode")
 
 
@@ -103,7 +103,7 @@ def _readable(file: Path, mesh: Path, read: tuple[str, ...], folder: Path) -> Pa
     else:
         try:
             text = _as_obj(content, suffix)
-        except Exception as fault:  # trimesh's readers raise whatever their formats do
+        except Exception as fault:  # trimesh's readers raise errors of any class
             message = f"{file.name}: mesh {mesh.name} cannot be read: {fault}"
             raise ModelInvalid(message, {"file": str(file), "reason": str(fault)}) from fault
         write_atomically(target, text)

@@ -117,9 +117,9 @@ class _Probe:
     def least_distance(self, index: Any) -> float:
         """Return a lower bound on the distance of a joint's bodies over a whole turn [m].
 
-        Zero or less if there is none, or it takes too long to find. By conservative advancement:
-        while the joint turns by a, no point of the child at a distance r from the axis moves
-        farther than r a.
+        Zero or less if there is none, or it takes too long to find. By adaptive bisection of the
+        joint angle: while the joint turns by a, no point of the child at a distance r from the axis
+        moves farther than r a.
         """
         joint = self._plant.get_joint(index)
         if joint.type_name() != "revolute":

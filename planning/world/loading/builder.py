@@ -145,7 +145,7 @@ def _add_robot(build: Build, robot: SceneRobot, kept: KeptScene) -> None:
                 if file.rewritten is None
                 else parser.AddModelsFromString(file.rewritten, _format_of(source.file))
             )
-    except (RuntimeError, ValueError, SystemExit) as fault:  # the last at sizes that are none
+    except (RuntimeError, ValueError, SystemExit) as fault:  # SystemExit at invalid sizes
         message = f"robot {robot.name!r}: {source.file.name} does not load: {fault}"
         raise ModelInvalid(message, {"file": str(source.file), "reason": str(fault)}) from fault
     if not instances:

@@ -31,7 +31,7 @@ _AXIS_LENGTH, _AXIS_RADIUS = 0.06, 0.0025
 # Twice the number of frames gives a smoother line than the animation needs.
 _TRACE_POINTS_PER_FRAME = 2
 _FOREVER = 1_000_000
-# Of longer motions there are fewer frames a second, so that a browser can open the page.
+# Longer motions have fewer frames a second, so that a browser can open the page.
 MOST_FRAMES = 10_000
 # Instants of each motion at which the camera looks for its tool.
 _LOOKS = 5

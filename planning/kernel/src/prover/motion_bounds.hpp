@@ -27,20 +27,20 @@
 
 namespace wayproof {
 
-// One degree of freedom on the way from the world to a link, or a ball.
+// One degree of freedom on the chain from the world to a link, or a ball.
 struct Axis {
   int link;
   bool turns;
-  bool ball;      // turns about any axis through its origin
+  bool ball;      // rotates about any axis through its origin
   int direction;  // -1: the link's own axis, else a column of its frame
   int column;     // of the group's v
   double scale;   // displacement over that of the column
-  int block;      // whose stray bounds it; -1 if the axis before it counts that already
+  int block;      // whose deviation bounds it; -1 if the axis before it counts that already
 };
 
 class MotionBounds {
  public:
-  // The parts of the chains of both shapes of a pair that move one against the other: from these axes on.
+  // The parts of the chains of both shapes of a pair with relative motion: from these axes on.
   struct Relative {
     int a = 0, b = 0;
     bool moves = false;
@@ -58,8 +58,8 @@ class MotionBounds {
   Vec3 center(int geometry);
   // Bound on the approach of the shapes of a pair.
   double approach(const Pair& pair, const Relative& relative);
-  // A lower bound, not below `enough` if it is finite, on the distance of a pair throughout: -inf if it
-  // cannot be shown to be that large along n, from B to A. `width` is the slab across n at the centre.
+  // A lower bound, not below `enough` if it is finite, on the distance of a pair throughout: -inf if so large a bound
+  // cannot be proven along n, from B to A. `width` is the slab across n at the centre.
   double along(const Pair& pair, const Relative& relative, Vec3 n, double width, double enough);
 
  private:

@@ -196,7 +196,7 @@ bool Prover::prove_node(Node node, std::vector<Node>& heap) {
   for (Open& open : node.open) {
     const double required = required_[open.pair];
     const Judged found = judge(open, required, required, exhausted, node.segment.time);
-    // So near that rounding decides: no segment is short enough to prove it.
+    // So near that rounding decides: no segment is short enough for a proof.
     if (found.distance <= required + rounding) {
       refuse(Outcome::too_near, open.pair, found.distance, 0, node.segment.time);
       return false;
