@@ -1,1 +1,1 @@
-"""Frozen values that cross every boundary: numpy and str, no engine."""
+"""Domain values: frozen dataclasses of arrays and text that cross every boundary, engine-free."""

@@ -11,12 +11,12 @@ from typing import Any, ClassVar, cast, override
 
 import numpy as np
 
-# Numbers, truth values and text of fixed width. Long doubles have bytes that mean nothing.
+# Numbers, truth values and text of fixed width. Long doubles have padding bytes.
 _ROWS = np.dtype(np.int32)
 _ARRAYS = frozenset("?bBhHiIlLqQefdFDSU")
-# What is no container, and what most parts of a value are.
+# Scalar types, which most parts of a value have.
 _PLAIN = frozenset({str, int, bool, type(None)})
-# Where a value of a class that is fed once keeps its bytes.
+# Attribute in which a value of a class with `is_fed_once` keeps its bytes.
 _FED = "_fed_bytes"
 
 
@@ -36,14 +36,14 @@ def frozen(array: Any) -> np.ndarray[Any, np.dtype[np.float64]]:
 
 
 def _frozen_rows(rows: Any) -> Any:
-    """Return a read-only copy of numbers of rows."""
+    """Return a read-only copy of row indices."""
     copy = np.array(rows, order="C")
     copy.flags.writeable = False
     return copy
 
 
 def _are_same(array: Any, other: Any) -> bool:
-    """Return whether two arrays are alike, bit for bit."""
+    """Return whether two arrays are equal, bit for bit."""
     return (
         isinstance(other, np.ndarray)
         and array.shape == other.shape
@@ -57,14 +57,15 @@ def _kept(array: Any) -> Any:
 
 
 class Value:
-    """Base of our values; subclasses are `@dataclass(frozen=True, eq=False)`.
+    """Base class of all values; subclasses are `@dataclass(frozen=True, eq=False)`.
 
     Arrays are float64, copied and read-only from construction on and again after unpickling
-    (numpy drops the flag on the way); int32 stays int32, for numbers of rows. Equality is equality
+    (numpy drops the flag on the way); int32 stays int32, for row indices. Equality is equality
     of content, bit for bit.
 
-    A class of which there are thousands in another value, most of them the same as before, may set
-    `is_fed_once`: the bytes that its values add to a digest are then worked out once.
+    A class with thousands of instances inside another value, most of them unchanged between
+    digests, may set `is_fed_once`: the bytes that an instance adds to a digest are then computed
+    once.
     """
 
     is_fed_once: ClassVar[bool] = False
@@ -82,7 +83,7 @@ class Value:
 
     @override
     def __getstate__(self) -> dict[str, Any]:
-        """Return the fields alone."""
+        """Return the fields alone, without cached properties."""
         return {name: item for name, item in self.__dict__.items() if name != _FED}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
@@ -98,7 +99,7 @@ class Value:
         )
 
     def _has_other_arrays(self, other: object) -> bool:
-        """Return whether an array differs at first sight, which is quicker than to digest all."""
+        """Return whether an array differs; quicker than comparing digests of all content."""
         return any(
             isinstance(item, np.ndarray) and not _are_same(item, getattr(other, field.name))
             for field in dataclasses.fields(cast("Any", self))
@@ -113,9 +114,9 @@ class Value:
 def digest(content: Any) -> str:
     """Return the sha256 (hex) of values, arrays, containers and scalars, by content.
 
-    What differs has another digest: floats enter as their IEEE-754 bytes, integers exactly (one
-    that a float can hold is the same number as that float), and every part says what it is and how
-    long. Two values of different classes never share a digest.
+    Different content has another digest: floats enter as their IEEE-754 bytes, integers exactly
+    (one that a float can hold is the same number as that float), and every part enters with its
+    type and length. Two values of different classes never share a digest.
 
     Raises:
         TypeError: Something in it is no value.
@@ -151,14 +152,14 @@ def _feed(sha: Any, content: Any) -> None:
 
 
 def _refuse_without_content(array: Any) -> None:
-    """Raise on arrays whose bytes are not what they hold: addresses, padding, unnamed fields."""
+    """Raise on arrays whose bytes are not their content: addresses, padding, unnamed fields."""
     if array.dtype.char not in _ARRAYS:
         message = f"an array of {array.dtype} is not a value and has no digest"
         raise TypeError(message)
 
 
 def _feed_value(sha: Any, content: Any) -> None:
-    """Feed what a list of all fields' names and contents would."""
+    """Feed the same bytes as a list of all fields' names and contents."""
     kind, fields = _outline(type(content))
     sha.update(kind)
     for name, said in fields:
@@ -168,14 +169,14 @@ def _feed_value(sha: Any, content: Any) -> None:
 
 @cache
 def _outline(kind: type[Any]) -> tuple[bytes, tuple[tuple[str, bytes], ...]]:
-    """Return what begins the bytes of a class, and its fields' names with their own bytes."""
+    """Return the leading bytes of a class, and its fields' names with their own bytes."""
     names = [field.name for field in dataclasses.fields(kind)]
     begin = f"value {kind.__qualname__}({2 * len(names)})".encode()
     return begin, tuple((name, _scalar(name)) for name in names)
 
 
 class _Bytes:
-    """Takes what a hash takes, and keeps it."""
+    """Buffer with the interface of a hash, which keeps the bytes."""
 
     def __init__(self) -> None:
         self.parts: list[bytes] = []
@@ -183,7 +184,7 @@ class _Bytes:
 
 
 def _fed_once(content: Any) -> bytes:
-    """Return what a value adds to a digest, from the value itself the second time."""
+    """Return the bytes that a value adds to a digest, cached in the value itself."""
     known = content.__dict__.get(_FED)
     if known is None:
         taken = _Bytes()

@@ -1,1 +1,1 @@
-"""Native code: fast conservative answers about collision, and kinematics in batches."""
+"""Native kernel: fast conservative collision checks and batched kinematics, and shape coverings."""

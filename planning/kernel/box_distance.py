@@ -1,4 +1,4 @@
-"""The distance of two boxes, exactly.
+"""Distances of pairs of boxes, exact, and their separating slabs.
 
 Two convex polytopes that do not overlap are nearest at a corner of one and any point of the other,
 or at an edge of each (Ericson, "Real-Time Collision Detection", 2005, section 5.1). All of these
@@ -28,10 +28,10 @@ def box_distances(
     half_b: Float64[np.ndarray, "n 3"],
     X_WB: Float64[np.ndarray, "n 4 4"],
 ) -> tuple[Float64[np.ndarray, " n"], Float64[np.ndarray, "n 2 3"]]:
-    """Return the distances of pairs of boxes, and the nearest points of both in world.
+    """Return the distances of pairs of boxes [m], and the nearest points of both in world.
 
-    Not promised: how deep boxes are that overlap. Their distance is the smallest that was met
-    between corners and edges: zero if a corner of one is in the other. `box_gaps` knows.
+    Not promised: the penetration depth of boxes that overlap. Their distance is then the smallest
+    between corners and edges: zero if a corner of one is in the other. `box_gaps` has the depth.
 
     Args:
         half_a: Half sizes of the first boxes [m].
@@ -55,10 +55,10 @@ def box_gaps(
     half_b: Float64[np.ndarray, "n 3"],
     X_WB: Float64[np.ndarray, "n 4 4"],
 ) -> Float64[np.ndarray, " n"]:
-    """Return the widest slabs between pairs of boxes [m]; negative is how deep they overlap.
+    """Return the widest slabs between pairs of boxes [m]; negative is the depth of overlap.
 
-    Two boxes are separate if a slab across an axis of one, or across an edge of each, separates
-    them (Gottschalk, Lin, Manocha, "OBBTree", 1996).
+    Separating axis test: two boxes are separate if a slab across an axis of one, or across an edge
+    of each, separates them (Gottschalk, Lin, Manocha, "OBBTree", 1996).
 
     Args:
         half_a: Half sizes of the first boxes [m].
@@ -73,7 +73,7 @@ def box_gaps(
     away = np.abs(np.einsum("ni,nik->nk", X_WA[:, :3, 3] - X_WB[:, :3, 3], axes))
     for half, R_WG in ((half_a, R_WA), (half_b, R_WB)):
         away -= np.einsum("nj,njk->nk", half, np.abs(np.einsum("nij,nik->njk", R_WG, axes)))
-    # Edges that are all but parallel have no axis of their own.
+    # Nearly parallel edges give no separating axis of their own.
     is_axis = lengths > _PARALLEL
     return np.where(is_axis, away / np.where(is_axis, lengths, 1.0), -np.inf).max(axis=1)
 
@@ -98,7 +98,7 @@ def _edge_points(corners_a: Array, corners_b: Array) -> tuple[Array, Array]:
     r = p - q
     uu, vv, uv = (u * u).sum(-1), (v * v).sum(-1), (u * v).sum(-1)
     ur, vr = (u * r).sum(-1), (v * r).sum(-1)
-    # Of parallel edges any point will do: corners are tried besides.
+    # Any point of parallel edges suffices: corners are tried as well.
     s = np.clip((uv * vr - ur * vv) / np.maximum(uu * vv - uv * uv, _TINY), 0.0, 1.0)
     t = np.clip((uv * s + vr) / vv, 0.0, 1.0)
     s = np.clip((uv * t - ur) / uu, 0.0, 1.0)

@@ -1,11 +1,11 @@
-"""The distance of two convex shapes between two bounds, after Gilbert, Johnson and Keerthi.
+"""GJK: distance bounds and nearest points of two convex shapes (Gilbert, Johnson, Keerthi).
 
 The distance of A and B is that of the origin from the set of all a - b. Every step takes the point
 v of a simplex in that set that is nearest to the origin: |v| is an upper bound on the distance. The
 point w of the set that lies farthest along -v gives the slab v . w / |v|, a lower bound, and joins
 the simplex. (Gilbert, Johnson, Keerthi, "A fast procedure for computing the distance between
 complex objects in three-dimensional space", 1988; van den Bergen 1999 for the two bounds.) Both
-bounds hold at every step, so an early end or a degenerate simplex costs sharpness, never truth.
+bounds hold at every step, so an early end or a degenerate simplex loses sharpness, not validity.
 """
 
 import math
@@ -22,19 +22,19 @@ type Row = list[float]
 
 _MAX_STEPS = 60
 _TOLERANCE = 1e-10
-# The determinant of a simplex without extent, as a share of what it could be at most.
+# Determinant below which a simplex has no extent, as a share of its largest possible value.
 _FLAT = 1e-14
-# How near the bounds must be where the lower one cannot become large enough any more [m].
+# Gap of the bounds that ends the search where the lower one cannot become large enough [m].
 CLOSE = 1e-5
 
 
 @dataclass(frozen=True)
 class GjkResult:
-    """Two bounds on a distance.
+    """Lower and upper bound on a distance.
 
     Attributes:
-        lower: Largest slab that was found [m]; negative if none separates.
-        upper: Smallest distance of points of both shapes that was found [m]; 0 if they overlap.
+        lower: Width of the largest separating slab [m]; negative if none separates.
+        upper: Smallest distance between points of the two shapes [m]; 0 if they overlap.
         direction: Unit vector of that slab, from B to A.
         corners: Of the simplex that has the point of `upper`, shape (1 to 4, 3) [m].
     """
@@ -55,9 +55,9 @@ def separation(
 
     Args:
         support: Returns the point of the set that lies farthest along a vector.
-        guess: A vector to begin with, for example from B's middle to A's.
+        guess: Initial direction, for example from B's middle to A's.
         enough: A lower bound as large as this ends the search [m].
-        close: Bounds as near to each other end it where the upper one is not `enough` [m].
+        close: Bounds as near to each other end the search where the upper one is not `enough` [m].
     """
     corners = np.zeros((0, 3))
     v = guess if _length(guess) > _TOLERANCE else np.array([1.0, 0.0, 0.0])
@@ -88,13 +88,13 @@ def nearest_point(
 ) -> Float64[np.ndarray, "2 3"]:
     """Return the nearest points of two convex sets [m]; of sets that overlap, a common one twice.
 
-    The nearest point of the set of all a - b is a mixture of corners of the last simplex; so are
-    the points of A and B that make it, of the a and the b of those corners.
+    The nearest point of the set of all a - b is a convex combination of corners of the last
+    simplex; the points of A and B are the same combination of the a and the b of those corners.
 
     Args:
         farthest_of_a: Returns the point of A that lies farthest along a vector.
         farthest_of_b: The same of B.
-        guess: A vector to begin with, from B's middle to A's.
+        guess: Initial direction, from B's middle to A's.
     """
     met: list[tuple[Array, Array]] = []
 
@@ -110,7 +110,7 @@ def nearest_point(
 
 
 def _weights(corners: Array) -> Array:
-    """Return how much of each corner is in the point of their plane nearest to the origin."""
+    """Return the weights of the corners in the point of their plane nearest to the origin."""
     size = len(corners)
     system = np.ones((size + 1, size + 1))
     system[:size, :size] = corners @ corners.T
@@ -122,8 +122,8 @@ def _nearest(points: Array) -> tuple[Array, Array]:
     """Return the point of a simplex nearest to the origin, and the corners that span its face.
 
     The newest corner, the last, is always one of them: it lies nearer to the origin's side than
-    every other. A face counts if the nearest point of its plane lies within it. All in plain
-    numbers: calls of numpy would take ten times as long as what they compute.
+    every other. A face counts if the nearest point of its plane lies within it. Computed in plain
+    numbers: calls of numpy would take ten times as long as the arithmetic.
     """
     *rows, newest = points.tolist()
     edges = [_minus(row, newest) for row in rows]
@@ -145,7 +145,7 @@ def _nearest(points: Array) -> tuple[Array, Array]:
 
 
 def _solved(gram: list[Row], right: Row, rows: tuple[int, ...]) -> Row:
-    """Return the solution of some rows and columns of a system; nothing of one that has none.
+    """Return the solution of some rows and columns of a linear system; empty if it has none.
 
     By elimination, which takes no pivoting where a matrix is positive definite (Golub, Van Loan,
     "Matrix computations", 4.2).

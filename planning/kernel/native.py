@@ -1,4 +1,4 @@
-"""The native code, if it was built, and whether it was."""
+"""Native module: the compiled kernel, if it was built."""
 
 import logging
 from functools import cache
@@ -10,7 +10,7 @@ _LOG = logging.getLogger(__name__)
 
 @cache
 def native() -> ModuleType | None:
-    """Return the native module, or None where there was no compiler; says so once in the log."""
+    """Return the native module, or None if it was not built; the log has that once."""
     try:
         return import_module("planning.kernel._native")
     except ImportError as fault:

@@ -1,4 +1,4 @@
-"""ConvexShape: collision geometry as the kernel takes it."""
+"""ConvexShape: convex collision geometry as the kernel's input."""
 
 import math
 from dataclasses import dataclass
@@ -11,7 +11,7 @@ from planning.domain.value import Value
 
 
 class ShapeKind(StrEnum):
-    """What the kernel knows exactly."""
+    """Kinds of shapes that the kernel represents exactly."""
 
     BOX = "box"
     SPHERE = "sphere"
@@ -24,10 +24,10 @@ class ShapeKind(StrEnum):
 
 @dataclass(frozen=True, eq=False)
 class ConvexShape(Value):
-    """A convex body in its own frame G.
+    """Convex body in its own frame G.
 
     Attributes:
-        kind: What it is; the axis of cylinders and capsules is z, a half space is z <= 0.
+        kind: Its kind; the axis of cylinders and capsules is z, a half space is z <= 0.
         size: Box: half side lengths. Sphere: (r, 0, 0). Cylinder and capsule: (r, half length of
             the cylindrical part, 0). Ellipsoid: semi-axes. Else zeros. [m], shape (3,).
         vertices: Of a hull [m], shape (k, 3); else (0, 3).
@@ -42,7 +42,7 @@ class ConvexShape(Value):
 
     @property
     def ball(self) -> tuple[Float64[np.ndarray, "3"], float]:
-        """A ball around it: the centre in G [m], shape (3,), and the radius [m]."""
+        """Bounding ball: the centre in G [m], shape (3,), and the radius [m]."""
         size = self.size
         match self.kind:
             case ShapeKind.HULL:

@@ -1,8 +1,8 @@
-"""The distance of two convex shapes between two bounds, whichever they are.
+"""Distance bounds of two convex shapes, by GJK on their cores.
 
-Balls are taken off: a sphere is a point, and a capsule a line segment, with a ball around each of
-its points. What is left, the core, has corners more often than not, and `separation` finds the
-distance of cores with corners exactly.
+A sphere is a point, and a capsule a line segment, with a ball around each of
+its points. Without the ball the core remains, which has corners more often than not, and
+`separation` finds the distance of cores with corners exactly.
 """
 
 from typing import Any
@@ -28,7 +28,7 @@ def distance_bounds(
     Args:
         shapes: A and B; half spaces are none of them.
         poses: X_WA and X_WB.
-        guess: A vector from B to A to begin with; zero or not a number for none.
+        guess: Initial direction from B to A; zero or not a number for none.
         enough: A lower bound as large as this ends the search [m].
     """
     away = poses[0][:3, 3] - poses[1][:3, 3]
@@ -49,12 +49,12 @@ def slab(
     poses: tuple[Float64[np.ndarray, "4 4"], Float64[np.ndarray, "4 4"]],
     n: Float64[np.ndarray, "3"],
 ) -> float:
-    """Return how wide a slab across the unit vector n separates two shapes: no more than they are.
+    """Return the width of the slab across n between two shapes [m]: at most their distance.
 
     Args:
         shapes: A and B.
         poses: X_WA and X_WB.
-        n: From B to A.
+        n: Unit vector from B to A.
     """
     (a, b), (X_WA, X_WB) = shapes, poses
     behind = X_WA[:3, :3] @ farthest_point(a, -n @ X_WA[:3, :3])
@@ -63,7 +63,7 @@ def slab(
 
 
 def _ball(shape: ConvexShape) -> float:
-    """Return the radius of the ball that is taken off [m]."""
+    """Return the radius of the ball around each point of the core [m]."""
     return float(shape.size[0]) if shape.kind in {ShapeKind.SPHERE, ShapeKind.CAPSULE} else 0.0
 
 

@@ -1,1 +1,1 @@
-"""Scenes loaded into Drake: the sole owner of Drake state."""
+"""World: scenes loaded into Drake; the sole owner of Drake state."""

@@ -1,4 +1,4 @@
-"""Say of configurations whether they are valid, and everything that speaks against them."""
+"""Validity of configurations: joint limits, collisions and margins, with every violation."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -12,13 +12,13 @@ from planning.errors import ProblemInvalid
 from planning.world.loading.positions import require_positions
 from planning.world.world import World
 
-# How far to look for the nearest pair of a configuration [m].
+# Largest distance at which the nearest pair of a configuration is measured [m].
 _HORIZON = 10.0
 
 
 @dataclass(frozen=True, eq=False)
 class LimitViolation(Value):
-    """A position outside its limits [rad or m]."""
+    """Position outside its limits [rad or m]."""
 
     joint: str
     position: float
@@ -28,7 +28,7 @@ class LimitViolation(Value):
 
 @dataclass(frozen=True, eq=False)
 class StateVerdict(Value):
-    """What there is to say of one configuration.
+    """Validity of one configuration, with its violations.
 
     Attributes:
         valid: Within limits, and every pair keeps its margin.

@@ -1,4 +1,4 @@
-"""Contexts of Drake's for questions at one instant."""
+"""Drake contexts for queries at one instant."""
 
 from typing import Any
 from weakref import WeakKeyDictionary
@@ -13,7 +13,7 @@ _made: WeakKeyDictionary[RobotDiagram, Context] = WeakKeyDictionary()
 
 
 def measuring_context(model: DrakeModel) -> Context:
-    """Return a new context in which Drake can be asked for all distances that it measures.
+    """Return a new context for all distance queries that Drake supports.
 
     Pairs with half spaces are not among them (`half_spaces`).
     """
@@ -25,9 +25,9 @@ def measuring_context(model: DrakeModel) -> Context:
 
 
 def shared_context(model: DrakeModel) -> Context:
-    """Return a model's context that many share, making it the first time only.
+    """Return a model's shared context, cached by model.
 
-    Making one takes longer than most questions. Whoever asks sets all positions first.
+    Making one takes longer than most queries. Every user sets all positions first.
     """
     context = _made.get(model.diagram)
     if context is None:

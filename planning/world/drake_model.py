@@ -1,4 +1,4 @@
-"""DrakeModel: a scene's engine objects, borrowed read-only by the stages."""
+"""DrakeModel: a scene's Drake objects (plant, scene graph, diagram), borrowed read-only."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -24,7 +24,7 @@ type Indices = np.ndarray[Any, np.dtype[np.intp]]
 
 @dataclass(frozen=True)
 class Coupling:
-    """A joint that follows another one of its plant (indices into q, and into v)."""
+    """Mimic joint of a plant, as indices of follower and leader into q and into v."""
 
     follower_position: int
     leader_position: int
@@ -36,7 +36,7 @@ class Coupling:
 
 @dataclass(frozen=True, eq=False)
 class DrakeModel:
-    """A scene in Drake. Never leaves the process, never crosses a stage as a value.
+    """Scene in Drake. Never leaves the process, never crosses a stage as a value.
 
     Attributes:
         diagram: Owns the plant and the scene graph; stages make their own contexts of it.
@@ -46,12 +46,12 @@ class DrakeModel:
         bodies: The same, by full name.
         frames: Drake's frames by full name; "world" is one of them.
         joint_indices: Drake's joint by full name.
-        couplings: Mimic joints, none before its leader; the plant itself does not know of them.
-        owners: The robot that holds an object, by the object's name.
-        standing: Objects that the plant and the scene graph do not have.
-        uses_kernel: Whether the native kernel may answer where it is sure, or Drake always does.
-        reasons: Why pairs of bodies were left out of collision checks, as far as we did that.
-        warnings: What was found odd while the scene was built.
+        couplings: Mimic joints, none before its leader; the plant itself does not have them.
+        owners: The robot of each attached object, by the object's name.
+        standing: Objects outside of the plant and the scene graph.
+        uses_kernel: Whether the native kernel may decide where it is certain, or Drake always does.
+        reasons: Reasons for the pairs of bodies that we left out of collision checks.
+        warnings: Warnings of the builder.
     """
 
     diagram: RobotDiagram
@@ -73,19 +73,19 @@ class DrakeModel:
 
     @cached_property
     def all_bodies(self) -> frozenset[str]:
-        """Full names of the plant's bodies and of what stands outside of it."""
+        """Full names of the plant's bodies and of the objects outside of it."""
         return frozenset({*self.bodies, *self.standing.rows})
 
     @property
     def all_frames(self) -> set[str]:
-        """Full names of Drake's frames and of those that stand outside of its plant."""
+        """Full names of Drake's frames and of the frames of objects outside of its plant."""
         return {*self.frames, *self.standing.frames}
 
     def frame(self, name: str) -> Frame:
         """Return Drake's frame of a name that exists.
 
         Raises:
-            ProblemInvalid: It stands in the world, where one is needed that can move.
+            ProblemInvalid: The frame stands in the world, and one that can move is needed.
         """
         if name in self.standing.frames:
             message = f"frame {name!r} stands in the world: one is needed that can move"
@@ -98,7 +98,7 @@ class DrakeModel:
         return tuple((c.follower_velocity, c.leader_velocity, c.multiplier) for c in self.couplings)
 
     def following(self, group: JointGroup) -> tuple[Coupling, ...]:
-        """Return what moves with a group, as its joints' follower or as a follower's."""
+        """Return the followers of a group's joints, directly or through other followers."""
         moving = set(self.velocity_indices(group).tolist())
         found: list[Coupling] = []
         for c in self.couplings:
@@ -108,11 +108,11 @@ class DrakeModel:
         return tuple(found)
 
     def position_indices(self, group: JointGroup) -> Indices:
-        """Return where the group's q is in the plant's, shape (nq,)."""
+        """Return the indices of the group's q in the plant's, shape (nq,)."""
         return self._indices(group)[0]
 
     def velocity_indices(self, group: JointGroup) -> Indices:
-        """Return where the group's v is in the plant's, shape (nv,)."""
+        """Return the indices of the group's v in the plant's, shape (nv,)."""
         return self._indices(group)[1]
 
     def embed(
@@ -127,13 +127,13 @@ class DrakeModel:
         return self.follow(full)
 
     def follow(self, full: Float64[np.ndarray, "*n num_positions"]) -> Array:
-        """Set every mimic joint in `full` to where its leader puts it, and return `full`."""
+        """Set every mimic joint in `full` to its leader's multiple, and return `full`."""
         for c in self.couplings:
             full[..., c.follower_position] = c.multiplier * full[..., c.leader_position] + c.offset
         return full
 
     def _indices(self, group: JointGroup) -> tuple[Indices, Indices]:
-        """Return both, which are read from the plant the first time only."""
+        """Return both index arrays, cached by group."""
         names = tuple(joint.name for joint in group.joints)
         found = self._known.get(names)
         if found is None:

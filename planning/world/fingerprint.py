@@ -1,9 +1,9 @@
-"""Fingerprint: what a world is to a group that moves in it, as one short text.
+"""Collision fingerprint: digest of a world's collision geometry as one group sees it.
 
 Two worlds with the same fingerprint collide for the same configurations of the group. Names of
-frames, named configurations and where the group itself stands have no part in it, so a robot that
-has moved still knows the world; what is held, where other robots stand and the robot's own files
-have.
+frames, named configurations and the group's own position do not enter, so a robot that
+has moved has the same fingerprint; attached objects, the positions of other robots and the robot's
+own files do.
 """
 
 from typing import Any
@@ -21,8 +21,8 @@ from planning.world.world import World
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
-# Where bodies are is compared at so many configurations of the group: two kinematic chains that
-# agree at these agree everywhere, but for accidents of measure zero.
+# Number of configurations at which body poses are compared: two kinematic chains that agree at
+# these agree everywhere, except on a set of measure zero.
 _NUM_PROBES = 4
 
 
@@ -30,7 +30,7 @@ _known: WeakKeyDictionary[StaticObjects, dict[str, str]] = WeakKeyDictionary()
 
 
 def collision_fingerprint(world: World, group: JointGroup) -> str:
-    """Return the sha256 of shapes, which of them may touch, and where the group takes them."""
+    """Return the sha256 of shapes, collision filters, and body poses over the group's motion."""
     known = _known.setdefault(world.drake.standing, {})
     if group.name not in known:
         known[group.name] = _taken(world, group)
@@ -66,7 +66,7 @@ def _geometry(world: World, inspector: Any, geometry: Any) -> list[Any]:
 
 
 def _body_poses(world: World, group: JointGroup) -> Array:
-    """Return X_WB of every body at each probe, shape (probes, bodies, 3, 4)."""
+    """Return X_WB of every body at each probe configuration, shape (probes, bodies, 3, 4)."""
     plant = world.drake.plant
     context = plant.CreateDefaultContext()
     poses: list[list[Array]] = []
@@ -80,6 +80,6 @@ def _body_poses(world: World, group: JointGroup) -> Array:
 
 
 def probes(group: JointGroup) -> Array:
-    """Return configurations of no special meaning, shape (probes, nq)."""
+    """Return arbitrary fixed configurations, shape (probes, nq)."""
     numbers = np.random.default_rng(0).uniform(0.1, 1.0, (_NUM_PROBES, group.num_positions))
     return Manifold(group.joints).normalized(numbers)

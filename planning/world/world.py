@@ -1,4 +1,4 @@
-"""World: a scene loaded into Drake, and the door to it for every stage."""
+"""World: a scene loaded into Drake, and the interface to it for every stage."""
 
 from copy import copy
 from functools import cached_property
@@ -41,18 +41,18 @@ from planning.world.models.model_library import ModelLibrary
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 type CollisionJudge = DrakeCollisionOracle | KernelCollisionOracle
 
-# Making a judge takes longer than most of its answers: those last asked for are kept.
+# Making a checker takes longer than most of its queries: the last used ones are kept.
 _MOST_JUDGES = 16
 
 
 class World:
-    """A scene in Drake. Lives in one process and one thread; load it again rather than share it.
+    """Scene in Drake. Lives in one process and one thread; load it again rather than share it.
 
     Attributes:
-        scene: What was loaded.
-        library: Where its robots were found.
+        scene: The loaded scene.
+        library: Library of its robots' files.
         drake: The engine objects, borrowed read-only by the stages.
-        state: The current configuration of everything, shape (num_positions,), read-only.
+        state: The current configuration of all joints, shape (num_positions,), read-only.
     """
 
     def __init__(
@@ -62,7 +62,7 @@ class World:
         drake: DrakeModel,
         robots: tuple[LoadedRobot, ...],
     ) -> None:
-        """Trust the parts; use `load_world`."""
+        """Take the parts unchecked; use `load_world` instead."""
         self.scene = scene
         self.library = library
         self.drake = drake
@@ -89,22 +89,22 @@ class World:
         return self.scene.digest
 
     def shares_engine_with(self, other: "World") -> bool:
-        """Return whether both were made of one model of Drake's, and so belong to one thread."""
+        """Return whether both use one Drake model, and so belong to one thread."""
         return self.drake.diagram is other.drake.diagram
 
     @cached_property
     def _near(self) -> NearStatic:
-        """A context for distances, made when it is first needed."""
+        """Context for distance queries, made when it is first needed."""
         return NearStatic(self.drake)
 
     @property
     def _plant_context(self) -> Any:
-        """One for frames, which many share."""
+        """Shared context for frame poses."""
         return self.drake.plant.GetMyMutableContextFromRoot(shared_context(self.drake))
 
     @cached_property
     def loaded_robots(self) -> tuple[LoadedRobot, ...]:
-        """The scene's robots with their files, in order."""
+        """Robots of the scene with their files, in order."""
         return self._robots
 
     @property
@@ -123,10 +123,10 @@ class World:
         return self._groups[name]
 
     def limits(self, group: JointGroup) -> JointLimits:
-        """Return what the group may do, so that what follows its joints keeps its own limits.
+        """Return the limits of a group under which its followers keep their own limits too.
 
         Raises:
-            ModelInvalid: A follower can be nowhere within its limits.
+            ModelInvalid: No position of a leader keeps both its own limits and its follower's.
         """
         key = _key_of(group)
         if key not in self._limits:
@@ -134,7 +134,7 @@ class World:
         return self._limits[key]
 
     def stated_limits(self, group: JointGroup) -> tuple[JointLimits, tuple[Follower, ...]]:
-        """Return what the group's joints may do by themselves, and what follows them and may do."""
+        """Return the group's own limits, without those of its followers, and its followers."""
         key = _key_of(group)
         if key not in self._stated:
             followers = followers_of(self.drake, group, self._robots)
@@ -162,14 +162,14 @@ class World:
         return self._configurations[group.name][name]
 
     def positions(self, group: JointGroup) -> Array:
-        """Return where the scene puts the group, shape (nq,)."""
+        """Return the group's positions in the scene, shape (nq,)."""
         return self.state[self.drake.position_indices(group)]
 
     def require_frame(self, name: str) -> None:
-        """Go on only if there is such a frame.
+        """Raise unless a frame exists.
 
         Raises:
-            UnknownName: There is none.
+            UnknownName: There is no such frame.
         """
         if name not in self.drake.frames and name not in self.drake.standing.frames:
             raise UnknownName.among("frame", name, self.drake.all_frames)
@@ -208,11 +208,11 @@ class World:
         return poses
 
     def embed(self, group: JointGroup, q: Float64[np.ndarray, "*n nq"]) -> Array:
-        """Return full configurations with the group at q and all else as in the scene."""
+        """Return full configurations with the group at q and all other joints as in the scene."""
         return self.drake.embed(group, q, self.state)
 
     def margins(self, margin: float | None = None, padding: float = 0.0) -> PairMargins:
-        """Return the distances to keep.
+        """Return the collision margins of pairs of bodies.
 
         Args:
             margin: Instead of the scene's own [m].
@@ -225,7 +225,7 @@ class World:
         return PairMargins(default + padding, exceptions, self.drake.owners)
 
     def collision_oracle(self, group: JointGroup, margins: PairMargins) -> CollisionJudge:
-        """Return a fast judge of the group's configurations; the same one for the same question."""
+        """Return a fast collision checker of the group, cached by group and margins."""
         key = group.name, margins.default, *margins.by_pair.items()
         if key not in self._judges:
             if len(self._judges) >= _MOST_JUDGES:
@@ -240,13 +240,13 @@ class World:
         return KernelCollisionOracle(self.drake, kernel, group, self.state, margins, self._bare)
 
     def _bare(self) -> SceneGraphCollisionChecker:
-        """Return Drake's checker without margins, made when the kernel is first not sure."""
+        """Drake's checker without margins, made when the kernel is first undecided."""
         if not self._checkers:
             self._checkers.append(make_collision_checker(self.drake))
         return self._checkers[0]
 
     def distance_probe(self, margins: PairMargins) -> DistanceProbe:
-        """Return a slow judge that says which pairs, how near and where."""
+        """Return a slow distance query that reports pairs, distances and nearest points."""
         return DistanceProbe(self.drake, margins)
 
     def violations(
@@ -258,7 +258,7 @@ class World:
 
     @property
     def summary(self) -> SceneSummary:
-        """What can be named in this scene."""
+        """Summary of the scene's groups, frames and bodies."""
         groups = {
             group.name: GroupSummary(
                 group,
@@ -289,7 +289,7 @@ class World:
 
     @property
     def robot_groups(self) -> list[RobotGroups]:
-        """The groups of each robot, in order."""
+        """Groups of each robot, in order."""
         return self._robot_groups
 
 

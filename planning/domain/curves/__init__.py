@@ -1,1 +1,1 @@
-"""Paths, curves and samples of motions."""
+"""Paths, piecewise polynomial curves and sampled trajectories."""

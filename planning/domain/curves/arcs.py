@@ -1,11 +1,11 @@
-"""Arcs: what a steered group follows between waypoints, as polynomials.
+"""Arcs: constant-velocity motions of a steered base between waypoints, as quintic polynomials.
 
 A base at the constant velocity (v_x, v_y, omega) of its own frame has yaw = yaw_0 + omega s, which
-is a polynomial, and x and y, which are none. They become polynomials of degree five that meet
+is a polynomial, and x and y, which are not. They become polynomials of degree five that meet
 position, first and second derivative at both ends of short pieces (Hermite's interpolation): on a
-piece that turns by h they miss the place by at most h^6 / 46,080, the direction by some h^5 / 10^4
-and the curvature by some h^4 / 10^3 of what these are. With h = 0.2 that is 1.4e-9 of the radius
-and 3e-8 rad. The derivatives agree where two pieces of an arc meet, so it is followed at speed.
+piece that turns by h their error in position is at most h^6 / 46,080, in direction some h^5 / 10^4
+and in curvature some h^4 / 10^3 of the exact values. With h = 0.2 that is 1.4e-9 of the radius
+and 3e-8 rad. The derivatives agree where two pieces of an arc meet, so it needs no stop there.
 """
 
 from typing import Any
@@ -18,10 +18,10 @@ from planning.domain.robot.steering import SteeredManifold
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
-# How far a piece turns at most [rad], and of how many an arc is at least: on one piece alone, as
+# Largest turn of a piece [rad], and smallest number of pieces of an arc: on one piece alone, as
 # retimers cut them, a long gentle arc has no place for full speed.
 _TURN, _FEWEST = 0.2, 4
-# What turns less is a line [rad]: the arc is less than a millionth of a nanometre off.
+# An arc that turns less is a line [rad]: the arc is less than a millionth of a nanometre off.
 _STRAIGHT = 1e-12
 _SHORTEST = 1e-12
 
@@ -77,7 +77,7 @@ def _rates(yaw: Array, velocity: Array, turn: Array) -> tuple[Array, Array]:
 
 def _hermite(shift: Array, v0: Array, a0: Array, v1: Array, a1: Array) -> Array:
     """Return polynomials on [0, 1] from 0 to `shift` with given derivatives at both ends."""
-    # What the start alone would give is missed at the end by so much.
+    # Residuals at the end of each piece of the polynomial that meets the start's values alone.
     p, v, a = shift - v0 - a0 / 2, v1 - v0 - a0, a1 - a0
     last = (10 * p - 4 * v + a / 2, -15 * p + 7 * v - a, 6 * p - 3 * v + a / 2)
     return np.stack([np.zeros_like(shift), v0, a0 / 2, *last], axis=1)

@@ -11,7 +11,7 @@ from planning.domain.robot.manifold import Manifold
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
-# Slopes at both ends are those of the polynomial through so many waypoints.
+# Number of waypoints of the polynomial that gives the slope at each end.
 _AT_ENDS = 4
 
 
@@ -20,7 +20,7 @@ def cubic_through(
     parameters: Float64[np.ndarray, " n"],
     waypoints: Float64[np.ndarray, "n nq"],
 ) -> JointSpline:
-    """Return the cubic spline through waypoints, each in its place.
+    """Return the cubic spline through waypoints at given parameters.
 
     The polynomials are in the tangent: of the first waypoint if a joint floats (it turns by less
     than pi from there), else of each piece's own first waypoint. Their second derivatives follow
@@ -28,7 +28,7 @@ def cubic_through(
     at both ends from the nearest four waypoints.
 
     Args:
-        joints: Whose configurations these are.
+        joints: Joints of the configurations.
         parameters: Increasing from 0 to 1, n >= 2.
         waypoints: Configurations, without whole turns between neighbours.
     """

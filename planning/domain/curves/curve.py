@@ -19,15 +19,16 @@ type Indices = np.ndarray[Any, np.dtype[np.intp]]
 
 @dataclass(frozen=True, eq=False)
 class Curve(Value):
-    """q(x) = bases[i] [+] delta_i(x), delta_i(x) = sum_k coefficients[i, k] (x - breaks[i])^k.
+    """Piecewise polynomial curve: q(x) = bases[i] [+] delta_i(x) on piece i.
 
-    On piece i, breaks[i] <= x <= breaks[i + 1]. With the tangent delta in R^nv as the polynomial,
-    straight lines on any manifold are polynomials of degree one, and |delta'| bounds the speed.
+    delta_i(x) = sum_k coefficients[i, k] (x - breaks[i])^k for breaks[i] <= x <= breaks[i + 1].
+    With the tangent delta in R^nv as the polynomial, straight lines on any manifold are polynomials
+    of degree one, and |delta'| bounds the speed.
 
     Attributes:
-        joints: Whose manifold this is; `bases` and `coefficients` stack their coordinates.
+        joints: Joints of the manifold; `bases` and `coefficients` stack their coordinates.
         breaks: Increasing parameter values, shape (n + 1,).
-        bases: Where each piece is anchored, shape (n, nq).
+        bases: Configuration at which each piece is anchored, shape (n, nq).
         coefficients: Power basis, lowest first, shape (n, degree + 1, nv).
     """
 
@@ -38,17 +39,17 @@ class Curve(Value):
 
     @cached_property
     def manifold(self) -> Manifold:
-        """The manifold that the curve lies on."""
+        """Configuration manifold that the curve lies on."""
         return Manifold.of(self.joints)
 
     @cached_property
     def widths(self) -> Array:
-        """How long each piece is, shape (n,)."""
+        """Parameter width of each piece, shape (n,)."""
         return frozen(self.breaks[1:] - self.breaks[:-1])
 
     @property
     def num_pieces(self) -> int:
-        """How many polynomials there are."""
+        """Number of polynomial pieces."""
         return len(self.bases)
 
     def locate(self, x: Float64[np.ndarray, " m"]) -> tuple[Indices, Array]:
@@ -59,7 +60,7 @@ class Curve(Value):
     def tangents(self, x: Float64[np.ndarray, " m"], order: int = 0) -> Array:
         """Return the order-th derivative of delta at x, shape (m, nv)."""
         piece, local = self.locate(x)
-        # Of few instants only those pieces are differentiated that they lie on.
+        # Few instants: differentiate only the pieces that they lie on.
         if len(x) < self.num_pieces:
             coefficients = derivative(self.coefficients[piece], order)
         else:
@@ -91,16 +92,16 @@ class Curve(Value):
 
     @cached_property
     def start(self) -> Array:
-        """The first configuration, shape (nq,)."""
+        """First configuration, shape (nq,)."""
         return self._position_at(0, self.breaks[:1])
 
     @cached_property
     def end(self) -> Array:
-        """The last configuration, shape (nq,)."""
+        """Last configuration, shape (nq,)."""
         return self._position_at(self.num_pieces - 1, self.breaks[-1:])
 
     def _position_at(self, piece: int, x: Float64[np.ndarray, "1"]) -> Array:
-        """Return q(x) of a piece, as `positions` does where to look for the piece; shape (nq,)."""
+        """Return q(x) of one piece, as `positions` does with the piece located; shape (nq,)."""
         rows = slice(piece, piece + 1)
         local = x - self.breaks[rows]
         delta = np.zeros((1, self.coefficients.shape[2]))
@@ -111,7 +112,7 @@ class Curve(Value):
 
 @dataclass(frozen=True, eq=False)
 class JointSpline(Curve):
-    """r(s), s in [0, 1]: a geometric path, not yet timed."""
+    """Geometric path r(s), s in [0, 1], without time."""
 
     @classmethod
     def through(
@@ -135,11 +136,11 @@ class JointSpline(Curve):
 
 @dataclass(frozen=True, eq=False)
 class TimedTrajectory(Curve):
-    """q(t), t in [0, duration] seconds."""
+    """Timed motion q(t), t in [0, duration] seconds."""
 
     @property
     def duration(self) -> float:
-        """How long the motion takes [s]."""
+        """Duration of the motion [s]."""
         return float(self.breaks[-1])
 
     def sample_times(self, period: float) -> Array:
@@ -150,12 +151,12 @@ class TimedTrajectory(Curve):
         return times
 
     def even_times(self, count: int) -> Array:
-        """Return so many instants [s], evenly spaced, from the first to the last; at least two."""
+        """Return `count` instants [s], evenly spaced, from the first to the last; at least two."""
         return np.linspace(0.0, self.duration, count)
 
     @classmethod
     def joined(cls, parts: Sequence["TimedTrajectory"]) -> "TimedTrajectory":
-        """Build the motion that follows the parts one after another."""
+        """Build the concatenation of motions."""
         if len(parts) == 1:
             return parts[0]
         degree = max(part.coefficients.shape[1] for part in parts)
@@ -183,7 +184,7 @@ class TimedTrajectory(Curve):
         )
 
     def after(self, time: float) -> "TimedTrajectory":
-        """Return what is left of the motion from an instant within it on [s]."""
+        """Return the rest of the motion from an instant within it on [s]."""
         piece = int(self.locate(np.array([time]))[0][0])
         terms = self.coefficients.shape[1]
         taylor = [self.tangents(np.array([time]), k)[0] / factorial(k) for k in range(terms)]

@@ -1,9 +1,9 @@
-"""Trajectories through samples: the polynomials that a list of instants stands for.
+"""Interpolation: trajectories through samples, as cubic, quintic or linear polynomial pieces.
 
-Between two samples a polynomial meets what is given at both: of degree 5 if accelerations are, of
-degree 3 if velocities are. Of positions alone it is the cubic spline with continuous acceleration
-that rests at both ends (de Boor, "A Practical Guide to Splines", 2001, chapter IV), or, where
-that is asked for, the straight line.
+Between two samples a polynomial meets the given values at both: of degree 5 if accelerations are
+given, of degree 3 if velocities are. Of positions alone it is the cubic spline with continuous
+acceleration that rests at both ends (de Boor, "A Practical Guide to Splines", 2001, chapter IV),
+or, on request, the straight line.
 """
 
 from typing import Any
@@ -25,18 +25,18 @@ def trajectory_through(
     velocities: Float64[np.ndarray, "n nv"] | None = None,
     accelerations: Float64[np.ndarray, "n nv"] | None = None,
 ) -> TimedTrajectory:
-    """Return the motion that samples stand for: positions are numbers, not angles on a circle.
+    """Return the trajectory through samples; positions are real numbers, not angles on a circle.
 
-    From 3 rad to -3 rad is a way of 6 rad back, of joints that turn without end too: else samples
-    more than half a turn apart would stand for the way around the other side. Who has angles that
-    jump by whole turns unwraps them first (`numpy.unwrap`).
+    From 3 rad to -3 rad is a displacement of -6 rad, also for continuous joints: otherwise samples
+    more than half a turn apart would give the motion around the other side. Angles that
+    jump by whole turns must be unwrapped before (`numpy.unwrap`).
 
     Args:
-        joints: Whose samples these are; none may float.
+        joints: Joints of the samples; none may float.
         times: From 0, increasing [s], n >= 2.
         positions: [rad or m].
         velocities: [rad/s or m/s].
-        accelerations: [rad/s^2 or m/s^2]; of no use without velocities.
+        accelerations: [rad/s^2 or m/s^2]; ignored without velocities.
     """
     widths = np.diff(times)
     steps = positions[1:] - positions[:-1]
@@ -50,7 +50,7 @@ def trajectory_through(
         columns = [np.zeros_like(steps), v0, a0 / 2, c3]
     else:
         a0, a1 = accelerations[:-1], accelerations[1:]
-        # What the start alone would give is missed at the end by so much.
+        # Residuals at the end of each piece of the polynomial that meets the start's values alone.
         p = steps - v0 * h - a0 * h**2 / 2
         v = (v1 - v0 - a0 * h) * h
         a = (a1 - a0) * h**2
@@ -70,10 +70,10 @@ def polyline_through(
     times: Float64[np.ndarray, " n"],
     positions: Float64[np.ndarray, "n nq"],
 ) -> TimedTrajectory:
-    """Return the motion that goes straight from sample to sample: positions are numbers here too.
+    """Return the trajectory that is linear between samples; positions are real numbers here too.
 
     Args:
-        joints: Whose samples these are; those that float turn about one axis at a time.
+        joints: Joints of the samples; those that float turn about one axis at a time.
         times: From 0, increasing [s], n >= 2.
         positions: [rad or m].
     """
@@ -84,7 +84,7 @@ def polyline_through(
 
 
 def _displacements(joints: tuple[Joint, ...], positions: Array) -> Array:
-    """Return what takes each sample to the next, whole turns included, shape (n - 1, nv)."""
+    """Return the displacement from each sample to the next, whole turns kept, shape (n - 1, nv)."""
     steps = Manifold.of(joints).minus(positions[1:], positions[:-1])
     plain = np.diff(positions, axis=0)
     at_q = at_v = 0

@@ -1,4 +1,4 @@
-"""InterpolationProof: whether samples of a motion are proven, read as a receiver may read them."""
+"""InterpolationProof: certificate of a sampled motion as a receiver interpolates it."""
 
 from dataclasses import dataclass
 from typing import Literal
@@ -6,25 +6,25 @@ from typing import Literal
 from planning.domain.report.certificate import Check
 from planning.domain.value import Value
 
-# What samples may be taken for.
+# Interpolations of the samples.
 type Interpolation = Literal["linear", "cubic", "quintic", "cubic_spline"]
 
 
 @dataclass(frozen=True, eq=False)
 class InterpolationProof(Value):
-    """The verdict on what a receiver makes of samples.
+    """Verdict on one interpolation of the samples.
 
     Attributes:
         kind: "linear" of positions alone, "cubic" of positions and velocities, or "quintic" of
             these and accelerations.
-        proven: It keeps all that the motion was asked to keep, `unchecked` excepted, between
+        proven: Whether it keeps all requirements of the motion, `unchecked` excepted, between
             samples too.
-        deviation: How far any coordinate is from the motion itself at most [rad or m]; infinite
+        deviation: Largest deviation of any coordinate from the motion itself [rad or m]; infinite
             where that is not known.
-        up_to_period: The longest time between samples with which it is known to be proven [s]; None
+        up_to_period: Longest time between samples for which it is known to be proven [s]; None
             if none is known.
-        failed: The checks that did not pass.
-        unchecked: What it is not held to, because straight lines have corners.
+        failed: Checks that did not pass.
+        unchecked: Requirements that are not checked, because straight lines have corners.
         reason: Why it is not proven where no check says so, or "".
     """
 

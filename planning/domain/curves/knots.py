@@ -1,10 +1,11 @@
-"""Knots: at which instants a motion is sampled, and where its acceleration goes over linearly.
+"""Knots: sampling instants of a motion, and the ramps that replace jumps of its acceleration.
 
-Between two pieces with different accelerations lies a ramp, from a little before the jump to a
-little after it. Pieces too short for samples of their own are gone over together, with a sample in
-the middle of them whose acceleration is chosen (`sampling`). If the ramp reaches beyond them by
-half of what they take or more, that is a mean of those before, within and after them, and hence
-within their limits; at an end of the motion that is so if it reaches as far as they do.
+Between two pieces with different accelerations lies a ramp (acceleration linear in time), from a
+little before the jump to a little after it. Pieces too short for samples of their own are skipped
+together, with a sample in the middle of them whose acceleration is chosen (`sampling`). If the ramp
+reaches beyond them by half of their duration or more, that acceleration is a mean of those before,
+within and after them, and hence within their limits; at an end of the motion that is so if it
+reaches as far as their duration.
 """
 
 from dataclasses import dataclass
@@ -18,27 +19,27 @@ from planning.domain.curves.curve import TimedTrajectory, derivative
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 type Indices = np.ndarray[Any, np.dtype[np.intp]]
 
-# Half of the time in which a jump of acceleration is gone over, at least [s].
+# Smallest half duration of the ramp that replaces a jump of acceleration [s].
 _RAMP = 5e-5
-# Jumps that count as such, and what rounding may change of an acceleration, over their limits.
+# Smallest significant jump, and largest rounding error of an acceleration, over their limits.
 _JUMP, _ROUNDED = 1e-6, 2e-7
 # The largest second derivative of the polynomial of degree 5 on [0, 1] that goes from 0 to 1.
 _STEEPEST = 10 / np.sqrt(3)
-# What is shorter, at an end, is part of the piece beside it [s].
+# At an end of the motion, a shorter piece is part of its neighbour [s].
 _DUST = 3e-8
-# Pieces of fewer half ramps than this are gone over; from a longer one they take a share at most.
+# Pieces of fewer half ramps than this are skipped; of a longer one ramps take at most a share.
 _NARROW, _SHARE = 4.0, 0.25
 
 
 @dataclass(frozen=True)
 class Knots:
-    """The instants of samples.
+    """Sampling instants with their pieces and ramps.
 
     Attributes:
-        times: When [s], shape (n,).
-        pieces: The piece of the motion that each belongs to, shape (n,).
-        ramps: Those from which to the next the acceleration goes over linearly.
-        bent: Those whose acceleration is not the motion's but chosen.
+        times: Instants [s], shape (n,).
+        pieces: Index of the motion's piece that each instant belongs to, shape (n,).
+        ramps: Indices of the instants at which a ramp to the next instant begins.
+        bent: Indices of the instants whose acceleration is chosen instead of the motion's.
     """
 
     times: Array
@@ -48,7 +49,7 @@ class Knots:
 
     @classmethod
     def of(cls, curve: TimedTrajectory, periods: Array, limits: Array) -> "Knots":
-        """Choose them.
+        """Choose the sampling instants of a curve.
 
         Args:
             curve: The motion.
@@ -70,14 +71,14 @@ class Knots:
 
 @dataclass(frozen=True)
 class _Spans:
-    """Which part of each long piece is sampled, and what lies before, between and after them.
+    """Sampled spans of the long pieces, and the ramps and skipped pieces around them.
 
     Attributes:
-        long: The pieces, shape (n,).
-        begins: Where sampling of each begins [s].
-        ends: Where it ends [s].
+        long: Indices of the long pieces, shape (n,).
+        begins: Beginning of sampling on each [s].
+        ends: End of sampling on each [s].
         jumps: Whether there is a ramp: before the first, between all, after the last; (n + 1,).
-        skips: Whether pieces are gone over there.
+        skips: Whether pieces are skipped there.
         duration: Of the motion [s].
         num_pieces: Of the motion.
     """
@@ -96,7 +97,7 @@ class _Spans:
         skips = np.diff(long, prepend=-1, append=curve.num_pieces) > 1
         jumps = skips.copy()
         jumps[1:-1] |= _jumps(curve, limits, long)
-        # How long it takes to go over pieces, and how far beyond them a ramp reaches.
+        # Duration of the skipped pieces, and how far beyond them a ramp reaches [s].
         begins, ends = breaks[long], breaks[long + 1]
         over = np.concatenate([[begins[0]], begins[1:] - ends[:-1], [breaks[-1] - ends[-1]]])
         wanted = np.maximum(over / 2, 2 * ramp - over / 2)
@@ -112,7 +113,7 @@ class _Spans:
 
 
 def _even(spans: _Spans, periods: Array) -> tuple[Array, Indices, Indices]:
-    """Return instants evenly on each span and at the very ends, pieces, and where ramps begin."""
+    """Return evenly spaced instants on each span and at both ends, their pieces, and the ramps."""
     begins, ends, jumps = spans.begins, spans.ends, spans.jumps
     counts = np.maximum(1, np.ceil((ends - begins) / periods - 1e-9)).astype(np.intp)
     has_end = np.append(jumps[1:-1], True)
@@ -136,9 +137,9 @@ def _even(spans: _Spans, periods: Array) -> tuple[Array, Indices, Indices]:
 def _with_middles(
     curve: TimedTrajectory, spans: _Spans, knots: tuple[Array, Indices, Indices]
 ) -> tuple[Array, Indices, Indices, Indices]:
-    """Return the same with a sample in the middle of what is gone over, and which are bent.
+    """Return the knots with a sample amid skipped pieces, and the indices of these samples.
 
-    At the ends of the motion its first and its last sample are.
+    At the ends of the motion these are its first and its last sample.
     """
     times, pieces, ramps = knots
     gone_over = spans.skips[spans.jumps]
@@ -160,7 +161,7 @@ def _with_middles(
 
 
 def _ramp(curve: TimedTrajectory, limits: Array) -> float:
-    """Return half of how long a ramp takes: so long that rounded positions do not bend it [s]."""
+    """Return half of a ramp's duration, large enough that rounded positions do not bend it [s]."""
     if not curve.manifold.is_flat:
         return 0.0
     ulp = np.spacing(np.abs(curve.bases).max(axis=0))
@@ -178,7 +179,7 @@ def _jumps(curve: TimedTrajectory, limits: Array, long: Indices) -> Any:
 
 
 def evaluated(coefficients: Float64[np.ndarray, "m k nv"], x: Float64[np.ndarray, " m"]) -> Array:
-    """Return the value of a polynomial each, lowest power first, shape (m, nv)."""
+    """Return the value of one polynomial per row, lowest power first, shape (m, nv)."""
     total = coefficients[:, -1].copy()
     for k in range(coefficients.shape[1] - 2, -1, -1):
         total = total * x[:, None] + coefficients[:, k]

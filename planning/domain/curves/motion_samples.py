@@ -1,9 +1,9 @@
-"""The samples of a motion: where a geodesic is looked at, and in which order.
+"""Motion samples: the configurations at which a geodesic is collision-checked, and their order.
 
 A motion leaves `origin` along `displacement` (a tangent, shape (nv,)). Its n samples are
 `origin [+] (i / n) * displacement`, i = 1..n, where n is the least number that makes every step at
 most the resolution. Where joints do not float that is `origin + (i / n) * displacement` in float64,
-each operation rounded by itself: whoever judges a motion judges these very numbers.
+each operation rounded by itself: every collision checker checks these very numbers.
 
 The far end comes first, then the middle, then the quarters: the order of van der Corput's sequence
 in base 2, which meets a collision of width w after about 1/w samples. The first samples come one by
@@ -43,7 +43,7 @@ def num_steps(displacement: Float64[np.ndarray, " nv"], resolution: float) -> in
 def steps_of(
     displacements: Float64[np.ndarray, "m nv"], resolution: float
 ) -> Int64[np.ndarray, " m"]:
-    """Return the number of samples of each motion: the least whose steps are short enough.
+    """Return the number of samples of each motion: the least with steps within the resolution.
 
     At least one. The squares of a displacement are added in the order of its coordinates, so that
     the number is the same wherever it is computed.
@@ -62,8 +62,8 @@ def is_motion_free(
     """Return whether every sample of a motion is free; the origin is not one of them.
 
     Args:
-        manifold: Of the joints that move.
-        are_free: Judges configurations, shape (m, nq).
+        manifold: Configuration manifold of the joints that move.
+        are_free: Returns whether each configuration is free, for an array of shape (m, nq).
         motion: Origin and displacement.
         resolution: Largest length of a step.
     """

@@ -1,4 +1,4 @@
-"""MotionState: where a group is, how fast it moves, and how that changes."""
+"""MotionState: position, velocity and acceleration of a group at one instant."""
 
 from dataclasses import dataclass
 
@@ -11,7 +11,7 @@ from planning.domain.value import Value
 
 @dataclass(frozen=True, eq=False)
 class MotionState(Value):
-    """A state of a group.
+    """Kinematic state of a group.
 
     Attributes:
         q: Positions [rad or m], shape (nq,).
@@ -25,7 +25,7 @@ class MotionState(Value):
 
     @classmethod
     def of(cls, trajectory: TimedTrajectory, time: float) -> "MotionState":
-        """Read the state of a trajectory at an instant [s]."""
+        """Evaluate a trajectory at an instant [s]."""
         at = np.array([time])
         rates = (trajectory.velocities(at)[0], trajectory.accelerations(at)[0])
         return cls(trajectory.positions(at)[0], *rates)

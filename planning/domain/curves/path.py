@@ -1,4 +1,4 @@
-"""JointPath: untimed waypoints joined by geodesics, which are arcs where a base is steered."""
+"""JointPath: untimed waypoints joined by geodesics, which are arcs for steered bases."""
 
 from dataclasses import dataclass
 
@@ -14,10 +14,10 @@ from planning.domain.value import Value
 
 @dataclass(frozen=True, eq=False)
 class JointPath(Value):
-    """A path is not a trajectory: it has no time.
+    """Geometric path in joint space, without time.
 
     Attributes:
-        group: Whose configurations the waypoints are.
+        group: Group of the waypoints.
         waypoints: Shape (n, nq), n >= 2, from start to goal.
     """
 
@@ -26,13 +26,13 @@ class JointPath(Value):
 
     @property
     def length(self) -> float:
-        """The sum of the geodesics' lengths (radians and metres weigh the same)."""
+        """Sum of the geodesics' lengths (radians and metres weigh the same)."""
         manifold = manifold_of(self.group)
         return float(manifold.distance(self.waypoints[1:], self.waypoints[:-1]).sum())
 
     @property
     def continuous(self) -> "JointPath":
-        """The same path with numbers that do not jump: no whole turns, no signs of quaternions.
+        """The same path with continuous numbers: no jumps by whole turns or signs of quaternions.
 
         The first waypoint stays as it is.
         """
@@ -44,12 +44,12 @@ class JointPath(Value):
 
     @property
     def straight(self) -> "JointPath":
-        """The geodesic between the ends."""
+        """Geodesic between the ends of the path."""
         return JointPath(self.group, self.waypoints[[0, -1]])
 
     @property
     def spline(self) -> JointSpline:
-        """The path as a curve: of degree one, or of degree five where arcs are followed."""
+        """The path as a curve: of degree one, or of degree five where it follows arcs."""
         manifold = manifold_of(self.group)
         if isinstance(manifold, SteeredManifold):
             return arcs_through(manifold, self.waypoints)

@@ -1,19 +1,19 @@
-"""Samples of a motion: at which instants it is told, and the numbers that are told there.
+"""Sampled trajectory: sampling instants of a motion, and position, velocity, acceleration there.
 
-A receiver knows nothing but samples, and takes the motion between two of them for a polynomial. If
+A receiver has nothing but samples, and interpolates them by polynomials. If
 accelerations jump in between, no polynomial through positions, velocities and accelerations follows
 them: the one of degree 5 overshoots by 8 % of the jump, however near the samples are. So samples
 lie where the pieces of the motion meet, and evenly between; and where accelerations jump there are
-two, a tenth of a millisecond apart or so, between which the acceleration goes over linearly:
+two, a tenth of a millisecond apart or so, between which the acceleration is linear in time:
 
     v1 = v0 + h (a0 + a1) / 2,    p1 = p0 + h v0 + h^2 (2 a0 + a1) / 6.
 
-Where pieces too short for samples of their own lie between, the acceleration goes linearly to a
-third sample and on from there, and what it is there is chosen so that v1 is the motion's.
+Where pieces too short for samples of their own lie between, the acceleration is linear up to a
+third sample and linear from there on, and its value there is chosen so that v1 is the motion's.
 
-What the true motion has then differs by some 1e-9, or 1e-8 where short pieces are gone over. The
-samples keep that difference from there on, less a smooth polynomial that takes it away by the end:
-the first and the last place are the motion's own.
+The sampled motion then differs from the exact one by some 1e-9, or 1e-8 where short pieces are
+skipped. The samples keep that difference from there on, less a smooth polynomial that removes it by
+the end: the first and the last position are the motion's own.
 """
 
 from dataclasses import dataclass
@@ -29,18 +29,19 @@ from planning.domain.value import Value
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
-# Samples are not put nearer than this but for the period [s].
+# Smallest time between samples, unless the period itself is smaller [s].
 _SHORTEST = 1e-3
 
 
 @dataclass(frozen=True, eq=False)
 class Sampling(Value):
-    """Which instants of a motion are told.
+    """Rule for the sampling instants of a motion.
 
     Attributes:
-        period: Between samples at most [s].
-        num_points: So many instead, evenly in time; None for as many as the period makes.
-        is_even: Whether all are a period apart, but for the last, wherever the pieces meet.
+        period: Largest time between samples [s].
+        num_points: Number of samples instead, evenly in time; None for the number that the period
+            gives.
+        is_even: Whether all samples are a period apart, except the last, wherever the pieces meet.
     """
 
     period: float = 0.01
@@ -55,10 +56,10 @@ class Sampling(Value):
 
 @dataclass(frozen=True, eq=False)
 class SampledTrajectory(Value):
-    """A motion as it is told.
+    """Motion as samples: times, positions, velocities and accelerations.
 
     Attributes:
-        joints: Whose.
+        joints: Joints of the coordinates.
         times: From 0, increasing [s], shape (n,).
         positions: [rad or m], shape (n, nq).
         velocities: [rad/s or m/s], shape (n, nv).
@@ -73,7 +74,7 @@ class SampledTrajectory(Value):
 
     @property
     def longest_gap(self) -> float:
-        """Between two samples [s]."""
+        """Longest time between two samples [s]."""
         return float(np.diff(self.times).max())
 
 
@@ -87,11 +88,11 @@ def sampled(
 
     Args:
         trajectory: The motion.
-        sampling: Which instants.
-        limits: On the acceleration of every coordinate, infinite for none: they say which jumps
-            count [rad/s^2 or m/s^2].
-        gaps: Longest time between samples on each piece [s], if it is less than the period, but
-            hardly less than a millisecond; not for samples that are evenly apart.
+        sampling: Rule for the instants.
+        limits: On the acceleration of every coordinate, infinite for none: they decide which jumps
+            are significant [rad/s^2 or m/s^2].
+        gaps: Longest time between samples on each piece [s], if that is less than the period, but
+            hardly less than a millisecond; not used for evenly spaced samples.
     """
     if not sampling.follows_pieces:
         count = sampling.num_points
@@ -121,14 +122,14 @@ def _at(trajectory: TimedTrajectory, times: Array) -> SampledTrajectory:
 
 
 def _bent(curve: TimedTrajectory, knots: Knots, states: tuple[Array, Array, Array]) -> Array:
-    """Return the accelerations with those chosen that are to be.
+    """Return the accelerations, with new values at the samples whose acceleration is free.
 
-    Linear between three samples, L and R apart, they add up to
+    Linear between three samples, L and R apart, they integrate to
 
         v2 - v0 = (L (a0 + a1) + R (a1 + a2)) / 2,
 
-    which is solved for a1; at an end there is one such interval. They stay among those that the
-    motion has there.
+    which is solved for a1; at an end there is one such interval. The values are clipped to the
+    range of the motion's accelerations there.
     """
     (_, v, a), times = states, knots.times
     chosen, last = a.copy(), len(times) - 1
@@ -139,7 +140,7 @@ def _bent(curve: TimedTrajectory, knots: Knots, states: tuple[Array, Array, Arra
         wanted = 2 * (v[j] - v[i]) - before * a[i] - after * a[j]
         rows = slice(0 if m == 0 else knots.pieces[i], knots.pieces[j] + 1)
         begins, ends = bend[rows, 0], evaluated(bend[rows], curve.widths[rows])
-        # Of the pieces before and after what counts is where they end and where they begin.
+        # Of the piece before only its end counts, of the piece after only its beginning.
         there = [begins if m == 0 else begins[1:], ends if m == last else ends[:-1], a[[i, j]]]
         every = np.concatenate(there)
         chosen[m] = np.clip(wanted / (before + after), every.min(axis=0), every.max(axis=0))
@@ -149,7 +150,7 @@ def _bent(curve: TimedTrajectory, knots: Knots, states: tuple[Array, Array, Arra
 def _ramped(
     curve: TimedTrajectory, knots: Knots, states: tuple[Array, Array, Array]
 ) -> tuple[Array, Array, Array]:
-    """Return the states with linear accelerations on ramps, and all else moved along."""
+    """Return the states with linear accelerations on ramps, and later states shifted to match."""
     (q, v, a), times = states, knots.times
     i, j = knots.ramps, knots.ramps + 1
     h = (times[j] - times[i])[:, None]
@@ -166,7 +167,7 @@ def _ramped(
 
 
 def _smooth(times: Array, shift: Array, rate: Array) -> tuple[Array, Array, Array]:
-    """Return a polynomial that comes from rest at 0 to a shift and a rate, and its derivatives."""
+    """Return a polynomial from rest at 0 to a shift and a rate, and its derivatives."""
     span = times[-1]
     s = (times / span)[:, None]
     to_shift = (

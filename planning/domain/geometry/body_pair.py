@@ -1,4 +1,4 @@
-"""BodyPair: two bodies and how far apart they are."""
+"""BodyPair: two bodies, their signed distance and nearest points."""
 
 from dataclasses import dataclass
 
@@ -10,7 +10,7 @@ from planning.domain.value import Value
 
 @dataclass(frozen=True, eq=False)
 class BodyPair(Value):
-    """Two bodies and their signed distance.
+    """Two bodies with their signed distance and nearest points.
 
     Attributes:
         bodies: Full names.

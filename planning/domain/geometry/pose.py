@@ -15,7 +15,7 @@ _NO_TURN = frozen([1.0, 0.0, 0.0, 0.0])
 
 @dataclass(frozen=True, eq=False)
 class Pose(Value):
-    """X_AB: where frame B is in frame A.
+    """Rigid transform X_AB: the pose of frame B in frame A.
 
     Attributes:
         position: p_AB [m].
@@ -27,7 +27,7 @@ class Pose(Value):
 
     @classmethod
     def identity(cls) -> "Pose":
-        """Return the pose that moves nothing."""
+        """Return the identity transform."""
         return cls(np.zeros(3), np.array([1.0, 0.0, 0.0, 0.0]))
 
     @classmethod
@@ -62,7 +62,7 @@ class Pose(Value):
 
     @property
     def matrix(self) -> Float64[np.ndarray, "4 4"]:
-        """The homogeneous transform."""
+        """Homogeneous transform, shape (4, 4)."""
         x = np.eye(4)
         x[:3, :3] = rotation.matrix(self.quaternion)
         x[:3, 3] = self.position
@@ -81,7 +81,7 @@ class Pose(Value):
         return Pose(-rotation.rotate(a, self.position), a)
 
     def distance(self, other: "Pose") -> tuple[float, float]:
-        """Return how far apart two poses are: translation [m] and rotation angle [rad]."""
+        """Return the distance of two poses: translation [m] and rotation angle [rad]."""
         turn = rotation.log(
             rotation.multiply(rotation.conjugate(self.quaternion), other.quaternion)
         )

@@ -82,7 +82,7 @@ def from_matrix(r: Float64[np.ndarray, "3 3"]) -> Float64[np.ndarray, "4"]:
 
 def from_rpy(rpy: Float64[np.ndarray, "3"]) -> Float64[np.ndarray, "4"]:
     """Return the unit quaternion of roll, pitch, yaw [rad] about fixed x, y, z (URDF's)."""
-    # What `exp` gives of turns about one axis each, without its stacks: scenes have thousands.
+    # Product of `exp` of rotations about one axis each, without stacks: scenes have thousands.
     half_sinc = 0.5 * np.sinc(np.abs(rpy) / (2 * np.pi))
     nil = (half_sinc * 0.0).tolist()
     w, s = np.cos(np.abs(rpy) / 2).tolist(), (half_sinc * rpy).tolist()
@@ -105,8 +105,8 @@ def rotate(a: Float64[np.ndarray, "*#n 4"], p: Float64[np.ndarray, "*#n 3"]) -> 
     return p + a[..., :1] * turned + _cross(axes, turned)
 
 
-# Numbers of single vectors are plain, those of stacks are arrays: a call of numpy takes ten times
-# as long as what it does with one number.
+# Single vectors use plain numbers, stacks use arrays: a call of numpy takes ten times as long as
+# its arithmetic on one number.
 def _product(a: Sequence[Any], b: Sequence[Any]) -> list[Any]:
     """Return the Hamilton product of two quaternions, component by component."""
     aw, ax, ay, az = a

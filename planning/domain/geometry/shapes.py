@@ -1,4 +1,4 @@
-"""Shapes of obstacles: boxes to meshes, all sizes in metres."""
+"""Shapes of obstacles: boxes, spheres, cylinders, capsules, ellipsoids, half spaces, meshes [m]."""
 
 from dataclasses import dataclass
 
@@ -10,21 +10,21 @@ from planning.domain.value import Value
 
 @dataclass(frozen=True, eq=False)
 class Box(Value):
-    """Full side lengths, centred at the origin, shape (3,)."""
+    """Box with full side lengths [m], centred at the origin, shape (3,)."""
 
     size: Float64[np.ndarray, "3"]
 
 
 @dataclass(frozen=True, eq=False)
 class Sphere(Value):
-    """Centred at the origin."""
+    """Sphere centred at the origin."""
 
     radius: float
 
 
 @dataclass(frozen=True, eq=False)
 class Cylinder(Value):
-    """Axis along z, centred at the origin."""
+    """Cylinder along z, centred at the origin."""
 
     radius: float
     length: float
@@ -32,7 +32,7 @@ class Cylinder(Value):
 
 @dataclass(frozen=True, eq=False)
 class Capsule(Value):
-    """Axis along z, centred at the origin; `length` is that of the cylindrical part."""
+    """Capsule along z, centred at the origin; `length` is that of the cylindrical part."""
 
     radius: float
     length: float
@@ -40,26 +40,26 @@ class Capsule(Value):
 
 @dataclass(frozen=True, eq=False)
 class Ellipsoid(Value):
-    """Semi-axes along x, y, z, shape (3,)."""
+    """Ellipsoid with semi-axes along x, y, z [m], shape (3,)."""
 
     semi_axes: Float64[np.ndarray, "3"]
 
 
 @dataclass(frozen=True, eq=False)
 class HalfSpace(Value):
-    """All points with z <= 0 in the object's frame."""
+    """Half space: all points with z <= 0 in the object's frame."""
 
 
 @dataclass(frozen=True, eq=False)
 class Convex(Value):
-    """The convex hull of points, shape (n, 3)."""
+    """Convex hull of points [m], shape (n, 3)."""
 
     points: Float64[np.ndarray, "n 3"]
 
 
 @dataclass(frozen=True, eq=False)
 class Mesh(Value):
-    """A mesh file; Drake takes its convex hull in every distance query.
+    """Mesh file; Drake takes its convex hull in every distance query.
 
     Attributes:
         uri: Path of an .obj, .vtk or .gltf file.

@@ -1,1 +1,1 @@
-"""What a motion shall reach, and what was found of it."""
+"""Goals of a motion, and the results of inverse kinematics and straight-line tracing for them."""

@@ -1,4 +1,4 @@
-"""ConfigurationQuality: how good a configuration is, beside being free."""
+"""ConfigurationQuality: manipulability, clearance and limit margin of one configuration."""
 
 from dataclasses import dataclass
 
@@ -7,12 +7,14 @@ from planning.domain.value import Value
 
 @dataclass(frozen=True, eq=False)
 class ArmBranch(Value):
-    """Which of the eight ways a six-joint arm bends; 1 or -1 each, 0 at that singularity.
+    """Arm configuration branch (shoulder, elbow, wrist) of a six-joint arm.
+
+    Each is 1 or -1, or 0 at that singularity.
 
     Attributes:
-        shoulder: On which side of the first axis the wrist is.
-        elbow: To which side the elbow bends.
-        wrist: To which side the wrist bends.
+        shoulder: Side of the first axis on which the wrist is.
+        elbow: Side to which the elbow bends.
+        wrist: Side to which the wrist bends.
     """
 
     shoulder: int
@@ -22,7 +24,7 @@ class ArmBranch(Value):
 
 @dataclass(frozen=True, eq=False)
 class ConfigurationQuality(Value):
-    """What there is to say of one configuration of a group.
+    """Quality measures of one configuration of a group.
 
     Attributes:
         manipulability: Product of the singular values of the tool's Jacobian (Yoshikawa); it

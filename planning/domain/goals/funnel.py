@@ -1,17 +1,17 @@
-"""Funnel: how many IK samples survived what, and what that says."""
+"""Funnel: number of IK samples that pass each test, and the reasons of rejection."""
 
 from dataclasses import dataclass
 from typing import Any
 
 from planning.domain.value import Value
 
-# So many pairs of bodies are named in a sentence.
+# Number of pairs of bodies named in a sentence.
 _TOLD = 3
 
 
 @dataclass(frozen=True, eq=False)
 class PairTally(Value):
-    """How often two bodies were the deepest collision of a rejected configuration.
+    """Count of rejected configurations in which one pair of bodies is the deepest collision.
 
     Attributes:
         bodies: Full names.
@@ -28,14 +28,14 @@ class PairTally(Value):
 
 @dataclass(frozen=True, eq=False)
 class LinearMoveTally(Value):
-    """How often one thing stopped the approach or retreat of a configuration.
+    """Count of configurations whose approach or retreat stops for one reason.
 
     Attributes:
         leg: "approach" or "retreat".
         reason: As `LineStop` has it.
         where: The pair of bodies or the joint, or "".
         count: Configurations.
-        max_fraction: The most of the line that any of them got, seen from the goal.
+        max_fraction: Largest reached fraction of the line, from the goal outwards.
     """
 
     leg: str
@@ -47,23 +47,24 @@ class LinearMoveTally(Value):
 
 @dataclass(frozen=True, eq=False)
 class Funnel(Value):
-    """How many IK samples survived what; every number is at most the one before it.
+    """Numbers of IK samples that pass each test; every number is at most the one before it.
 
     Attributes:
         tried: Seeds given to the solver.
         converged: Reached the target within tolerance.
-        within_limits: Kept the joint limits.
-        collision_free: Touch nothing.
-        distinct: Differ from all others; whole turns of joints do not make them differ here.
-        rejected_by: Which pairs the colliding ones hit; only the first few are measured, more of
-            them if none is free.
+        within_limits: Within the joint limits.
+        collision_free: Free of collision.
+        distinct: Different from all others; configurations that differ by whole turns of joints
+            count once here.
+        rejected_by: Colliding pairs of the rejected configurations; only the first few are
+            measured, more of them if none is free.
         violating: Goal configurations, whole turns included, that were dropped because they or
-            their lines violate a path constraint.
-        approach_ok: Of the collision-free ones, but for the breaking ones, those whose approach and
-            retreat are free and continuous; all of them if neither is asked for. The distinct ones
-            are among these.
+            their linear moves violate a path constraint.
+        approach_ok: Of the collision-free ones that keep the path constraints, those whose approach
+            and retreat are free and continuous; all of them if neither is requested. The distinct
+            ones are among these.
         breaking: Of the collision-free ones, those that violate a path constraint.
-        blocked_by: What stopped approaches and retreats, most frequent first.
+        blocked_by: Reasons at which approaches and retreats stopped, most frequent first.
     """
 
     tried: int = 0
@@ -80,13 +81,13 @@ class Funnel(Value):
 
 @dataclass(frozen=True, eq=False)
 class Rejection(Value):
-    """Why some samples are no goal configurations.
+    """Reason why some samples are no goal configurations.
 
     Attributes:
         reason: "not_converged", "outside_limits", "collision", "path_constraint", "approach" (or
             retreat) or "duplicate".
-        count: How many.
-        pair: What they hit, if that is the reason and it was measured.
+        count: Number of samples.
+        pair: The colliding pair, if that is the reason and it was measured.
     """
 
     reason: str
@@ -95,10 +96,10 @@ class Rejection(Value):
 
 
 def rejections(funnel: Funnel) -> tuple[Rejection, ...]:
-    """Return why the others are not among the distinct ones.
+    """Return why the other samples are not among the distinct ones.
 
-    The counts and the distinct ones add up to what was tried. What collides is told by pair as far
-    as it was measured; the rest of it has no pair.
+    The counts and the distinct ones add up to the samples tried. Collisions are listed by pair as
+    far as they were measured; the rest of them has no pair.
     """
     colliding = funnel.within_limits - funnel.collision_free
     measured = sum(tally.count for tally in funnel.rejected_by)
@@ -115,7 +116,7 @@ def rejections(funnel: Funnel) -> tuple[Rejection, ...]:
 
 
 def funnel_evidence(funnel: Funnel) -> dict[str, Any]:
-    """Return all of it as JSON has it; shares are of what was tried."""
+    """Return all of it as JSON; shares are of the samples tried."""
     return {
         "tried": funnel.tried,
         "converged": funnel.converged,

@@ -1,4 +1,4 @@
-"""Goals: what a motion shall reach."""
+"""Goals: the sets of configurations or tool poses that a motion may end in."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -14,7 +14,7 @@ from planning.domain.value import Value
 
 @dataclass(frozen=True, eq=False)
 class JointGoal(Value):
-    """Reach any of some configurations.
+    """Goal: any of some configurations.
 
     Attributes:
         positions: The group's q, one per row, shape (n, nq), n >= 1.
@@ -25,7 +25,7 @@ class JointGoal(Value):
 
 @dataclass(frozen=True, eq=False)
 class ConfigurationGoal(Value):
-    """Reach a configuration that the scene or the robot names.
+    """Goal: a named configuration of the scene or the robot.
 
     Attributes:
         name: For example "home".
@@ -36,7 +36,7 @@ class ConfigurationGoal(Value):
 
 @dataclass(frozen=True, eq=False)
 class PoseTarget(Value):
-    """Where a tool frame shall be.
+    """Target pose of a tool frame, in a reference frame.
 
     Attributes:
         pose: X_FG, the target G in the reference frame F.
@@ -49,17 +49,18 @@ class PoseTarget(Value):
 
 @dataclass(frozen=True, eq=False)
 class PoseBall(Value):
-    """All poses within a weighted distance of one, in place of a box and a rotation.
+    """Tolerance of a pose goal: all poses within a weighted distance of the target.
 
-    The distance is sqrt((w_x x)^2 + (w_y y)^2 + (w_z z)^2 + (w_r theta)^2), with x, y, z the way
+    It replaces the box and the rotation bounds. The distance is
+    sqrt((w_x x)^2 + (w_y y)^2 + (w_z z)^2 + (w_r theta)^2), with x, y, z the displacement
     from the target's origin to the tool's [m] and theta the angle between them [rad].
 
     Attributes:
         tolerance: The largest distance, positive.
-        weights: w_x, w_y, w_z [1/m] and w_r [1/rad], none negative, shape (4,); what has no weight
-            is free.
-        frame: By whose axes x, y and z are: "" for the target's own, "world", or any frame of the
-            scene.
+        weights: w_x, w_y, w_z [1/m] and w_r [1/rad], none negative, shape (4,); a direction of
+            weight 0 is free.
+        frame: Frame of the axes of x, y and z: "" for the target's own, "world", or any frame of
+            the scene.
     """
 
     tolerance: float
@@ -69,7 +70,7 @@ class PoseBall(Value):
 
 @dataclass(frozen=True, eq=False)
 class PoseGoal(Value):
-    """Bring a tool frame to any of some poses.
+    """Goal: a tool frame at any of some poses, within tolerances.
 
     Attributes:
         targets: The candidates, at least one; the index of the chosen one is in the result.
@@ -77,12 +78,13 @@ class PoseGoal(Value):
         position_tolerance: Half-widths of the box about the target, in its axes [m], shape (3,).
         rotation_tolerance: Largest rotation vector components, in the target's axes [rad], shape
             (3,); an entry of pi or more leaves that axis free.
-        approach: The last part of the motion is a straight line without a turn, which begins where
-            the tool is displaced by this, in the target's axes [m], shape (3,); None for none.
-        retreat: After the goal the tool goes on in a straight line by this, in the target's axes
-            [m], shape (3,); None for none.
-        ball: Accepts other poses than the two tolerances say, which count for nothing then; the
-            solutions are spread over them. None for what the tolerances say.
+        approach: Displacement of the tool at the beginning of the approach, the last part of the
+            motion, a straight line without rotation; in the target's axes [m], shape (3,); None for
+            none.
+        retreat: Displacement of the tool in the retreat, a straight line after the goal; in the
+            target's axes [m], shape (3,); None for none.
+        ball: Tolerance that replaces the two others, which are ignored then; the solutions are
+            spread over it. None for the two others.
     """
 
     targets: tuple[PoseTarget, ...]
@@ -96,14 +98,14 @@ class PoseGoal(Value):
 
 @dataclass(frozen=True, eq=False)
 class LineGoal(Value):
-    """Bring a tool frame to a pose in a straight line, or through several, at rest at each.
+    """Goal: a tool frame at the end of one or several straight lines, at rest after each.
 
     Attributes:
-        targets: At least one: a pose, or a way from where the line before it ends; a frame that
-            moves counts where the start puts it.
+        targets: At least one: a pose, or a displacement from the end of the line before it; a frame
+            that moves is taken at the start configuration.
         frame: Full name of the tool frame; "" for the group's default.
-        max_shift: How far the tool may be from the lines [m].
-        max_turn: How far its rotation may be off [rad].
+        max_shift: Largest distance of the tool's origin from the lines [m].
+        max_turn: Largest error of its rotation [rad].
     """
 
     targets: tuple[PoseTarget | Displacement, ...]
@@ -114,24 +116,24 @@ class LineGoal(Value):
 
 @dataclass(frozen=True, eq=False)
 class RegionGoal(Value):
-    """Bring a tool frame into any of some regions; the solutions are spread over them.
+    """Goal: a tool frame in any of some pose regions; the solutions are spread over them.
 
-    The pose X_GT that the tool frame T has in the region's frame G is in the region if its
-    position is in the box, and its rotation is as far from none as `rotation_tolerance` allows:
+    The pose X_GT of the tool frame T in the region's frame G is in the region if its position is
+    in the box, and its rotation within `rotation_tolerance`:
 
     - No axis is free: every component of its rotation vector is within its bound.
-    - One is: it is a turn about that axis, then a tilt (a rotation vector square to the axis)
+    - One is: it is a rotation about that axis, then a tilt (a rotation vector square to the axis)
       whose components are within their bounds. "Any yaw" is z free and the others 0.
-    - Two are: it is a turn about the third axis, within its bound, then any tilt.
+    - Two are: it is a rotation about the third axis, within its bound, then any tilt.
     - Three are: it is any rotation.
 
     Attributes:
         targets: X_FG, the middle of each region; at least one.
         frame: Full name of the tool frame; "" for the group's default.
         position_tolerance: Half-widths of the box, in G's axes [m], shape (3,); infinite leaves an
-            axis free, and solutions are then looked for as far as the group reaches.
+            axis free, and solutions are then searched within the reach of the group.
         rotation_tolerance: By G's axes [rad], shape (3,); pi or more leaves an axis free.
-        approach: As of PoseGoal, in G's axes, wherever in the region the motion ends.
+        approach: As of PoseGoal, in G's axes, for every end pose in the region.
         retreat: The same.
     """
 
@@ -145,15 +147,15 @@ class RegionGoal(Value):
 
 @dataclass(frozen=True, eq=False)
 class RelativeGoal(Value):
-    """Move a tool frame T from where the start has it.
+    """Goal: a tool frame T displaced relative to its pose at the start.
 
     Without a reference the displacement is in T itself: X_WT_goal = X_WT @ displacement. With a
     reference F its axes at the start count: T's origin moves by R_WF p and T turns about its own
     origin by R_WF R R_WF^-1, where p and R are the displacement's parts. So "5 cm up" is
-    position (0, 0, 0.05) in "world", whichever way T looks.
+    position (0, 0, 0.05) in "world", for any orientation of T.
 
     Attributes:
-        displacement: By how much.
+        displacement: The displacement.
         frame: Full name of T; "" for the group's default.
         reference: Name of F, any frame of the scene; "" for T itself.
     """
@@ -165,14 +167,14 @@ class RelativeGoal(Value):
 
 @dataclass(frozen=True, eq=False)
 class GoalPredicate:
-    """Reach any configuration that a function of yours accepts.
+    """Goal: any configuration that a Python function of the caller accepts.
 
-    It is looked for in the start, near it, and then among configurations drawn within the joint
-    limits, or by `draw`. A function has no content that could be compared, so this is no `Value`:
-    it equals itself alone, and a problem with it can neither be compared nor hashed.
+    The search tries the start, configurations near it, and then configurations drawn within the
+    joint limits, or by `draw`. A function has no content to compare, so this is no `Value`: it
+    equals only itself, and a problem with it can be neither compared nor hashed.
 
     Attributes:
-        accepts: Says of the group's q, shape (nq,), whether it is a goal. Free of side effects.
+        accepts: Returns whether the group's q, shape (nq,), is a goal. Free of side effects.
         draw: Makes a candidate q, shape (nq,), from a generator; None for the joint limits.
     """
 

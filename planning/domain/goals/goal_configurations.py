@@ -1,4 +1,4 @@
-"""What the goals stage found: configurations, or the nearest to what it could not reach."""
+"""GoalConfigurations: result of inverse kinematics, or the nearest feasible pose."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -15,13 +15,13 @@ from planning.domain.value import Value
 
 @dataclass(frozen=True, eq=False)
 class Bounds(Value):
-    """What keeps a pose from being nearer to the one that was asked for.
+    """Active constraints of a nearest pose: what keeps it from being nearer to the requested one.
 
     Attributes:
-        joints: The coordinates at their limits.
-        pairs: The pairs of bodies at their margins.
-        constraints: The path constraints that would be violated, on the goal's lines too.
-        line: What would stop one of these lines.
+        joints: Coordinates at their limits.
+        pairs: Pairs of bodies at their margins.
+        constraints: Path constraints that would be violated, on the goal's linear moves too.
+        line: Where and why one of these linear moves would stop.
     """
 
     joints: tuple[str, ...] = ()
@@ -31,7 +31,7 @@ class Bounds(Value):
 
     @property
     def binding(self) -> str:
-        """The first of those that do: "collision", ... "limits", or "reach" if none does."""
+        """Kind of the first active constraint: "collision", ... "limits", or "reach" for none."""
         if self.pairs:
             return "collision"
         if self.constraints:
@@ -42,7 +42,7 @@ class Bounds(Value):
 
     @property
     def evidence(self) -> dict[str, Any]:
-        """All of it as JSON has it."""
+        """The same as JSON."""
         return {
             "binding": self.binding,
             "joints": list(self.joints),
@@ -54,20 +54,20 @@ class Bounds(Value):
 
 @dataclass(frozen=True, eq=False)
 class NearestPose(Value):
-    """The nearest feasible pose that the tool frame can take to what it cannot.
+    """Nearest feasible pose of the tool frame to an infeasible goal pose.
 
-    Feasible are poses with a configuration that is free and within limits, keeps the path
-    constraints, and has the lines that the goal asks for.
+    A pose is feasible if a configuration for it is free and within limits, keeps the path
+    constraints, and has the linear moves that the goal requests.
 
     Attributes:
         pose: X_WT, the tool frame in world.
         positions: The group's q there, shape (nq,).
-        translation_error: From the nearest pose within the goal's tolerance [m].
-        rotation_error: From the same [rad].
-        pose_index: To which of the goal's poses it is the nearest.
-        goal: X_WG of that pose, were it moved along, so that it is met there as it stands.
-        bounds: What keeps it from being nearer; None if the time ran out before that was clear, and
-            then there may well be a nearer one.
+        translation_error: Distance from the nearest pose within the goal's tolerance [m].
+        rotation_error: Angle from the same pose [rad].
+        pose_index: Index of the goal's pose that it is nearest to.
+        goal: X_WG of that pose, displaced so that the nearest pose meets it exactly.
+        bounds: Active constraints; None if the time ran out before they were determined, and then
+            a nearer pose may exist.
     """
 
     pose: Pose
@@ -80,7 +80,7 @@ class NearestPose(Value):
 
     @property
     def evidence(self) -> dict[str, Any]:
-        """All of it as JSON has it."""
+        """The same as JSON."""
         return {
             "position": self.pose.position.tolist(),
             "quaternion": self.pose.quaternion.tolist(),
@@ -100,18 +100,18 @@ class NearestPose(Value):
 
 @dataclass(frozen=True, eq=False)
 class NearestConfiguration(Value):
-    """The nearest feasible configuration to some that were asked for, of which none is.
+    """Nearest feasible configuration to requested ones that are all infeasible.
 
     Attributes:
         positions: The group's q, within limits, free, and keeping the path constraints, shape
             (nq,).
-        distance: From the one that was asked for, in the weighted joint metric [rad or m].
-        differences: q [-] what was asked for, shape (nv,) [rad or m].
+        distance: From the requested one, in the weighted joint metric [rad or m].
+        differences: q [-] the requested one, shape (nv,) [rad or m].
         names: Of these coordinates.
-        goal_index: To which of those asked for it is the nearest.
-        pairs: The pairs of bodies that would be nearer than their margin, were it any nearer.
-        constraints: The path constraints that would be violated.
-        joints: The coordinates at their limits that differ from what was asked for.
+        goal_index: Index of the requested configuration that it is nearest to.
+        pairs: Pairs of bodies that would violate their margin at any nearer configuration.
+        constraints: Path constraints that would be violated.
+        joints: Coordinates at their limits that differ from the requested one.
     """
 
     positions: Float64[np.ndarray, " nq"]
@@ -125,14 +125,14 @@ class NearestConfiguration(Value):
 
     @property
     def binding(self) -> str:
-        """What keeps it from being nearer: the first of those that do."""
+        """Kind of the first active constraint: "collision", "path_constraint" or "limits"."""
         if self.pairs:
             return "collision"
         return "path_constraint" if self.constraints else "limits"
 
     @property
     def evidence(self) -> dict[str, Any]:
-        """All of it as JSON has it."""
+        """The same as JSON."""
         return {
             "positions": self.positions.tolist(),
             "distance": self.distance,
@@ -147,13 +147,13 @@ class NearestConfiguration(Value):
 
 @dataclass(frozen=True, eq=False)
 class GoalConfigurations(Value):
-    """What the goals stage found.
+    """Result of the goals stage: goal configurations with their linear moves.
 
     Attributes:
         positions: The group's q, nearest to the start first, shape (n, nq), n >= 1.
-        target_indices: Which candidate of the goal each row reaches.
-        funnel: How many samples survived what.
-        legs: Approach and retreat of each row; none if the goal has neither.
+        target_indices: Index of the goal's candidate that each row reaches.
+        funnel: Number of IK samples that passed each test.
+        legs: Approach and retreat of each row; empty if the goal has neither.
     """
 
     positions: Float64[np.ndarray, "n nq"]
@@ -163,7 +163,7 @@ class GoalConfigurations(Value):
 
     @property
     def entries(self) -> Float64[np.ndarray, "n nq"]:
-        """Where the free part of a motion to each row ends: at its approach, if it has one."""
+        """End of the free motion to each row: the beginning of its approach, if it has one."""
         approaches = [leg.approach for leg in self.legs]
         if not approaches or approaches[0] is None:
             return self.positions

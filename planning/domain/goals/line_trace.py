@@ -1,4 +1,4 @@
-"""How far a straight line of a tool can be followed, and what stops it."""
+"""LineTrace: the part of a straight tool line that a group can follow, and what stops it."""
 
 from dataclasses import dataclass
 from typing import Any, Literal
@@ -14,13 +14,13 @@ from planning.domain.value import Value
 
 @dataclass(frozen=True, eq=False)
 class LineStop(Value):
-    """What ended a line before its end.
+    """Reason and state at which a line cannot be followed any further.
 
     Attributes:
         reason: `limit`: a joint would leave its range. `collision`: two bodies would be nearer than
             their margin. `singularity`: the joints would have to move without bound.
-            `unreachable`: the joints cannot move the tool that way, however they stand.
-        fraction: Of the line that was reached, to about 1e-5.
+            `unreachable`: no motion of the joints moves the tool that way, at any configuration.
+        fraction: Reached fraction of the line, to about 1e-5.
         where: X_WT there.
         positions: The group's q there, shape (nq,).
         joint: The position coordinate at its limit, or "".
@@ -40,11 +40,11 @@ class LineStop(Value):
 
 @dataclass(frozen=True, eq=False)
 class LinearMoveStop(Value):
-    """What ended an approach or a retreat, seen from the goal outwards.
+    """Stop of an approach or retreat, traced from the goal outwards.
 
     Attributes:
         leg: "approach" or "retreat".
-        stop: What ended it.
+        stop: Reason and state.
     """
 
     leg: str
@@ -52,7 +52,7 @@ class LinearMoveStop(Value):
 
     @property
     def evidence(self) -> dict[str, Any]:
-        """The same as JSON has it."""
+        """The same as JSON."""
         stop = self.stop
         return {
             "leg": self.leg,
@@ -68,15 +68,15 @@ class LinearMoveStop(Value):
 
 @dataclass(frozen=True, eq=False)
 class LineTrace(Value):
-    """Configurations along a line: a continuous motion, from its beginning as far as it goes.
+    """Configurations along a line: a continuous motion from its beginning up to the stop.
 
     Attributes:
         line: The line.
-        fractions: Increasing from 0, of every waypoint, shape (n,), n >= 1.
+        fractions: Fraction along the line of every waypoint, increasing from 0, shape (n,), n >= 1.
         positions: The group's q there, shape (n, nq); geodesics join them.
-        max_shift: How far the tool is from the line at most, between waypoints too [m].
+        max_shift: Largest distance of the tool from the line, between waypoints too [m].
         max_turn: The same of its rotation [rad].
-        stop: What ended it, or None if all of it was reached.
+        stop: Reason of the stop, or None if all of the line is reached.
     """
 
     line: ToolLine
@@ -88,15 +88,15 @@ class LineTrace(Value):
 
     @property
     def fraction(self) -> float:
-        """How much of the line was reached."""
+        """Reached fraction of the line, in [0, 1]."""
         return float(self.fractions[-1])
 
     @property
     def length(self) -> float:
-        """How far the tool's origin gets along it [m]."""
+        """Distance that the tool's origin covers along the line [m]."""
         return self.fraction * self.line.length
 
     @property
     def leg(self) -> LinearMove:
-        """The motion, if it reaches the end."""
+        """The trace as a linear move; meaningful only if it reaches the end of the line."""
         return LinearMove(self.line, self.fractions, self.positions)

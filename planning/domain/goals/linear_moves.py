@@ -1,4 +1,4 @@
-"""Straight lines of a tool, and motions along them."""
+"""Straight lines of a tool frame (MoveL, LIN), and motions of a group along them."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -10,17 +10,17 @@ from planning.domain.geometry import rotation
 from planning.domain.geometry.pose import Pose
 from planning.domain.value import Value
 
-# How far a motion may be from its line between its waypoints, if nobody says otherwise.
+# Default tolerances on the tool's deviation from its line between waypoints.
 MAX_SHIFT, MAX_TURN = 1e-3, float(np.radians(0.5))
 
 
 @dataclass(frozen=True, eq=False)
 class Displacement(Value):
-    """A way without a turn.
+    """Translation by a vector, without a rotation.
 
     Attributes:
-        vector: The way [m], shape (3,).
-        frame: In whose axes: "world" or any frame of the scene, as it stands at the start.
+        vector: The displacement [m], shape (3,).
+        frame: Frame of its axes: "world" or any frame of the scene, as it stands at the start.
     """
 
     vector: Float64[np.ndarray, "3"]
@@ -46,18 +46,18 @@ class ToolLine(Value):
 
     @property
     def shift(self) -> Float64[np.ndarray, "3"]:
-        """p_1 - p_0 in world [m]."""
+        """Translation p_1 - p_0 in world [m]."""
         return self.end.position - self.begin.position
 
     @cached_property
     def turn(self) -> Float64[np.ndarray, "3"]:
-        """Phi, in the tool's axes [rad]."""
+        """Rotation vector phi, in the tool's axes [rad]."""
         inverse = rotation.conjugate(self.begin.quaternion)
         return rotation.log(rotation.multiply(inverse, self.end.quaternion))
 
     @property
     def length(self) -> float:
-        """Of the way of the tool's origin [m]."""
+        """Length of the path of the tool's origin [m]."""
         return float(np.linalg.norm(self.shift))
 
     def pose(self, fraction: float) -> Pose:
@@ -73,11 +73,11 @@ class ToolLine(Value):
 
 @dataclass(frozen=True, eq=False)
 class LinearMove(Value):
-    """A continuous motion of a group that takes a tool along all of a line.
+    """Linear move: a continuous motion of a group that takes a tool frame along all of a line.
 
     Attributes:
         line: The line.
-        fractions: From 0 to 1, of every waypoint, shape (n,), n >= 2.
+        fractions: Fraction along the line of every waypoint, from 0 to 1, shape (n,), n >= 2.
         positions: The group's q there, shape (n, nq).
     """
 
@@ -87,7 +87,7 @@ class LinearMove(Value):
 
     @property
     def reverse(self) -> "LinearMove":
-        """The way back."""
+        """The same linear move from its end to its start."""
         return LinearMove(self.line.reverse, 1.0 - self.fractions[::-1], self.positions[::-1])
 
     def shifted(self, shift: Float64[np.ndarray, " nq"]) -> "LinearMove":
@@ -97,11 +97,11 @@ class LinearMove(Value):
 
 @dataclass(frozen=True, eq=False)
 class GoalMoves(Value):
-    """The lines that belong to a goal configuration.
+    """Linear moves of a goal configuration: approach and retreat.
 
     Attributes:
-        approach: It ends at the goal configuration; None if none is asked for.
-        retreat: It begins there; None if none is asked for.
+        approach: Linear move that ends at the goal configuration; None if none is requested.
+        retreat: Linear move that begins there; None if none is requested.
     """
 
     approach: LinearMove | None
@@ -109,20 +109,20 @@ class GoalMoves(Value):
 
     @property
     def all(self) -> tuple[LinearMove, ...]:
-        """Those that there are."""
+        """The moves that are not None, approach first."""
         return tuple(leg for leg in (self.approach, self.retreat) if leg is not None)
 
 
 @dataclass(frozen=True, eq=False)
 class LineSection(Value):
-    """The part of a motion that shall follow a line.
+    """Section of a motion along a line, with tolerances on the tool's pose.
 
     Attributes:
         line: The line.
         begin: First instant [s].
         end: Last instant [s].
-        max_shift: How far the tool's origin may be from the line [m].
-        max_turn: How far its rotation may be off [rad].
+        max_shift: Largest distance of the tool's origin from the line [m].
+        max_turn: Largest error of its rotation [rad].
     """
 
     line: ToolLine

@@ -1,6 +1,6 @@
-"""Geometric planners that people know by name from elsewhere and OMPL's wheel does not bind.
+"""Foreign planner names: planners of other software that OMPL's wheel does not bind.
 
-CoppeliaSim offers these. Each has the nearest planner that is here, and how the two are kin.
+CoppeliaSim offers these. Each has its nearest planner here, and how the two are related.
 """
 
 from collections.abc import Iterable
@@ -28,7 +28,7 @@ KIN = {
 
 
 def unknown_planner(name: str, known: Iterable[str]) -> UnknownName:
-    """Return the refusal of a planner: names like it, or the closest one to a foreign one."""
+    """Return the error for an unknown planner: similar names, or the closest to a foreign one."""
     names = sorted(known)
     # Papers write RRT* where OMPL writes RRTstar.
     starred = name.replace("*", "star")

@@ -1,4 +1,4 @@
-"""Cards of the planners that a search may name."""
+"""PlannerCard: name and parameters of a planner that a search may use."""
 
 from dataclasses import dataclass
 from typing import Literal
@@ -8,12 +8,12 @@ from planning.domain.value import Value
 
 @dataclass(frozen=True, eq=False)
 class PlannerParameter(Value):
-    """A parameter of a planner.
+    """Parameter of a planner.
 
     Attributes:
         name: OMPL's, or Drake's.
         default: Its value if it is not given, as text ("range" 0: chosen for the space).
-        range: The values that it may have, for a person.
+        range: Permitted values, as text for people.
         type: JSON's name of its type.
         minimum: Its least value, None where it has none.
         maximum: Its greatest value, None where it has none.
@@ -29,12 +29,12 @@ class PlannerParameter(Value):
 
 @dataclass(frozen=True, eq=False)
 class PlannerCard(Value):
-    """A planner that a search may name.
+    """Planner that a search may use.
 
     Attributes:
         name: OMPL's, or "GCS".
-        parameters: What can be set, sorted by name.
-        needs_regions: Whether it plans inside regions that were grown before.
+        parameters: Parameters, sorted by name.
+        needs_regions: Whether it plans inside convex regions grown before.
     """
 
     name: str

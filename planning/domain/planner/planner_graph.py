@@ -1,4 +1,4 @@
-"""PlannerGraph: what a sampling-based planner has explored."""
+"""PlannerGraph: tree or roadmap that a sampling-based planner has built."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -11,10 +11,9 @@ from planning.domain.value import Value
 
 @dataclass(frozen=True, eq=False)
 class PlannerGraph(Value):
-    """Trees or a roadmap: configurations, and which of them motions join.
+    """Graph of a sampling-based planner: configurations as vertices, motions as edges.
 
-    Not promised: that every edge was checked; planners that check late keep edges that they never
-    looked at.
+    Not promised: that every edge was checked; lazy planners keep edges that they never checked.
 
     Attributes:
         planner: OMPL's name.
@@ -22,9 +21,9 @@ class PlannerGraph(Value):
         edges: Pairs of rows, each pair once, the smaller row first.
         starts: Rows of starts.
         goals: Rows of goals.
-        path: Rows of the solution as the planner found it, in order; empty if it found none.
-        num_vertices: How many there were; more than n where some were left out.
-        num_edges: How many pairs there were.
+        path: Rows of the planner's solution, in order; empty if there is none.
+        num_vertices: Number of vertices of the planner; more than n where some were left out.
+        num_edges: Number of edges of the planner.
     """
 
     planner: str

@@ -1,4 +1,4 @@
-"""Regions: convex sets of a group's configurations that were found free, and where they overlap."""
+"""Regions: convex free sets in the configuration space of a group, and their overlaps (portals)."""
 
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -9,26 +9,27 @@ from jaxtyping import Bool, Float64
 
 from planning.domain.value import Value, digest
 
-# What rounding may add to a configuration that lies on a face [rad or m].
+# Tolerance for a configuration on a face, for rounding [rad or m].
 _DUST = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
 class RegionOptions(Value):
-    """How to grow regions, and where.
+    """Options for growing convex regions.
 
     Attributes:
-        num_regions: At most so many.
-        coverage: Enough, as a share of the free configurations in the domain, 0 to 1.
-        along: What comes first: "paths" puts regions along paths from the scene's state to the
+        num_regions: Largest number of regions.
+        coverage: Coverage at which growing stops, as a share of the free configurations in the
+            domain, 0 to 1.
+        along: First regions: "paths" grows regions along paths from the scene's state to the
             group's named configurations and the scene's frames; "nothing" begins with the cover.
-        num_free: So many random configurations of a region, one after another, were free before it
-            is believed.
-        iterations: How often a region is grown anew around the largest ellipsoid that it holds.
+        num_free: Number of consecutive free random configurations after which a region is accepted.
+        iterations: Number of times that a region is grown anew around the largest ellipsoid inside
+            it.
         bounds: Lowest and highest value [rad or m] by name of a position coordinate, within the
             limits.
         margin: Distance that regions keep [m]; None for the scene's.
-        padding: Distance beyond the margin [m]; motions that keep some to spare are soon proven.
+        padding: Distance beyond the margin [m]; motions with clearance to spare are quick to prove.
     """
 
     num_regions: int = 60
@@ -43,7 +44,7 @@ class RegionOptions(Value):
 
 @dataclass(frozen=True, eq=False)
 class Region(Value):
-    """A bounded convex set of configurations: those q with normals q <= offsets.
+    """Convex polytope of configurations q with normals q <= offsets, bounded (H-representation).
 
     Not promised: that all of it is free. `num_free` random configurations in a row were, so with
     95 % confidence less than 3 / num_free of its volume collides (the rule of three).
@@ -52,7 +53,7 @@ class Region(Value):
         normals: Unit normals of its faces, shape (m, nq).
         offsets: Shape (m,).
         center: A configuration well inside, shape (nq,).
-        num_free: How many random configurations were free, one after another.
+        num_free: Number of consecutive random configurations that were free.
     """
 
     normals: Float64[np.ndarray, "m nq"]
@@ -67,7 +68,7 @@ class Region(Value):
 
 @dataclass(frozen=True, eq=False)
 class Portal(Value):
-    """Where two regions overlap.
+    """Overlap of two regions.
 
     Attributes:
         regions: Their rows, the smaller one first.
@@ -82,7 +83,7 @@ class Portal(Value):
 
 @dataclass(frozen=True, eq=False)
 class Regions(Value):
-    """What was grown for a group in a scene.
+    """Convex regions of a group in a scene, with their portals and coverage.
 
     Attributes:
         scene: The scene's digest.
@@ -90,12 +91,12 @@ class Regions(Value):
         margin: Distance that every configuration keeps [m], padding not counted.
         seed: Of all randomness.
         lower: Lowest configuration of the domain, shape (nq,).
-        upper: And highest.
+        upper: Highest configuration of the domain, shape (nq,).
         regions: In the order in which they were grown.
-        portals: Where they overlap.
+        portals: Overlaps of regions.
         coverage: Share of the domain's free configurations that lie in some region, by sampling.
         coverage_error: Its standard error.
-        stopped_by: Why there are no more: "coverage", "num_regions", "deadline" or "exhausted".
+        stopped_by: Why growing ended: "coverage", "num_regions", "deadline" or "exhausted".
     """
 
     scene: str
@@ -121,7 +122,7 @@ class Regions(Value):
 
     @property
     def plain(self) -> dict[str, Any]:
-        """The same as lists and numbers, for JSON; `from_plain` gives it back bit for bit."""
+        """The same as lists and numbers, for JSON; `from_plain` restores it bit for bit."""
         return {
             "scene": self.scene,
             "group": self.group,
@@ -153,7 +154,7 @@ class Regions(Value):
 
     @classmethod
     def from_plain(cls, plain: dict[str, Any]) -> "Regions":
-        """Build from what `plain` gave."""
+        """Build from the result of `plain`."""
         regions = tuple(
             Region(
                 np.array(entry["normals"]),

@@ -1,4 +1,4 @@
-"""Roadmap: free configurations and free ways between them, for many queries."""
+"""Roadmap: free configurations and free edges between them, for many queries (PRM)."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -11,14 +11,14 @@ from planning.domain.value import Value, digest
 
 @dataclass(frozen=True, eq=False)
 class Roadmap(Value):
-    """A probabilistic roadmap (PRM). No query changes it.
+    """Probabilistic roadmap (PRM). No query changes it.
 
     Attributes:
-        key: Names all that decided it: the world as the group sees it, margins, metric, bounds,
+        key: Digest of all inputs: the world as the group sees it, margins, metric, bounds,
             options, path constraints. Equal keys, equal roadmaps.
         states: Free configurations, the q of the joints that are not locked, shape (n, nq).
-        edges: Pairs of rows that a free geodesic joins, or a car's drive, each pair once, the
-            smaller row first, sorted, shape (m, 2).
+        edges: Pairs of rows joined by a free geodesic, or by a car's steering path, each pair once,
+            the smaller row first, sorted, shape (m, 2).
         num_states_checked: Configurations that were checked to build it.
     """
 
@@ -34,12 +34,12 @@ class Roadmap(Value):
 
     @property
     def num_bytes(self) -> int:
-        """What its arrays take."""
+        """Size of its arrays in bytes."""
         return self.states.nbytes + self.edges.nbytes
 
     @cached_property
     def neighbours(self) -> tuple[tuple[int, ...], ...]:
-        """The rows that edges join each row with, ascending."""
+        """Rows that each row has an edge with, ascending."""
         found: list[list[int]] = [[] for _ in self.states]
         for i, j in self.edges.tolist():
             found[i].append(j)

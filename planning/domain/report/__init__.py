@@ -1,1 +1,1 @@
-"""What a plan gives: motion, certificate and the reports of its stages."""
+"""Results of a plan: motion, certificate and the reports of its stages."""

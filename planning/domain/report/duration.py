@@ -1,4 +1,4 @@
-"""Why a motion takes as long as it does."""
+"""DurationExplanation: active limits along a motion, and the time saved by relaxing each."""
 
 from dataclasses import dataclass
 
@@ -7,16 +7,16 @@ from planning.domain.value import Value
 
 @dataclass(frozen=True, eq=False)
 class BindingInterval(Value):
-    """What keeps a motion from being quicker for a while: the limit that is used the most.
+    """Time interval with one active limit, the one with the largest utilization.
 
     Attributes:
         begin: [s].
         end: [s].
         limit: velocity, acceleration, jerk or the name of a path limit (torque, tool_speed,
             tool_acceleration, speed_zone, acceleration_bounds); "duration" where the motion takes
-            longer than it must because that was asked for; "" only while nothing moves.
+            longer than its minimum on request; "" only while nothing moves.
         where: The joint, block, frame or zone whose limit it is, or "".
-        share: How much of it is used at most, in [0, 1]; 1 where it is met.
+        share: Largest utilization of the limit, in [0, 1]; 1 where it is met.
     """
 
     begin: float
@@ -28,12 +28,12 @@ class BindingInterval(Value):
 
 @dataclass(frozen=True, eq=False)
 class Saving(Value):
-    """How much shorter a motion would be with one limit relaxed.
+    """Time saved by relaxing one limit.
 
     Attributes:
         limit: Its kind, as of `BindingInterval`.
         where: The joint, block, frame or zone whose limit it is.
-        seconds: How much shorter [s].
+        seconds: Reduction of the duration [s].
     """
 
     limit: str
@@ -43,12 +43,12 @@ class Saving(Value):
 
 @dataclass(frozen=True, eq=False)
 class DurationExplanation(Value):
-    """Why a motion takes as long as it does.
+    """Explanation of a motion's duration by its active limits.
 
     Attributes:
-        intervals: What binds when; together they cover the motion.
+        intervals: Active limit on each interval; together they cover the motion.
         relaxed: The factor by which limits were relaxed, one at a time.
-        savings: What that saved, the most first; measured for limits that are met somewhere, and
+        savings: Time saved by each, the most first; measured for limits that are met somewhere, and
             no others.
     """
 

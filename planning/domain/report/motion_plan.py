@@ -1,4 +1,4 @@
-"""MotionPlan: what a solved problem gives, and Progress on the way there."""
+"""MotionPlan: the result of a solved planning problem, and Progress while it is computed."""
 
 from dataclasses import dataclass
 
@@ -18,7 +18,7 @@ from planning.domain.value import Value, digest
 
 @dataclass(frozen=True, eq=False)
 class StageReports(Value):
-    """One report per stage; timings are kept apart because they differ from run to run."""
+    """Reports of all stages; timings are separate because they differ from run to run."""
 
     goals: GoalConfigurations
     search: SearchReport
@@ -29,13 +29,13 @@ class StageReports(Value):
 
 @dataclass(frozen=True, eq=False)
 class PlanPart(Value):
-    """A part of a motion, from rest to rest.
+    """Motion segment of a plan, from rest to rest.
 
     Attributes:
         kind: "free", "approach", "retreat" or "line"; all but the first are straight lines.
         begin: First instant [s].
         end: Last instant [s].
-        length: Of the tool's way [m].
+        length: Length of the tool's path [m].
         num_waypoints: Of its part of the path, both ends included.
     """
 
@@ -48,25 +48,25 @@ class PlanPart(Value):
 
 @dataclass(frozen=True, eq=False)
 class MotionPlan(Value):
-    """A certified motion and everything that is known of it.
+    """Certified motion with its path, certificate and reports.
 
     Attributes:
-        group: What moves.
-        start: Where it starts, clipped into the limits, shape (nq,).
-        start_clipped: By how much the given start was clipped (at most 1e-6), shape (nq,).
-        goal_configuration: Where it reaches the goal, shape (nq,); that is the end, but for a
-            retreat.
-        goal_index: Which of the goal's candidates that is.
-        path: The geometric path that was found.
+        group: The group that moves.
+        start: Start configuration, clipped into the limits, shape (nq,).
+        start_clipped: Change of the given start by clipping (at most 1e-6), shape (nq,).
+        goal_configuration: Configuration at the goal, shape (nq,); the end of the motion, unless
+            a retreat follows.
+        goal_index: Index of the goal's candidate that is reached.
+        path: The geometric path.
         trajectory: The timed motion, exactly.
         certificate: The proof.
-        stages: What every stage did.
+        stages: Report of every stage.
         timings: Seconds per stage; not part of the digest.
         cut_short: Stages that ended early because of the clock, by their names in `timings`; not
             part of the digest. If there are any, the same problem may give other bytes another
             time; if there are none, it gives the same.
-        graph: What the planner explored, if it was asked for; not part of the digest.
-        parts: The free motion and the straight lines that it is made of, in order.
+        graph: The planner's graph, if it was requested; not part of the digest.
+        parts: Its motion segments, the free motion and the linear moves, in order.
     """
 
     group: JointGroup
@@ -91,13 +91,13 @@ class MotionPlan(Value):
 
 @dataclass(frozen=True)
 class Progress:
-    """How far a plan is.
+    """Progress of a running plan.
 
     Attributes:
         stage: Its name.
         fraction: Of the whole plan, 0 to 1.
         detail: For a person.
-        best_length: Of the best path that the search has so far; None where it is no news.
+        best_length: Length of the search's best path so far; None where it has not changed.
     """
 
     stage: str
@@ -107,4 +107,4 @@ class Progress:
 
 
 def ignore_progress(_: Progress) -> None:
-    """Do nothing with it."""
+    """Do nothing."""

@@ -1,4 +1,4 @@
-"""What the search stage says about its work."""
+"""SearchReport: statistics of the search stage, its attempts, regions and roadmap."""
 
 from dataclasses import dataclass
 
@@ -7,16 +7,16 @@ from planning.domain.value import Value
 
 @dataclass(frozen=True, eq=False)
 class AttemptReport(Value):
-    """What one attempt at a solution came to.
+    """Outcome and statistics of one planner attempt.
 
     Attributes:
         planner: OMPL's name.
-        outcome: "solved", "collides" (on a closer look), "setup" if setting the planner up took
-            longer than it may, or OMPL's word for how it ended. While a
+        outcome: "solved", "collides" (at a finer resolution), "setup" if setting the planner up
+            took longer than its limit, or OMPL's word for the planner's termination. While a
             planner is at work on a path, "improving": its lengths and cost are all the planner's
             own measure, and the states are not counted yet.
-        raw_length: Of its solution before shortcutting; 0 without one.
-        length: And after it.
+        raw_length: Length of its solution before shortcutting; 0 without one.
+        length: Length after shortcutting.
         cost: By the objective; 0 without a solution.
         num_states_checked: Configurations checked for collision, shortcutting included.
     """
@@ -31,13 +31,13 @@ class AttemptReport(Value):
 
 @dataclass(frozen=True, eq=False)
 class RegionsReport(Value):
-    """What regions were good for in a search.
+    """Use of convex regions in a search.
 
     Attributes:
         digest: Of the regions: the same ones and the same request give the same motion.
-        num_regions: How many there are.
-        considered: Rows of those that the path was looked for in.
-        is_inside: Whether the path that was kept came from them.
+        num_regions: Number of regions.
+        considered: Rows of the regions in which the path was searched.
+        is_inside: Whether the final path came from them.
         fallback: Why it did not, or "".
     """
 
@@ -50,17 +50,17 @@ class RegionsReport(Value):
 
 @dataclass(frozen=True, eq=False)
 class RoadmapReport(Value):
-    """What a roadmap did for a plan; the same whether it was built for it or there already.
+    """Use of a roadmap in a search; the same whether it was built for the plan or loaded.
 
     Attributes:
         digest: Of its content.
         num_states: Its configurations.
-        num_edges: The free ways between them.
-        num_states_checked: Configurations checked for collision to build it, whenever that was.
-        used: Whether the path that was kept is one of its.
+        num_edges: Its free edges.
+        num_states_checked: Configurations checked for collision to build it, at any time.
+        used: Whether the final path came from it.
         reason: Why not, or "": "straight_line", "start_not_joined", "goal_not_joined", "no_way",
-            "blocked" (on a closer look), "interrupted" (the search ended while it was asked),
-            "not_proven" (however closely it was looked at).
+            "blocked" (at a finer resolution), "interrupted" (the search ended during the query),
+            "not_proven" (at any resolution).
     """
 
     digest: str
@@ -73,27 +73,27 @@ class RoadmapReport(Value):
 
 @dataclass(frozen=True, eq=False)
 class SearchReport(Value):
-    """What the search stage did.
+    """Statistics of the search stage.
 
     Attributes:
-        planner: OMPL's name; of several, whose solution was kept; "roadmap" if it was a roadmap's.
-        attempts: How many were made: none where a straight line was free or a roadmap knew a way.
-        solved: How many of them found an exact solution.
+        planner: OMPL's name; of several, that of the final solution; "roadmap" for a roadmap's.
+        attempts: Number of attempts: none where a straight line was free or a roadmap had a path.
+        solved: Number of attempts with an exact solution.
         num_states_checked: Configurations checked for collision, shortcutting included.
         num_motions_checked: Edges checked.
-        raw_length: Length of the kept solution before shortcutting.
-        length: And after it.
+        raw_length: Length of the final solution before shortcutting.
+        length: Length after shortcutting.
         num_waypoints: Of the delivered path.
-        resolution: At which edges were checked.
-        padding: Distance that was demanded beyond the margin [m].
-        direct: Whether a straight line was free, so that no planner was asked.
-        objective: By what solutions were compared.
-        cost: Of the kept solution, by the objective.
+        resolution: Resolution of edge checks.
+        padding: Distance that the search kept beyond the margin [m].
+        direct: Whether a straight line was free, so that no planner ran.
+        objective: Path cost that compared solutions.
+        cost: Of the final solution, by the objective.
         attempts_log: One entry per attempt, the first ones if there are very many.
         was_canceled: Whether a cancel ended the search before all attempts were made.
-        regions: What regions were good for, if the planner is "GCS".
-        roadmap: What a roadmap did, if one was asked for.
-        interpolated: Whether the path has as many waypoints as were asked for; if not, there was
+        regions: Use of convex regions, if the planner is "GCS".
+        roadmap: Use of a roadmap, if one was requested.
+        interpolated: Whether the path has the requested number of waypoints; if not, there was
             no time for it.
     """
 

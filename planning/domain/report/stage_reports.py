@@ -1,4 +1,4 @@
-"""What the stages after the search say about their work."""
+"""Reports of the refine, retime and certify stages."""
 
 from dataclasses import dataclass, field
 
@@ -10,21 +10,21 @@ from planning.domain.value import Value
 
 @dataclass(frozen=True, eq=False)
 class RefineReport(Value):
-    """What the refine stage did.
+    """Report of the refine stage (trajectory optimization).
 
     Attributes:
         method: "trajopt", "auto" or "none".
-        improved: Whether the refined curve is what goes on.
+        improved: Whether the refined curve replaces the path.
         reason: Why not, or "".
         solver: Name of the solver, or "".
-        rounds: Steps that were tried, each the solution of a convex program.
+        rounds: Trust-region steps tried, each the solution of a convex program.
         length_before: Joint-space length of the path.
         length_after: Joint-space length of the refined curve.
-        duration_before: Optimiser's estimate for its initial guess [s].
-        duration_after: Optimiser's estimate for its solution [s].
-        lower_bound: No motion between the two ends takes less, whatever its way [s].
-        shortfall: By how much the clearance of the motion falls short of what was wished for, on
-            average over its time [m]; None if nothing was, or nothing was refined.
+        duration_before: Optimizer's estimate for its initial guess [s].
+        duration_after: Optimizer's estimate for its solution [s].
+        lower_bound: Lower bound on the duration of any motion between the two ends [s].
+        shortfall: Mean over time of the clearance missing from the clearance objective's distance
+            [m]; None without such an objective, or without refinement.
     """
 
     method: str
@@ -42,18 +42,18 @@ class RefineReport(Value):
 
 @dataclass(frozen=True, eq=False)
 class RetimeReport(Value):
-    """What the retime stage did.
+    """Report of the retime stage (time parametrization).
 
     Attributes:
         method: "toppra" or "ruckig".
         duration: Of the trajectory [s].
-        slowed: Factor by which the audit stretched the retimer's own answer (1 is not at all).
+        slowed: Factor by which the audit stretched the retimer's own trajectory (1 is not at all).
         binding: Name of the coordinate, frame or zone that is nearest its bound, per limit kind.
         utilisation: Peak over limit, per limit kind.
         stops: Instants of rest between start and goal.
-        blend_deviation: How far corners were rounded, or the curve that was smoothed may be from
+        blend_deviation: Largest deviation by rounding corners, or of the smoothed curve from
             the path (joint-space length); 0 for neither.
-        explanation: Why it takes that long, if that was asked for and there was time.
+        explanation: Explanation of the duration, if it was requested and there was time.
     """
 
     method: str
@@ -68,16 +68,17 @@ class RetimeReport(Value):
 
 @dataclass(frozen=True, eq=False)
 class CertifyReport(Value):
-    """What the certify stage did.
+    """Report of the certify stage.
 
     Attributes:
         intervals: Intervals on which clearance was bounded.
         distance_queries: Configurations at which distances were measured.
-        candidates: How many candidate motions were looked at, this one included.
-        refused: What was wrong with those before it, a line each.
-        stop: How the motion can be stopped anywhere, if that was asked and there was time; without
-            a bound on stops the motion is proven without.
-        robustness: How wrong world and robot may be, if that was asked and there was time.
+        candidates: Number of candidate motions examined, this one included.
+        refused: Reason of rejection of each candidate before it, a line each.
+        stop: Bounds on stops, if requested and there was time; the motion is proven
+            without them as well.
+        robustness: Tolerated obstacle displacement and joint error, if requested and there was
+            time.
     """
 
     intervals: int

@@ -1,4 +1,4 @@
-"""StopReport: how long and how far a motion goes on when it is stopped at the worst instant."""
+"""StopReport: bounds on the time and distance of a stop along the path from the worst instant."""
 
 from dataclasses import dataclass
 
@@ -11,15 +11,15 @@ class StopReport(Value):
 
     Attributes:
         time: Of the longest stop [s].
-        begin: When it begins [s].
-        distance: The longest way of a joint, or of a block of them, until it stands [rad or m].
-        joint: Which one.
-        tool_distance: The longest way of the tool frame's origin until it stands [m]; None if the
+        begin: Beginning of that stop [s].
+        distance: Longest stopping distance of a joint, or of a block of joints [rad or m].
+        joint: The joint or block of `distance`.
+        tool_distance: Longest stopping distance of the tool frame's origin [m]; None if the
             group has no tool frame.
         frame: The tool frame, or "".
-        unheld: What is over its limit where the motion stands still, "torque" and the joint, so
-            that no stop ends there; "" if none is.
-        unheld_at: When the motion is where that is worst [s]; None if it is nowhere.
+        unheld: Limit exceeded at standstill, "torque" and the joint, so that no stop can end there;
+            "" if there is none.
+        unheld_at: Time at which the motion passes the worst such configuration [s]; None if none.
     """
 
     time: float

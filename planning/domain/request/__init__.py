@@ -1,1 +1,1 @@
-"""What decides a plan besides its goal: options, constraints, limits, deadlines."""
+"""Planning request besides its goal: options, path constraints, motion limits, deadlines."""

@@ -1,4 +1,4 @@
-"""AttemptPool: who makes several attempts at once."""
+"""AttemptPool: protocol of a worker pool that runs several planning attempts concurrently."""
 
 from collections.abc import Callable, Generator
 from typing import Any, Protocol, runtime_checkable
@@ -8,20 +8,20 @@ from planning.domain.request.deadline import Deadline
 
 @runtime_checkable
 class AttemptPool(Protocol):
-    """Does pieces of work elsewhere, while whoever asks waits.
+    """Worker pool for numbered pieces of work, run while the caller waits.
 
-    What it does not do is no error: the one who asks does it, as if there were no pool.
+    A pool may leave pieces undone; the caller then runs them itself, as if there were no pool.
     """
 
     def each(
         self, work: Callable[[int], Any], count: int, deadline: Deadline
     ) -> Generator[tuple[int, Any]]:
-        """Yield number and outcome of pieces 0 to count - 1 as they are done, perhaps not all.
+        """Yield (index, outcome) of pieces 0 to count - 1 in order of completion, perhaps not all.
 
-        The outcome of a piece is what `work` returned, or the WayproofError that it raised. When
-        the generator is closed all that is still at work has ended.
+        The outcome of a piece is the return value of `work`, or the WayproofError that it raised.
+        When the generator is closed, all running pieces have ended.
 
         Raises:
-            Canceled: The end was asked for.
+            Canceled: The work is canceled.
         """
         ...

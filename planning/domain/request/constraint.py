@@ -1,4 +1,4 @@
-"""Path constraints: what a motion shall keep on its whole way, besides limits and margins."""
+"""Path constraints: conditions on every configuration of a motion, besides limits and margins."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
@@ -15,12 +15,12 @@ type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 @dataclass(frozen=True, eq=False)
 class PlacedBox(Value):
-    """A box somewhere.
+    """Oriented box, fixed in a reference frame.
 
     Attributes:
-        size: Full side lengths [m], infinite where it has no sides, shape (3,).
-        pose: X_FB, its middle and axes B in the reference frame F.
-        reference: Name of F; one that moves with the group counts where the start puts it.
+        size: Full side lengths [m], infinite along unbounded axes, shape (3,).
+        pose: X_FB, pose of the box frame B (centre and axes) in the reference frame F.
+        reference: Name of F; a frame that moves with the group is taken at the start configuration.
     """
 
     size: Float64[np.ndarray, "3"]
@@ -30,15 +30,15 @@ class PlacedBox(Value):
 
 @dataclass(frozen=True, eq=False)
 class DistanceBand(Value):
-    """The smallest distance between two sets of bodies stays within [min, max].
+    """Path constraint: the smallest distance between two sets of bodies stays within [min, max].
 
-    Pairs that may collide by the scene's leave are not looked at.
+    Pairs that the scene allows to collide are not measured.
 
     Attributes:
-        bodies: Full names; None for all that the group moves.
-        to: Full names of the others; None for every body that is not among `bodies`.
-        min: [m], not negative.
-        max: [m], larger than `min`; may be infinite.
+        bodies: Full names; None for all bodies that the group moves.
+        to: Full names of the other set; None for every body that is not among `bodies`.
+        min: Smallest distance [m], not negative.
+        max: Largest distance [m], larger than `min`; may be infinite.
     """
 
     bodies: tuple[str, ...] | None
@@ -49,7 +49,7 @@ class DistanceBand(Value):
 
 @dataclass(frozen=True, eq=False)
 class KeepOut(Value):
-    """The origin of a frame stays out of a box."""
+    """Path constraint: the origin of a frame stays outside a box."""
 
     frame: str
     box: PlacedBox
@@ -57,7 +57,7 @@ class KeepOut(Value):
 
 @dataclass(frozen=True, eq=False)
 class KeepIn(Value):
-    """The origin of a frame stays in a box."""
+    """Path constraint: the origin of a frame stays inside a box."""
 
     frame: str
     box: PlacedBox
@@ -65,7 +65,10 @@ class KeepIn(Value):
 
 @dataclass(frozen=True, eq=False)
 class PositionBand(Value):
-    """The origin of a frame stays near a line or a plane: in a box thin across, infinite along."""
+    """Path constraint: the origin of a frame stays near a line or plane, in an unbounded box.
+
+    The box is thin across the line or plane and infinite along it.
+    """
 
     frame: str
     box: PlacedBox
@@ -73,15 +76,17 @@ class PositionBand(Value):
 
 @dataclass(frozen=True, eq=False)
 class OrientationCone(Value):
-    """An axis of a frame stays within an angle of a direction; turns about the axis are free.
+    """Path constraint: an axis of a frame stays within an angle of a direction.
+
+    Rotation about the axis is free.
 
     Attributes:
-        frame: Full name.
-        axis: In that frame, of any length but zero, shape (3,).
+        frame: Full name of the frame.
+        axis: The axis in that frame, of any length but zero, shape (3,).
         direction: In the reference frame, of any length but zero, shape (3,).
-        tolerance: Largest angle between them [rad], above 0.
-        reference: Whose axes `direction` counts in; one that moves with the group counts as the
-            start has it.
+        tolerance: Largest angle between axis and direction [rad], above 0.
+        reference: Name of the reference frame of `direction`; a frame that moves with the group is
+            taken at the start configuration.
     """
 
     frame: str
@@ -93,14 +98,14 @@ class OrientationCone(Value):
 
 @dataclass(frozen=True, eq=False)
 class LockedJoints(Value):
-    """Some joints of the group stay where the start has them."""
+    """Path constraint: some joints of the group keep their start positions."""
 
     joints: tuple[str, ...]
 
 
 @dataclass(frozen=True, eq=False)
 class TightLimits(Value):
-    """Some coordinates of the group stay within bounds, besides those of the robot.
+    """Path constraint: position bounds on some coordinates of the group, tighter than the robot's.
 
     Attributes:
         limits: Smallest and largest position [rad or m] by the name of a scalar joint or of a
@@ -112,15 +117,16 @@ class TightLimits(Value):
 
 @dataclass(frozen=True, eq=False)
 class PathPredicate(Value):
-    """A function of yours says yes to every configuration; for users of the library.
+    """Path constraint: a Python function of the caller accepts every configuration.
 
-    It is asked at samples only, in the certificate too, whose check names the resolution. A
-    problem that holds one has no digest and pickles only if the function does.
+    It is evaluated at samples only, in the certificate too, whose check reports the resolution. A
+    problem with a predicate has no digest, and it pickles only if the function does.
 
     Attributes:
-        predicate: Takes the group's q, shape (nq,); the same q gets the same answer.
+        predicate: Takes the group's q, shape (nq,), returns acceptance; equal q must get equal
+            answers.
         resolution: Largest joint-space distance between two samples [rad or m].
-        name: For messages.
+        name: Name of the constraint in messages.
     """
 
     predicate: Callable[[Array], bool]
@@ -152,5 +158,5 @@ _TYPES: dict[type[Value], str] = {
 
 
 def constraint_label(index: int, constraint: PathConstraint) -> str:
-    """Return how messages and certificates call the constraint at an index of a problem."""
+    """Return the name of a problem's constraint, by its index, in messages and certificates."""
     return f"constraint {index}: {_TYPES[type(constraint)]}"

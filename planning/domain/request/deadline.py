@@ -1,4 +1,4 @@
-"""Deadline: how long there is, by whose clock, and whether anybody still wants the answer."""
+"""Deadline: time limit of a piece of work [s] on a clock that is an argument, with cancellation."""
 
 import math
 from collections.abc import Callable
@@ -17,15 +17,16 @@ def _nothing() -> None:
 
 @dataclass(frozen=True)
 class Deadline:
-    """An instant to be done by. The clock is an argument: nothing in `planning` reads its own.
+    """Time limit with cancellation. The clock is an argument: nothing in `planning` reads its own.
 
     Attributes:
-        allowed: The whole time [s].
+        allowed: Total time that was allowed [s], for messages.
         at: The instant, on `clock` [s].
         clock: Monotonic seconds.
-        is_canceled: Asked at every check.
-        on_cut: Called each time that work is told to end early because of the clock, so that what
-            comes of it may be another time something else. Deadlines made of this one share it.
+        is_canceled: Returns whether the caller has canceled; called at every check.
+        on_cut: Called each time that a check ends work early because of the clock, since the same
+            problem may then give another result in another run. Deadlines derived from this one
+            share it.
     """
 
     allowed: float
@@ -51,37 +52,37 @@ class Deadline:
 
     @property
     def is_over(self) -> bool:
-        """Whether it is too late, or nobody wants the answer any more."""
+        """Whether the time has run out or the work is canceled."""
         return self.is_canceled() or self._is_late()
 
     def share(self, fraction: float) -> "Deadline":
-        """Return a deadline after a fraction of what remains."""
+        """Return a deadline at a fraction of the remaining time."""
         now = self.clock()
         left = max(0.0, self.at - now)
         return replace(self, at=now + fraction * left)
 
     def within(self, seconds: float | None) -> "Deadline":
-        """Return the earlier of this deadline and that in so many seconds; None changes nothing."""
+        """Return the earlier of this deadline and `seconds` from now; None leaves it unchanged."""
         if seconds is None:
             return self
         return replace(self, at=min(self.at, self.clock() + seconds))
 
     def limited(self, seconds: float) -> "Deadline":
-        """Return the earlier of this deadline and one after so many seconds that are all allowed.
+        """Return the earlier of this deadline and a time limit of its own, `seconds` from now.
 
-        Unlike `within` it is for the whole of some work, and failures say so.
+        Unlike `within` it sets `allowed`, so failures report this limit as the whole time allowed.
         """
         at = self.clock() + seconds
         return self if self.at <= at else replace(self, allowed=seconds, at=at)
 
     @property
     def uncancelable(self) -> "Deadline":
-        """The same instant, whoever does not want the answer any more."""
+        """The same deadline without cancellation."""
         return replace(self, is_canceled=_nobody_cancels)
 
     @property
     def over_when_canceled(self) -> "Deadline":
-        """The same instant, and at once when somebody cancels: no error, but no time either."""
+        """The same deadline, which a cancel ends at once: no error, but no time left."""
 
         def clock() -> float:
             return math.inf if self.is_canceled() else self.clock()
@@ -89,14 +90,17 @@ class Deadline:
         return replace(self, clock=clock, is_canceled=_nobody_cancels)
 
     def cutting(self, on_cut: Callable[[], None]) -> "Deadline":
-        """Return the same deadline, which calls `on_cut` each time that it cuts something."""
+        """Return the same deadline with another `on_cut` callback."""
         return replace(self, on_cut=on_cut)
 
     def check(self, during: str) -> None:
-        """Go on only if there is time.
+        """Raise if the work must end now.
+
+        Args:
+            during: Name of the work, for the failure.
 
         Raises:
-            Canceled: The end was asked for.
+            Canceled: The work is canceled.
             DeadlineExceeded: The time has run out.
         """
         if self.is_canceled():
@@ -114,5 +118,5 @@ class Deadline:
         return is_late
 
 
-# For work that may take as long as it does.
+# Deadline without a time limit.
 UNHURRIED = Deadline(math.inf, math.inf, lambda: 0.0)

@@ -1,4 +1,4 @@
-"""Limits on a motion besides those of single joints: of frames, in boxes, by sign."""
+"""MotionLimits: tool speed and acceleration limits, speed zones and signed acceleration bounds."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
@@ -9,16 +9,16 @@ from planning.domain.robot.payload import Payload
 from planning.domain.value import Value
 from planning.errors import ProblemInvalid, UnknownName
 
-# Lowest and highest acceleration of joints [rad/s^2 or m/s^2], by name.
+# Lowest and highest joint acceleration [rad/s^2 or m/s^2], by name.
 type AccelerationBounds = Mapping[str, tuple[float, float]]
 
 
 def require_signs(names: Iterable[str], joints: Iterable[Joint]) -> None:
-    """Go on only if names of acceleration bounds are of blocks of one coordinate.
+    """Raise unless every name of acceleration bounds is a joint block of one coordinate.
 
     Raises:
-        UnknownName: One is not; what can be bounded is told, and what cannot because it has no
-            sign.
+        UnknownName: A name is not; evidence lists the blocks that can be bounded, and those that
+            cannot because they have several coordinates and so no sign.
     """
     blocks = [block for joint in joints for block in joint.blocks]
     single = [name for name, indices in blocks if len(indices) == 1]
@@ -36,12 +36,12 @@ def require_signs(names: Iterable[str], joints: Iterable[Joint]) -> None:
 
 @dataclass(frozen=True, eq=False)
 class ToolLimit(Value):
-    """How fast the origin of a frame may move.
+    """Cartesian limits on the origin of a frame.
 
     Attributes:
         frame: Full name, any frame of the scene.
-        speed: At most [m/s]; None for any.
-        acceleration: At most [m/s^2], in any direction; None for any.
+        speed: Largest speed [m/s]; None for no limit.
+        acceleration: Largest acceleration in any direction [m/s^2]; None for no limit.
     """
 
     frame: str
@@ -51,13 +51,13 @@ class ToolLimit(Value):
 
 @dataclass(frozen=True, eq=False)
 class SpeedZone(Value):
-    """How fast the origin of a frame may move while it is in a box.
+    """Box in which the origin of a frame has a lower speed limit.
 
     Attributes:
-        name: For reports; no two zones share one.
+        name: Name in reports; no two zones share one.
         frame: Full name, any frame of the scene.
-        box: Where.
-        speed: At most [m/s].
+        box: The box.
+        speed: Largest speed in the box [m/s].
     """
 
     name: str
@@ -68,14 +68,14 @@ class SpeedZone(Value):
 
 @dataclass(frozen=True, eq=False)
 class MotionLimits(Value):
-    """All these limits, and those of torques.
+    """Limits on a motion in addition to the joint limits: Cartesian, signed and effort limits.
 
     Attributes:
-        tool_limits: Of frames.
-        speed_zones: In boxes, in world.
-        acceleration_bounds: Of joints.
+        tool_limits: Cartesian limits of frames.
+        speed_zones: Boxes with lower speed limits, in world.
+        acceleration_bounds: Signed acceleration bounds of joints.
         effort: Whether the limits on joint torques and forces are kept.
-        payload: What the group carries that the scene does not show; it counts for efforts.
+        payload: Mass carried by the group that the scene does not contain; it counts for efforts.
     """
 
     tool_limits: tuple[ToolLimit, ...] = ()
@@ -86,7 +86,7 @@ class MotionLimits(Value):
 
 
 def no_efforts(group: str) -> ProblemInvalid:
-    """Return the error for a group whose efforts shall be kept, and nothing limits them."""
+    """Return the error for a request to keep the effort limits of a group that has none."""
     message = f"effort: no joint of {group!r} has a limit on its force or torque that could be "
     message += "kept; state one (URDF's `effort`, or `limits` in robot.yaml), or leave it out"
     return ProblemInvalid(message, {"field": "effort", "group": group})

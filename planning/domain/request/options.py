@@ -1,4 +1,4 @@
-"""Options of the stages, with their defaults; each stage reads its own and no other."""
+"""Options: settings of the pipeline's stages with their defaults; each stage reads only its own."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -12,13 +12,13 @@ from planning.domain.value import Value
 
 @dataclass(frozen=True, eq=False)
 class PoseMetric(Value):
-    """How far apart two poses are: sqrt((translation * t)^2 + (rotation * theta)^2).
+    """Distance between two poses: sqrt((translation * t)^2 + (rotation * theta)^2).
 
     t is the distance of their origins [m], theta the angle between them [rad].
 
     Attributes:
         translation: Weight of a metre.
-        rotation: Weight of a radian; by default one weighs as much as 0.1 m.
+        rotation: Weight of a radian; by default one radian weighs as much as 0.1 m.
     """
 
     translation: float = 1.0
@@ -27,16 +27,17 @@ class PoseMetric(Value):
 
 @dataclass(frozen=True, eq=False)
 class IkOptions(Value):
-    """How hard to look for goal configurations, and which of them are near.
+    """Options of the goals stage: effort of inverse kinematics, and the metric of solutions.
 
     Attributes:
-        max_configurations: So many at most, the nearest of those that are found: of goals of a tool
-            frame as many are looked for, but 100 at least.
+        max_configurations: Largest number of goal configurations, the nearest to the start; goals
+            of a tool frame search for as many, but for 100 at least.
         max_trials: Stop after this many seeds of the solver, over all targets.
         joint_weights: Factor on each joint's part of the distance from the start, by full name;
             1 for joints that are not named.
-        pose_metric: Which pose is the nearest to one that no configuration reaches.
-        time_limit: For finding them, or saying why there is none [s]; None for as long as there is.
+        pose_metric: Metric for the nearest pose to an unreachable one.
+        time_limit: For inverse kinematics, and for the diagnosis if there is no solution [s]; None
+            for no limit.
     """
 
     max_configurations: int = 100
@@ -48,11 +49,12 @@ class IkOptions(Value):
 
 @dataclass(frozen=True, eq=False)
 class RoadmapOptions(Value):
-    """A roadmap that many plans share.
+    """Options of a probabilistic roadmap that many plans share.
 
     Attributes:
-        states: How many free configurations it has, not counting those on ways that bend.
-        neighbours: With how many of the nearest others each is joined, where the way is free.
+        states: Number of free configurations, not counting intermediate states of curved edges.
+        neighbours: Number of nearest neighbours that each state is connected to, where the edge is
+            free.
         seed: Of its samples; a plan's own seed does not change it.
     """
 
@@ -63,41 +65,42 @@ class RoadmapOptions(Value):
 
 @dataclass(frozen=True, eq=False)
 class SearchOptions(Value):
-    """How to search for a path.
+    """Options of the search stage: planner, metric, bounds, time limits and objective.
 
     Attributes:
-        planner: OMPL's name of the planner, or several names: they take turns. "GCS" plans inside
-            the problem's regions, and where it cannot the others do, by default RRTConnect.
+        planner: OMPL's name of the planner, or several names, which alternate. "GCS" plans inside
+            the problem's convex regions; where it cannot, the other planners do, by default
+            RRTConnect.
         parameters: OMPL's names and values of the planner's parameters; of several planners, each
             takes those that it has.
-        attempts: How many solutions to look for; the best by the objective is kept. Of several
+        attempts: Number of solutions to search for; the best by the objective is kept. Of several
             planners each has at least one.
         allowed_planning_time: For the whole plan, all stages, from when it begins [s].
         resolution: Largest distance between two checked states of a motion (joint-space length:
             radians and metres weigh the same).
         num_states: If given, the path is interpolated to at least this many waypoints.
-        weights: Factors of the metric that planners measure by, by name of a joint or of one of its
-            blocks (`JointGroup.blocks`); 1 for what is not named.
-        bounds: Lowest and highest value to search in [rad or m], by name of a position coordinate,
-            within the limits. The later stages keep the limits, not these.
-        spaces: What of a planar or floating joint is searched, by its name: "position" keeps its
-            rotation as it is at the start; a `Steering` makes a car of a planar joint.
-        setup_time: For all that comes before the planner's work in each attempt: the space, which
-            attempts share, and the planner [s]; an attempt that took longer gives up. None for as
-            long as it takes.
-        solve_time: For the planner, in each attempt [s]; None for as long as there is.
-        shortcut_time: For shortening each solution [s]; 0 for none, None for a share of what is
-            left.
-        interpolate_time: For interpolating each solution to `num_states` [s]; one that takes longer
-            stays as it was, which the report says. None for as long as there is.
-        objective: By what solutions are compared, and improved by planners that improve them.
-        approximate: Whether a failure tells the nearest configuration to a goal that was reached.
+        weights: Factors of the planners' metric, by name of a joint or of one of its blocks
+            (`JointGroup.blocks`); 1 for what is not named.
+        bounds: Lowest and highest value of the search space [rad or m], by name of a position
+            coordinate, within the limits. The later stages keep the limits, not these.
+        spaces: State space of a planar or floating joint, by its name: "position" fixes its
+            rotation to that of the start; a `Steering` makes a planar joint a car.
+        setup_time: For all work before the planner runs in each attempt: the space, which
+            attempts share, and the planner [s]; an attempt that takes longer gives up. None for no
+            limit.
+        solve_time: For the planner, in each attempt [s]; None for no limit but the deadline.
+        shortcut_time: For shortening each solution [s]; 0 for none, None for a share of the
+            remaining time.
+        interpolate_time: For interpolating each solution to `num_states` [s]; a solution that takes
+            longer stays as it was, which the report says. None for no limit.
+        objective: Path cost that compares solutions, and that optimizing planners minimize.
+        approximate: Whether a failure reports the reached configuration nearest to a goal.
         keep_graph: Whether the planner's graph is kept.
-        on_cancel: What a cancel ends: the plan ("discard"), or only the search where it has a
-            solution by then ("best").
-        approach_states: Each straight line is interpolated to at least this many.
-        roadmap: If given, paths are looked for in this roadmap first, and the planner is asked
-            only where it has none.
+        on_cancel: Effect of a cancel: it ends the plan ("discard"), or only the search if that has
+            a solution by then ("best").
+        approach_states: Each linear move is interpolated to at least this many states.
+        roadmap: If given, this roadmap is queried first, and the planner runs only if the roadmap
+            has no path.
     """
 
     planner: str | tuple[str, ...] = "RRTConnect"
@@ -122,23 +125,23 @@ class SearchOptions(Value):
 
     @property
     def planners(self) -> tuple[str, ...]:
-        """The names of the planners, however many."""
+        """Names of the planners, one or several."""
         return (self.planner,) if isinstance(self.planner, str) else tuple(self.planner)
 
     @property
     def num_attempts(self) -> int:
-        """How many attempts there are, one for each planner at least."""
+        """Number of attempts, at least one for each planner."""
         return max(self.attempts, len(self.planners))
 
 
 @dataclass(frozen=True, eq=False)
 class ClearanceWish(Value):
-    """Clearance that is wished for, beyond the margin that is demanded.
+    """Clearance objective: preferred clearance beyond the collision margin, as a soft cost.
 
     Attributes:
-        distance: Between bodies, but for those of one robot [m].
-        weight: By how much longer a motion may take for a metre less of what its clearance lacks
-            of the distance, on average along the motion [s/m].
+        distance: Preferred clearance between bodies, except between those of one robot [m].
+        weight: Cost of missing clearance, averaged along the motion, in seconds of duration per
+            metre [s/m].
     """
 
     distance: float
@@ -147,12 +150,12 @@ class ClearanceWish(Value):
 
 @dataclass(frozen=True, eq=False)
 class RefineOptions(Value):
-    """Whether and how to optimise the path.
+    """Options of the refine stage: path optimization.
 
     Attributes:
-        method: "trajopt"; "auto", which optimises only where the time left allows for it; or
+        method: "trajopt"; "auto", which optimizes only where the remaining time allows for it; or
             "none".
-        clearance: What the duration is weighed against; None for nothing.
+        clearance: Clearance objective that is weighed against the duration; None for none.
     """
 
     method: Literal["none", "trajopt", "auto"] = "trajopt"
@@ -161,14 +164,14 @@ class RefineOptions(Value):
 
 @dataclass(frozen=True, eq=False)
 class CertifyOptions(Value):
-    """What to find out about a motion once it is proven; by default nothing.
+    """Options of the certify stage: properties of a proven motion to bound; by default none.
 
     Attributes:
         stop_anywhere: Whether to bound the longest stop along the path, from any instant. Stops
             keep all limits that the motion keeps.
-        max_stopping_time: No stop may take longer [s], which asks for their bound as well; None for
-            as long as it takes.
-        robustness: Whether to bound how far off obstacles and joints may be.
+        max_stopping_time: Largest permitted stopping time [s]; it implies `stop_anywhere`. None for
+            no limit.
+        robustness: Whether to bound the tolerated obstacle displacement and joint error.
     """
 
     stop_anywhere: bool = False
@@ -177,33 +180,33 @@ class CertifyOptions(Value):
 
     @property
     def wants_stops(self) -> bool:
-        """Whether stops are to be looked at."""
+        """Whether the certify stage bounds stops."""
         return self.stop_anywhere or self.max_stopping_time is not None
 
 
 @dataclass(frozen=True, eq=False)
 class RetimeOptions(Value):
-    """How to time the path.
+    """Options of the retime stage: time parametrization of the path.
 
     Attributes:
         method: "toppra" (velocity, acceleration) or "ruckig" (and jerk).
         velocity_scale: Factor on every velocity limit, in (0, 1].
         acceleration_scale: Factor on every acceleration and jerk limit, in (0, 1].
         sample_period: Of the delivered samples [s].
-        duration: How long the motion shall take [s], no less than the least that the limits allow;
-            None for that.
-        deviation: How far from the path its corners may be rounded at most (joint-space length), 0
-            to follow it exactly, with a rest at every corner; None for at most 0.1. What refinement
-            makes of a path has no corners.
-        explain: Whether to say which limit binds when, and what relaxing it would save, if there
-            is time for that once the motion is proven.
-        tool_limits: Of frames, besides the limits of joints, one a frame at most.
-        speed_zones: Boxes in which frames are slower.
-        acceleration_bounds: Besides the limits of joints, lowest (negative) and highest
+        duration: Requested duration [s], no less than the minimum under the limits; None for that
+            minimum.
+        deviation: Largest deviation from the path when its corners are rounded (joint-space
+            length); 0 follows it exactly, with a rest at every corner; None for at most 0.1. A
+            refined path has no corners.
+        explain: Whether to report which limit is active when, and the time saved by relaxing it, if
+            there is time for that once the motion is proven.
+        tool_limits: Cartesian limits of frames, besides the joint limits; at most one per frame.
+        speed_zones: Boxes with lower speed limits for frames.
+        acceleration_bounds: Signed bounds besides the joint limits, lowest (negative) and highest
             acceleration [rad/s^2 or m/s^2], by name of a scalar joint or of a block of one
             coordinate (`JointGroup.blocks`). The scales change none of these three.
         effort: Whether the limits on joint torques and forces are kept, and proven.
-        payload: What the group carries that the scene does not show; it counts for efforts.
+        payload: Mass carried by the group that the scene does not contain; it counts for efforts.
     """
 
     method: Literal["toppra", "ruckig"] = "toppra"

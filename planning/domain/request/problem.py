@@ -1,4 +1,4 @@
-"""PlanningProblem: everything that decides a plan, but for the world."""
+"""PlanningProblem: the complete planning request for one motion in a given world."""
 
 from dataclasses import dataclass, field
 
@@ -20,21 +20,21 @@ from planning.domain.value import Value
 
 @dataclass(frozen=True, eq=False)
 class PlanningProblem(Value):
-    """Move a group from a start to a goal.
+    """Planning request: move a group from a start configuration to a goal.
 
     Attributes:
         group: `robot` or `robot::group`.
-        goal: What to reach.
+        goal: The goal.
         start: The group's q, shape (nq,); None for the scene's current state.
         ik: Options of the goals stage.
         search: Options of the search stage.
         refine: Options of the refine stage.
         retime: Options of the retime stage.
-        margin: Distance that everything keeps [m]; None for the scene's.
-        seed: Of all randomness.
-        constraints: What the motion shall keep on its whole way, all of them.
-        certify: What to find out about the motion once it is proven.
-        regions: Where the planner "GCS" looks for a path; the others do not.
+        margin: Collision margin: smallest distance between bodies [m]; None for the scene's.
+        seed: Seed of all random numbers.
+        constraints: Path constraints; all of them hold along the whole motion.
+        certify: Options of the certify stage, for a motion once it is proven.
+        regions: Convex free regions that the planner "GCS" plans in; other planners ignore them.
     """
 
     group: str

@@ -1,4 +1,4 @@
-"""What a group must be like to have regions, and to plan in them."""
+"""Region requests: conditions on a group for growing convex regions and planning in them."""
 
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from math import tau
@@ -6,17 +6,17 @@ from math import tau
 from planning.domain.robot.joints import Joint, JointType
 from planning.errors import ProblemInvalid
 
-# What bounds in rounded numbers, as -3.1416 to 3.1416, may be wider than a turn [rad].
+# Tolerance on the width of a turn for rounded bounds such as -3.1416 to 3.1416 [rad].
 _ROUNDED = 1e-3
 
 
 def require_convex(joints: Mapping[str, JointType], cars: Collection[str], field: str) -> None:
-    """Go on only if straight motions between a group's configurations make sense.
+    """Raise unless straight lines between a group's configurations are valid motions.
 
     Args:
-        joints: The kinds of all of the group's joints, by name.
-        cars: Those that are steered, by themselves or because a request says so.
-        field: What is asked for in vain, as a request names it.
+        joints: The types of all of the group's joints, by name.
+        cars: Names of the steered joints, steered by the robot's card or by the request.
+        field: Name of the request's field that needs convex regions, for the error.
 
     Raises:
         ProblemInvalid: A joint floats, or is steered.
@@ -35,7 +35,7 @@ def require_convex(joints: Mapping[str, JointType], cars: Collection[str], field
 
 
 def require_one_turn(joints: Iterable[Joint], bounds: Mapping[str, Sequence[float]]) -> None:
-    """Go on only if bounds of angles on a circle hold no posture twice.
+    """Raise if the bounds of an angle on a circle span more than one turn.
 
     Args:
         joints: All of the group's joints; none floats.

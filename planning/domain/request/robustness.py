@@ -1,4 +1,4 @@
-"""Robustness: how wrong world and robot may be before a proof of clearance is worth nothing."""
+"""Robustness: obstacle displacement and joint error that a clearance proof tolerates."""
 
 from dataclasses import dataclass
 
@@ -7,24 +7,24 @@ from planning.domain.value import Value
 
 @dataclass(frozen=True, eq=False)
 class Robustness(Value):
-    """What a proof of clearance survives; each number is guaranteed, by itself.
+    """Guaranteed tolerances of a clearance proof; each number holds on its own.
 
-    With every obstacle displaced by less than the first, or every joint off by less than the
-    second, all pairs keep their margins at every instant. An obstacle is a body that the group does
-    not move and that is no part of the same robot.
+    With every obstacle displaced by less than `obstacle_displacement`, or every joint off by less
+    than `joint_error`, all pairs keep their margins at every instant. An obstacle is a body that
+    the group does not move and that is no part of the same robot.
 
-    Not promised: anything about limits, or about both errors at once (what one uses up of its
-    number, as a share, the other lacks).
+    Not promised: anything about limits, or about both errors at once (the share that one error
+    uses of its tolerance is missing from the other's).
 
     Attributes:
-        obstacle_displacement: How far the points of all obstacles may be from where the scene has
-            them [m]; at most `MOST_DISPLACEMENT`.
-        obstacle_pair: The two bodies that allow no more, or ("", "").
-        obstacle_time: When they do [s].
-        joint_error: By how much every joint may be off at once, each in turn and in shift
-            [rad or m]; at most `MOST_ERROR`.
-        joint_pair: The two bodies that allow no more, or ("", "").
-        joint_time: When they do [s].
+        obstacle_displacement: Largest displacement of any point of any obstacle from the scene's
+            position [m]; at most `MOST_DISPLACEMENT`.
+        obstacle_pair: The two bodies that limit it, or ("", "").
+        obstacle_time: Time at which they do [s].
+        joint_error: Largest simultaneous error of all joints, of each in rotation and in
+            translation [rad or m]; at most `MOST_ERROR`.
+        joint_pair: The two bodies that limit it, or ("", "").
+        joint_time: Time at which they do [s].
     """
 
     obstacle_displacement: float
@@ -35,6 +35,6 @@ class Robustness(Value):
     joint_time: float
 
 
-# Nobody needs to know of more [m], [rad or m].
+# Largest values that are reported [m], [rad or m].
 MOST_DISPLACEMENT = 1.0
 MOST_ERROR = 0.5

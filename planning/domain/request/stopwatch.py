@@ -1,4 +1,4 @@
-"""Stopwatch: seconds per stage, by a clock that is given, and which stage is at work."""
+"""Stopwatch: seconds per pipeline stage by a given clock, and the stages that a deadline cut."""
 
 from collections.abc import Callable, Generator, Iterable
 from contextlib import contextmanager
@@ -11,7 +11,7 @@ def _ignore(_: str) -> None:
 
 
 class Stopwatch:
-    """Adds up how long each stage took, and knows which one was cut short."""
+    """Timer of the pipeline's stages [s], with the names of the stages cut short by a deadline."""
 
     def __init__(
         self, clock: Callable[[], float], on_stage: Callable[[str], None] = _ignore
@@ -20,7 +20,7 @@ class Stopwatch:
 
         Args:
             clock: Monotonic seconds.
-            on_stage: Told the name of every stage that begins, but for those within another.
+            on_stage: Called with the name of every stage that begins, except stages within another.
         """
         self._clock = clock
         self._on_stage = on_stage
@@ -32,10 +32,10 @@ class Stopwatch:
 
     @contextmanager
     def stage(self, name: str) -> Generator[None]:
-        """Count the time inside towards a stage; that of stages within it counts only for them.
+        """Count the time inside the block towards a stage; a nested stage's time counts only there.
 
-        What ends by its deadline or a cancel inside is told that it was in this stage, the
-        outermost one if there are several.
+        `DeadlineExceeded` and `Canceled` raised inside get the stage's name, that of the outermost
+        stage if several are nested.
         """
         if not self._open:
             self._on_stage(name)
@@ -54,7 +54,7 @@ class Stopwatch:
             self._within = before + elapsed
 
     def each[T](self, name: str, found: Iterable[T]) -> Generator[T]:
-        """Yield what is found; the time that finding it takes counts towards a stage."""
+        """Yield the items of an iterable; the time to produce each counts towards a stage."""
         rest = iter(found)
         while True:
             with self.stage(name):
@@ -66,7 +66,7 @@ class Stopwatch:
 
     @contextmanager
     def timing_failures(self) -> Generator[None]:
-        """Have failures that come from inside keep the seconds so far."""
+        """Attach the seconds so far to every planning failure that is raised inside the block."""
         try:
             yield
         except PlanningFailure as failure:
@@ -74,18 +74,18 @@ class Stopwatch:
             raise
 
     def note_cut(self) -> None:
-        """Note that a deadline cut the stage that is at work."""
+        """Record that a deadline cut the innermost running stage short."""
         if self._open:
             self._cut[self._open[-1]] = None
 
     @property
     def cut_short(self) -> tuple[str, ...]:
-        """The stages that a deadline cut, in the order of their first cuts."""
+        """Names of the stages that a deadline cut short, in the order of their first cuts."""
         return tuple(self._cut)
 
     @contextmanager
     def note(self, name: str) -> Generator[None]:
-        """Count the time inside towards a name, and towards its stage all the same."""
+        """Count the time inside the block towards a name, and towards its stage as well."""
         began = self._clock()
         try:
             yield
@@ -93,7 +93,7 @@ class Stopwatch:
             self._seconds[name] = self._seconds.get(name, 0.0) + self._clock() - began
 
     def add(self, name: str, seconds: float) -> None:
-        """Count time that was spent elsewhere, and towards no stage."""
+        """Add time that was measured elsewhere to a name; no stage's own time changes."""
         self._seconds[name] = self._seconds.get(name, 0.0) + seconds
 
     @property
@@ -103,5 +103,5 @@ class Stopwatch:
 
     @property
     def seconds(self) -> dict[str, float]:
-        """Seconds by stage, and in `total` those since the start."""
+        """Seconds by stage, and in `total` the seconds since the start."""
         return {**self._seconds, "total": self._clock() - self._began}

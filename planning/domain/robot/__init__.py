@@ -1,1 +1,1 @@
-"""Joints, groups of joints and what they may do."""
+"""Joints, joint groups, limits, steering and configuration manifolds."""

@@ -1,31 +1,31 @@
-"""What a request may say about cars."""
+"""Requests for steered (car-like) bases: steering from the robot and the request, and planners."""
 
 from collections.abc import Mapping, Sequence
 
 from planning.domain.robot.steering import Steering
 from planning.errors import ProblemInvalid, UnknownName
 
-# Of turning radii [m].
+# Range of turning radii [m].
 LEAST_RADIUS, LARGEST_RADIUS = 1e-3, 1e3
 # OMPL's planners that check every edge of their solution in the direction of motion. The others
-# check some from the goal's side, which is the same only where a car drives backwards. A test tells
-# which these are.
+# check some from the goal's side, which is the same only where a car drives backwards. A test
+# determines which these are.
 _DIRECTED = ("BITstar", "InformedRRTstar", "KPIECE1", "RRT", "RRTConnect", "RRTstar", "SORRTstar")
 
 
 def agreed_steering(
     own: Mapping[str, Steering], asked: Mapping[str, Steering], planar: Sequence[str]
 ) -> dict[str, Steering]:
-    """Return how bases are steered that are cars by themselves, or that a request says are.
+    """Return the steering of bases by joint: the robot's own, and that of the request.
 
     Args:
-        own: What the robots can do, by joint.
-        asked: What a request wants, by joint.
-        planar: The joints that a request may make a car of.
+        own: Steering that the robots have, by joint.
+        asked: Steering that the request sets, by joint.
+        planar: The planar joints that a request may steer.
 
     Raises:
         UnknownName: There is no such planar joint.
-        ProblemInvalid: A turning radius makes no sense, or the robot itself cannot drive so.
+        ProblemInvalid: A turning radius is invalid, or the robot itself cannot drive so.
     """
     for name, how in asked.items():
         if name not in planar:
@@ -41,10 +41,10 @@ def agreed_steering(
 
 
 def require_directed(planners: Sequence[str], steering: Mapping[str, Steering]) -> None:
-    """Go on only if every planner can search for such cars.
+    """Raise unless every planner can search for cars with this steering.
 
     Raises:
-        ProblemInvalid: One checks motions backwards, and a car has no reverse.
+        ProblemInvalid: A planner checks motions backwards, and a car has no reverse.
     """
     if all(car.reverse for car in steering.values()):
         return
@@ -59,6 +59,6 @@ def require_directed(planners: Sequence[str], steering: Mapping[str, Steering]) 
 
 
 def bad_space(name: str, reason: str) -> ProblemInvalid:
-    """Return the error of a space that a joint cannot have."""
+    """Return the error for a state space that a joint cannot have."""
     field = "search.spaces"
     return ProblemInvalid(f"{field}: {name!r}: {reason}", {"field": field, "name": name})

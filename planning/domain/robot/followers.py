@@ -1,4 +1,4 @@
-"""Followers: joints that follow one of a group, and the limits that this sets to the group.
+"""Followers: mimic joints of a group's joints, and the limits that they impose on the group.
 
 A follower is at q_f = multiplier q + offset of the joint that it follows, through any chain of
 followers. So its limits are limits of that joint: positions between those where q_f is at its
@@ -17,16 +17,16 @@ from planning.errors import ModelInvalid
 
 @dataclass(frozen=True, eq=False)
 class Follower(Value):
-    """A joint that follows one of a group, and what it may do itself.
+    """Mimic joint of a group's joint, with its own limits.
 
     Attributes:
         name: Full name, `robot::joint`.
         leader: Full name of the group's joint that moves it.
         position: Index of that joint's coordinate in the group's q.
-        rate: And in its v.
-        block: And of its block.
+        rate: Index of the same in the group's v.
+        block: Index of the joint's block.
         multiplier: Its displacement over that of the leader, of either sign.
-        offset: Where it is if the leader is at 0 [rad or m].
+        offset: Its position with the leader at 0 [rad or m].
         lower: Smallest position [rad or m].
         upper: Largest position [rad or m].
         velocity: [rad/s or m/s], infinite where no limit is stated.
@@ -58,7 +58,7 @@ class Follower(Value):
 
     @property
     def range(self) -> tuple[float, float]:
-        """Between which positions of its leader it keeps its own limits [rad or m]."""
+        """Range of the leader's positions in which the follower keeps its own limits [rad or m]."""
         if self.multiplier == 0:
             return (-np.inf, np.inf)
         ends = [(bound - self.offset) / self.multiplier for bound in (self.lower, self.upper)]
@@ -66,10 +66,10 @@ class Follower(Value):
 
 
 def together(limits: JointLimits, followers: Sequence[Follower]) -> JointLimits:
-    """Return the limits of a group within which its followers keep theirs as well.
+    """Return the limits of a group that imply the limits of its followers as well.
 
     Raises:
-        ModelInvalid: A follower can be nowhere within its limits while its leader is within its.
+        ModelInvalid: No position of a leader keeps both its own limits and its follower's.
     """
     if not followers:
         return limits

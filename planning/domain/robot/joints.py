@@ -1,4 +1,4 @@
-"""Joints, groups of joints, and what they may do."""
+"""Joints, joint groups and joint limits."""
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
@@ -15,7 +15,7 @@ type Indices = np.ndarray[Any, np.dtype[np.intp]]
 
 
 class JointType(StrEnum):
-    """Kinds of joints; positions and velocities are in Drake's order."""
+    """Types of joints; positions and velocities are in Drake's order."""
 
     REVOLUTE = "revolute"
     CONTINUOUS = "continuous"
@@ -46,11 +46,11 @@ _LIMITED_TOGETHER = {
 
 @dataclass(frozen=True, eq=False)
 class Joint(Value):
-    """One joint.
+    """Joint of a robot.
 
     Attributes:
         name: Full name, `robot::joint`.
-        type: What it can do.
+        type: Its type.
     """
 
     name: str
@@ -58,34 +58,34 @@ class Joint(Value):
 
     @property
     def num_positions(self) -> int:
-        """The length of its part of q."""
+        """Number of position coordinates."""
         return len(_POSITIONS.get(self.type, _ONE))
 
     @property
     def num_velocities(self) -> int:
-        """The length of its part of v."""
+        """Number of velocity coordinates."""
         return len(_VELOCITIES.get(self.type, _ONE))
 
     @property
     def position_names(self) -> tuple[str, ...]:
-        """A name for every position coordinate; a scalar joint's is its own."""
+        """Name of every position coordinate; a scalar joint's is its own."""
         coordinates = _POSITIONS.get(self.type)
         return tuple(f"{self.name}.{c}" for c in coordinates) if coordinates else (self.name,)
 
     @property
     def velocity_names(self) -> tuple[str, ...]:
-        """A name for every velocity coordinate; a scalar joint's is its own."""
+        """Name of every velocity coordinate; a scalar joint's is its own."""
         coordinates = _VELOCITIES.get(self.type)
         return tuple(f"{self.name}.{c}" for c in coordinates) if coordinates else (self.name,)
 
     @property
     def wraps(self) -> tuple[bool, ...]:
-        """Whether each velocity coordinate is an angle on a circle (whole turns are nothing)."""
+        """Whether each velocity coordinate is an angle on a circle, modulo whole turns."""
         return _WRAPS.get(self.type, (False,))
 
     @property
     def blocks(self) -> tuple[tuple[str, tuple[int, ...]], ...]:
-        """Sets of velocity coordinates whose Euclidean norm is limited, each with a name.
+        """Index sets of velocity coordinates whose Euclidean norm is limited, each with a name.
 
         Scalar joints have one block of one coordinate; planar and floating joints have one for
         their linear and one for their angular motion.
@@ -99,7 +99,7 @@ class Joint(Value):
 def offsets_of(
     joints: Iterable[Joint], is_meant: Callable[[Joint], bool]
 ) -> tuple[tuple[int, int], ...]:
-    """Return where the coordinates of each joint that is meant begin in q and in v."""
+    """Return the first index in q and in v of each joint that a predicate selects."""
     found: list[tuple[int, int]] = []
     iq = iv = 0
     for joint in joints:
@@ -112,14 +112,14 @@ def offsets_of(
 
 @dataclass(frozen=True, eq=False)
 class JointGroup(Value):
-    """Joints that are planned for together.
+    """Joint group (planning group): joints that are planned for together.
 
     Attributes:
         name: `robot` (the robot's default group) or `robot::group`.
         joints: In the group's own order; `q` and `v` stack their coordinates in this order.
         tool_frames: Full names of the frames that the group moves; the first is the default.
-        winding: Full names of revolute joints that are elsewhere after a whole turn, as something
-            follows them by less.
+        winding: Full names of revolute joints whose whole turns matter, because a follower with a
+            fractional multiplier is elsewhere after one.
     """
 
     name: str
@@ -129,27 +129,27 @@ class JointGroup(Value):
 
     @cached_property
     def position_names(self) -> tuple[str, ...]:
-        """A name for every coordinate of q."""
+        """Name of every coordinate of q."""
         return tuple(name for joint in self.joints for name in joint.position_names)
 
     @cached_property
     def velocity_names(self) -> tuple[str, ...]:
-        """A name for every coordinate of v."""
+        """Name of every coordinate of v."""
         return tuple(name for joint in self.joints for name in joint.velocity_names)
 
     @property
     def num_positions(self) -> int:
-        """The length of q."""
+        """Length of q."""
         return len(self.position_names)
 
     @property
     def num_velocities(self) -> int:
-        """The length of v."""
+        """Length of v."""
         return len(self.velocity_names)
 
     @cached_property
     def plain(self) -> tuple[Indices, Indices]:
-        """The indices in q, and in v, of all that simply adds: of everything but rotations."""
+        """Indices in q, and in v, of the coordinates that simply add: all but rotations."""
         in_q: list[int] = []
         in_v: list[int] = []
         iq = iv = 0
@@ -163,7 +163,7 @@ class JointGroup(Value):
 
     @cached_property
     def blocks(self) -> tuple[tuple[str, tuple[int, ...]], ...]:
-        """The joints' blocks, with indices into the group's v."""
+        """Blocks of all joints, with indices into the group's v."""
         stacked: list[tuple[str, tuple[int, ...]]] = []
         offset = 0
         for joint in self.joints:
@@ -174,7 +174,7 @@ class JointGroup(Value):
 
 @dataclass(frozen=True, eq=False)
 class JointLimits(Value):
-    """What the joints of a group may do.
+    """Position, velocity, acceleration, jerk and effort limits of a group's joints.
 
     Positions are limited per position coordinate (infinite where free: quaternions, continuous
     joints, the yaw of a planar joint, joints whose turns count but have no end). Rates are limited

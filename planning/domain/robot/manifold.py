@@ -1,4 +1,4 @@
-"""The configuration manifold of some joints: plus, minus, interpolation and distance.
+"""Manifold: the configuration space of some joints, with plus, minus, interpolation and distance.
 
 `q [+] delta` moves along the geodesic that leaves q with tangent delta in R^nv; `q1 [-] q0` is the
 shortest such delta. R^1 for bounded joints, the circle for continuous joints and a planar joint's
@@ -19,20 +19,20 @@ from planning.domain.value import Value
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
-# Manifolds by the identity of their joints, which they keep, so that it is no other's meanwhile.
+# Manifolds by the id() of their joints; each keeps its joints alive, so no id() is reused.
 _shared: dict[int, "Manifold"] = {}
 _MOST_SHARED = 256
 
 
 @dataclass(frozen=True, eq=False)
 class Manifold(Value):
-    """The product of the joints' manifolds, in the joints' order."""
+    """Configuration manifold: the product of the joints' manifolds, in the joints' order."""
 
     joints: tuple[Joint, ...]
 
     @staticmethod
     def of(joints: tuple[Joint, ...]) -> "Manifold":
-        """Return the manifold of these very joints, made the first time only."""
+        """Return the manifold of a tuple of joints, cached by the identity of the tuple."""
         found = _shared.get(id(joints))
         if found is None:
             if len(_shared) >= _MOST_SHARED:
@@ -42,27 +42,27 @@ class Manifold(Value):
 
     @cached_property
     def num_positions(self) -> int:
-        """The length of q."""
+        """Length of q."""
         return sum(joint.num_positions for joint in self.joints)
 
     @cached_property
     def num_velocities(self) -> int:
-        """The length of v and of delta."""
+        """Length of v and of delta."""
         return sum(joint.num_velocities for joint in self.joints)
 
     @cached_property
     def is_flat(self) -> bool:
-        """Whether q and delta are the same numbers, but for whole turns."""
+        """Whether q and delta are the same numbers, up to whole turns."""
         return all(joint.type is not JointType.FLOATING for joint in self.joints)
 
     @cached_property
     def _floating(self) -> tuple[tuple[int, int], ...]:
-        """The offset in q and in v of each floating joint."""
+        """Offset in q and in v of each floating joint."""
         return offsets_of(self.joints, lambda joint: joint.type is JointType.FLOATING)
 
     @cached_property
     def _plain(self) -> tuple[list[int], list[int]]:
-        """The indices in q and in v that simply add."""
+        """Indices in q and in v of the coordinates that simply add."""
         in_q = set(range(self.num_positions))
         in_v = set(range(self.num_velocities))
         for iq, iv in self._floating:
@@ -72,12 +72,12 @@ class Manifold(Value):
 
     @cached_property
     def wraps(self) -> tuple[bool, ...]:
-        """Whether each velocity coordinate is an angle on a circle (whole turns are nothing)."""
+        """Whether each velocity coordinate is an angle on a circle, modulo whole turns."""
         return tuple(flag for joint in self.joints for flag in joint.wraps)
 
     @cached_property
     def _circles(self) -> tuple[int, ...]:
-        """Which velocity coordinates are angles on a circle."""
+        """Indices of the velocity coordinates that are angles on a circle."""
         return tuple(i for i, wraps in enumerate(self.wraps) if wraps)
 
     @cached_property

@@ -1,4 +1,4 @@
-"""Payload: what a robot carries that the scene does not show."""
+"""Payload: a rigid mass that a robot carries and the scene does not contain."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -10,13 +10,13 @@ from jaxtyping import Float64
 from planning.domain.value import Value
 from planning.errors import ProblemInvalid
 
-# Principal moments may break what bodies obey by this share, for rounding.
+# Relative tolerance of the triangle inequality of principal moments, for rounding.
 _SLACK = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
 class Payload(Value):
-    """A rigid mass that follows a frame F and burdens every joint that carries it.
+    """Rigid mass fixed to a frame F; it loads every joint that carries F.
 
     Attributes:
         frame: Full name of F.
@@ -39,10 +39,10 @@ class Payload(Value):
         center_of_mass: Sequence[float] = (0.0, 0.0, 0.0),
         inertia: Sequence[float] = (0.0,) * 6,
     ) -> "Payload":
-        """Build a payload that could be a body.
+        """Build a payload after checking that it is physically possible.
 
         Args:
-            frame: Full name of the frame that it follows.
+            frame: Full name of the frame that it is fixed to.
             mass: [kg].
             center_of_mass: In that frame [m], 3 numbers.
             inertia: Ixx, Iyy, Izz, Ixy, Ixz, Iyz about the centre of mass [kg m^2].

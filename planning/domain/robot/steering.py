@@ -1,4 +1,4 @@
-"""Steering: a planar base that rolls like a car, never sideways and in no tighter turn than it can.
+"""Steering: planar bases that roll like a car, never sideways, with a smallest turning radius.
 
 Where a plain planar joint goes straight from pose to pose, a steered one follows the motion of
 constant velocity in its own frame: an arc, or a line. That is the geodesic of SE(2) as a group,
@@ -21,17 +21,17 @@ from planning.domain.value import Value
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
-# Turns smaller than this have the series of what divides by them [rad].
+# Angles smaller than this use the series of the quotients by them [rad].
 _SMALL = 1e-4
 
 
 @dataclass(frozen=True, eq=False)
 class Steering(Value):
-    """What a car can drive.
+    """Steering limits of a car-like base.
 
     Attributes:
-        turning_radius: Of its tightest turn, at the origin of the base [m], above 0.
-        reverse: Whether it drives backwards too: its shortest ways are Reeds and Shepp's, or else
+        turning_radius: Smallest turning radius of the base's origin [m], above 0.
+        reverse: Whether it drives backwards too: its shortest paths are Reeds and Shepp's, else
             Dubins'.
     """
 
@@ -41,7 +41,7 @@ class Steering(Value):
 
 @dataclass(frozen=True, eq=False)
 class SteeredGroup(JointGroup):
-    """A group some of whose planar joints are steered.
+    """Joint group with some planar joints steered.
 
     Attributes:
         steering: By full name of a planar joint.
@@ -51,12 +51,12 @@ class SteeredGroup(JointGroup):
 
 
 def steering_of(group: JointGroup) -> Mapping[str, Steering]:
-    """Return how planar joints of a group are steered, by name; nothing for most groups."""
+    """Return the steering of a group's planar joints, by name; empty for most groups."""
     return group.steering if isinstance(group, SteeredGroup) else {}
 
 
 def steered(group: JointGroup, steering: Mapping[str, Steering]) -> JointGroup:
-    """Return the group with some of its planar joints steered; without any it is a plain one."""
+    """Return the group with some of its planar joints steered; a plain group without any."""
     if not steering:
         return JointGroup(group.name, group.joints, group.tool_frames, group.winding)
     return SteeredGroup(group.name, group.joints, group.tool_frames, group.winding, steering)
@@ -70,11 +70,11 @@ def manifold_of(group: JointGroup) -> Manifold:
 
 @dataclass(frozen=True, eq=False)
 class SteeredManifold(Manifold):
-    """The same set with arcs and lines as the geodesics of steered joints.
+    """Configuration manifold on which the geodesics of steered joints are arcs and lines.
 
     The tangent of a steered joint is (v_x, v_y, omega) in the base's own frame. `distance` counts
-    v_y like any other number, so of poses that no single arc joins it says how far apart they are,
-    and not how far a car must drive.
+    v_y like any other number, so for poses that no single arc joins it is their distance, not the
+    length that a car must drive.
 
     Attributes:
         cars: Full names of the steered joints.
@@ -85,17 +85,17 @@ class SteeredManifold(Manifold):
     @cached_property
     @override
     def is_flat(self) -> bool:
-        """A tangent of a steered joint is not a difference of coordinates."""
+        """False: a tangent of a steered joint is not a difference of coordinates."""
         return False
 
     @cached_property
     def offsets(self) -> tuple[tuple[int, int], ...]:
-        """Where the coordinates of each steered joint begin in q and in v."""
+        """First index of each steered joint's coordinates in q and in v."""
         return offsets_of(self.joints, lambda joint: joint.name in self.cars)
 
     @override
     def plus(self, q: Float64[np.ndarray, "*#n nq"], delta: Float64[np.ndarray, "*#n nv"]) -> Array:
-        """Return where q gets to in a unit of time at the constant velocity delta."""
+        """Return the configuration after a unit of time at the constant velocity delta."""
         moved = super().plus(q, delta)
         for iq, iv in self.offsets:
             ahead, aside, turn = (delta[..., iv + i] for i in range(3))
@@ -109,7 +109,7 @@ class SteeredManifold(Manifold):
 
     @override
     def minus(self, q1: Float64[np.ndarray, "*#n nq"], q0: Float64[np.ndarray, "*#n nq"]) -> Array:
-        """Return the constant velocity that leads from q0 to q1, by half a turn at most."""
+        """Return the constant velocity from q0 to q1 in a unit of time, by half a turn at most."""
         delta = super().minus(q1, q0)
         for iq, iv in self.offsets:
             x, y = (q1[..., iq + i] - q0[..., iq + i] for i in range(2))

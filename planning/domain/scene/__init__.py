@@ -1,1 +1,1 @@
-"""What there is: scenes, their operations and files."""
+"""Scenes as values: robots, objects, frames, margins, edit operations and files."""

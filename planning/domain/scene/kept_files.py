@@ -1,4 +1,4 @@
-"""KeptFiles: which files a robot or an object was made from, by content."""
+"""KeptFiles: the files of a robot or object by content hash (sha256)."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -13,12 +13,12 @@ _NUM_DIGITS = 64
 
 @dataclass(frozen=True, eq=False)
 class KeptFiles(Value):
-    """The files of one robot or one mesh, as they were when the scene was loaded first.
+    """Files of one robot or one mesh, as they were when the scene was first loaded.
 
     Paths are relative to the folder that all of the files are in, with "/" between their parts.
 
     Attributes:
-        named: What the scene calls them: a robot's model, or a mesh's uri.
+        named: Name in the scene: a robot's model, or a mesh's uri.
         main: Path of the robot's description, or of the mesh.
         card: Path of the robot.yaml that goes with it; "" for none.
         sha256: Of the bytes of every file, by path; `main` and `card` are among them.
@@ -31,7 +31,7 @@ class KeptFiles(Value):
 
     @property
     def content(self) -> str:
-        """sha256 of all paths and bytes, whatever the scene calls them."""
+        """sha256 of all paths and bytes, independent of the name in the scene."""
         return digest(self.sha256)
 
     @property
@@ -46,10 +46,11 @@ class KeptFiles(Value):
 
     @classmethod
     def from_plain(cls, plain: Mapping[str, Any]) -> "KeptFiles":
-        """Return what `plain` describes.
+        """Build from the result of `plain`.
 
         Raises:
-            SceneInvalid: A path leaves the folder, or is none of the files; or a sha256 is none.
+            SceneInvalid: A path leaves the folder, or is none of the files; or a sha256 is
+                malformed.
         """
         found = cls(plain["named"], plain["main"], plain["card"], dict(plain["sha256"]))
         for path, sha256 in found.sha256.items():

@@ -1,4 +1,4 @@
-"""Scene: what there is, as values; `World` is the same thing loaded into Drake."""
+"""Scene: robots, objects, frames and margins as values; `World` is a scene loaded into Drake."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -14,12 +14,12 @@ from planning.domain.value import Value, digest
 
 @dataclass(frozen=True, eq=False)
 class SceneRobot(Value):
-    """A robot in a scene.
+    """Robot in a scene.
 
     Attributes:
-        name: Prefix of everything that is its: `name::link`.
+        name: Prefix of the full names of its parts: `name::link`.
         model: Name of a bundled robot, or the path of a URDF, SDF or MJCF file.
-        base: X_WB, where its base link is welded.
+        base: X_WB, pose to which its base link is welded.
         positions: Name of a configuration, or values by joint name, or a list of values for its
             default group; None for the configuration `home`, or zeros within limits.
         weld: Whether its base link is welded to the world; None where its description decides:
@@ -36,10 +36,10 @@ class SceneRobot(Value):
 
 @dataclass(frozen=True, eq=False)
 class Attachment(Value):
-    """How a robot holds an object.
+    """Attachment of an object to a robot.
 
     Attributes:
-        frame: The frame F that the object follows: a robot's, or one that hangs on a robot's.
+        frame: The frame F that the object follows: a robot's, or one with a robot's as ancestor.
         touch: Bodies that it may touch; None for those that move rigidly with F and those that
             they carry on joints outside the robot's default group, such as fingers.
     """
@@ -50,7 +50,7 @@ class Attachment(Value):
 
 @dataclass(frozen=True, eq=False)
 class SceneObject(Value):
-    """An obstacle or a thing to handle.
+    """Object in a scene: an obstacle or a movable object.
 
     Attributes:
         name: Of its body and of its frame.
@@ -58,8 +58,8 @@ class SceneObject(Value):
         pose: X_WO; of an attached object X_FO.
         movable: Whether it may be attached.
         color: RGBA in 0..1, or None for a default, shape (4,).
-        attached: The robot's hold on it, or None if it stands in the world.
-        mass: What it weighs when it is held [kg]; None for nothing.
+        attached: Its attachment to a robot, or None if it stands in the world.
+        mass: Its mass while it is attached [kg]; None for none.
         center_of_mass: In its frame [m], None for that of the shape, shape (3,).
     """
 
@@ -77,7 +77,7 @@ class SceneObject(Value):
 
 @dataclass(frozen=True, eq=False)
 class SceneFrame(Value):
-    """A named pose.
+    """Named frame in a scene.
 
     Attributes:
         name: Its name.
@@ -94,7 +94,7 @@ class SceneFrame(Value):
 
 @dataclass(frozen=True, eq=False)
 class NamedConfiguration(Value):
-    """A configuration of a group.
+    """Named configuration of a group.
 
     Attributes:
         name: Its name.
@@ -109,7 +109,7 @@ class NamedConfiguration(Value):
 
 @dataclass(frozen=True, eq=False)
 class PairMargin(Value):
-    """A margin for two bodies that differs from the scene's.
+    """Collision margin of two bodies, other than the scene's.
 
     Attributes:
         bodies: Full names.
@@ -122,7 +122,7 @@ class PairMargin(Value):
 
 @dataclass(frozen=True, eq=False)
 class Scene(Value):
-    """A scene document, validated.
+    """Scene document as values, validated.
 
     Attributes:
         name: For people.
@@ -131,11 +131,11 @@ class Scene(Value):
         frames: In order; a frame's parent may be defined later.
         allowed_collisions: Pairs of bodies that may touch.
         configurations: Named configurations beside those of the robots.
-        margin: Distance that everything keeps from everything [m].
+        margin: Collision margin of all pairs of bodies [m].
         margins: Exceptions, by pair.
-        files: What robots and meshes are made of, by the name of the robot or object. Where they
-            are not said, `load_world` reads the files as they are then, and says them in the
-            `scene` of the world; where they are said, nothing else is read.
+        files: Files of robots and meshes by content, by the name of the robot or object. For those
+            missing here, `load_world` reads the files from disk and adds them to the `scene` of the
+            world; for those given here, nothing else is read.
     """
 
     name: str
@@ -150,5 +150,5 @@ class Scene(Value):
 
     @property
     def digest(self) -> str:
-        """sha256 of the content; of the bytes of files only where `files` says them."""
+        """sha256 of the content; of the bytes of files only where `files` has them."""
         return digest(self)

@@ -1,4 +1,4 @@
-"""Operations on scenes, as values; `edit_scene` carries them out."""
+"""Scene operations: edits of a scene as values; `edit_scene` carries them out."""
 
 from dataclasses import dataclass
 
@@ -9,14 +9,14 @@ from planning.domain.value import Value
 
 @dataclass(frozen=True, eq=False)
 class AddObject(Value):
-    """Add an object under a name that is free."""
+    """Scene operation: add an object under an unused name."""
 
     thing: SceneObject
 
 
 @dataclass(frozen=True, eq=False)
 class MoveObject(Value):
-    """Put an object elsewhere in the world, X_WO; frames that hang on it go along."""
+    """Scene operation: set an object's pose X_WO; frames with it as ancestor move along."""
 
     name: str
     pose: Pose
@@ -24,20 +24,20 @@ class MoveObject(Value):
 
 @dataclass(frozen=True, eq=False)
 class RemoveObject(Value):
-    """Remove an object, the frames that hang on it, and what the scene says of its collisions."""
+    """Scene operation: remove an object, the frames below it, and its collision settings."""
 
     name: str
 
 
 @dataclass(frozen=True, eq=False)
 class AttachObject(Value):
-    """Let a robot hold an object.
+    """Scene operation: attach an object to a robot.
 
     Attributes:
         name: Of the object.
         frame: The frame F that it follows from now on.
         touch: Bodies that it may touch; None for the default of `Attachment`.
-        pose: X_FO; None for where it is now.
+        pose: X_FO; None for its present pose.
     """
 
     name: str
@@ -48,14 +48,14 @@ class AttachObject(Value):
 
 @dataclass(frozen=True, eq=False)
 class DetachObject(Value):
-    """Leave an object where it is in the world at the scene's positions."""
+    """Scene operation: detach an object at its pose in the world at the scene's positions."""
 
     name: str
 
 
 @dataclass(frozen=True, eq=False)
 class SetPositions(Value):
-    """Put joints of a robot elsewhere; joints that are not named stay where they are.
+    """Scene operation: set joint positions of a robot; joints that are not named keep theirs.
 
     Attributes:
         robot: Its name in the scene.
@@ -69,14 +69,14 @@ class SetPositions(Value):
 
 @dataclass(frozen=True, eq=False)
 class AllowPair(Value):
-    """Let two bodies touch."""
+    """Scene operation: allow two bodies to touch."""
 
     pair: tuple[str, str]
 
 
 @dataclass(frozen=True, eq=False)
 class ForbidPair(Value):
-    """No longer let two bodies touch, which the scene allowed."""
+    """Scene operation: revoke the scene's permission for two bodies to touch."""
 
     pair: tuple[str, str]
 

@@ -1,4 +1,4 @@
-"""What hangs on what in a scene, as far as the scene itself says it."""
+"""Scene tree: parents of objects and frames, as far as the scene itself defines them."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -13,11 +13,11 @@ WORLD = "world"
 
 @dataclass(frozen=True, eq=False)
 class Hold(Value):
-    """Where something of the scene hangs in the end.
+    """Root ancestor of an object or frame, with its pose in it.
 
     Attributes:
         root: "world", or a name that the scene does not define: a robot's `robot::link`.
-        pose: X_RN, the thing in the root.
+        pose: X_RN, the object or frame N in the root R.
     """
 
     root: str
@@ -25,7 +25,7 @@ class Hold(Value):
 
     @property
     def robot(self) -> str | None:
-        """The robot whose link the root is, or None."""
+        """Robot of the root link, or None."""
         return robot_of(self.root)
 
 
@@ -39,10 +39,10 @@ def parents(scene: Scene) -> dict[str, tuple[str, Pose]]:
 
 
 def hold_of(name: str, above: Mapping[str, tuple[str, Pose]]) -> Hold:
-    """Follow `parents` up from an object, a frame or a link.
+    """Return the root ancestor of an object, a frame or a link, by following `parents`.
 
     Raises:
-        SceneInvalid: It hangs on itself.
+        SceneInvalid: It is its own ancestor.
     """
     pose = Pose.identity()
     for step in _way(name, above):
@@ -52,23 +52,23 @@ def hold_of(name: str, above: Mapping[str, tuple[str, Pose]]) -> Hold:
 
 
 def holder_of(name: str, above: Mapping[str, tuple[str, Pose]]) -> str | None:
-    """Return the robot that an object, a frame or a link hangs on in the end, or None.
+    """Return the robot that is the root ancestor of an object, a frame or a link, or None.
 
     Raises:
-        SceneInvalid: It hangs on itself.
+        SceneInvalid: It is its own ancestor.
     """
     way = _way(name, above)
     return robot_of(above[way[-1]][0] if way else name)
 
 
 def robot_of(root: str) -> str | None:
-    """Return the robot of a link, by its full name; None of what is no link."""
+    """Return the robot of a link by the link's full name; None for any other name."""
     robot, has_robot, _ = root.partition("::")
     return robot if has_robot else None
 
 
 def _way(name: str, above: Mapping[str, tuple[str, Pose]]) -> list[str]:
-    """Return what hangs on what, from a name on, as far as the scene says it."""
+    """Return the chain of ancestors from a name on, as far as the scene defines it."""
     seen: dict[str, None] = {}
     while name in above:
         if name in seen:

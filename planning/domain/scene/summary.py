@@ -1,4 +1,4 @@
-"""Summaries: what there is to plan for, without an engine at hand."""
+"""Summaries of scenes and robots: groups, limits, configurations, frames and bodies as values."""
 
 from dataclasses import dataclass, field
 
@@ -9,13 +9,13 @@ from planning.domain.value import Value
 
 @dataclass(frozen=True, eq=False)
 class GroupSummary(Value):
-    """A group and everything that a request may name of it.
+    """Group with its limits, configurations and positions.
 
     Attributes:
         group: Its joints and tool frames.
-        limits: What it may do.
+        limits: Its joint limits.
         configurations: Named configurations, the group's q.
-        positions: Where the scene puts it, the group's q.
+        positions: Its positions in the scene, the group's q.
     """
 
     group: JointGroup
@@ -26,7 +26,7 @@ class GroupSummary(Value):
 
 @dataclass(frozen=True, eq=False)
 class RobotSummary(Value):
-    """A robot that scenes may name.
+    """Robot model that scenes may use.
 
     Attributes:
         name: Its name.
@@ -34,8 +34,8 @@ class RobotSummary(Value):
         groups: By name within the robot; bodies and joints are named `robot::name`.
         default_group: Name of the group that the bare robot name stands for.
         bodies: Full names.
-        sources: Where its numbers are from, as (what, from).
-        assumed: Joints whose rate limits nobody states, so that ours are assumed.
+        sources: Sources of its numbers, as (what, from).
+        assumed: Joints whose rate limits no source states, so that default limits are assumed.
     """
 
     name: str
@@ -49,7 +49,7 @@ class RobotSummary(Value):
 
 @dataclass(frozen=True, eq=False)
 class SceneSummary(Value):
-    """A loaded scene.
+    """Summary of a loaded scene.
 
     Attributes:
         groups: By full name, `robot` or `robot::group`.
@@ -57,9 +57,9 @@ class SceneSummary(Value):
         bodies: Full names of all bodies.
         num_pairs: Pairs of geometries that are checked for collision.
         digest: sha256 of the scene.
-        assumed: Joints whose rate limits nobody states, so that ours are assumed.
-        unchecked: Pairs of bodies that no collision check looks at, and why.
-        warnings: Things that are not what they seem, such as meshes taken as their convex hulls.
+        assumed: Joints whose rate limits no source states, so that default limits are assumed.
+        unchecked: Pairs of bodies that no collision check covers, with reasons.
+        warnings: Approximations and oddities, such as meshes taken as their convex hulls.
     """
 
     groups: dict[str, GroupSummary]

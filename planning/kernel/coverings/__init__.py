@@ -1,1 +1,1 @@
-"""Coverings: convex shapes between spheres around them and spheres inside them."""
+"""Coverings: outer spheres that contain a convex shape, and inner spheres inside it."""

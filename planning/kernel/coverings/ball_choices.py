@@ -1,9 +1,9 @@
-"""BallChoices: the balls that a covering is chosen from, and the points by which it is judged.
+"""BallChoices: candidate balls of a covering, and the sample points that rate them.
 
 About a point of depth d (its distance from the surface) the ball of radius d lies inside a convex
 shape, and one of radius d + t reaches t beyond it. So one table of the distances of points from
 inner balls, `gaps`, serves both: the balls of reach t hold the points whose gaps are at most t, and
-the gaps that a choice of inner balls leaves say how deep something may enter unnoticed.
+the gaps that remain for a set of inner balls are the depths of undetected penetration.
 """
 
 from dataclasses import dataclass
@@ -17,7 +17,8 @@ from planning.kernel.coverings.solid import Solid
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
-# How many centres, rays to the surface and points on edges: for hulls of many corners, for others.
+# Numbers of centres, rays to the surface and points on edges: for hulls of many corners, for
+# others.
 _MANY = (600, 300, 150)
 _SOME = (200, 150, 60)
 _SIMPLE = 32  # corners
@@ -26,13 +27,13 @@ _GOLDEN = np.pi * (1 + 5**0.5)
 
 @dataclass(frozen=True)
 class BallChoices:
-    """Many balls in a solid, and points of it.
+    """Candidate balls in a solid, with sample points.
 
     Attributes:
         centers: Of the balls: a grid, shape (n, 3).
         depths: Their distances from the surface, or less [m], shape (n,).
         points: Some on the surface, then others all over the solid, shape (m, 3).
-        num_surface: How many of them are spread over the surface.
+        num_surface: Number of points that are spread over the surface.
         gaps: From each inner ball to each point, negative inside [m], shape (n, m).
         spacing: Of the grid [m].
     """
@@ -46,7 +47,7 @@ class BallChoices:
 
     @classmethod
     def of(cls, solid: Solid, polytope: OuterPolytope) -> "BallChoices":
-        """Return the choices in a solid; its middle is one of them in any case."""
+        """Return the candidates in a solid; its middle is one of them in any case."""
         num_centers, num_rays, num_on_edges = (
             _MANY if len(solid.shape.vertices) > _SIMPLE else _SOME
         )
@@ -90,7 +91,7 @@ def _grid(low: Array, high: Array, count: int) -> tuple[Array, float]:
 
 
 def _surface(solid: Solid, polytope: OuterPolytope, count: int) -> Array:
-    """Return where rays from the middle leave the polytope, denser where it is long."""
+    """Return the points where rays from the middle leave the polytope, denser where it is long."""
     middle, half = (solid.low + solid.high) / 2, (solid.high - solid.low) / 2
     rays = directions(count) * half
     slope = np.einsum("ri,fi->rf", rays, polytope.planes[:, :3])

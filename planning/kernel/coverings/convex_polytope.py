@@ -1,9 +1,9 @@
-"""Convex pieces: polytopes known by their corners, cut by planes.
+"""ConvexPolytope: polytopes by their corners (V-representation), cut by planes.
 
 Exactly three faces meet at every corner: where more do, as at the tip of a pyramid, the corner is
 there several times. So two corners that share two faces are the ends of an edge. A plane cuts the
-edges whose ends lie on both sides of it, and what is left has the corners on its side and the new
-ones. On which side a corner lies is decided once for all of its edges.
+edges whose ends lie on both sides of it, and the remaining part has the corners on its side and the
+new ones. The side of a corner is decided once for all of its edges.
 """
 
 from dataclasses import dataclass
@@ -21,11 +21,12 @@ _MANY = 1 << 20
 
 @dataclass(frozen=True)
 class ConvexPolytope:
-    """A convex polytope, or nothing.
+    """Convex polytope, possibly empty.
 
     Attributes:
-        corners: A ball that contains them contains the piece [m], shape (n, 3).
-        faces: Numbers of the faces that meet at each, below 2^20, in ascending order, shape (n, 3).
+        corners: A ball that contains them contains the polytope [m], shape (n, 3).
+        faces: Indices of the faces that meet at each corner, below 2^20, in ascending order, shape
+            (n, 3).
     """
 
     corners: Float64[np.ndarray, "n 3"]
@@ -35,13 +36,13 @@ class ConvexPolytope:
     def box(
         cls, low: Float64[np.ndarray, " 3"], high: Float64[np.ndarray, " 3"]
     ) -> "ConvexPolytope":
-        """Return the box between two corners; its faces are the numbers 0 to 5."""
+        """Return the box between two corners; its faces are numbers 0 to 5."""
         sides = np.array(list(product((0, 1), repeat=3)), dtype=np.int64)
         return cls(np.where(sides, high, low), 2 * np.arange(3) + sides)
 
     @cached_property
     def edges(self) -> Int64[np.ndarray, "e 2"]:
-        """The corners at the ends of every edge."""
+        """Corners at the ends of every edge."""
         a, b, c = self.faces.T
         keys = np.concatenate([a * _MANY + b, a * _MANY + c, b * _MANY + c])
         return (np.argsort(keys, kind="stable") % max(len(a), 1)).reshape(-1, 2)
@@ -52,8 +53,8 @@ class ConvexPolytope:
         """Return the part where normal . x <= offset.
 
         Args:
-            normal: Of the cut.
-            offset: Of the cut along it.
+            normal: Normal of the cutting plane.
+            offset: Of the cutting plane along the normal.
             face: Number of the face that the cut adds, larger than all others.
         """
         heights = self.corners @ normal - offset

@@ -1,4 +1,4 @@
-"""Coverings: a convex shape between spheres around it and spheres inside it."""
+"""Covering: outer spheres that contain a convex shape, and inner spheres inside it."""
 
 import json
 import os
@@ -24,21 +24,21 @@ from planning.parallel.atomic_files import evict_oldest, write_atomically
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
-# Of what is computed here: a covering of another version is not read.
+# Version of this computation: a stored covering of another version is not read.
 VERSION = 2
 _MOST_BYTES = 2**28
 
 
 @dataclass(frozen=True, eq=False)
 class Covering(Value):
-    """Spheres as rows (x, y, z, r) in the shape's frame [m].
+    """Outer and inner spheres of a convex shape, as rows (x, y, z, r) in its frame [m].
 
     Attributes:
         outer: Their union contains the shape, the largest first, shape (n, 4).
-        inner: Each lies inside the shape, the most telling first, shape (m, 4); none in a shape
-            without thickness.
-        bound: One that contains the shape, shape (4,).
-        protrusion: How far the outer ones reach beyond the shape at most [m].
+        inner: Each lies inside the shape, in decreasing order of benefit, shape (m, 4); none in a
+            shape without thickness.
+        bound: One sphere that contains the shape, shape (4,).
+        protrusion: Largest distance that the outer spheres reach beyond the shape [m].
     """
 
     outer: Float64[np.ndarray, "n 4"]
@@ -51,7 +51,7 @@ def cover(shape: ConvexShape) -> Covering:
     """Return the covering of a shape; the same shape has the same one, bit for bit.
 
     Raises:
-        ModelInvalid: A half space has none.
+        ModelInvalid: A half space has no covering.
     """
     if shape.kind is ShapeKind.SPHERE:
         ball = np.array([0.0, 0.0, 0.0, shape.size[0]])
@@ -69,7 +69,7 @@ def cached_covering(shape: ConvexShape, folder: Path | None) -> Covering:
     """Return the covering of a shape from memory, or else from a folder; None for memory alone.
 
     Raises:
-        ModelInvalid: A half space has none.
+        ModelInvalid: A half space has no covering.
     """
     return cover(shape) if folder is None else stored_covering(shape, folder)
 
@@ -80,19 +80,19 @@ def stored_covering(
     make: Callable[[ConvexShape], Covering] = cover,
     version: int = VERSION,
 ) -> Covering:
-    """Return the covering of a shape from a folder, made and kept there when it is first asked for.
+    """Return the covering of a shape from a folder, computed and stored there if it is missing.
 
-    A file that is damaged or of another shape is made anew; a folder that cannot be written to is
-    no fault.
+    A file that is damaged or of another shape is computed anew; a folder that cannot be written to
+    is no error.
 
     Args:
-        shape: What is covered.
+        shape: The shape.
         folder: Of files, one for a shape; made if it does not exist.
-        make: What computes a covering.
+        make: Computes a covering.
         version: Of `make`: files of another one are not read.
 
     Raises:
-        ModelInvalid: A half space has none.
+        ModelInvalid: A half space has no covering.
     """
     file = folder / f"{digest((shape, version))}.json"
     known = _read(file)
@@ -105,12 +105,12 @@ def stored_covering(
 
 
 def _seal(file: Path, covering: Covering) -> str:
-    """Return what tells that a file holds what was written there; its name is that of a shape."""
+    """Return the checksum of a file's name, which is that of a shape, and of its covering."""
     return digest((file.stem, covering))
 
 
 def _read(file: Path) -> Covering | None:
-    """Return what a file holds; None if there is none or it holds something else."""
+    """Return the covering in a file; None if there is none or its content is invalid."""
     try:
         found = json.loads(file.read_text("utf-8"))
         outer, inner, bound = (
@@ -125,7 +125,7 @@ def _read(file: Path) -> Covering | None:
 
 
 def _write(file: Path, covering: Covering) -> None:
-    """Keep a covering, if the folder can be written to."""
+    """Write a covering to its file, if the folder can be written to."""
     document = {
         "outer": covering.outer.tolist(),
         "inner": covering.inner.tolist(),
@@ -140,5 +140,5 @@ def _write(file: Path, covering: Covering) -> None:
 
 @cache
 def _trim(folder: Path) -> None:
-    """Remove what was not used for longest if there is too much: once for a process."""
+    """Remove the least recently used files if the folder is too large: once in a process."""
     evict_oldest(folder, _MOST_BYTES)

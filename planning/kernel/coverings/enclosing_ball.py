@@ -1,4 +1,4 @@
-"""The smallest ball about points, nearly."""
+"""Smallest enclosing ball of points, approximately."""
 
 import numpy as np
 from jaxtyping import Float64
@@ -10,7 +10,7 @@ _ROUNDING = 1e-12
 def enclosing_ball(points: Float64[np.ndarray, "n 3"]) -> Float64[np.ndarray, "4"]:
     """Return a ball (x, y, z, r) that contains points, about a percent too large at most.
 
-    Its middle takes ever smaller steps towards the farthest point (Badoiu and Clarkson, "Smaller
+    Its centre takes ever smaller steps towards the farthest point (Badoiu and Clarkson, "Smaller
     core-sets for balls", 2003), beginning at the middle of the bounding box.
     """
     begin = (points.min(axis=0) + points.max(axis=0)) / 2

@@ -1,4 +1,4 @@
-"""First balls: few of many that hold a shape's points while reaching little beyond it."""
+"""Initial spheres: few candidate balls that hold a shape's points and reach little beyond it."""
 
 from collections.abc import Iterator
 from itertools import product
@@ -11,7 +11,7 @@ from jaxtyping import Bool, Float64
 from planning.kernel.coverings.ball_choices import BallChoices
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
-# Numbers of balls.
+# Indices of balls.
 type Chosen = np.ndarray[Any, np.dtype[np.int64]]
 
 _HALVINGS = 10
@@ -20,12 +20,12 @@ _HALVINGS = 10
 def initial_spheres(
     choices: BallChoices, aim: float, most: int
 ) -> tuple[Float64[np.ndarray, "k 3"], float]:
-    """Return the centres of balls that hold every point, and how far they must reach for it [m].
+    """Return the centres of balls that hold every point, and the reach that they need [m].
 
     Args:
-        choices: What there is to choose from.
-        aim: If so far a reach is enough for `most` balls or fewer, there are as few as greed finds.
-        most: How many balls there may be.
+        choices: Candidate balls.
+        aim: If this reach suffices for `most` balls or fewer, the greedy cover is returned.
+        most: Largest number of balls.
     """
     gaps = choices.gaps
     few = _greedy(gaps <= aim)
@@ -41,8 +41,8 @@ def initial_spheres(
 def _greedy(held: Bool[np.ndarray, "n m"]) -> Chosen:
     """Return balls that hold every point; none if all of them do not.
 
-    Always the one that holds most of those that are left (Chvatal, "A greedy heuristic for the
-    set-covering problem", 1979).
+    Greedy set cover: always the ball that holds most of the remaining points (Chvatal, "A greedy
+    heuristic for the set-covering problem", 1979).
     """
     left = held.any(axis=0)
     gains = held.sum(axis=1)
@@ -58,7 +58,7 @@ def _greedy(held: Bool[np.ndarray, "n m"]) -> Chosen:
 
 
 def _halving(gaps: Array, most: int) -> Chosen:
-    """Return what greed takes for the least reach for which it takes few enough."""
+    """Return the greedy cover at the least reach, by bisection, with few enough balls."""
     farthest = gaps.max(axis=1)
     best = np.array([np.argmin(farthest)])
     low, high = float(gaps.min(axis=0).max()), float(farthest.min())
@@ -73,7 +73,7 @@ def _halving(gaps: Array, most: int) -> Chosen:
 
 
 def _lattices(choices: BallChoices, most: int) -> Iterator[Chosen]:
-    """Yield the best ball for each cell of lattices; longer sides are cut oftener."""
+    """Yield the best ball for each cell of lattices; longer sides are divided more often."""
     low, high = choices.points.min(axis=0), choices.points.max(axis=0)
     place = (choices.points - low) / np.maximum(high - low, 1e-300)
     longest = np.argsort(low - high, kind="stable")
@@ -90,9 +90,9 @@ def _lattices(choices: BallChoices, most: int) -> Iterator[Chosen]:
 
 
 def _filled(gaps: Array, chosen: Chosen, most: int) -> Chosen:
-    """Return the choice with more balls, each the one that most lowers what reaches far.
+    """Return the choice with more balls, each the one that lowers the farthest reaches most.
 
-    Fourth powers stand for the farthest reach: in symmetric shapes no ball alone lowers that.
+    Fourth powers approximate the farthest reach: in symmetric shapes no ball alone lowers that.
     """
     left = gaps[chosen].min(axis=0)
     more = list(chosen)

@@ -1,8 +1,8 @@
 """Inner spheres: few balls inside a convex shape that leave little room beside them.
 
-Whatever enters the shape by more than its gap, the distance from its surface to the nearest ball,
-meets a ball. So each next ball is the one that lowers the squares of the gaps most, and then each
-moves to where they are lowest.
+An object that enters the shape by more than the gap, the distance from a point of the surface to
+the nearest ball, meets a ball. So each next ball is the one that lowers the squares of the gaps
+most, and then each moves to where they are lowest.
 """
 
 from typing import Any
@@ -16,19 +16,19 @@ from planning.kernel.coverings.solid import Solid
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 _MOST_BALLS = 8
-# Smaller ones than this share of the largest are not worth a test.
+# Balls smaller than this share of the largest are not worth a test.
 _LEAST_SHARE = 0.05
-# What one more ball must gain.
+# Least gain of one more ball.
 _GAIN = 0.005
 # Lengths of steps, over half the spacing of the choices.
 _SHRINKING = 0.6 ** np.arange(5)
 _STENCIL = directions(18)
-# Faces of hulls are known to this share of the shape's size.
+# Accuracy of the faces of hulls, as a share of the shape's size.
 _DUST = 3e-7
 
 
 def inner_spheres(solid: Solid, choices: BallChoices) -> Float64[np.ndarray, "n 4"]:
-    """Return balls as rows (x, y, z, r), the most telling first; each lies inside."""
+    """Return balls as rows (x, y, z, r), in decreasing order of benefit; each lies inside."""
     surface = choices.points[: choices.num_surface]
     dust = _DUST * float((solid.high - solid.low).max())
     usable = choices.depths > max(dust, _LEAST_SHARE * float(choices.depths.max()))

@@ -1,4 +1,4 @@
-"""OuterPolytope: a polytope of not many faces around a convex shape, and close to it."""
+"""OuterPolytope: a polytope of few faces around a convex shape, and close to it."""
 
 from dataclasses import dataclass
 
@@ -8,16 +8,16 @@ from jaxtyping import Float64
 from planning.kernel.coverings.convex_polytope import ConvexPolytope
 from planning.kernel.coverings.solid import Solid
 
-# How far its corners may lie outside the shape: a share of its width, and at least so much [m].
+# Largest distance of its corners from the shape: a share of its width, and at least this [m].
 _SHARE, _LEAST = 0.008, 3e-4
-# How many faces it may have: around a hull, and around what is round everywhere.
+# Largest number of faces: around a hull, and around shapes without flat faces.
 _MOST_FACES, _FEW_FACES = 100, 48
 _CUTS_PER_LOOK = 12
 
 
 @dataclass(frozen=True)
 class OuterPolytope:
-    """A polytope that contains a shape.
+    """Polytope that contains a shape.
 
     Attributes:
         piece: Its corners.
@@ -32,8 +32,8 @@ class OuterPolytope:
     def of(cls, solid: Solid) -> "OuterPolytope":
         """Cut corners off the bounding box by tangent planes, the farthest ones first.
 
-        All planes are moved outwards by dust: corners that lie on a plane but for rounding, as many
-        do in symmetric shapes, are then below it.
+        All planes are moved outwards by a rounding margin: corners that lie on a plane but for
+        rounding, as many do in symmetric shapes, are then below it.
         """
         low, high = solid.low - solid.dust, solid.high + solid.dust
         piece = ConvexPolytope.box(low, high)

@@ -1,10 +1,10 @@
 """Outer spheres: few balls that contain a convex shape and reach little beyond it.
 
 A ball of radius r about a point of depth d (its distance from the surface) reaches r - d beyond a
-convex shape: shrunk about that point by d / r it lies inside. A polytope around the shape is shared
-out among balls, and each moves to where its ball about its own share reaches least, again and
-again: Lloyd's rounds, for the farthest reach instead of the mean square. The shares leave nothing
-out, so the balls contain the shape, wherever they began.
+convex shape: shrunk about that point by d / r it lies inside. A polytope around the shape is
+partitioned among balls (power cells), and each centre moves to where the ball about its own cell
+reaches least, again and again: Lloyd's algorithm, for the farthest reach instead of the mean
+square. The cells cover the polytope, so the balls contain the shape from any initial centres.
 """
 
 from typing import Any
@@ -22,17 +22,17 @@ from planning.kernel.shape import ShapeKind
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
-# How far balls may reach: a share of the shape's width between two bounds [m].
+# Permitted reach of the balls: a share of the shape's width between two bounds [m].
 _SHARE, _LEAST, _MOST = 0.04, 0.005, 0.010
-# With more balls that reach less far, checks take longer: what few balls leave open is settled
-# exactly, and quickly.
+# With more balls that reach less far, checks take longer: cases that few balls leave undecided are
+# checked exactly, and quickly.
 _MOST_BALLS = 8
 _LEAST_ROUNDS, _ROUNDS = 2, 4
-# What a round beyond the least must gain, or it is the last one.
+# Least gain of a round beyond the minimum number; with less it is the last one.
 _GAIN = 0.005
 _STEPS = 8
 _STENCIL = directions(18)
-# Of two centres that are nearer than this share of the shape's size, one goes.
+# If two centres are nearer than this share of the shape's size, one is removed.
 _CLOSEST = 1e-4
 
 
@@ -73,7 +73,7 @@ def _apart(centers: Array, closest: float) -> Float64[np.ndarray, "n 3"]:
 
 
 def _needed(balls: Array, shares: Array) -> Float64[np.ndarray, "n 4"]:
-    """Return the balls, largest first, without those whose shares larger ones hold as well."""
+    """Return the balls, largest first, without those whose cells are inside larger balls."""
     balls = balls[np.argsort(-balls[:, 3], kind="stable")]
     everywhere = np.repeat(balls[None, :, :3], len(shares), axis=0)
     held = _radii(shares, everywhere) <= balls[:, 3]
@@ -87,17 +87,17 @@ def _stacked(cells: list[Array]) -> Float64[np.ndarray, "n k 3"]:
 
 
 def _radii(shares: Array, centers: Array) -> Array:
-    """Return the radii of balls about centers (n, m, 3) that hold their shares (n, k, 3)."""
+    """Return the radii of balls about centers (n, m, 3) that contain their cells (n, k, 3)."""
     square = (centers**2).sum(axis=2)[:, :, None] + (shares**2).sum(axis=2)[:, None]
     square -= 2 * np.einsum("nmi,nki->nmk", centers, shares)
     return np.sqrt(np.maximum(square, 0.0).max(axis=2))
 
 
 def _moved(solid: Solid, shares: Array, centers: Array, step: float) -> Array:
-    """Return centers from which the balls that hold their shares reach least.
+    """Return the centers of least reach for the balls that contain their cells.
 
     The reach is convex, a farthest distance less a concave depth: a search by ever smaller steps in
-    all directions does not get caught far off.
+    all directions ends near the minimum.
     """
     steps = np.full(len(centers), step)
     rows = np.arange(len(centers))

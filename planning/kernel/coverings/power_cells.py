@@ -1,7 +1,7 @@
-"""Power cells: a polytope shared out among balls.
+"""Power cells (power diagram): partition of a polytope among balls.
 
-A point belongs to the ball of least power |x - c|^2 - r^2. The cells are convex and leave nothing
-out, whatever the balls are: so balls that are then made large enough, each for the corners of its
+A point belongs to the ball of least power |x - c|^2 - r^2. The cells are convex and cover the
+polytope for any balls: so balls that are then made large enough, each for the corners of its
 own cell, contain the polytope (Aurenhammer, "Power diagrams", 1987).
 """
 
@@ -14,19 +14,19 @@ from planning.kernel.coverings.convex_polytope import ConvexPolytope
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
-# Larger than every number of a face of the polytope itself.
+# Larger than every face index of the polytope itself.
 _FIRST_FACE = 10_000
 
 
 def power_cells(
     piece: ConvexPolytope, balls: Float64[np.ndarray, "n 4"], dust: float
 ) -> list[Array]:
-    """Return the corners of every ball's cell; none if it has no share.
+    """Return the corners of every ball's cell; none if its cell is empty.
 
     Args:
-        piece: What is shared out.
+        piece: The polytope.
         balls: As rows (x, y, z, r); their centres differ by far more than `dust`.
-        dust: How far each cell reaches into its neighbours, for rounding [m].
+        dust: Rounding margin by which each cell reaches into its neighbours [m].
     """
     middle = piece.corners.mean(axis=0)
     centers = balls[:, :3] - middle

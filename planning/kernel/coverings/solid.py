@@ -1,4 +1,4 @@
-"""Solid: what coverings ask of a convex shape."""
+"""Solid: depth, tangent planes and extents of a bounded convex shape, for coverings."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -17,7 +17,7 @@ _HALVINGS = 20
 
 @dataclass(frozen=True)
 class Solid:
-    """A convex shape that ends on every side."""
+    """Bounded convex shape."""
 
     shape: ConvexShape
 
@@ -26,7 +26,7 @@ class Solid:
         """Return the solid of a shape.
 
         Raises:
-            ModelInvalid: A half space is none.
+            ModelInvalid: A half space is unbounded.
         """
         if shape.kind is ShapeKind.HALF_SPACE:
             reason = f"a {shape.kind} has no end on one side, so no spheres cover it"
@@ -35,26 +35,26 @@ class Solid:
 
     @cached_property
     def low(self) -> Float64[np.ndarray, " 3"]:
-        """The least coordinates."""
+        """Least coordinates [m], shape (3,)."""
         return self.shape.vertices.min(axis=0) if self._is_hull else -self._half
 
     @cached_property
     def high(self) -> Float64[np.ndarray, " 3"]:
-        """The greatest coordinates."""
+        """Greatest coordinates [m], shape (3,)."""
         return self.shape.vertices.max(axis=0) if self._is_hull else self._half
 
     @property
     def width(self) -> float:
-        """The least extent along its axes [m]."""
+        """Least extent along its axes [m]."""
         return float((self.high - self.low).min())
 
     @property
     def dust(self) -> float:
-        """More than rounding can do to lengths that are computed from the shape's own [m]."""
+        """Rounding margin [m]: larger than rounding errors of lengths computed from the shape's."""
         return 1e-9 * float(np.abs([self.low, self.high]).max())
 
     def depth(self, points: Float64[np.ndarray, "n 3"]) -> Float64[np.ndarray, " n"]:
-        """Return how far points are from the surface [m], or less; negative outside."""
+        """Return the distance of points from the surface [m], or less; negative outside."""
         size = self.shape.size
         match self.shape.kind:
             case ShapeKind.BOX:

@@ -1,1 +1,1 @@
-"""Distances and collisions of a loaded scene, and the margins that are demanded."""
+"""Collision checks, distance queries and margins of a loaded scene."""

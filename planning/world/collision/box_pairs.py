@@ -1,4 +1,4 @@
-"""Distances of pairs of boxes, which Drake 1.58 overstates now and then (docs/decisions/0006)."""
+"""Box pairs: exact distances of boxes, which Drake 1.58 overstates (docs/decisions/0006)."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -18,15 +18,15 @@ type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 @dataclass(frozen=True)
 class BoxPairs:
-    """All pairs of boxes of a model that may collide; holds no reference to the model.
+    """Pairs of boxes of a model that may collide; holds no reference to the model.
 
     Attributes:
-        ids: Drake's names of both.
+        ids: Drake's ids of both.
         bodies: Full names of their bodies.
         boxes: Every box that is in a pair.
-        rows: Both boxes' places in `boxes`, shape (n, 2).
+        rows: Rows of both boxes in `boxes`, shape (n, 2).
         halves: Half sizes of `boxes` [m].
-        index: Row by Drake's names, in either order.
+        index: Row by Drake's ids, in either order.
     """
 
     ids: tuple[tuple[GeometryId, GeometryId], ...]
@@ -41,12 +41,12 @@ class BoxPairs:
     ) -> dict[int, tuple[float, Array]]:
         """Return distance and nearest points of the pairs that are at most `reach` apart [m].
 
-        Distances of boxes that overlap are negative, or zero if they touch; their points mean
-        nothing.
+        Distances of boxes that overlap are negative, or zero if they touch; their points are
+        undefined.
 
         Args:
-            query: Drake's query object, with the model where it shall be.
-            reach: One distance, or one a pair.
+            query: Drake's query object, at the model's present state.
+            reach: Largest distance [m], one for all pairs or one a pair.
         """
         if not self.ids:
             return {}
@@ -62,7 +62,7 @@ class BoxPairs:
         return {int(near[i]): (float(distances[i]), points[i]) for i in kept}
 
     def _gaps(self, poses: Array, a: Any, b: Any) -> Array:
-        """Return how far boxes b are from the balls around boxes a at least [m]."""
+        """Return lower bounds on the distances of boxes b from the balls around boxes a [m]."""
         away = poses[a, :3, 3] - poses[b, :3, 3]
         local = np.einsum("nji,nj->ni", poses[b, :3, :3], away)
         beyond = np.maximum(np.abs(local) - self.halves[b], 0.0)
@@ -92,7 +92,7 @@ _read: WeakKeyDictionary[RobotDiagram, BoxPairs] = WeakKeyDictionary()
 
 
 def box_pairs_of(model: DrakeModel) -> BoxPairs:
-    """Return the model's pairs of boxes, reading them the first time only."""
+    """Return the model's pairs of boxes, cached by model."""
     found = _read.get(model.diagram)
     if found is None:
         found = _read[model.diagram] = _pairs(model)

@@ -1,4 +1,4 @@
-"""Collision verdicts on configurations, by Drake's exact geometry."""
+"""Collision checks and distance queries on configurations, by Drake's exact geometry."""
 
 from collections.abc import Callable, Iterator
 from itertools import chain, combinations
@@ -22,18 +22,18 @@ from planning.world.collision.near_static import NearStatic
 from planning.world.collision.shape_pairs import candidates_of
 from planning.world.drake_model import DrakeModel
 
-# Of more pairs than these the nearest one is looked for nearby first [m]: looking far takes longer.
+# With more pairs than this the nearest one is searched nearby first [m]: a far search takes longer.
 _MANY = 10_000
 _HORIZONS = (0.01, 0.1, 0.5)
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
-# A distance that is measured again, among others, differs by less [m].
+# Largest difference between two measurements of one distance [m].
 _SAME = 1e-9
 
 
 class DrakeCollisionOracle:
-    """Says whether configurations of a group keep their distances; one context, one thread."""
+    """Collision checker of a group, with margins, by Drake; one context, one thread."""
 
     def __init__(
         self,
@@ -43,7 +43,7 @@ class DrakeCollisionOracle:
         margins: PairMargins,
         bare: Callable[[], SceneGraphCollisionChecker] | None = None,
     ) -> None:
-        """Demand `margins` of every pair of bodies; `bare` makes the model's checker."""
+        """Check every pair against `margins`; `bare` makes the model's checker."""
         self._model = model
         self._manifold = Manifold.of(group.joints)
         self._checker: Any = bare().Clone() if bare else make_collision_checker(model)
@@ -55,7 +55,7 @@ class DrakeCollisionOracle:
         self._indices = model.position_indices(group)
 
     def is_free(self, q: Float64[np.ndarray, " nq"]) -> bool:
-        """Return whether the group at q, shape (nq,), keeps its distances."""
+        """Return whether all pairs keep their margins with the group at q, shape (nq,)."""
         self._full[self._indices] = q
         self._model.follow(self._full)
         free = bool(self._checker.CheckConfigCollisionFree(self._full))
@@ -73,7 +73,7 @@ class DrakeCollisionOracle:
         return free
 
     def _is_kept(self, full: Array) -> bool:
-        """Return whether the pairs that Drake's checker does not decide keep their distances."""
+        """Return whether the pairs outside of Drake's checker keep their margins."""
         if not self._measured.are_kept(full):
             return False
         return self._standing is None or self._standing.keeps_standing(full)
@@ -100,12 +100,12 @@ class DrakeCollisionOracle:
 
 
 class DistanceProbe:
-    """Measures signed distances of pairs of bodies; one context, one thread."""
+    """Signed distance queries of pairs of bodies; one context, one thread."""
 
     def __init__(
         self, model: DrakeModel, margins: PairMargins, near: NearStatic | None = None
     ) -> None:
-        """Use a context of the model, or make one, which takes longer than a query."""
+        """Use a given context of the model, or make one, which takes longer than a query."""
         self._model = model
         self._margins = margins
         self._near = near or NearStatic(model)
@@ -124,8 +124,8 @@ class DistanceProbe:
         One entry per pair of bodies: that of its two nearest geometries.
 
         Args:
-            full: Where the plant is.
-            distance: How far to look [m].
+            full: Full configuration of the plant.
+            distance: Largest distance [m].
             exactly: Whether no distance may be larger than the true one: Drake's of round shapes
                 are, by up to 0.1 mm. That takes longer.
         """
@@ -140,15 +140,15 @@ class DistanceProbe:
     def geometries_within(
         self, full: Float64[np.ndarray, " num_positions"], distance: float
     ) -> list[tuple[tuple[Any, Any], tuple[str, str], float]]:
-        """Return Drake's ids, the bodies and the distance of geometries at most so far apart."""
+        """Return Drake's ids, bodies and distance of geometries at most `distance` apart [m]."""
         return [(ids, bodies, length) for ids, bodies, length, _ in self._measured(full, distance)]
 
     def nearest_within(
         self, full: Float64[np.ndarray, " num_positions"], horizon: float, least: float = 0.0
     ) -> tuple[BodyPair, ...]:
-        """Return the nearest pair within a horizon [m], and all that are as near as `least` [m].
+        """Return the nearest pair within a horizon [m], and all pairs as near as `least` [m].
 
-        No distance is larger than the true one. Drake's may be, and say how far to look for true
+        No distance is larger than the true one. Drake's may be; they bound the search for true
         ones, which take longer.
         """
         met: tuple[BodyPair, ...] = ()
@@ -160,7 +160,7 @@ class DistanceProbe:
         return self.pairs_within(full, reach, exactly=True)
 
     def _reaches(self, full: Array, least: float, horizon: float) -> Iterator[float]:
-        """Yield how far to look [m], from near to far where there are many pairs."""
+        """Yield query distances [m], from near to far where there are many pairs."""
         if len(candidates_of(self._model).rows) > _MANY:
             yield from (max(least, reach) for reach in _HORIZONS if reach < horizon)
         self._near.go_to(full)
@@ -172,7 +172,7 @@ class DistanceProbe:
         return tuple(pair for pair in found if pair.distance < self._margins.of(*pair.bodies))
 
     def keeps_standing(self, full: Float64[np.ndarray, " num_positions"]) -> bool:
-        """Return whether everything keeps its distance from what stands outside of the model."""
+        """Return whether all pairs with objects outside of the model keep their margins."""
         standing, reach = self._model.standing.rows, max(self._margins.largest, 1e-9)
         return all(
             length > self._margins.of(*bodies)
@@ -183,9 +183,10 @@ class DistanceProbe:
     def _measured(
         self, full: Array, distance: float, *, exactly: bool = False
     ) -> Iterator[tuple[tuple[Any, Any], tuple[str, str], float, Array]]:
-        """Yield ids, bodies, distance and nearest points of all geometries at most so far apart.
+        """Yield ids, bodies, distance and nearest points of the geometries within `distance` [m].
 
-        Pairs that are ours are measured here; that boxes overlap Drake knows.
+        Pairs that Drake does not measure exactly are measured here; the overlap of boxes is
+        Drake's.
         """
         self._near.go_to(full)
         for rows, is_first in self._near.shown_within(distance):
@@ -194,7 +195,7 @@ class DistanceProbe:
     def _measured_here(
         self, rows: list[int], distance: float, *, is_first: bool, exactly: bool
     ) -> Iterator[tuple[tuple[Any, Any], tuple[str, str], float, Array]]:
-        """Yield the same of what stands in some rows, and at first of the model by itself."""
+        """Yield the same for the objects in some rows, and at first for the model's own pairs."""
         query, near, chosen = self._near.query, self._near, set(rows)
         overlapping: set[tuple[Any, Any]] = set()
         reach = farther(distance) if exactly else distance
@@ -221,7 +222,7 @@ class DistanceProbe:
 def make_collision_checker(model: DrakeModel) -> SceneGraphCollisionChecker:
     """Return Drake's checker of a model, without margins.
 
-    Making one takes longer than many a plan; copying it does not.
+    Making one takes longer than many plans; copying it does not.
     """
     plant = model.plant
     movers = [plant.get_joint(index).child_body() for index in model.joint_indices.values()]
@@ -231,7 +232,7 @@ def make_collision_checker(model: DrakeModel) -> SceneGraphCollisionChecker:
 
 
 def distance_checker(model: DrakeModel, robots: list[Any]) -> SceneGraphCollisionChecker:
-    """Return Drake's checker of model instances; pairs with half spaces are left to us."""
+    """Return Drake's checker of model instances; pairs with half spaces are measured elsewhere."""
     checker = SceneGraphCollisionChecker(
         CollisionCheckerParams(
             model=model.diagram,
@@ -250,7 +251,7 @@ def distance_checker(model: DrakeModel, robots: list[Any]) -> SceneGraphCollisio
 
 
 def _apply_margins(checker: Any, model: DrakeModel, margins: PairMargins) -> None:
-    """Tell Drake's checker the margin of every pair of bodies as its padding."""
+    """Set the margin of every pair of bodies as padding of Drake's checker."""
     named = [
         (int(index), name, checker.IsPartOfRobot(index)) for index, name in model.body_names.items()
     ]

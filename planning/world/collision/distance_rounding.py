@@ -1,9 +1,9 @@
-"""Distances that are never larger than the true ones.
+"""True lengths: distances that are never larger than the true ones (lower bounds).
 
-Drake's of separate shapes are upper bounds: where a cylinder, a capsule or an ellipsoid is one of
-them they were seen to be up to 0.11 mm too large. A slab across the direction in which two shapes
-are nearest is a lower bound, and of shapes with corners it is the distance itself. Where it shows
-too little of the distance, our own search finds a better one.
+Drake's distances of separate shapes are upper bounds: with a cylinder, a capsule or an ellipsoid
+they were measured up to 0.11 mm too large. A slab across the direction in which two shapes
+are nearest is a lower bound, and of shapes with corners it is the distance itself. Where it is
+much smaller than the distance, our own GJK search finds a better one.
 """
 
 from typing import Any
@@ -18,14 +18,14 @@ from planning.kernel.shape_distance import distance_bounds, slab
 from planning.world.drake_model import DrakeModel
 from planning.world.kernel.convex_shapes import convex_shape
 
-# A slab that shows all but this share, and this much [m], of a distance is near enough.
+# Tolerance of a slab: this share of the distance, and this much [m].
 _SHARE, _LEAST = 1e-6, 1e-8
-# By how much Drake may overstate a distance: this share of it, and as much in metres.
+# Largest excess of Drake's distances: this share of the distance, plus as much in metres.
 _OVERSTATED = 1e-3
 
 
 def farther(distance: float) -> float:
-    """Return how far Drake must look to meet all that is truly so near [m]."""
+    """Return Drake's query distance that finds all pairs truly within `distance` [m]."""
     return distance * (1 + _OVERSTATED) + _OVERSTATED
 
 
@@ -34,21 +34,21 @@ _known: WeakKeyDictionary[RobotDiagram, dict[GeometryId, ConvexShape | None]] = 
 
 
 class TrueLengths:
-    """Distances of geometries, of a model or shown to a context of it (`NearStanding`)."""
+    """Lower bounds of the distances of geometries, of a model or registered (`NearStatic`)."""
 
     def __init__(self, model: DrakeModel) -> None:
-        """Prepare; shapes of the model are read when they are first needed, and once."""
+        """Prepare; each shape of the model is converted at its first use."""
         self._standing = model.standing
         self._shapes = _known.setdefault(model.diagram, {})
 
     def of(self, found: Any, query: Any) -> float:
         """Return the signed distance of two geometries, or a little less [m].
 
-        That is how deep they overlap, by Drake, if they do.
+        For shapes that overlap it is Drake's penetration depth, negative.
 
         Args:
-            found: What Drake says of them: not less than the true distance.
-            query: Drake's, with the model where it shall be.
+            found: Drake's result: not less than the true distance.
+            query: Drake's, at the model's present state.
         """
         length, ids = float(found.distance), (found.id_A, found.id_B)
         a, b = (self._shape(i, query) for i in ids)
@@ -59,7 +59,7 @@ class TrueLengths:
         shown = slab(shapes, poses, normal)
         if not shown >= length * (1 - _SHARE) - _LEAST:
             shown = distance_bounds(shapes, poses, normal).lower
-        # Of tiny shapes that overlap Drake may not know it.
+        # Drake may miss the overlap of tiny shapes.
         return min(shown, length)
 
     def _shape(self, geometry: GeometryId, query: Any) -> ConvexShape | None:

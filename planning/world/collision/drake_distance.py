@@ -1,10 +1,10 @@
-"""Distances of shapes as Drake tells them, and as our own search does where Drake fails.
+"""Drake's signed distances of shapes, with our own GJK search where Drake fails.
 
-FCL, on which Drake stands, ends some questions about curved shapes with an exception: of an
+FCL, on which Drake is built, fails on some queries about curved shapes with an exception: of an
 ellipsoid and a capsule that touch, a hundred metres large, it finds that a distance that is zero
-but for rounding should have been seen before (`validateNearestFeatureOfPolytopeBeingEdge`). One
-such pair ends the question about all pairs. So then each is asked for by itself, and those that
-fail are searched for here.
+but for rounding should have been found before (`validateNearestFeatureOfPolytopeBeingEdge`). One
+such pair ends the query about all pairs. Then each pair is queried by itself, and those that
+fail are searched here.
 """
 
 from typing import Any
@@ -25,7 +25,7 @@ def distance_of(query: Any, a: GeometryId, b: GeometryId) -> SignedDistancePair:
     """Return the signed distance of two shapes, neither a half space, with nearest points.
 
     Args:
-        query: Drake's, with the model where it shall be.
+        query: Drake's, at the model's present state.
         a: Shape A.
         b: Shape B.
     """
@@ -36,7 +36,7 @@ def distance_of(query: Any, a: GeometryId, b: GeometryId) -> SignedDistancePair:
 
 
 def distances_within(query: Any, reach: float) -> list[SignedDistancePair]:
-    """Return the same of all pairs that no filter leaves out, at most `reach` apart [m]."""
+    """Return the same for all unfiltered pairs at most `reach` apart [m]."""
     try:
         return list(query.ComputeSignedDistancePairwiseClosestPoints(reach))
     except RuntimeError:
@@ -55,7 +55,8 @@ def _searched(query: Any, a: GeometryId, b: GeometryId) -> SignedDistancePair:
         lambda n: _ahead(first, x_a, n), lambda n: _ahead(second, x_b, n), x_a[:3, 3] - x_b[:3, 3]
     )
     p_a, p_b = (x[:3, :3].T @ (end - x[:3, 3]) for x, end in zip((x_a, x_b), ends, strict=True))
-    # Of shapes that overlap the lower bound is how far they must go along its direction to part.
+    # For shapes that overlap, the lower bound is minus the translation along its direction that
+    # separates them.
     distance = found.upper if found.upper > 0 else min(found.lower, 0.0)
     return SignedDistancePair(
         id_A=a, id_B=b, distance=distance, p_ACa=p_a, p_BCb=p_b, nhat_BA_W=found.direction
@@ -63,5 +64,5 @@ def _searched(query: Any, a: GeometryId, b: GeometryId) -> SignedDistancePair:
 
 
 def _ahead(shape: ConvexShape, x_wg: Array, n: Array) -> Array:
-    """Return the point of a shape that lies farthest along n, in world."""
+    """Return the point of a shape that lies farthest along n, in world (support function)."""
     return x_wg[:3, 3] + x_wg[:3, :3] @ farthest_point(shape, n @ x_wg[:3, :3])

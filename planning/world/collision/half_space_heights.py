@@ -1,9 +1,9 @@
-"""How heights over half spaces change with the plant's positions.
+"""Gradients of heights over half spaces by the plant's positions.
 
 The height of a shape's lowest point x over a half space with normal n is n . (x - p), and so is its
 rate with n fixed in the half space: n . (v - v'), v being the velocity of the shape's point at x
-and v' that of the half space's at the same place. That the lowest point is another one a little
-later adds nothing to first order.
+and v' that of the half space's at the same place. That the lowest point changes
+adds nothing to first order.
 """
 
 from typing import Any
@@ -20,7 +20,7 @@ type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 
 class HalfSpaceHeights:
-    """Heights and their gradients, in a context of its own."""
+    """Heights over half spaces and their gradients, in a context of its own."""
 
     def __init__(self, model: DrakeModel) -> None:
         """Prepare for all pairs with a half space that may collide."""
@@ -35,7 +35,7 @@ class HalfSpaceHeights:
     ) -> tuple[
         Int[np.ndarray, " m"], Float64[np.ndarray, " m"], Float64[np.ndarray, "m num_positions"]
     ]:
-        """Return rows of pairs at most `reach` high [m], their heights, and the gradients by q.
+        """Return the rows of pairs at most `reach` high [m], their heights, and gradients by q.
 
         Two half spaces have no gradient, and are left out.
         """
@@ -61,7 +61,7 @@ class HalfSpaceHeights:
         return up @ (self._rate(other, lowest) - self._rate(ground, lowest))
 
     def _rate(self, geometry: GeometryId, point: Array) -> Array:
-        """Return how a body's point that is at p_WP now moves with q, shape (3, num_positions)."""
+        """Return the Jacobian of a body's point that is at p_WP now, shape (3, num_positions)."""
         plant: Any = self._model.plant
         frame = plant.GetBodyFromFrameId(self._inspector.GetFrameId(geometry)).body_frame()
         at = frame.CalcPoseInWorld(self._plant_context).inverse().multiply(point)

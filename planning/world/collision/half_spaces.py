@@ -1,7 +1,7 @@
-"""Heights over half spaces: Drake measures no signed distance between them and most shapes.
+"""Half-space pairs: exact heights of convex shapes over half spaces, which Drake does not measure.
 
 The distance of a convex shape from a half space is the height of its lowest point, negative below
-the plane; that is exact, whatever the shape. Two half spaces overlap without end.
+the plane; that is exact for every shape. Two half spaces overlap without bound.
 """
 
 from collections.abc import Iterator
@@ -34,13 +34,13 @@ type Ids = tuple[GeometryId, GeometryId]
 
 @dataclass(frozen=True)
 class HalfSpacePairs:
-    """All pairs of a model that have a half space and may collide; no reference to the model.
+    """Pairs of a model with a half space that may collide; holds no reference to the model.
 
     Attributes:
-        ids: Drake's names of both.
+        ids: Drake's ids of both.
         bodies: Full names of their bodies.
         shapes: Both shapes of every pair.
-        index: Row by Drake's names, in either order.
+        index: Row by Drake's ids, in either order.
     """
 
     ids: tuple[Ids, ...]
@@ -54,8 +54,8 @@ class HalfSpacePairs:
         """Yield row, signed distance and nearest points of pairs at most `reach` apart [m].
 
         Args:
-            query: Drake's query object, with the model where it shall be.
-            reach: One distance, or one a pair.
+            query: Drake's query object, at the model's present state.
+            reach: Largest distance [m], one for all pairs or one a pair.
         """
         reaches = np.broadcast_to(reach, len(self.ids))
         for row, (ids, shapes) in enumerate(zip(self.ids, self.shapes, strict=True)):
@@ -92,7 +92,7 @@ _read: WeakKeyDictionary[RobotDiagram, HalfSpacePairs] = WeakKeyDictionary()
 
 
 def half_space_pairs_of(model: DrakeModel) -> HalfSpacePairs:
-    """Return the model's pairs that have a half space, reading them the first time only.
+    """Return the model's pairs with a half space, cached by model.
 
     Raises:
         ModelInvalid: A shape in such a pair is of a kind that cannot be measured.
@@ -109,7 +109,7 @@ def has_half_space(inspector: Any, pair: Ids) -> bool:
 
 
 def has_half_space_that_moves(model: DrakeModel) -> bool:
-    """Return whether a body of the model that moves has a half space."""
+    """Return whether a half space is fixed to a body of the model that moves."""
     plant, inspector = model.plant, model.scene_graph.model_inspector()
     fixed = {int(body.index()) for body in plant.GetBodiesWeldedTo(plant.world_body())}
     return any(
@@ -121,10 +121,10 @@ def has_half_space_that_moves(model: DrakeModel) -> bool:
 
 
 def measurable(inspector: Any, geometry: GeometryId) -> ConvexShape:
-    """Return a geometry's shape as one that can be held over a half space.
+    """Return a geometry's shape as one whose height over a half space can be computed.
 
     Raises:
-        ModelInvalid: It is of a kind that cannot be.
+        ModelInvalid: It is of another kind.
     """
     shape = inspector.GetShape(geometry)
     known = convex_shape(shape)
@@ -135,7 +135,7 @@ def measurable(inspector: Any, geometry: GeometryId) -> ConvexShape:
 
 
 def leave_out_half_spaces(scene_graph: SceneGraph, context: Any) -> None:
-    """Keep Drake from measuring what it cannot, in one scene graph context and nowhere else."""
+    """Filter half spaces from Drake's distance queries, in one scene graph context only."""
     inspector: Any = scene_graph.model_inspector()
     every = list(inspector.GetAllGeometryIds(Role.kProximity))
     flat = [i for i in every if isinstance(inspector.GetShape(i), HalfSpace)]

@@ -1,4 +1,4 @@
-"""PairMargins: the distance that is demanded of two bodies."""
+"""PairMargins: collision margin of every pair of bodies [m], the scene's with its exceptions."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -8,22 +8,22 @@ from jaxtyping import Int
 
 from planning.domain.value import Value
 
-# A margin that any two bodies keep, wherever they are [m].
+# Margin that any two bodies keep in any configuration [m].
 _GONE = -1e3
 
 
 @dataclass(frozen=True, eq=False)
 class PairMargins(Value):
-    """The scene's margin with its exceptions.
+    """Collision margins by pair of bodies.
 
-    The bodies of one robot owe each other no margin, only that they do not touch: neighbouring
-    links are often nearer than any useful margin, whatever the configuration. What a robot holds
-    counts as a body of it.
+    The bodies of one robot have no margin, they only must not touch: neighbouring
+    links are often nearer than any useful margin, at every configuration. An attached object
+    counts as a body of its robot.
 
     Attributes:
         default: Distance between bodies of different robots and objects [m].
         by_pair: Exceptions, keyed by the two full names in sorted order.
-        owners: The robot that holds an object, by the object's name.
+        owners: The robot of each attached object, by the object's name.
     """
 
     default: float
@@ -39,17 +39,17 @@ class PairMargins(Value):
         return 0.0 if self.are_of_one_robot(body_a, body_b) else self.default
 
     def without(self, body: str, others: Iterable[str]) -> "PairMargins":
-        """Return margins under which a body is not there: it may be in any of the others."""
+        """Return margins under which a body is ignored: it may overlap any of the others."""
         gone = {(min(body, other), max(body, other)): _GONE for other in others if other != body}
         return replace(self, by_pair={**self.by_pair, **gone})
 
     def are_of_one_robot(self, body_a: str, body_b: str) -> bool:
-        """Return whether two bodies are parts of one robot, or held by it."""
+        """Return whether two bodies are parts of one robot, or attached to it."""
         robot_a, robot_b = self._robot(body_a), self._robot(body_b)
         return robot_a is not None and robot_a == robot_b
 
     def robots_of(self, bodies: Sequence[str]) -> Int[np.ndarray, " n"]:
-        """Return a number for the robot of each body, by full names; -1 for that of none."""
+        """Return the index of each body's robot, by full names; -1 for bodies of no robot."""
         numbers: dict[str, int] = {}
         robots = [self._robot(body) for body in bodies]
         return np.array(

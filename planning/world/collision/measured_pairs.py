@@ -1,4 +1,4 @@
-"""Pairs whose distances are ours and not Drake's: of boxes, and with half spaces.
+"""Measured pairs: box and half-space pairs, whose distances are computed here and not by Drake.
 
 Of separate boxes Drake 1.58 overstates distances now and then (docs/decisions/0006), and it
 measures none of half spaces (docs/decisions/0032).
@@ -23,10 +23,10 @@ type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 @dataclass(frozen=True)
 class Distance:
-    """What was measured of one pair.
+    """Signed distance of one pair of geometries, with nearest points.
 
     Attributes:
-        ids: Drake's names of both geometries.
+        ids: Drake's ids of both geometries.
         bodies: Full names of their bodies.
         length: The signed distance [m].
         points: p_WA and p_WB of the nearest points [m], shape (2, 3).
@@ -40,17 +40,17 @@ class Distance:
 
 @dataclass(frozen=True)
 class MeasuredPairs:
-    """All pairs of a model that are measured here; holds no reference to the model."""
+    """Pairs of a model that are measured here; holds no reference to the model."""
 
     boxes: BoxPairs
     half_spaces: HalfSpacePairs
 
     def is_for_drake(self, ids: tuple[GeometryId, GeometryId], distance: float) -> bool:
-        """Return whether a distance that Drake found [m] counts: how deep boxes overlap."""
+        """Return whether Drake's distance [m] is used: the penetration depth of boxes."""
         return distance <= 0 or ids not in self.boxes.index
 
     def within(self, query: Any, distance: float) -> Iterator[Distance]:
-        """Yield the pairs at most so far apart [m], with the model where `query` has it."""
+        """Yield the pairs at most `distance` apart [m], at the state of `query`."""
         boxes, flats = self.boxes, self.half_spaces
         for row, (length, points) in boxes.within(query, distance).items():
             yield Distance(boxes.ids[row], boxes.bodies[row], length, points)
@@ -68,14 +68,14 @@ def measured_pairs_of(model: DrakeModel) -> MeasuredPairs:
 
 
 class MeasuredMargins:
-    """Says whether these pairs keep their margins; one context, made when it is first needed.
+    """Margin check of the measured pairs; one context, made when it is first needed.
 
-    Where no margin is demanded of boxes there is nothing to say of them: whether two of them
-    overlap Drake knows. Of half spaces it knows nothing.
+    Boxes without a margin are not checked here: Drake decides whether two boxes
+    overlap. Half spaces are always checked here.
     """
 
     def __init__(self, model: DrakeModel, margins: PairMargins) -> None:
-        """Read what is demanded of every pair."""
+        """Read the margin of every pair."""
         self._model, self._pairs = model, measured_pairs_of(model)
         self._of_boxes, self._of_half_spaces = (
             np.array([margins.of(*pair) for pair in pairs.bodies], dtype=np.float64)
@@ -85,7 +85,7 @@ class MeasuredMargins:
         self.is_needed = self._has_box_margins or len(self._of_half_spaces) > 0
 
     def are_kept(self, full: Float64[np.ndarray, " num_positions"]) -> bool:
-        """Return whether the pairs are as far apart as demanded; to touch is not to be apart."""
+        """Return whether all pairs keep their margins; contact with a half space is a violation."""
         if not self.is_needed:
             return True
         self._model.plant.SetPositions(self._plant_context, full)

@@ -1,8 +1,8 @@
-"""NearStatic: a context of Drake's that is shown what stands near the robot, and no more.
+"""NearStatic: a Drake context with only those static objects registered that are near the robot.
 
-Every object that Drake is shown costs it a millisecond and a row of its table of pairs, so it is
-shown those whose balls are as near to a shape that moves as the question reaches. What it answers
-of a pair does not depend on what else it was shown.
+Every registered object costs Drake a millisecond and a row of its table of pairs, so only
+objects whose bounding balls are within the query distance of a moving shape are registered. The
+result for a pair does not depend on the other registered objects.
 """
 
 from collections.abc import Collection, Iterator, Sequence
@@ -26,19 +26,19 @@ type Array = np.ndarray[Any, np.dtype[np.float64]]
 type Indices = np.ndarray[Any, np.dtype[np.intp]]
 type Ids = tuple[GeometryId, GeometryId]
 
-# What one context is shown before a new one is made.
+# Number of registrations after which a new context is made.
 MOST_SHOWN = 96
 
 
 class NearStatic:
-    """A model's `measuring_context` and what it was shown; one thread.
+    """Context of a model (`measuring_context`) with its registered objects; one thread.
 
     Attributes:
-        plant_context: The plant's part of the present one.
+        plant_context: The plant's part of the present context.
     """
 
     def __init__(self, model: DrakeModel, context: Context | None = None) -> None:
-        """Make the context, which has all that Drake's model has, or use a given one of it."""
+        """Make the context, with the shapes of Drake's model, or use a given one of it."""
         self._model = model
         self._shown: set[int] = set()
         self._last_gaps: tuple[bytes, tuple[Array, Array]] | None = None
@@ -46,19 +46,19 @@ class NearStatic:
 
     @property
     def query(self) -> Any:
-        """Drake's query object, with the model where `go_to` has put it."""
+        """Drake's query object, at the configuration of `go_to`."""
         return self._model.scene_graph.get_query_output_port().Eval(self._query_context)
 
     def go_to(self, full: Float64[np.ndarray, " num_positions"]) -> None:
-        """Put the model somewhere."""
+        """Set the model's full configuration."""
         self._model.plant.SetPositions(self.plant_context, full)
 
     def shown_within(self, reach: float) -> Iterator[tuple[list[int], bool]]:
-        """Show what may be nearer than `reach` [m] to a shape that moves, some after others.
+        """Register the objects that may be within `reach` [m] of a moving shape, in batches.
 
         Yields:
-            Rows of `StandingObjects` that are shown now and were not in this call before, and
-            whether these are the first; at least once, and most often once.
+            Rows of `StaticObjects` registered now and not earlier in this call, and whether this is
+            the first batch; at least one batch, and most often one.
         """
         rows = self._rows_within(reach)
         if len(rows) <= MOST_SHOWN:
@@ -70,7 +70,7 @@ class NearStatic:
             yield list(some), i == 0
 
     def show(self, rows: Sequence[int]) -> None:
-        """Show Drake some objects, at most 96; those it knows already may stay."""
+        """Register some objects with Drake, at most 96; those already registered may stay."""
         new = [row for row in rows if row not in self._shown]
         if len(self._shown) + len(new) > MOST_SHOWN:
             full = self._model.plant.GetPositions(self.plant_context)
@@ -86,7 +86,7 @@ class NearStatic:
         self._shown.update(new)
 
     def show_ids(self, pairs: Sequence[Ids]) -> bool:
-        """Show the objects of some pairs, by our ids; return whether that were not too many."""
+        """Register the objects of some pairs, by our ids; return whether they were few enough."""
         row_of = self._model.standing.row_of
         rows = sorted({row_of[i] for pair in pairs for i in pair if i in row_of})
         self.show(rows[:MOST_SHOWN])
@@ -112,9 +112,9 @@ class NearStatic:
         return self._model.standing.drake_rows.get(geometry)
 
     def bodies(self, ids: Ids) -> tuple[str, str] | None:
-        """Return full names of the bodies of a pair; None if it is not to be looked at.
+        """Return full names of the bodies of a pair; None if the pair is not checked.
 
-        Either is a shape of the model or an object that was shown.
+        Each geometry is a shape of the model or a registered object.
         """
         rows = [self.row(i) for i in ids]
         if rows == [None, None]:
@@ -130,7 +130,7 @@ class NearStatic:
         return None if frozenset((a, b)) in self._model.standing.allowed else (a, b)
 
     def are_boxes(self, ids: Ids) -> bool:
-        """Return whether one is an object that was shown, and both are boxes."""
+        """Return whether both are boxes, at least one of them a registered object."""
         rows = [self.row(i) for i in ids]
         return rows != [None, None] and all(
             i in self._boxes
@@ -140,7 +140,7 @@ class NearStatic:
         )
 
     def boxes_within(self, rows: Sequence[int], reach: float) -> Iterator[Distance]:
-        """Yield pairs of boxes at most so far apart [m], one of them an object of these rows."""
+        """Yield pairs of boxes at most `reach` apart [m], one of them an object of these rows."""
         standing = self._model.standing
         boxes = [row for row in rows if isinstance(standing.drake_shapes[row], Box)]
         own = list(self._boxes)
@@ -160,14 +160,14 @@ class NearStatic:
                     yield Distance(ids, names, float(lengths[k]), points[k])
 
     def surely_within(self) -> float:
-        """Return a distance in which there is one of the objects at least [m]; infinite if none."""
+        """Return an upper bound on the distance to the nearest object [m]; infinite if none."""
         if not len(self._model.standing) or not self._moving:
             return float("inf")
         gaps, sizes = self._gaps()
         return float((gaps + sizes).min())
 
     def are_beyond(self, rows: Collection[int], reach: float) -> bool:
-        """Return whether objects surely are farther than `reach` [m] from all shapes that move."""
+        """Return whether objects certainly are farther than `reach` [m] from all moving shapes."""
         if not rows or not self._moving:
             return True
         return bool((self._gaps()[0][:, list(rows)] > reach).all())
@@ -178,7 +178,7 @@ class NearStatic:
         return np.flatnonzero(self._gaps()[0].min(axis=0) <= reach)
 
     def _gaps(self) -> tuple[Array, Array]:
-        """Return gaps of balls, shapes that move by objects, and twice the sums of radii [m]."""
+        """Return gaps of bounding balls, moving shapes by objects, and twice sums of radii [m]."""
         here = self._model.plant.GetPositions(self.plant_context).tobytes()
         if self._last_gaps is None or self._last_gaps[0] != here:
             self._last_gaps = here, self._gaps_here()
@@ -209,12 +209,12 @@ class NearStatic:
 
     @cached_property
     def _moving(self) -> dict[GeometryId, None]:
-        """Shapes of the model that can meet what stands, in order."""
+        """Shapes of the model that can collide with static objects, in order."""
         return dict.fromkeys(candidates_of(self._model).moving)
 
     @cached_property
     def _boxes(self) -> dict[GeometryId, Array]:
-        """Half sizes of those of them that are boxes."""
+        """Half sizes of the boxes among `_moving` [m]."""
         inspector = self._model.scene_graph.model_inspector()
         shapes = {i: inspector.GetShape(i) for i in self._moving}
         return {i: s.size() / 2 for i, s in shapes.items() if isinstance(s, Box)}

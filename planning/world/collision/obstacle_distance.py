@@ -1,4 +1,4 @@
-"""How far a robot is from what it is not."""
+"""Obstacle distance: smallest distance of a robot's bodies from all other bodies."""
 
 from collections.abc import Callable
 from typing import Any
@@ -10,15 +10,15 @@ from planning.world.world import World
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
-# What is farther away than this is as good as any distance [m].
+# Upper end of reported distances: farther obstacles count as this far [m].
 _FAR = 0.3
 
 
 def obstacle_distances(world: World, group: JointGroup) -> Callable[[Array], Array]:
-    """Return a function from rows of the group's q to distances [m], at most 0.3 m.
+    """Return a function from rows of the group's q to obstacle distances [m], at most 0.3 m.
 
-    Distances are those between bodies of the group's robot and all others; of the robot's bodies
-    among themselves none count, and nothing is computed before the function is first called.
+    Distances are those between bodies of the group's robot and all others; self-collision
+    pairs are excluded, and nothing is computed before the function is first called.
     """
     prefix = group.name.split("::")[0] + "::"
     margins = world.margins()

@@ -1,4 +1,4 @@
-"""How much more distance than demanded a search can afford to keep."""
+"""Search padding: clearance beyond the margin that a search can afford to keep."""
 
 from typing import Any
 
@@ -10,7 +10,7 @@ from planning.world.world import World
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
-# A path that keeps this much to spare is proven in a few distance queries [m].
+# A path with this clearance beyond its margins is proven in a few distance queries [m].
 SEARCH_PADDING = 0.001
 
 
@@ -21,7 +21,7 @@ def endpoint_padding(
     goals: Float64[np.ndarray, "n nq"],
     margin: float | None,
 ) -> float:
-    """Return a padding [m] that the start and at least one goal can keep, 0 if there is none."""
+    """Return a padding that the start and at least one goal can keep [m]; 0 if there is none."""
     for padding in (SEARCH_PADDING, SEARCH_PADDING / 4):
         oracle = world.collision_oracle(group, world.margins(margin, padding))
         if oracle.is_free(start) and bool(oracle.are_free(goals).any()):

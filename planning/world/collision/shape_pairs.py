@@ -1,4 +1,4 @@
-"""Pairs of collision shapes that may collide: those of Drake's model, and with what stands."""
+"""Collision pairs: pairs of shapes of Drake's model, and of static objects, that may collide."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -14,7 +14,7 @@ from planning.errors import SceneInvalid
 from planning.world.collision.static_objects import StaticObjects
 from planning.world.drake_model import DrakeModel
 
-# Pairs of a shape that moves and an object that stands, in all; a quarter of a gigabyte.
+# Largest number of pairs of a moving shape and a static object: a quarter of a gigabyte.
 MOST_PAIRS = 3_000_000
 
 type Ids = tuple[GeometryId, GeometryId]
@@ -22,14 +22,14 @@ type Ids = tuple[GeometryId, GeometryId]
 
 @dataclass(frozen=True)
 class Candidates:
-    """Every pair that no filter leaves out, in a fixed order; holds no reference to the model.
+    """Unfiltered pairs of collision shapes, in a fixed order; holds no reference to the model.
 
     Attributes:
         ids: All collision shapes, Drake's first, in the order in which they were made.
-        bodies: The index of each one's body; what stands outside of the plant is the world's.
-        names: The full name of each one's body.
+        bodies: Index of the body of each; objects outside of the plant have the world's.
+        names: Full name of the body of each.
         rows: Both shapes of every pair, as rows of `ids`, shape (n, 2), sorted.
-        num_of_drake: How many of `ids` Drake's model has.
+        num_of_drake: Number of `ids` in Drake's model.
     """
 
     ids: tuple[GeometryId, ...]
@@ -40,7 +40,7 @@ class Candidates:
 
     @cached_property
     def pairs(self) -> tuple[Ids, ...]:
-        """Drake's names of both shapes of every pair; ours of what stands outside."""
+        """Ids of both shapes of every pair: Drake's, and ours of objects outside of the model."""
         ids = self.ids
         return tuple([(ids[a], ids[b]) for a, b in self.rows.tolist()])
 
@@ -52,7 +52,7 @@ class Candidates:
 
     @cached_property
     def moving(self) -> tuple[GeometryId, ...]:
-        """Shapes of Drake's model that can meet what stands outside of it, in order."""
+        """Shapes of Drake's model that can collide with objects outside of it, in order."""
         first = self.rows[self.rows[:, 1] >= self.num_of_drake, 0]
         is_moving = np.zeros(len(self.ids), dtype=bool)
         is_moving[first] = True
@@ -65,7 +65,7 @@ class Candidates:
 
     @property
     def pairs_of_drake(self) -> list[Ids]:
-        """The pairs of which Drake's model has both shapes."""
+        """Pairs with both shapes in Drake's model."""
         rows = self.rows[(self.rows < self.num_of_drake).all(axis=1)]
         return [(self.ids[a], self.ids[b]) for a, b in rows.tolist()]
 
@@ -74,7 +74,7 @@ _found: WeakKeyDictionary[StaticObjects, Candidates] = WeakKeyDictionary()
 
 
 def candidates_of(model: DrakeModel) -> Candidates:
-    """Return the pairs of a model, reading them the first time only.
+    """Return the pairs of a model, cached by model.
 
     Raises:
         SceneInvalid: Too many objects meet too many shapes.
@@ -86,7 +86,7 @@ def candidates_of(model: DrakeModel) -> Candidates:
 
 
 def share_candidates(before: DrakeModel, after: DrakeModel) -> None:
-    """Let a model have the pairs of another one, whose objects stood elsewhere."""
+    """Copy the cached pairs of one model to another whose objects have moved."""
     _found[after.standing] = candidates_of(before)
 
 
@@ -96,7 +96,7 @@ def _candidates(model: DrakeModel) -> Candidates:
     ids: list[GeometryId] = sorted(inspector.GetAllGeometryIds(Role.kProximity))
     bodies = [plant.GetBodyFromFrameId(inspector.GetFrameId(i)).index() for i in ids]
     names = [model.body_names.get(i, plant.get_body(i).name()) for i in bodies]
-    # One by one: Drake's own list of pairs takes twenty times as long to hand over.
+    # One by one: Drake's own list of pairs takes twenty times as long to convert.
     is_filtered = inspector.CollisionFiltered
     of_drake = [
         (i, k)
@@ -118,7 +118,7 @@ def _candidates(model: DrakeModel) -> Candidates:
 
 
 def _with_standing(model: DrakeModel, bodies: list[BodyIndex], names: list[str]) -> Any:
-    """Return the rows of pairs of a shape that moves and one that stands outside of the plant."""
+    """Return the rows of pairs of a moving shape and an object outside of the plant."""
     plant, standing = model.plant, model.standing
     fixed = {int(body.index()) for body in plant.GetBodiesWeldedTo(plant.world_body())}
     moving = [row for row, body in enumerate(bodies) if int(body) not in fixed]

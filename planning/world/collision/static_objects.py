@@ -1,10 +1,10 @@
-"""StaticObjects: what stands in the world and is in tables of ours instead of Drake's model.
+"""StaticObjects: objects that stand in the world, in our own tables instead of Drake's model.
 
-A model of Drake's grows with the square of its bodies and of its collision shapes: SceneGraph keeps
-a table of all pairs of shapes, of those that can never move too, in the model and in every context.
-What stands in the world needs none of that. From a few dozen objects on it is kept here: the kernel
-has it whole, Drake is shown what is near when it is asked (`NearStanding`), and an object that is
-moved is a row that changes (docs/decisions/0034).
+A Drake model grows with the square of its bodies and of its collision shapes: SceneGraph keeps a
+table of all pairs of shapes, even of those that can never move, in the model and in every context.
+Static objects need none of that. From a few dozen objects on they are kept here: the kernel has all
+of them, Drake gets the near ones per query (`NearStatic`), and moving an object changes one row
+(docs/decisions/0034).
 """
 
 from collections.abc import Mapping, Sequence
@@ -31,15 +31,15 @@ type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 @dataclass(frozen=True, eq=False)
 class StaticObjects:
-    """Objects that Drake's model does not have; of most scenes none.
+    """Table of the objects outside of Drake's model; empty for most scenes.
 
     Attributes:
-        things: What the scene says of them, meshes as the copies of their files.
-        ids: A name each for pairs of shapes, as Drake's shapes have; larger than those.
-        drake_shapes: Their geometry, as Drake has it.
-        shapes: The same, as the kernel has it.
+        things: The scene's objects, meshes as the copies of their files.
+        ids: An id each for pairs of shapes; larger than all ids of Drake's shapes.
+        drake_shapes: Their geometry as Drake's shapes.
+        shapes: Their geometry as the kernel's shapes.
         poses: X_WO.
-        frames: X_WF of their frames, and of the scene's frames that hang on them.
+        frames: X_WF of their frames, and of the scene's frames below them.
         allowed: Pairs of bodies, one of them here, that may touch.
     """
 
@@ -52,35 +52,35 @@ class StaticObjects:
     allowed: frozenset[frozenset[str]] = frozenset()
 
     def __len__(self) -> int:
-        """Return how many there are."""
+        """Return the number of objects."""
         return len(self.things)
 
     @cached_property
     def rows(self) -> dict[str, int]:
-        """Row of each, by its name."""
+        """Row of each object by its name."""
         return {thing.name: row for row, thing in enumerate(self.things)}
 
     @cached_property
     def row_of(self) -> dict[GeometryId, int]:
-        """Row of each, by its id."""
+        """Row of each object by its id."""
         return {identifier: row for row, identifier in enumerate(self.ids)}
 
     @cached_property
     def meshes(self) -> tuple[int, ...]:
-        """Rows of those whose shape may be a file."""
+        """Rows of the objects whose shape may be a file."""
         return tuple(
             i for i, shape in enumerate(self.drake_shapes) if isinstance(shape, Mesh | Convex)
         )
 
     @cached_property
     def balls(self) -> tuple[Float64[np.ndarray, "n 3"], Float64[np.ndarray, " n"]]:
-        """Balls around them: centres in world, and radii [m]."""
+        """Bounding balls: centres in world, and radii [m]."""
         local = [shape.ball for shape in self.shapes]
         centers = [_at(x, p) for x, (p, _) in zip(self.poses, local, strict=True)]
         return np.array(centers).reshape(-1, 3), np.array([radius for _, radius in local])
 
     def make_ready(self) -> None:
-        """Work out now what the first edit or the first question would wait for."""
+        """Compute now what the first edit or the first query would wait for."""
         _ = self.balls, self.rows, self.row_of, self.meshes
 
     def moved(
@@ -89,16 +89,16 @@ class StaticObjects:
         poses: Mapping[int, RigidTransform],
         frames: Mapping[str, RigidTransform],
     ) -> "StaticObjects":
-        """Return the same objects with some of them elsewhere.
+        """Return the same objects with some of them moved.
 
         Args:
-            things: All of them, in the same order, as the scene says them now.
-            poses: X_WO of those that are elsewhere, by row.
-            frames: As `frames` has them.
+            things: All of them, in the same order, from the present scene.
+            poses: X_WO of the moved ones, by row.
+            frames: As the attribute `frames`.
         """
         placed = tuple(poses.get(row, x) for row, x in enumerate(self.poses))
         after = replace(self, things=tuple(things), poses=placed, frames=frames)
-        # What has not changed need not be worked out again.
+        # Reuse the cached properties that the move does not change.
         after.__dict__.update(row_of=self.row_of, rows=self.rows, meshes=self.meshes)
         centers, radii = self.balls
         centers = centers.copy()
@@ -108,7 +108,7 @@ class StaticObjects:
         return after
 
     def instance(self, row: int) -> GeometryInstance:
-        """Return an object as Drake takes it: with the same id of Drake's each time."""
+        """Return an object as Drake's geometry instance, with the same id each time."""
         found = self._instances.get(row)
         if found is None:
             found = GeometryInstance(self.poses[row], self.drake_shapes[row], f"standing_{row}")
@@ -119,7 +119,7 @@ class StaticObjects:
 
     @cached_property
     def drake_rows(self) -> dict[GeometryId, int]:
-        """Row by Drake's own id, of those that Drake was shown."""
+        """Row by Drake's id, of the objects that were registered with Drake."""
         return {}
 
     @cached_property
@@ -128,6 +128,6 @@ class StaticObjects:
 
 
 def _at(x: RigidTransform, p: Array) -> Array:
-    """Return a point in world; most are their frame's origin, which is known without a product."""
+    """Return a point in world; most are their frame's origin, which needs no product."""
     moved: Array = x.multiply(p) if p.any() else x.translation()
     return moved

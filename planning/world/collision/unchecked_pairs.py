@@ -1,4 +1,4 @@
-"""Which pairs of bodies are not held against each other, with the reason for each."""
+"""Unchecked pairs of bodies, with the reason for each."""
 
 from itertools import combinations
 from typing import Any
@@ -18,7 +18,7 @@ _found: WeakKeyDictionary[StaticObjects, tuple[UncheckedPair, ...]] = WeakKeyDic
 def unchecked_pairs(model: DrakeModel) -> tuple[UncheckedPair, ...]:
     """Return every pair of bodies with collision shapes that is filtered out, sorted.
 
-    Objects that stand in the world are not held against each other either; of these pairs, which
+    Objects that stand in the world are not checked against each other either; of these pairs, which
     grow with the square of the objects, only those with a body of a robot are listed.
     """
     found = _found.get(model.standing)
@@ -29,7 +29,7 @@ def unchecked_pairs(model: DrakeModel) -> tuple[UncheckedPair, ...]:
 
 
 def share_unchecked(before: DrakeModel, after: DrakeModel) -> None:
-    """Let a model have the pairs of another one, with objects elsewhere, if they are known."""
+    """Copy the cached pairs of one model, if known, to another with objects moved."""
     if before.standing in _found:
         _found[after.standing] = _found[before.standing]
 
@@ -59,7 +59,7 @@ def _of_plant(model: DrakeModel) -> list[UncheckedPair]:
 
 
 def _of_standing(model: DrakeModel) -> list[UncheckedPair]:
-    """Return the pairs of a body of a robot, and an object outside of the plant."""
+    """Return the pairs of a robot's body and an object outside of the plant."""
     standing = model.standing
     if not len(standing):
         return []
@@ -96,7 +96,7 @@ def _of_welds(*, is_welded: bool, is_fixed: bool) -> tuple[UncheckedReason, str]
 
 
 def _clusters(plant: Any, shaped: list[int]) -> dict[int, int]:
-    """Return a number for every body, equal for bodies that are welded together."""
+    """Return a cluster index for every body, equal for bodies that are welded together."""
     found: dict[int, int] = {}
     for index in [int(plant.world_body().index()), *shaped]:
         if index not in found:

@@ -1,1 +1,1 @@
-"""Path constraints as the search asks about them; the certifier has code of its own."""
+"""Path constraints compiled for the search; the certifier has code of its own."""

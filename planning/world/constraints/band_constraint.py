@@ -1,7 +1,8 @@
-"""BandConstraint: the smallest distance between two sets of bodies within two bounds.
+"""BandConstraint: the smallest distance between two sets of bodies stays within two bounds.
 
 All pairs are farther apart than `min` if none is near at that distance; one is no farther apart
-than `max` if any is near at that. Of what collides nothing is said: a collision judge says it.
+than `max` if any is near at that. Configurations in collision are undefined here: the collision
+checker rejects them.
 """
 
 from dataclasses import dataclass, replace
@@ -17,25 +18,25 @@ from planning.world.constraints.compiled_constraint import FINEST, ConstraintVal
 from planning.world.constraints.pair_nearness import PairNearness
 from planning.world.world import World
 
-# The room to leave: this share of the band, and no more than this [m].
+# Preferred margin: this share of the band, and no more than this [m].
 _SHARE, _MOST = 0.1, 2e-3
-# How far away bodies are measured, beyond `max` [m].
+# Largest distance that is measured, beyond `max` [m].
 _HORIZON = 1.0
 _HALVINGS = 18
 
 
 @dataclass(frozen=True)
 class BandConstraint:
-    """Pairs of bodies and the bounds of the smallest of their distances.
+    """Constraint on the smallest distance of some pairs of bodies.
 
     Attributes:
         label: For messages.
-        world: Where they are.
-        group: Whose configurations are judged.
+        world: The scene.
+        group: Group of the configurations.
         pairs: Full names, sorted within each pair.
-        min: [m].
-        max: [m], maybe infinite.
-        room: Demanded beyond both [m].
+        min: Smallest distance [m].
+        max: Largest distance [m], maybe infinite.
+        room: Margin at both bounds in addition to the constraint [m].
     """
 
     label: str
@@ -48,22 +49,22 @@ class BandConstraint:
 
     @property
     def wish(self) -> float:
-        """How much room a search should leave [m]."""
+        """Preferred margin of a search [m]."""
         return min(_SHARE * (self.max - self.min), _MOST)
 
     @property
     def step(self) -> float:
-        """Edges are looked at in samples no farther apart [rad or m]."""
+        """Largest distance between samples of an edge [rad or m]."""
         return suggested_step(self.room) if np.isfinite(self.max) else 4 * FINEST
 
     def leaving(self, room: float) -> "BandConstraint":
-        """Return the rule that demands so much more [m]."""
+        """Return the constraint tightened by a margin [m]."""
         return replace(self, room=room)
 
     def reading(self, q: Float64[np.ndarray, " nq"]) -> ConstraintValue:
-        """Return the smallest distance [m] within a metre beyond the band, by halving an interval.
+        """Return the smallest distance [m] within a metre beyond the band, by bisection.
 
-        Drake's own distances will not do (docs/decisions/0006): they may be too large.
+        Drake's own distances are not used (docs/decisions/0006): they may be too large.
         """
         low, high = 0.0, (self.max if np.isfinite(self.max) else self.min) + _HORIZON
         for _ in range(_HALVINGS):
@@ -73,7 +74,7 @@ class BandConstraint:
         return ConstraintValue(high, self.min if high < self.max else self.max, "m")
 
     def are_kept(self, qs: Float64[np.ndarray, "m nq"]) -> Bool[np.ndarray, " m"]:
-        """Return whether each row that does not collide is within the band and leaves room."""
+        """Return whether each row that does not collide is within the band with its margin."""
         kept = ~self._too_near.are_near(qs)
         if np.isfinite(self.max) and kept.any():
             kept[kept] = self._near.are_near(qs[kept])
@@ -85,7 +86,7 @@ class BandConstraint:
         displacement: Float64[np.ndarray, " nv"],
         resolution: float,
     ) -> bool:
-        """Return whether every sample of a motion is; as its samples, but in fewer calls."""
+        """Return whether `are_kept` holds at every sample of a motion; in fewer calls."""
         if not self._too_near.is_none_near_along(origin, displacement, resolution):
             return False
         if not np.isfinite(self.max):

@@ -1,4 +1,4 @@
-"""Which pairs of bodies a distance band speaks of."""
+"""Body pairs of a distance band: the pairs of bodies whose distance it constrains."""
 
 import numpy as np
 
@@ -13,7 +13,7 @@ from planning.world.world import World
 def banded_pairs(
     world: World, group: JointGroup, band: DistanceBand, field: str
 ) -> frozenset[tuple[str, str]]:
-    """Return the pairs, by full names in sorted order, that may collide and are meant.
+    """Return the pairs of a distance band that may collide, by full names in sorted order.
 
     Raises:
         ProblemInvalid: There is none.

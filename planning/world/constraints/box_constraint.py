@@ -1,4 +1,4 @@
-"""BoxConstraint: the origin of a frame in a box, or out of it."""
+"""BoxConstraint: the origin of a frame inside a box (keep in) or outside of it (keep out)."""
 
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -14,23 +14,23 @@ from planning.world.mechanics.tool_kinematics import ToolKinematics
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
-# The room to leave: this share of the thinnest side, and no more than this [m].
+# Preferred margin: this share of the thinnest side, and no more than this [m].
 _SHARE, _MOST = 0.1, 4e-3
-# A box thinner than this is not found by sampling [m].
+# Thickness below which random samples miss a box [m].
 _THIN = 0.2
 
 
 @dataclass(frozen=True)
 class BoxConstraint:
-    """A box B in world; spare is how far the origin is from the faces, on the right side.
+    """Constraint by a box B in world; its signed margin is the origin's distance from the faces.
 
     Attributes:
         label: For messages.
-        motion: Of the frame.
+        motion: Kinematics of the frame.
         pose: X_WB.
-        half: Half side lengths, infinite where there are none [m], shape (3,).
-        is_inside: Whether to stay in or out.
-        room: Demanded beyond the constraint [m].
+        half: Half side lengths, infinite along unbounded axes [m], shape (3,).
+        is_inside: Whether the origin stays inside, or outside.
+        room: Margin in addition to the constraint [m].
     """
 
     label: str
@@ -42,21 +42,21 @@ class BoxConstraint:
 
     @property
     def wish(self) -> float:
-        """How much room a search should leave [m]."""
+        """Preferred margin of a search [m]."""
         return min(_SHARE * float(self.half.min()), _MOST) if self.is_inside else _MOST / 2
 
     @property
     def step(self) -> float:
-        """Edges are looked at in samples no farther apart [rad or m]."""
+        """Largest distance between samples of an edge [rad or m]."""
         return suggested_step(self.room)
 
     @property
     def is_thin(self) -> bool:
-        """Whether samples must be projected onto it."""
+        """Whether the box is too thin to be sampled, so that samples must be projected onto it."""
         return self.is_inside and float(self.half.min()) < _THIN / 2
 
     def leaving(self, room: float) -> "BoxConstraint":
-        """Return the rule that demands so much more [m]."""
+        """Return the constraint tightened by a margin [m]."""
         return replace(self, room=room)
 
     def reading(self, q: Float64[np.ndarray, " nq"]) -> ConstraintValue:
@@ -64,11 +64,11 @@ class BoxConstraint:
         return ConstraintValue(-float(self.spares(q[None])[0]), 0.0, "m")
 
     def are_kept(self, qs: Float64[np.ndarray, "m nq"]) -> Bool[np.ndarray, " m"]:
-        """Return whether each row is on the right side and leaves the room."""
+        """Return whether each row is on the right side with the margin `room`."""
         return self.spares(qs) >= self.room - DUST
 
     def residual(self, q: Float64[np.ndarray, " nq"]) -> Float64[np.ndarray, "3"]:
-        """Return by how much the origin misses the box, less the room, along its axes [m]."""
+        """Return the origin's excess over the box shrunk by twice `room`, along its axes [m]."""
         local = self.local(q[None])[0]
         return np.sign(local) * np.maximum(np.abs(local) - (self.half - 2 * self.room), 0.0)
 
@@ -82,11 +82,11 @@ class BoxConstraint:
         return rotation.matrix(self.pose.quaternion)
 
     def local(self, qs: Float64[np.ndarray, "m nq"]) -> Float64[np.ndarray, "m 3"]:
-        """Return where each row's origin is in the box's axes, from its middle [m]."""
+        """Return each row's origin in the box frame B [m]."""
         return (self.motion.poses(qs)[1] - self.pose.position) @ self._rotation
 
     def spares(self, qs: Float64[np.ndarray, "m nq"]) -> Float64[np.ndarray, " m"]:
-        """Return how far each row's origin is from the faces, on the right side [m]."""
+        """Return the signed margin of each row: distance from the faces, positive if kept [m]."""
         beyond = np.abs(self.local(qs)) - self.half
         worst = beyond.max(axis=1)
         if self.is_inside:

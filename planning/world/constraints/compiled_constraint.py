@@ -1,4 +1,4 @@
-"""CompiledConstraint: one path constraint in one world, for one group, from one start."""
+"""CompiledConstraint: a path constraint resolved for one world, group and start."""
 
 from dataclasses import dataclass
 from typing import Any, Protocol, runtime_checkable
@@ -9,21 +9,21 @@ from jaxtyping import Bool, Float64
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 type Flags = np.ndarray[Any, np.dtype[np.bool_]]
 
-# A violation up to this much is numeric dust [rad or m]; the certifier forgives the same.
+# Tolerance of a violation, for rounding [rad or m]; the certifier has the same.
 DUST = 1e-6
-# Samples of an edge are this far apart at least, however little room there is [rad or m].
+# Smallest distance between samples of an edge, for any margin [rad or m].
 FINEST = 2e-3
 
 
 @dataclass(frozen=True)
 class ConstraintValue:
-    """How a configuration stands to a rule.
+    """Value of a constraint function at a configuration, with its bound.
 
     Attributes:
-        value: What was measured, in `unit`.
-        bound: What it is held against.
+        value: The measured value, in `unit`.
+        bound: The bound of the constraint, in `unit`.
         unit: "m", "rad", "rad or m" or "1".
-        joint: The joint or coordinate that was measured; "" for rules that are not on joints.
+        joint: The joint or coordinate that was measured; "" for constraints that are not on joints.
     """
 
     value: float
@@ -34,43 +34,43 @@ class ConstraintValue:
 
 @runtime_checkable
 class CompiledConstraint(Protocol):
-    """What all rules can do.
+    """Protocol of all compiled constraints.
 
     Attributes:
         label: For messages.
-        step: Edges are looked at in samples no farther apart [rad or m].
-        wish: How much room a search should leave, so that the certifier can prove the rule
+        step: Largest distance between samples of an edge [rad or m].
+        wish: Preferred margin of a search, so that the certifier can prove the constraint
             between samples, in the unit of the reading.
     """
 
     @property
     def label(self) -> str:
-        """For messages."""
+        """Name of the constraint in messages."""
         ...
 
     @property
     def step(self) -> float:
-        """Edges are looked at in samples no farther apart [rad or m]."""
+        """Largest distance between samples of an edge [rad or m]."""
         ...
 
     @property
     def wish(self) -> float:
-        """How much room a search should leave, in the unit of the reading."""
+        """Preferred margin of a search, in the unit of the reading."""
         ...
 
     def leaving(self, room: float) -> "CompiledConstraint":
-        """Return the rule that demands so much more than the constraint."""
+        """Return the constraint tightened by a margin."""
         ...
 
     def reading(self, q: Float64[np.ndarray, " nq"]) -> ConstraintValue:
-        """Return how q, shape (nq,), stands to the constraint itself."""
+        """Return the constraint's value and bound at q, shape (nq,), without the margin."""
         ...
 
     def are_kept(self, qs: Float64[np.ndarray, "m nq"]) -> Bool[np.ndarray, " m"]:
-        """Return whether each row keeps the rule and leaves the room."""
+        """Return whether each row keeps the constraint with its margin."""
         ...
 
 
 def suggested_step(room: float) -> float:
-    """Return how far samples may be apart that leave `room` on both sides."""
+    """Return the largest distance between samples that a margin `room` allows [rad or m]."""
     return max(2 * room, FINEST)

@@ -1,4 +1,4 @@
-"""ConeConstraint: an axis of a frame near a direction."""
+"""ConeConstraint: an axis of a frame within an angle of a direction."""
 
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -12,25 +12,25 @@ from planning.world.mechanics.tool_kinematics import ToolKinematics
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
-# The room to leave: this share of the tolerance, and no more than this [rad].
+# Preferred margin: this share of the tolerance, and no more than this [rad].
 _SHARE, _MOST = 0.1, 0.02
-# A cone narrower than this is not found by sampling [rad].
+# Angle below which random samples miss a cone [rad].
 _NARROW = 1.0
-# Here an axis is along the direction or against it, and every turn is as good as any other.
+# Sine of the angle below which axis and direction are parallel: any rotation axis will do there.
 _DEGENERATE = 1e-9
 
 
 @dataclass(frozen=True)
 class ConeConstraint:
-    """The angle between R_WF a and d is at most a tolerance.
+    """Constraint: the angle between R_WF a and d is at most a tolerance.
 
     Attributes:
         label: For messages.
-        motion: Of the frame F.
+        motion: Kinematics of the frame F.
         axis: a, a unit vector, shape (3,).
         direction: d in world, a unit vector, shape (3,).
         tolerance: [rad].
-        room: Demanded beyond the constraint [rad].
+        room: Margin in addition to the constraint [rad].
     """
 
     label: str
@@ -42,21 +42,21 @@ class ConeConstraint:
 
     @property
     def wish(self) -> float:
-        """How much room a search should leave [rad]."""
+        """Preferred margin of a search [rad]."""
         return min(_SHARE * self.tolerance, _MOST)
 
     @property
     def step(self) -> float:
-        """Edges are looked at in samples no farther apart [rad or m]."""
+        """Largest distance between samples of an edge [rad or m]."""
         return suggested_step(self.room)
 
     @property
     def is_thin(self) -> bool:
-        """Whether samples must be projected onto it."""
+        """Whether the cone is too narrow to be sampled: samples must be projected onto it."""
         return self.tolerance < _NARROW
 
     def leaving(self, room: float) -> "ConeConstraint":
-        """Return the rule that demands so much more [rad]."""
+        """Return the constraint tightened by a margin [rad]."""
         return replace(self, room=room)
 
     def reading(self, q: Float64[np.ndarray, " nq"]) -> ConstraintValue:
@@ -65,15 +65,15 @@ class ConeConstraint:
         return ConstraintValue(angle, self.tolerance, "rad")
 
     def are_kept(self, qs: Float64[np.ndarray, "m nq"]) -> Bool[np.ndarray, " m"]:
-        """Return whether each row's angle is small enough and leaves the room."""
+        """Return whether each row's angle is within the tolerance less the margin `room`."""
         return self.spares(qs) >= self.room - DUST
 
     def spares(self, qs: Float64[np.ndarray, "m nq"]) -> Float64[np.ndarray, " m"]:
-        """Return by how much each row's angle is smaller than the tolerance [rad]."""
+        """Return the signed margin of each row: tolerance less angle [rad]."""
         return self.tolerance - self._angles(self._axes(qs))
 
     def residual(self, q: Float64[np.ndarray, " nq"]) -> Float64[np.ndarray, "1"]:
-        """Return by how much the angle is too large, the room counted twice [rad]."""
+        """Return the excess of the angle over the tolerance less twice the margin [rad]."""
         return np.maximum(self._angles(self._axes(q[None])) - self.tolerance + 2 * self.room, 0.0)
 
     def jacobian(self, q: Float64[np.ndarray, " nq"]) -> Float64[np.ndarray, "1 nv"]:
@@ -87,7 +87,7 @@ class ConeConstraint:
 
     @cached_property
     def _cross(self) -> Array:
-        """What multiplies d with another vector by the cross product: `np.cross` is slow."""
+        """Cross product matrix of d, shape (3, 3): `np.cross` is slow."""
         x, y, z = self.direction
         return np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
 

@@ -1,4 +1,4 @@
-"""ConstrainedOracle: what is free of collision and keeps every rule."""
+"""ConstrainedOracle: collision checker that also checks path constraints."""
 
 from typing import Any
 
@@ -17,21 +17,21 @@ _MOST_REMEMBERED = 100_000
 
 
 class ConstrainedOracle:
-    """A collision judge and rules; the judge, which is quick, is asked first.
+    """Collision checker combined with path constraints; collisions, which are cheap, come first.
 
-    Edges are looked at as finely as each rule wants it, if that is finer than what is asked for.
+    Edges are sampled at each constraint's own step, if that is finer than the given resolution.
     """
 
     def __init__(
         self, inner: CollisionJudge, manifold: Manifold, rules: tuple[CompiledConstraint, ...]
     ) -> None:
-        """Compose them."""
+        """Combine a collision checker with compiled constraints."""
         self._inner, self._manifold, self._rules = inner, manifold, rules
-        # A planner asks again about every state of its tree that it sets out from.
+        # A planner checks every state of its tree again when it extends it.
         self._free: set[bytes] = set()
 
     def is_free(self, q: Float64[np.ndarray, " nq"]) -> bool:
-        """Return whether the group at q, shape (nq,), is free and keeps the rules."""
+        """Return whether the group at q, shape (nq,), is free and keeps the constraints."""
         key = q.tobytes()
         if key in self._free:
             return True
@@ -58,7 +58,7 @@ class ConstrainedOracle:
         displacement: Float64[np.ndarray, " nv"],
         resolution: float,
     ) -> bool:
-        """Return whether every sample of a motion is free and keeps the rules."""
+        """Return whether every sample of a motion is free and keeps the constraints."""
         return self._inner.is_motion_free(origin, displacement, resolution) and self._is_ruled(
             origin, displacement, resolution
         )

@@ -1,4 +1,4 @@
-"""ConstraintCompiler: from a path constraint to the rule that is asked."""
+"""ConstraintCompiler: from a path constraint to its compiled constraint."""
 
 from dataclasses import dataclass
 
@@ -35,12 +35,12 @@ from planning.world.world import World
 
 @dataclass(frozen=True)
 class ConstraintCompiler:
-    """What rules are made of.
+    """Compiler of path constraints for one world, group and start.
 
     Attributes:
         world: The scene.
-        group: Whose configurations will be judged.
-        start: Where frames and joints count, the group's q, shape (nq,).
+        group: Group of the configurations.
+        start: Configuration at which frames and joints are taken, the group's q, shape (nq,).
     """
 
     world: World
@@ -48,11 +48,11 @@ class ConstraintCompiler:
     start: Float64[np.ndarray, " nq"]
 
     def rule(self, index: int, constraint: PathConstraint) -> CompiledConstraint:
-        """Return the rule of the constraint with this index in the request.
+        """Return the compiled constraint of the path constraint with this index in the request.
 
         Raises:
             UnknownName: A body does not exist.
-            ProblemInvalid: A distance band means no pair of bodies.
+            ProblemInvalid: A distance band applies to no pair of bodies.
         """
         label = constraint_label(index, constraint)
         match constraint:

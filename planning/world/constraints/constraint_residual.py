@@ -1,4 +1,4 @@
-"""ConstraintResidual: how far a configuration is from sets that are too thin to be sampled."""
+"""ConstraintResidual: stacked residuals of constraints on sets too thin to be sampled."""
 
 from dataclasses import dataclass
 
@@ -11,19 +11,19 @@ from planning.world.constraints.cone_constraint import ConeConstraint
 
 @dataclass(frozen=True)
 class ConstraintResidual:
-    """The residuals of some rules, stacked; zero where all are kept with room."""
+    """Stacked residuals of some constraints; zero where all hold with their margins."""
 
     rules: tuple[BoxConstraint | ConeConstraint, ...]
 
     @property
     def size(self) -> int:
-        """How many numbers it has."""
+        """Number of residuals."""
         return sum(3 if isinstance(rule, BoxConstraint) else 1 for rule in self.rules)
 
     def residual(self, q: Float64[np.ndarray, " nq"]) -> Float64[np.ndarray, " size"]:
-        """Return it at q, shape (nq,) [m or rad]."""
+        """Return the residuals at q, shape (nq,) [m or rad]."""
         return np.concatenate([rule.residual(q) for rule in self.rules])
 
     def jacobian(self, q: Float64[np.ndarray, " nq"]) -> Float64[np.ndarray, "size nv"]:
-        """Return its derivative, zero in the rows that vanish."""
+        """Return the Jacobian of the residuals, zero in the rows that vanish."""
         return np.concatenate([rule.jacobian(q) for rule in self.rules])

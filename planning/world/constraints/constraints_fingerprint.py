@@ -1,8 +1,8 @@
-"""Fingerprint: what rules demand of a group, as one short text.
+"""Constraints fingerprint: digest of compiled path constraints.
 
-Where rules with the same fingerprint hold in worlds with the same one (`world.fingerprint`), the
-same configurations keep them. What rules take from the start (a frame that moves with the group,
-joints that are locked) has its part in it, the rest of the start has none.
+Where constraints with the same fingerprint hold in worlds with the same one (`world.fingerprint`),
+the same configurations satisfy them. Data that constraints take from the start (a frame that moves
+with the group, locked joints) enters the digest, the rest of the start does not.
 """
 
 from typing import Any
@@ -25,10 +25,10 @@ from planning.world.mechanics.tool_kinematics import ToolKinematics
 
 
 def constraints_fingerprint(rules: PathConstraints) -> str:
-    """Return the sha256 of all that rules demand, the room that they leave included.
+    """Return the sha256 of all constraints, their margins included.
 
     Raises:
-        ProblemInvalid: One is a predicate, of which nothing can be told.
+        ProblemInvalid: One is a predicate, which has no content to digest.
     """
     return digest([_told(rule, rules.group) for rule in rules.rules])
 
@@ -55,7 +55,7 @@ def _told(rule: CompiledConstraint, group: JointGroup) -> list[Any]:
 
 
 def predicates_refused(label: str) -> ProblemInvalid:
-    """Return the error of a predicate for which something is to be kept."""
+    """Return the error for a predicate in a request for a stored roadmap."""
     field = "search.roadmap"
     message = (
         f"{field}: {label}: roadmaps are known by what they keep to, and of a "
@@ -65,12 +65,12 @@ def predicates_refused(label: str) -> ProblemInvalid:
 
 
 def _motion(motion: ToolKinematics, group: JointGroup) -> list[Any]:
-    """Return where a frame is: its name says nothing of where on its body it sits."""
+    """Return the pose of a frame on its body: the frame's name does not determine it."""
     return list(motion.poses(probes(group)))
 
 
 def _locked(rule: LockConstraint, group: JointGroup) -> list[Any]:
-    """Return which coordinates are locked, and where."""
+    """Return the locked coordinates and their values."""
     found: list[Any] = []
     iq = iv = 0
     for joint in group.joints:

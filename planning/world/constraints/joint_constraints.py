@@ -1,4 +1,4 @@
-"""Rules on joints: locked where the start has them, or within tighter bounds."""
+"""Joint constraints: joints locked at the start, or within tighter position bounds."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -14,7 +14,7 @@ type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 @dataclass(frozen=True)
 class LockConstraint:
-    """Some velocity coordinates do not leave the start.
+    """Constraint: some velocity coordinates stay at the start.
 
     Attributes:
         label: For messages.
@@ -33,31 +33,31 @@ class LockConstraint:
     step: float = np.inf
 
     def leaving(self, room: float) -> "LockConstraint":
-        """Return itself: what does not move needs no room."""
+        """Return itself: locked coordinates need no margin."""
         del room
         return self
 
     def reading(self, q: Float64[np.ndarray, " nq"]) -> ConstraintValue:
-        """Return how far the farthest of them is from the start [rad or m]."""
+        """Return the largest distance of a locked coordinate from the start [rad or m]."""
         return _worst(self._away(q[None])[0], self.names)
 
     def are_kept(self, qs: Float64[np.ndarray, "m nq"]) -> Bool[np.ndarray, " m"]:
-        """Return whether they are where the start has them."""
+        """Return whether all locked coordinates are at the start."""
         return self._away(qs).max(axis=1) <= DUST
 
     def _away(self, qs: Array) -> Array:
-        """Return how far every coordinate is from where it is locked, shape (m, nv)."""
+        """Return the distance of every coordinate from its locked value, shape (m, nv)."""
         return np.abs(self.manifold.minus(qs, self.start)) * self.locked
 
 
 @dataclass(frozen=True)
 class LimitConstraint:
-    """Every coordinate of q keeps its bounds; an angle on a circle may be whole turns off.
+    """Constraint: every coordinate of q is within bounds; an angle on a circle modulo whole turns.
 
     Attributes:
         label: For messages.
-        lower: Infinite where there is none [rad or m], shape (nq,).
-        upper: And above, shape (nq,).
+        lower: Lower bounds, infinite where there is none [rad or m], shape (nq,).
+        upper: Upper bounds, shape (nq,).
         is_circle: Which coordinates are angles on a circle, shape (nq,).
         names: Of the coordinates of q.
     """
@@ -76,7 +76,7 @@ class LimitConstraint:
         return self
 
     def reading(self, q: Float64[np.ndarray, " nq"]) -> ConstraintValue:
-        """Return by how much a coordinate leaves its bounds at most [rad or m]."""
+        """Return the largest excess of a coordinate over its bounds [rad or m]."""
         return _worst(self._excess(q[None])[0], self.names)
 
     def are_kept(self, qs: Float64[np.ndarray, "m nq"]) -> Bool[np.ndarray, " m"]:
@@ -84,7 +84,7 @@ class LimitConstraint:
         return self._excess(qs).max(axis=1) <= DUST
 
     def _excess(self, qs: Array) -> Array:
-        """Return by how much every coordinate leaves its bounds, shape (m, nq)."""
+        """Return the excess of every coordinate over its bounds, shape (m, nq)."""
         at = qs.copy()
         turning = self.is_circle & np.isfinite(self.lower)
         middle = (self.lower[turning] + self.upper[turning]) / 2

@@ -1,4 +1,4 @@
-"""PairNearness: whether any of some pairs of bodies is near, by the kernel or by Drake."""
+"""PairNearness: proximity test of some pairs of bodies, by the kernel or by Drake."""
 
 from functools import cached_property
 from typing import Any
@@ -18,17 +18,17 @@ _FREE, _COLLIDING, _UNSURE = 0, 1, 2
 
 
 class PairNearness:
-    """Says of configurations without collision whether a pair is nearer than a distance.
+    """Test of collision-free configurations: whether a pair is nearer than a distance.
 
-    To be near is to collide where the distance is the pairs' margin, and the margin of all others
-    is 0. A collision judge gives Drake's answers, so it asks Drake about every two separate boxes
-    (docs/decisions/0006); that they are near the kernel knows by itself.
+    It is a collision check with that distance as the pairs' margin, and margin 0 for all other
+    pairs. A collision checker gives Drake's results, so it measures every two separate boxes by
+    Drake (docs/decisions/0006); that they are near the kernel decides by itself.
     """
 
     def __init__(
         self, world: World, group: JointGroup, pairs: frozenset[tuple[str, str]], distance: float
     ) -> None:
-        """Ask about pairs, by full names in sorted order, and a distance [m]."""
+        """Prepare for pairs, by full names in sorted order, and a distance [m]."""
         self._world, self._group = world, group
         self._manifold = Manifold(group.joints)
         self._is_straight = group.num_positions == group.num_velocities
@@ -46,7 +46,7 @@ class PairNearness:
             )
 
     def are_near(self, qs: Float64[np.ndarray, "m nq"]) -> Bool[np.ndarray, " m"]:
-        """Return whether a pair is near at each row; of a row that collides nothing is said."""
+        """Return whether a pair is near at each row; undefined for a row in collision."""
         if self._checker is None:
             return ~self._judge.are_free(qs)
         verdicts = self._checker.judge(np.ascontiguousarray(qs))

@@ -1,4 +1,4 @@
-"""PathConstraints: all path constraints of one problem, from one start."""
+"""PathConstraints: all path constraints of one problem, compiled from one start."""
 
 from dataclasses import dataclass, replace
 from typing import Any
@@ -26,7 +26,7 @@ from planning.world.world import CollisionJudge, World
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
-# How much of the room that a rule wishes for is tried, the most first.
+# Shares of a constraint's preferred margin that are tried, the largest first.
 _SHARES = (1.0, 0.25)
 # A straight step much longer than a band is thick leaves it, in most directions.
 _STRIDES, _SHORTEST_STRIDE = 2.5, 0.02
@@ -34,12 +34,12 @@ _STRIDES, _SHORTEST_STRIDE = 2.5, 0.02
 
 @dataclass(frozen=True)
 class PathConstraints:
-    """What a motion shall keep on its whole way.
+    """Compiled path constraints of a motion.
 
     Attributes:
-        group: Whose configurations are judged.
-        rules: One for each constraint, in their order.
-        locked: Names of joints that stay where they are.
+        group: Group of the configurations.
+        rules: One compiled constraint for each path constraint, in their order.
+        locked: Names of joints that keep their start positions.
     """
 
     group: JointGroup
@@ -54,11 +54,11 @@ class PathConstraints:
         constraints: tuple[PathConstraint, ...],
         start: Float64[np.ndarray, " nq"],
     ) -> "PathConstraints":
-        """Make the rules; frames and joints count where the start, shape (nq,), has them.
+        """Compile the constraints; frames and joints are taken at the start, shape (nq,).
 
         Raises:
             UnknownName: A body, frame or joint does not exist.
-            ProblemInvalid: A number makes no sense.
+            ProblemInvalid: A number is invalid.
         """
         validate_constraints(world, group, constraints)
         compiler = ConstraintCompiler(world, group, start)
@@ -67,7 +67,7 @@ class PathConstraints:
         return cls(group, rules, frozenset(name for names in locks for name in names))
 
     def violations(self, q: Float64[np.ndarray, " nq"]) -> list[dict[str, Any]]:
-        """Return the rules that q, shape (nq,), violates, as evidence."""
+        """Return the constraints that q, shape (nq,), violates, as evidence."""
         broken = [rule for rule in self.rules if not rule.are_kept(q[None])[0]]
         readings = [(rule.label, rule.reading(q)) for rule in broken]
         return [
@@ -82,7 +82,7 @@ class PathConstraints:
         ]
 
     def are_kept(self, qs: Float64[np.ndarray, "m nq"]) -> Bool[np.ndarray, " m"]:
-        """Return whether each row keeps every rule."""
+        """Return whether each row satisfies every constraint."""
         kept = np.ones(len(qs), dtype=bool)
         for rule in self.rules:
             kept[kept] = rule.are_kept(qs[kept])
@@ -91,7 +91,7 @@ class PathConstraints:
     def leaving_room(
         self, start: Float64[np.ndarray, " nq"], goals: Float64[np.ndarray, "n nq"]
     ) -> "PathConstraints":
-        """Return rules that demand a little more, as far as the start and a goal have it."""
+        """Return constraints tightened by the largest margins that the start and a goal keep."""
         rules: list[CompiledConstraint] = []
         rows = goals
         for rule in self.rules:
@@ -107,11 +107,11 @@ class PathConstraints:
 
     @property
     def roomy(self) -> "PathConstraints":
-        """The rules with all the room that they wish for, whatever start and goals have."""
+        """The constraints tightened by their whole preferred margins, for any start and goals."""
         return replace(self, rules=tuple(rule.leaving(rule.wish) for rule in self.rules))
 
     def without(self, index: int) -> "PathConstraints":
-        """Return all rules but one."""
+        """Return all constraints but one."""
         rules = self.rules[:index] + self.rules[index + 1 :]
         held = [rule.locked for rule in rules if isinstance(rule, LockConstraint)]
         owners = [joint.name for joint in self.group.joints for _ in joint.velocity_names]
@@ -121,14 +121,14 @@ class PathConstraints:
         return replace(self, rules=rules, locked=frozenset(locked))
 
     def oracle(self, inner: CollisionJudge) -> ConstrainedOracle:
-        """Return the judge of collisions and rules."""
+        """Return the checker of collisions and constraints."""
         return ConstrainedOracle(inner, Manifold(self.group.joints), self.rules)
 
     def limits(self, limits: JointLimits) -> JointLimits:
-        """Return position limits with the tighter ones of the rules.
+        """Return position limits intersected with the bounds of the constraints.
 
         Raises:
-            ProblemInvalid: Nothing is left between them.
+            ProblemInvalid: The intersection is empty.
         """
         lower, upper = np.array(limits.lower), np.array(limits.upper)
         for rule in self.rules:
@@ -141,12 +141,12 @@ class PathConstraints:
         return replace(limits, lower=lower, upper=upper)
 
     def fixing(self, limits: JointLimits) -> JointLimits:
-        """Return `limits` of these rules in which locked joints have but one position.
+        """Return `limits` of these constraints with locked joints fixed to one position.
 
-        Joints that float are left free: bounds on a quaternion's numbers say nothing of a rotation.
+        Floating joints are left free: bounds on a quaternion's components do not bound a rotation.
 
         Raises:
-            ProblemInvalid: Nothing is left between the limits.
+            ProblemInvalid: The intersection of the limits is empty.
         """
         tight = self.limits(limits)
         lower, upper = np.array(tight.lower), np.array(tight.upper)
@@ -158,13 +158,13 @@ class PathConstraints:
 
     @property
     def stride(self) -> float:
-        """How far a planner should step at once, the thinnest band considered [rad or m]."""
+        """Suggested step of a planner (range), from the thinnest distance band [rad or m]."""
         widths = [rule.max - rule.min for rule in self.rules if isinstance(rule, BandConstraint)]
         return max(_STRIDES * min(widths, default=np.inf), _SHORTEST_STRIDE)
 
     @property
     def residual(self) -> ConstraintResidual | None:
-        """What brings a sample onto sets too thin to be sampled; None if there is none.
+        """Residual that projects samples onto sets too thin to be sampled; None if there is none.
 
         Only for joints that neither wrap nor float: OMPL projects in R^n.
         """
@@ -179,7 +179,7 @@ class PathConstraints:
 
 
 def _positions_of(group: JointGroup, names: frozenset[str]) -> Any:
-    """Return which coordinates of q are those of some joints, but for joints that float."""
+    """Return which coordinates of q are those of some joints, except floating joints."""
     return np.array(
         [
             joint.name in names and joint.type is not JointType.FLOATING

@@ -1,4 +1,4 @@
-"""PredicateConstraint: a function of the user's says yes."""
+"""PredicateConstraint: a Python function of the caller as a compiled constraint."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -14,12 +14,12 @@ type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 @dataclass(frozen=True)
 class PredicateConstraint:
-    """What a predicate says of samples.
+    """Constraint by a predicate, evaluated at samples.
 
     Attributes:
         label: For messages.
-        predicate: Takes q, shape (nq,).
-        step: Edges are looked at in samples no farther apart [rad or m].
+        predicate: Takes q, shape (nq,), and returns whether it is accepted.
+        step: Largest distance between samples of an edge [rad or m].
     """
 
     label: str
@@ -28,14 +28,14 @@ class PredicateConstraint:
     wish: float = 0.0
 
     def leaving(self, room: float) -> "PredicateConstraint":
-        """Return itself: nothing is known of how near it is to a no."""
+        """Return itself: a predicate has no signed margin."""
         del room
         return self
 
     def reading(self, q: Float64[np.ndarray, " nq"]) -> ConstraintValue:
-        """Return 0 for yes and 1 for no."""
+        """Return 0 if accepted and 1 if not."""
         return ConstraintValue(0.0 if self.predicate(q) else 1.0, 0.0, "1")
 
     def are_kept(self, qs: Float64[np.ndarray, "m nq"]) -> Bool[np.ndarray, " m"]:
-        """Return its answer for each row."""
+        """Return the predicate's result for each row."""
         return np.array([bool(self.predicate(q)) for q in qs], dtype=bool)

@@ -1,4 +1,4 @@
-"""What a path constraint must satisfy to be meant: names that exist, numbers that make sense."""
+"""Validation of path constraints: existing names and valid numbers."""
 
 from collections.abc import Iterable
 
@@ -25,11 +25,11 @@ from planning.world.world import World
 def validate_constraints(
     world: World, group: JointGroup, constraints: tuple[PathConstraint, ...]
 ) -> None:
-    """Go on only if every constraint can be meant in this world, for this group.
+    """Raise unless every constraint is valid in this world, for this group.
 
     Raises:
         UnknownName: A body, frame or joint does not exist.
-        ProblemInvalid: A number makes no sense; evidence has the `field`.
+        ProblemInvalid: A number is invalid; evidence has the `field`.
     """
     for i, constraint in enumerate(constraints):
         _require(world, group, constraint, f"path_constraints.{i}")

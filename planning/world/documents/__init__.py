@@ -1,1 +1,1 @@
-"""Scenes as documents: read, checked, edited and written."""
+"""Scene documents: parsing, validation, editing and writing."""

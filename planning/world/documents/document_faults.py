@@ -1,7 +1,7 @@
-"""Faults of a document, as pydantic tells them, for those who wrote it.
+"""Document faults: pydantic's validation errors as messages for the document's author.
 
-Pydantic's locations have steps of its own (branches of unions), and its message for a field that
-is not there does not say which are.
+Pydantic's locations have steps of its own (branches of unions), and its message for a missing
+field does not name misspelt candidates.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -15,22 +15,21 @@ type Schema = Mapping[str, Any]
 
 _UNKNOWN_FIELD, _MISSING_FIELD = "extra_forbidden", "missing"
 _LONGEST = 500
-# Of one inside the other: `positions` by joint, each a number or several.
+# Depth of nested unions: `positions` by joint, each a number or several.
 _MOST_UNIONS = 4
-# Faults that are told with the names that may have been meant: to look for names takes a tenth of
-# a millisecond each.
+# Number of faults with suggested names: a search for names takes a tenth of a millisecond each.
 _MOST_EXPLAINED = 1000
 
 
 @dataclass(frozen=True)
 class Fault:
-    """What is wrong with one part of a document.
+    """Fault of one part of a document.
 
     Attributes:
         steps: Keys and indices from the root to the part.
-        message: What is wrong, for a person.
+        message: The fault, for people.
         type: Pydantic's name for the kind of fault.
-        nearest: Fields that may have been meant.
+        nearest: Field names similar to the wrong one.
     """
 
     steps: tuple[Step, ...]
@@ -40,7 +39,7 @@ class Fault:
 
     @property
     def path(self) -> str:
-        """The steps with dots between, as scene files name parts."""
+        """The steps joined by dots, as scene files name parts."""
         return ".".join(str(step)[:80] for step in self.steps)
 
     @property
@@ -51,11 +50,11 @@ class Fault:
 
 
 def faults_of(found: Sequence[Mapping[str, Any]], document: Any, schema: Schema) -> list[Fault]:
-    """Return the faults of a document, without those of branches that it does not mean.
+    """Return the faults of a document, without those of union branches that it does not mean.
 
     Args:
         found: Pydantic's list of errors; their locations begin at the document's root.
-        document: What was validated.
+        document: The validated document.
         schema: JSON schema of its model.
     """
     for depth in range(_MOST_UNIONS):
@@ -69,7 +68,7 @@ def faults_of(found: Sequence[Mapping[str, Any]], document: Any, schema: Schema)
 
 
 def _explained(fault: Fault, faults: Sequence[Fault]) -> Fault:
-    """Return the fault of a missing field with the misspelt one that may have been meant."""
+    """Return the fault of a missing field with the misspelt field that was likely meant."""
     if fault.type != _MISSING_FIELD:
         return fault
     for other in faults:
@@ -90,17 +89,17 @@ def _fault(found: Mapping[str, Any], document: Any, schema: Schema) -> Fault:
 
 
 def message_of(found: Mapping[str, Any]) -> str:
-    """Return what one of pydantic's errors says."""
+    """Return the message of one of pydantic's errors."""
     return str(found["msg"]).removeprefix("Value error, ")[:_LONGEST]
 
 
 def _of_meant_branches(
     found: Sequence[Mapping[str, Any]], document: Any, depth: int
 ) -> list[Mapping[str, Any]]:
-    """Return the faults of the branch of each union that is the likeliest to be meant.
+    """Return the faults of the most likely branch of each union.
 
-    Of unions inside as many others. That is one whose kind of value the document has, and of these
-    the one with the fewest faults.
+    Of unions inside `depth` others. The likely branch has the document's type of value, and among
+    those the fewest faults.
     """
     branches: dict[tuple[Step, ...], list[Mapping[str, Any]]] = {}
     forks = [_fork(one, document, depth) for one in found]
@@ -125,7 +124,7 @@ def _strangeness(fork: tuple[Step, ...], faults: Sequence[Mapping[str, Any]]) ->
 
 
 def _fork(found: Mapping[str, Any], document: Any, depth: int) -> tuple[Step, ...] | None:
-    """Return the location of a branch, inside that many others; None where there is none."""
+    """Return the location of a union branch, inside `depth` others; None where there is none."""
     location, left = found["loc"], depth
     for i, step in enumerate(location):
         if _has(document, step):
@@ -138,7 +137,7 @@ def _fork(found: Mapping[str, Any], document: Any, depth: int) -> tuple[Step, ..
 
 
 def _is_field(found: Mapping[str, Any], i: int) -> bool:
-    """Return whether a step that the document does not have is a field, and no branch."""
+    """Return whether a step that the document does not have is a field, not a branch."""
     is_last = i == len(found["loc"]) - 1
     return is_last and found["type"] in (_UNKNOWN_FIELD, _MISSING_FIELD)
 
@@ -150,7 +149,7 @@ def _has(document: Any, step: Step) -> bool:
 
 
 def _real_steps(found: Mapping[str, Any], document: Any) -> tuple[Step, ...]:
-    """Return the location of a fault without the steps that pydantic made up."""
+    """Return the location of a fault without pydantic's artificial steps."""
     real: list[Step] = []
     for i, step in enumerate(found["loc"]):
         if _has(document, step):
@@ -180,7 +179,7 @@ def _below(part: Schema, step: Step) -> Iterator[Schema]:
 
 
 def _meant(part: Schema, document: Any, root: Schema) -> Iterator[Schema]:
-    """Yield the schemas of a union that a document can mean, by the constants that they want."""
+    """Yield the schemas of a union that a document can mean, by their required constants."""
     if "$ref" in part:
         name = str(part["$ref"]).rsplit("/", 1)[-1]
         yield from _meant(root["$defs"][name], document, root)

@@ -1,4 +1,4 @@
-"""SceneDocument: the form of a scene file, and its faults."""
+"""SceneDocument: pydantic model of a scene file."""
 
 from typing import Annotated, Any, Literal
 

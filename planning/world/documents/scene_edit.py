@@ -1,4 +1,4 @@
-"""edit_scene(): the next revision of a scene."""
+"""edit_scene(): apply scene operations and return the next revision."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
@@ -27,19 +27,19 @@ type Editor = Callable[[Scene, RobotCache], Scene]
 def edit_scene(
     scene: Scene, operations: Sequence[SceneOperation], library: ModelLibrary | None = None
 ) -> Scene:
-    """Return a scene after some operations, one after the other; the given one stays as it is.
+    """Return a scene after some operations, in order; the given one stays as it is.
 
-    What is not named stays bit for bit. The result loads, as far as its names go: it may well
-    collide.
+    Unnamed parts stay bit for bit. The result loads, as far as its names go: it may be in
+    collision.
 
     Args:
         scene: A scene that loads.
-        operations: What to do to it.
-        library: Where its robots are found; None for those that come with Wayproof.
+        operations: Edit operations.
+        library: Library of robots; None for those that come with Wayproof.
 
     Raises:
         UnknownName: An operation names what the scene does not have.
-        SceneEditImpossible: An operation cannot be done to this scene.
+        SceneEditImpossible: An operation cannot be applied to this scene.
     """
     robots = RobotCache(library or ModelLibrary.bundled())
     for i, operation in enumerate(operations):
@@ -133,7 +133,7 @@ def _attach(operation: AttachObject, scene: Scene, robots: RobotCache) -> Scene:
         pose = x_wf.inverse @ thing.pose
     held = replace(thing, pose=pose, attached=Attachment(operation.frame, operation.touch))
     edited = _with_object(scene, held)
-    hold_of(held.name, parents(edited))  # raises if it hangs on itself
+    hold_of(held.name, parents(edited))  # raises if it is its own ancestor
     return edited
 
 
@@ -194,7 +194,7 @@ def _without_touch(thing: SceneObject, name: str) -> SceneObject:
 
 
 def _require_robots_frame(scene: Scene, robots: RobotCache, frame: str) -> Hold:
-    """Return where a frame hangs on a robot."""
+    """Return the root ancestor of a frame; raise unless it is a robot's."""
     above = parents(scene)
     links = robots.bodies(scene)
     if frame not in {*above, *links}:

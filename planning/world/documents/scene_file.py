@@ -1,4 +1,4 @@
-"""Read a scene from YAML, JSON or a decoded document; say which line is at fault."""
+"""Scene parser: YAML, JSON or a decoded document, with the line of every fault."""
 
 from collections.abc import Mapping, Sequence
 from functools import cache
@@ -20,11 +20,11 @@ _MAX_FAULTS = 20
 
 
 def parse_scene(source: str | bytes | Mapping[str, Any], name: str = "the scene") -> Scene:
-    """Return the scene that a text or a decoded document describes.
+    """Return the scene of a text or a decoded document.
 
     Args:
         source: YAML or JSON text, or a mapping.
-        name: How messages call the source, for example a file name.
+        name: Name of the source in messages, for example a file name.
 
     Raises:
         SceneInvalid: With the `path` of every fault and, for text, its `line`.
@@ -68,10 +68,10 @@ def read_scene(path: Path) -> Scene:
 
 
 def with_line(fault: SceneInvalid, source: str | bytes) -> SceneInvalid:
-    """Return a fault that was found after reading, with the line of its `path` in the text.
+    """Return an error found after parsing, with the line of its `path` in the text.
 
     `load_world` finds faults that the text alone does not show, such as a frame whose parent is no
-    link of the robot; it knows the path, and this finds the line.
+    link of the robot; it has the path, and this adds the line.
     """
     path = fault.evidence.get("path")
     if not path or fault.evidence.get("line"):
@@ -87,7 +87,7 @@ def _validate(document: Mapping[str, Any], node: Any, name: str) -> SceneDocumen
     except ValidationError as refusal:
         found = refusal.errors(include_url=False, include_context=False)
     every = faults_of(cast("Any", found), document, _schema())
-    # To find a line takes as long as the text has lines: of many faults only the first are told.
+    # Finding a line takes time proportional to the text: of many faults only the first get one.
     faults = [
         {
             "path": fault.path,
@@ -120,7 +120,7 @@ def _line_of(node: Any, location: Sequence[str | int]) -> int | None:
     for step in location:
         children = _children(node)
         if step not in children:
-            continue  # a step that pydantic made up, such as the branch of a union
+            continue  # an artificial step of pydantic's, such as the branch of a union
         line, node = children[step]
     return line + 1
 

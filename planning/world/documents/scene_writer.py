@@ -1,4 +1,4 @@
-"""scene_document(): a scene as the document that describes it."""
+"""scene_document(): write a scene as a scene document."""
 
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
@@ -30,9 +30,9 @@ def scene_document(scene: Scene, like: SceneDocument | None = None) -> SceneDocu
     once more.
 
     Args:
-        scene: What to describe.
-        like: A document of an earlier revision: robots, objects and frames that are as it says
-            stay as they are written there, bit for bit.
+        scene: The scene.
+        like: A document of an earlier revision: unchanged robots, objects and frames keep its
+            text, bit for bit.
 
     Raises:
         SceneInvalid: The scene has what no document may have, such as too many objects.
@@ -46,7 +46,10 @@ def scene_document(scene: Scene, like: SceneDocument | None = None) -> SceneDocu
     try:
         return SceneDocument.model_validate({**written, "objects": objects})
     except ValidationError:
-        parse_scene({**written, "objects": list(map(_object, scene.objects))})  # says what is wrong
+        parse_scene({
+            **written,
+            "objects": list(map(_object, scene.objects)),
+        })  # raises with the reason
         raise
 
 
@@ -54,7 +57,7 @@ def object_document(thing: SceneObject) -> ObjectDocument:
     """Return the document of an object.
 
     Raises:
-        ValidationError: It is what no document may say.
+        ValidationError: It is invalid as a document.
     """
     return ObjectDocument.model_validate(_object(thing))
 
@@ -80,7 +83,7 @@ def _written(scene: Scene) -> dict[str, Any]:
 def _kept_objects(
     values: Sequence[SceneObject], documents: Sequence[ObjectDocument]
 ) -> list[ObjectDocument | dict[str, Any]]:
-    """Return what describes objects: the earlier documents of those that are as before."""
+    """Return the documents of objects, from the earlier document for unchanged ones."""
     earlier = {document.name: document for document in documents}
     return [
         known
@@ -91,7 +94,7 @@ def _kept_objects(
 
 
 def _kept(written: list[Any], values: Iterable[Any], documents: Iterable[Any]) -> list[Any]:
-    """Return what was written, with earlier documents instead where they say the same."""
+    """Return new documents, replaced by the earlier ones where the values are equal."""
     earlier = {document.name: document for document in documents}
     return [
         earlier[value.name].model_dump()

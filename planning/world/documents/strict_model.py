@@ -1,4 +1,4 @@
-"""Strict building blocks of documents: no unknown keys, no NaN, nothing in quotes but text."""
+"""StrictModel: base of documents without unknown keys, NaN, or quoted values other than text."""
 
 from typing import Annotated, Any
 
@@ -6,7 +6,7 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, Strict
 
 
 def _no_lookalikes(number: Any) -> Any:
-    """Refuse what float() would swallow: booleans and text."""
+    """Raise on values that float() would convert: booleans and text."""
     if isinstance(number, bool | str | bytes):
         message = f"a number is wanted, got {number!r}"
         raise ValueError(message)  # noqa: TRY004  (pydantic collects ValueErrors)
@@ -29,6 +29,6 @@ type Boolean = Annotated[bool, Strict()]
 
 
 class StrictModel(BaseModel):
-    """A document with no unknown keys, that does not change after it was read."""
+    """Immutable document without unknown keys."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)

@@ -1,6 +1,6 @@
-"""xml_root(): XML that is harmless to read, or the reason why it is not.
+"""xml_root(): XML parser for untrusted input, with the reason of a refusal.
 
-Whatever the encoding: document types are refused by the parser that meets them (defusedxml), so
+For any encoding: document types are refused by the parser that meets them (defusedxml), so
 that no entity is ever defined.
 """
 

@@ -1,4 +1,4 @@
-"""read_yaml(): YAML that is what it looks like: no aliases, no key twice, keys of text only."""
+"""read_yaml(): strict YAML without aliases, repeated keys or keys other than text."""
 
 from typing import Any
 
@@ -10,7 +10,7 @@ _TEXT = "tag:yaml.org,2002:str"
 
 
 def read_yaml(text: str | bytes) -> tuple[Any, Any]:
-    """Return what a YAML text says, and its tree of nodes, which know their lines.
+    """Return the content of a YAML text, and its tree of nodes, which have their lines.
 
     Raises:
         yaml.YAMLError: It is not YAML, or uses what is refused; the message has the line.
@@ -20,7 +20,7 @@ def read_yaml(text: str | bytes) -> tuple[Any, Any]:
         node: Any = yaml.compose(text, Loader=yaml.CSafeLoader)
         _refuse_repeated_keys(node)
         return yaml.load(text, Loader=yaml.CSafeLoader), node
-    # PyYAML's constructors of scalars raise these at words that are not of their tag.
+    # Errors of PyYAML's scalar constructors for words that do not match their tag.
     except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError) as fault:
         message = f"a value is not of its tag: {str(fault)[:200]}"
         raise yaml.YAMLError(message) from fault
@@ -30,7 +30,7 @@ def read_yaml(text: str | bytes) -> tuple[Any, Any]:
 
 
 def _refuse_bombs(text: str | bytes) -> None:
-    """Raise on aliases and endless nesting, by a pass over the events that builds nothing."""
+    """Raise on aliases and deep nesting, by a pass over the events that builds nothing."""
     depth = 0
     for count, event in enumerate(yaml.parse(text, Loader=yaml.CSafeLoader)):
         if isinstance(event, yaml.AliasEvent):
@@ -45,7 +45,7 @@ def _refuse_bombs(text: str | bytes) -> None:
 
 
 def _refuse_repeated_keys(node: Any) -> None:
-    """Raise on a key that is given twice: YAML would silently keep the last one."""
+    """Raise on a repeated key: YAML would silently keep the last one."""
     pending = [node]
     while pending:
         current = pending.pop()

@@ -1,1 +1,1 @@
-"""Files that a scene is made of: found, kept by content, and looked at before Drake reads them."""
+"""Files of a scene: search, storage by content, and validation before Drake parses them."""

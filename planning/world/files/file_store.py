@@ -1,4 +1,4 @@
-"""FileStore: bytes of files by their sha256, and folders in which they lie as they were found."""
+"""FileStore: content-addressed storage of files by sha256, and folders made of them."""
 
 import hashlib
 import shutil
@@ -15,7 +15,7 @@ from planning.parallel.atomic_files import write_durably
 
 @dataclass(frozen=True)
 class FileStore:
-    """Copies of files that nothing changes; several processes may share a folder.
+    """Content-addressed store of immutable files; several processes may share a folder.
 
     Attributes:
         folder: With `bytes/`, each file named by its sha256, and `folders/`, which are made of
@@ -26,11 +26,11 @@ class FileStore:
 
     @property
     def meshes(self) -> Path:
-        """Folder of meshes that were made from others; they can be made again."""
+        """Folder of converted meshes; they can be made again."""
         return self.folder / "meshes"
 
     def put(self, content: bytes) -> str:
-        """Keep some bytes, and return their sha256.
+        """Store some bytes, and return their sha256.
 
         Raises:
             OSError: They cannot be written.
@@ -46,7 +46,7 @@ class FileStore:
         """Return the bytes with this sha256.
 
         Raises:
-            AssetNotFound: They are not there, or damaged.
+            AssetNotFound: They are not stored, or damaged.
         """
         content = self._read(sha256)
         if content is None or hashlib.sha256(content).hexdigest() != sha256:
@@ -62,7 +62,7 @@ class FileStore:
             sha256: By path relative to the folder.
 
         Raises:
-            AssetNotFound: One is not kept here.
+            AssetNotFound: One is not stored.
             OSError: The folder cannot be written.
         """
         target = self.folder_of(sha256)
@@ -73,7 +73,7 @@ class FileStore:
         return target
 
     def folder_of(self, sha256: Mapping[str, str]) -> Path:
-        """Return where these files are, once they were unfolded."""
+        """Return the folder of these files after `unfold`."""
         return self.folder / "folders" / digest(sha256)
 
     def _write_folder(self, target: Path, wanted: Mapping[str, str]) -> None:
@@ -101,7 +101,7 @@ class FileStore:
 
 
 def _found_in(folder: Path) -> dict[str, str]:
-    """Return the sha256 of every file in a folder, by path; of none if there is no folder."""
+    """Return the sha256 of every file in a folder, by path; empty if there is no folder."""
     return {
         file.relative_to(folder).as_posix(): hashlib.sha256(file.read_bytes()).hexdigest()
         for file in folder.rglob("*")

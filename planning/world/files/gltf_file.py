@@ -1,6 +1,6 @@
-"""require_sound_gltf(): whether a glTF points only at what it has (glTF 2.0, section 3.6).
+"""require_sound_gltf(): validation of a glTF's references (glTF 2.0, section 3.6).
 
-The loader that Drake uses reads beyond the end of buffers, follows children in circles, and takes
+The loader that Drake uses reads beyond the end of buffers, follows children in cycles, and takes
 indices as they are; each of these ends the process.
 """
 
@@ -15,7 +15,7 @@ _COMPONENT_BYTES = {5120: 1, 5121: 1, 5122: 2, 5123: 2, 5125: 4, 5126: 4}
 _NUM_COMPONENTS = {
     "SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT2": 4, "MAT3": 9, "MAT4": 16,
 }  # fmt: skip
-# By which a part of each list names others, and the list that these are in.
+# Fields by which an element of each list refers to others, and the list of these.
 _POINTERS = {
     "bufferViews": {"buffer": "buffers"},
     "accessors": {"bufferView": "bufferViews"},
@@ -24,10 +24,10 @@ _POINTERS = {
 
 
 def require_sound_gltf(file: Path) -> None:
-    """Go on only if everything that a glTF refers to is there.
+    """Raise unless every element that a glTF refers to exists.
 
     Raises:
-        ValueError: It is not; the message names the element, such as `accessor 3`.
+        ValueError: One does not; the message names the element, such as `accessor 3`.
     """
     try:
         document = json.loads(file.read_bytes())
@@ -41,7 +41,7 @@ def require_sound_gltf(file: Path) -> None:
 
 
 class _Gltf:
-    """A document, and the folder that its buffers are in."""
+    """Document, and the folder that its buffers are in."""
 
     def __init__(self, document: Mapping[str, Any], folder: Path) -> None:
         self._document = document

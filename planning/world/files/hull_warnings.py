@@ -1,4 +1,4 @@
-"""hull_warnings(): meshes that are not convex, and by how much their hulls are larger."""
+"""hull_warnings(): warnings about meshes that are not convex, with their hulls' excess volume."""
 
 from functools import lru_cache
 from pathlib import Path
@@ -11,7 +11,7 @@ from pydrake.multibody.tree import CalcSpatialInertia
 from planning.world.drake_model import DrakeModel
 from planning.world.files.mesh_files import name_of
 
-# A hull that is larger by less is as good as the mesh.
+# Relative excess volume below which a mesh counts as convex.
 _SMALLEST_EXCESS = 0.01
 
 
@@ -36,7 +36,7 @@ def hull_warnings(model: DrakeModel) -> tuple[str, ...]:
 
 @lru_cache(maxsize=4096)
 def _warning(path: Path, scale: tuple[float, ...], _changed: int) -> str:
-    """Return by how much the hull of a mesh is larger; "" if the mesh is as good as convex."""
+    """Return the excess volume of a mesh's hull as text; "" if the mesh is convex enough."""
     mesh = Mesh(str(path), scale3=np.array(scale))
     hull: Any = mesh.GetConvexHull()
     # The divergence theorem: a third of the flow of x through the faces.
@@ -53,7 +53,7 @@ def _warning(path: Path, scale: tuple[float, ...], _changed: int) -> str:
 
 
 def _volume(mesh: Mesh) -> float:
-    """Return the volume inside a mesh [m^3]; 0 if that is not sure."""
+    """Return the volume inside a mesh [m^3]; 0 if it is not well defined."""
     try:
         return float(CalcSpatialInertia(mesh, 1.0).get_mass())
     except (RuntimeError, ValueError):  # inside out, flat or open

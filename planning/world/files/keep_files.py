@@ -1,4 +1,4 @@
-"""keep_files(): a scene with the bytes of its files, so that it no longer depends on a disk."""
+"""keep_files(): copy a scene's files into the store, so that it no longer depends on the disk."""
 
 from collections.abc import Generator, Mapping, Sequence
 from contextlib import contextmanager
@@ -19,26 +19,26 @@ from planning.world.models.robot_card import read_robot_card
 
 @dataclass(frozen=True)
 class KeptScene:
-    """A scene whose files are in a store.
+    """Scene whose files are in a store.
 
     Attributes:
         scene: With `files` of all its robots and meshes, and of nothing else.
-        store: Where they are.
+        store: The store.
     """
 
     scene: Scene
     store: FileStore
 
     def folder(self, robot: str) -> Path:
-        """Return the folder that the copies of a robot's files are in."""
+        """Return the folder of the copies of a robot's files."""
         return self.store.folder_of(self.scene.files[robot].sha256)
 
     def source(self, robot: str) -> RobotSource:
         """Return the copies of a robot's files.
 
         Raises:
-            AssetNotFound: One is not there any more.
-            ModelInvalid: Its card is none.
+            AssetNotFound: One does not exist any more.
+            ModelInvalid: Its card is invalid.
         """
         kept = self.scene.files[robot]
         folder = self.store.unfold(kept.sha256)
@@ -50,7 +50,7 @@ class KeptScene:
         """Return an object whose mesh is the copy of its file.
 
         Raises:
-            AssetNotFound: It is not there any more.
+            AssetNotFound: It does not exist any more.
         """
         if not isinstance(thing.shape, Mesh):
             return thing
@@ -60,7 +60,7 @@ class KeptScene:
 
     @contextmanager
     def faults_as_found(self) -> Generator[None]:
-        """Have faults name the files that the scene names, and not their copies.
+        """Rewrite errors raised inside to name the scene's own files, not their copies.
 
         Raises:
             ModelInvalid: As it was raised inside.
@@ -77,10 +77,10 @@ class KeptScene:
 
 @contextmanager
 def told_as(names: Mapping[str, str]) -> Generator[None]:
-    """Have faults name folders as the caller knows them.
+    """Rewrite errors raised inside to name folders as the caller does.
 
     Args:
-        names: What stands for each folder; faults of files that are not in any stay as they are.
+        names: Replacement of each folder; errors about files outside of them stay as they are.
 
     Raises:
         ModelInvalid: As it was raised inside.
@@ -108,25 +108,25 @@ def _retold(content: Any, names: Mapping[str, str]) -> Any:
 
 
 def _origin(kept: KeptFiles) -> str:
-    """Return what the folder of the files is called: a robot's name, or where its path says."""
+    """Return the name of the files' folder: a robot's name, or the folder of its path."""
     if "/" not in kept.named and kept.named != kept.main:
         return kept.named
     return kept.named.removesuffix(kept.main).rstrip("/") or "."
 
 
 def keep_files(scene: Scene, library: ModelLibrary) -> KeptScene:
-    """Return a scene with its files kept: those that it says, the others as they are now.
+    """Return a scene with its files stored: those in its `files`, the others as they are now.
 
     Args:
-        scene: Whose `files` may be there already, all or some; those that were read for a model
+        scene: Its `files` may have all or some already; those that were read for a model
             or mesh of another name are read anew.
-        library: Where robots are found and copies are kept.
+        library: Library of robots, with the folder of copies.
 
     Raises:
         UnknownName: There is no such robot.
-        AssetNotFound: A file is not there, or paths are not allowed.
-        ModelInvalid: A robot's card is none, or its files are too large.
-        SceneInvalid: An object's mesh is not there.
+        AssetNotFound: A file does not exist, or paths are not allowed.
+        ModelInvalid: A robot's card is invalid, or its files are too large.
+        SceneInvalid: An object's mesh does not exist.
     """
     keeper = _Keeper(library, FileStore(library.copies or cache_folder() / "copies"))
     files: dict[str, KeptFiles] = {}
@@ -147,7 +147,7 @@ def _known(scene: Scene, name: str, named: str) -> KeptFiles | None:
 
 @dataclass
 class _Keeper:
-    """Reads each file once, however often the scene names it."""
+    """Copier that reads each file once, even if the scene names it several times."""
 
     library: ModelLibrary
     store: FileStore
@@ -163,7 +163,7 @@ class _Keeper:
         return self.robots[model]
 
     def _names(self, model: str) -> dict[str, str]:
-        """Return how robots that are asked for by name know the library's folders."""
+        """Return the library's folders by the names of its robots, for messages."""
         if model not in self.library.names:
             return {}
         roots = self.library.roots

@@ -1,4 +1,4 @@
-"""upright(): what brings a mesh's own units and axes to metres with z up, as Drake has glTF."""
+"""upright(): transform of a mesh's units and axes to metres with z up, as Drake does with glTF."""
 
 from io import BytesIO
 from typing import Any
@@ -19,17 +19,17 @@ _TO_Z_UP = {
 
 
 def upright(content: bytes, suffix: str) -> Float64[np.ndarray, "4 4"]:
-    """Return the matrix that a mesh's vertices are to be multiplied by.
+    """Return the matrix that maps a mesh's vertices to metres with z up.
 
-    COLLADA says its unit and its axes; glTF is in metres with y up (glTF 2.0, section 3.4); STL,
-    PLY and OFF say neither and are taken as they are.
+    COLLADA states its unit and its axes; glTF is in metres with y up (glTF 2.0, section 3.4); STL,
+    PLY and OFF state neither and are taken as they are.
 
     Args:
         content: Of the file.
         suffix: Its ending, in small letters.
 
     Raises:
-        ValueError: The COLLADA file states a unit or an axis that is none.
+        ValueError: The COLLADA file states an invalid unit or axis.
     """
     matrix = np.eye(4)
     if suffix in (".glb", ".gltf"):

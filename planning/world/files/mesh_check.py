@@ -1,4 +1,4 @@
-"""require_sound_mesh(): a look at a mesh before a parser in C++ has it."""
+"""require_sound_mesh(): validation of a mesh file before a C++ parser reads it."""
 
 from functools import lru_cache
 from pathlib import Path
@@ -12,11 +12,11 @@ _LOOKS = {".gltf": require_sound_gltf, ".obj": require_sound_obj, ".vtk": requir
 
 
 def require_sound_mesh(mesh: Path, named: str) -> None:
-    """Go on only if a mesh does not point beyond itself; kinds that are not looked at are sound.
+    """Raise if a mesh refers to elements that it does not have; unknown kinds pass.
 
     Args:
         mesh: The file.
-        named: Who names it, for the message.
+        named: Name of the referring file, for the message.
 
     Raises:
         ModelInvalid: It does; the message names the file and the element.
@@ -30,7 +30,7 @@ def require_sound_mesh(mesh: Path, named: str) -> None:
 
 @lru_cache(maxsize=1024)
 def _fault(mesh: Path, _time: int, _size: int) -> str:
-    """Return what is wrong with a mesh, or ""; copies that scenes keep never change."""
+    """Return the fault of a mesh, or ""; cached, since stored copies never change."""
     look = _LOOKS.get(mesh.suffix.lower())
     try:
         if look is not None:

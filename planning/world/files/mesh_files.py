@@ -1,4 +1,4 @@
-"""Meshes that Drake does not read (STL, COLLADA, PLY) become OBJ files in a cache, by content."""
+"""Mesh conversion: STL, COLLADA and PLY, which Drake does not read, become cached OBJ files."""
 
 import hashlib
 import os
@@ -18,10 +18,11 @@ from planning.world.files.mesh_axes import upright
 _READ_BY_DRAKE = (".obj", ".vtk", ".gltf")
 _READ_IN_MJCF = (".obj",)
 _CONVERTED = (".stl", ".dae", ".ply", ".off", ".glb")
-# To be raised with every change of what a mesh becomes here: twins of another version are not read.
+# Version of the conversion, raised with every change of it: other versions' files are not read.
 _VERSION = 2
 _TWIN = re.compile(r"^[0-9a-f]{64}-(.*)\.obj$")
-# What loaded worlds read again, for a replay, was touched when they were loaded [s].
+# Size of the cache [bytes], and age above which a file may be removed [s]: loaded worlds touch
+# theirs when they load, and may read them again for a replay.
 _MOST_BYTES, _IN_USE = 2**29, 3600.0
 _LONGEST_NAME = 100
 
@@ -29,7 +30,7 @@ _LONGEST_NAME = 100
 def with_readable_meshes(
     file: Path, root: ET.Element, meshes: dict[str, Path], folder: Path, *, always: bool = False
 ) -> str | None:
-    """Return the description with every mesh as the address of one that Drake reads.
+    """Return the description with every mesh replaced by the address of one that Drake reads.
 
     Addresses are file:// ones, and in MJCF paths.
 
@@ -38,12 +39,12 @@ def with_readable_meshes(
     Args:
         file: The description.
         root: The description, parsed; left as it is.
-        meshes: Where each mesh is, by the name that the description gives it.
-        folder: Of meshes that were made from others.
+        meshes: Path of each mesh, by its name in the description.
+        folder: Of converted meshes.
         always: Return the description even if Drake reads all of its meshes.
 
     Raises:
-        ModelInvalid: A mesh is of no known kind, or is broken.
+        ModelInvalid: A mesh is of an unknown kind, or is broken.
     """
     is_mjcf = root.tag == "mujoco"
     read = _READ_IN_MJCF if is_mjcf else _READ_BY_DRAKE
@@ -62,12 +63,12 @@ def with_readable_meshes(
             element.text = paths[(element.text or "").strip()]
     _tame_colors(copy)
     for transmission in copy.findall("transmission"):
-        copy.remove(transmission)  # of no use to us, and fatal to Drake if its joint is not there
+        copy.remove(transmission)  # unused here, and fatal to Drake if its joint does not exist
     return ET.tostring(copy, encoding="unicode")
 
 
 def _tame_colors(root: ET.Element) -> None:
-    """Mend what other viewers forgive and Drake does not: colours are no reason to refuse a robot.
+    """Repair colours that other viewers accept and Drake rejects: no reason to refuse a robot.
 
     A material's name that is given twice with different colours gets a number, and a colour of five
     numbers, as one converter writes, loses the fourth.
@@ -86,7 +87,7 @@ def _tame_colors(root: ET.Element) -> None:
 
 
 def _readable(file: Path, mesh: Path, read: tuple[str, ...], folder: Path) -> Path:
-    """Return the mesh itself if it is `read`, or its OBJ twin, made when it is first asked for."""
+    """Return the mesh itself if it is `read`, or its OBJ conversion, made at its first use."""
     suffix = mesh.suffix.lower()
     if suffix in read:
         return mesh
@@ -102,7 +103,7 @@ def _readable(file: Path, mesh: Path, read: tuple[str, ...], folder: Path) -> Pa
     else:
         try:
             text = _as_obj(content, suffix)
-        except Exception as fault:  # trimesh's readers raise whatever their formats do
+        except Exception as fault:  # trimesh's readers raise errors of any class
             message = f"{file.name}: mesh {mesh.name} cannot be read: {fault}"
             raise ModelInvalid(message, {"file": str(file), "reason": str(fault)}) from fault
         write_atomically(target, text)
@@ -111,13 +112,13 @@ def _readable(file: Path, mesh: Path, read: tuple[str, ...], folder: Path) -> Pa
 
 
 def name_of(mesh: Path) -> str:
-    """Return the name of a mesh's file, of a twin that of what it was made from."""
+    """Return the name of a mesh's file; of a converted mesh, the name of its source."""
     twin = _TWIN.match(mesh.name)
     return twin[1] if twin else mesh.name
 
 
 def twins_version() -> str:
-    """Return the name of the folder of meshes that this version of the code makes from others."""
+    """Return the name of the folder of meshes converted by this version of the code."""
     return f"{_VERSION}-{version('trimesh')}"
 
 
@@ -136,7 +137,7 @@ def _as_obj(content: bytes, suffix: str) -> str:
 
 
 def cache_folder() -> Path:
-    """Return the folder of things that can be made again, created if needed."""
+    """Return the folder of reproducible files, created if needed."""
     home = os.environ.get("XDG_CACHE_HOME") or str(Path.home() / ".cache")
     folder = Path(home) / "wayproof"
     folder.mkdir(parents=True, exist_ok=True)

@@ -1,6 +1,6 @@
-"""require_sound_obj(): whether the faces of an OBJ have their vertices, all at finite places.
+"""require_sound_obj(): validation of an OBJ's face indices and vertices before Drake parses it.
 
-Drake reads vertices that are not there, which ends the process, and takes NaN for a position.
+Drake reads vertices out of bounds, which ends the process, and accepts NaN as a position.
 """
 
 import math
@@ -12,7 +12,7 @@ _FACE = re.compile(rb"^[ \t]*f[ \t]+(.*)$", re.MULTILINE)
 
 
 def require_sound_obj(file: Path) -> None:
-    """Go on only if an OBJ has every vertex that its faces name, and all at finite places.
+    """Raise unless an OBJ has every vertex that its faces name, and all at finite positions.
 
     Raises:
         ValueError: It does not; the message names the vertex or face, counted from 1.
@@ -27,7 +27,8 @@ def require_sound_obj(file: Path) -> None:
     for number, face in enumerate(_FACE.finditer(content), 1):
         for word in face[1].split():
             index = word.partition(b"/")[0]
-            # Negative ones count back from the last vertex so far; what is no number Drake refuses.
+            # Negative ones count back from the last vertex so far; Drake refuses words that are no
+            # numbers.
             if index.isdigit() and int(index) > count:
                 message = f"face {number} has vertex {int(index)}, and there are {count} vertices"
                 raise ValueError(message)
@@ -37,4 +38,4 @@ def _is_finite(word: bytes) -> bool:
     try:
         return math.isfinite(float(word))
     except ValueError:
-        return True  # what is no number Drake refuses itself
+        return True  # Drake itself refuses words that are no numbers

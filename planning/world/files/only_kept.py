@@ -1,4 +1,4 @@
-"""require_kept(): whether a robot is made of its kept files and of nothing else on the disk."""
+"""require_kept(): check that a robot was loaded from its stored files only."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -17,16 +17,16 @@ def require_kept(
     description: Path,
     folders: Sequence[Path],
 ) -> None:
-    """Go on only if every mesh of a robot is a kept file, or was made from one.
+    """Raise unless every mesh of a robot is a stored file, or was converted from one.
 
     Args:
         build: With the robot.
         instances: The robot's.
-        description: Of the robot, among its kept files.
-        folders: That its kept files are in, and what was made from them.
+        description: Of the robot, among its stored files.
+        folders: Folders of its stored files, and of meshes converted from them.
 
     Raises:
-        ModelInvalid: Drake has read another one, which may change without notice.
+        ModelInvalid: Drake has read another file, which may change without notice.
     """
     for file in _mesh_files(build, instances):
         if not any(file.is_relative_to(kept) for kept in folders):

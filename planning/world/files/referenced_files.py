@@ -1,7 +1,7 @@
-"""find_files(): every file that a robot description or a mesh is made of.
+"""find_files(): every file that a robot description or a mesh refers to.
 
 A description names meshes, textures and further descriptions; a mesh names materials, textures
-and buffers. Whatever is named and exists counts, whether or not a parser will read it.
+and buffers. Every named file that exists counts, whether or not a parser will read it.
 """
 
 import json
@@ -33,12 +33,12 @@ _ABSOLUTE = re.compile(rb"(?<=[\"'>])(\s*)((?:file://)?/[^\"'<>]*?)(\s*)(?=[\"'<
 
 @dataclass(frozen=True)
 class FoundFiles:
-    """Files, read once.
+    """Contents of all files of a description or mesh, read once.
 
     Attributes:
-        folder: That all of them are in.
+        folder: Common folder of all of them.
         content: Their bytes, by path relative to it.
-        main: Path of the one that names the others.
+        main: Path of the file that names the others.
     """
 
     folder: Path
@@ -51,16 +51,16 @@ class FoundFiles:
 
 
 def find_files(main: Path, beside: Sequence[Path] = ()) -> FoundFiles:
-    """Return a file, what it names, and what that names.
+    """Return a file and the files that it names, directly or through others.
 
-    Absolute paths in descriptions become relative ones, so that the files can lie anywhere.
+    Absolute paths in descriptions become relative ones, so that the files can be moved.
 
     Args:
         main: A robot's description or a mesh.
-        beside: Further files that go with it, if they are there.
+        beside: Further files that go with it, if they exist.
 
     Raises:
-        AssetNotFound: A file cannot be read, or a mesh is in a package that is not there.
+        AssetNotFound: A file cannot be read, or a mesh is in a package that does not exist.
         ModelInvalid: The files are too large.
     """
     search = _Search(_absolute(main))
@@ -75,15 +75,15 @@ def find_files(main: Path, beside: Sequence[Path] = ()) -> FoundFiles:
 
 @dataclass
 class _Search:
-    """What was found so far, by absolute path.
+    """Search of files, with those found so far by absolute path.
 
     Attributes:
-        main: Where it begins.
+        main: First file.
         content: Bytes of each file.
         packages: Folders of packages; their names count, so they are no anchors themselves.
-        named: What descriptions name, relative to any of `bases`.
-        bases: Folders that descriptions are in, or say that their meshes are in.
-        direct: What is named in one way only.
+        named: Names in descriptions, relative to any of `bases`.
+        bases: Folders that descriptions are in, or that they declare for their meshes.
+        direct: Files that are named in one way only.
         fixed: Descriptions that name something by an absolute path.
     """
 
@@ -103,13 +103,13 @@ class _Search:
                 self._read(file)
 
     def relocated(self, file: Path) -> bytes:
-        """Return the bytes of a file with relative paths for those absolute ones that were found.
+        """Return the bytes of a file with the absolute paths of found files made relative.
 
-        A description's paths are relative to the folder of the first one, or in MJCF to the one
-        that it says its meshes are in.
+        A description's paths are relative to the folder of the first one, or in MJCF to its
+        declared mesh folder.
 
         Raises:
-            ModelInvalid: Another absolute path is left, which would be read where it is.
+            ModelInvalid: Another absolute path is left, which would be read from its place on disk.
         """
         if file not in self.fixed:
             return self.content[file]
@@ -157,7 +157,7 @@ class _Search:
             self.direct.add(file.with_suffix(".srdf"))
         root = plain_root(content)
         if root is None:
-            return  # what inspects it says so
+            return  # the inspection reports it
         self.bases.add(self.main.parent)
         for element in root.iter():
             folders, texts = _folders_of(element), _named_by(element)
@@ -200,7 +200,7 @@ def _is_fixed(text: str) -> bool:
 
 
 def _names(file: Path, content: bytes) -> list[str]:
-    """Return what a mesh or a material names, relative to its own folder."""
+    """Return the names in a mesh or a material, relative to its own folder."""
     match file.suffix.lower():
         case ".obj":
             return _words(_MATERIALS.findall(content))
@@ -224,7 +224,7 @@ def _gltf_uris(content: bytes) -> list[str]:
         entries = [*document.get("buffers", []), *document.get("images", [])]
         uris = [str(entry.get("uri", "")) for entry in entries]
     except (ValueError, AttributeError, TypeError, RecursionError):
-        return []  # what loads it says so
+        return []  # the loader reports it
     return [unquote(uri) for uri in uris if uri and not uri.startswith("data:")]
 
 

@@ -1,4 +1,4 @@
-"""included_models(): the descriptions that an SDF includes, and those that they include."""
+"""included_models(): the descriptions that an SDF includes, directly or through others."""
 
 import re
 from collections.abc import Mapping
@@ -13,12 +13,12 @@ _MOST = 200
 
 
 def included_models(file: Path, root: ET.Element, packages: Mapping[str, Path]) -> list[ET.Element]:
-    """Return the roots of all included descriptions; Drake says which are not there.
+    """Return the roots of all included descriptions; missing ones are left to Drake's error.
 
     Args:
         file: The SDF.
-        root: Of it.
-        packages: Folders of the packages that Drake knows.
+        root: Its root element.
+        packages: Folders of the packages that Drake has.
 
     Raises:
         ModelInvalid: A file includes itself, directly or through others, or too many are included.
@@ -47,7 +47,7 @@ def _root_of(path: Path) -> ET.Element | None:
     try:
         return xml_root(path.read_bytes())
     except (ValueError, OSError):
-        return None  # Drake says so
+        return None  # Drake reports it
 
 
 def _invalid(file: Path, reason: str) -> ModelInvalid:

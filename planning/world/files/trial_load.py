@@ -1,7 +1,7 @@
-"""tried(): a scene whose files were loaded once where a crash costs nothing.
+"""Trial load of a scene's files in a forked process, where a crash does no harm.
 
 The parsers of meshes and descriptions are C++ that trusts its input: some files end the process,
-or fill its memory. So what a stranger's file makes of a process is seen in a fork of this one.
+or fill its memory. So a file of unknown origin is first loaded in a fork of this process.
 """
 
 import faulthandler
@@ -22,32 +22,32 @@ from planning.world.files.keep_files import KeptScene, keep_files
 from planning.world.loading.builder import build_alone
 from planning.world.models.model_library import ModelLibrary
 
-# A robot of a hundred meshes takes some seconds; what takes longer is no robot [s].
+# Time limit for one file [s]; a robot of a hundred meshes takes some seconds.
 _LONGEST = 30.0
-# What a file may make of memory, beside what the process has already.
+# Memory that a file may use in addition to the process's own.
 _MOST_MEMORY = 8 * 2**30
 _NEXT, _DONE, _NO_MEMORY = b"n", b"d", b"m"
 _ENDED = "the process that loads it ends"
-# By content, of this process; another one tries again.
+# Tried files by content, in this process; another one tries again.
 _harmless: set[str] = set()
 
 type Thing = SceneRobot | SceneObject
 
 
 def tried(scene: Scene, library: ModelLibrary, longest: float = _LONGEST) -> Scene:
-    """Return a scene with its files, none of which ends the process that loads it.
+    """Return a scene with its files, after a trial load of each file in a fork.
 
-    Robots of the library are its operator's, and are not tried. Nor is anything in a process with
+    Robots of the library are trusted, and are not tried. Nothing is tried in a process with
     several threads, which cannot be forked.
 
     Args:
         scene: To load next.
-        library: Where robots are found and copies are kept.
-        longest: For one file [s].
+        library: Library of robots, with the folder of copies.
+        longest: Time limit for one file [s].
 
     Raises:
-        ModelInvalid: A file does end it; the evidence names it.
-        WayproofError: As of `load_world`, where the files cannot be kept.
+        ModelInvalid: A file ends the process; the evidence names it.
+        WayproofError: As of `load_world`, where the files cannot be stored.
     """
     kept = keep_files(scene, library)
     trusted = set(library.names)
@@ -63,7 +63,7 @@ def tried(scene: Scene, library: ModelLibrary, longest: float = _LONGEST) -> Sce
 
 
 def _try(kept: KeptScene, things: Sequence[Thing], longest: float) -> None:
-    """Load things in a fork, and raise for the one that the fork did not outlive."""
+    """Load things in a fork, and raise for the one at which the fork ended."""
     near, far = os.pipe()
     parent = os.getpid()
     try:
@@ -88,11 +88,11 @@ def _try(kept: KeptScene, things: Sequence[Thing], longest: float) -> None:
 
 
 def _load(kept: KeptScene, things: Sequence[Thing], far: int, parent: int) -> None:
-    """In the child: load one after the other, and tell which; never return."""
+    """In the child: load one thing after the other, and report each index; never return."""
     try:
         die_with_parent()
         if os.getppid() == parent:
-            faulthandler.disable()  # what the file does is told by the parent, in a sentence
+            faulthandler.disable()  # the parent reports the crash
             _bound_memory()
             for _ in map(partial(_load_one, kept, far), things):
                 pass
@@ -121,7 +121,7 @@ def _bound_memory() -> None:
 
 
 def _watch(near: int, longest: float) -> tuple[int, str]:
-    """Return which thing was loaded last, and why no other; "" if all were."""
+    """Return the thing that was loaded last, and why the fork ended; "" if all were loaded."""
     number = -1
     with selectors.DefaultSelector() as selector:
         selector.register(near, selectors.EVENT_READ)

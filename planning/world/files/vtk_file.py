@@ -1,6 +1,6 @@
-"""require_sound_vtk(): whether the cells of a VTK file (legacy format, ASCII) have their points.
+"""require_sound_vtk(): validation of a VTK file's cells and points (legacy format, ASCII).
 
-VTK reads points that are not there, and sets aside whatever memory the file announces.
+VTK reads points out of bounds, and allocates whatever memory the file announces.
 """
 
 from pathlib import Path
@@ -9,7 +9,7 @@ import numpy as np
 
 
 def require_sound_vtk(file: Path) -> None:
-    """Go on only if a VTK file has every point that its cells name, and all at finite places.
+    """Raise unless a VTK file has every point that its cells name, and all at finite positions.
 
     Raises:
         ValueError: It does not, or is not written as text; the message names the list.
@@ -19,7 +19,7 @@ def require_sound_vtk(file: Path) -> None:
         message = "it is BINARY, which cannot be looked at before it is read: write it as ASCII"
         raise ValueError(message)
     if b"POINTS" not in words or b"CELLS" not in words:
-        return  # what is neither Drake refuses
+        return  # Drake refuses any other kind
     count, points = _list(words, b"POINTS", 3)
     if not np.isfinite(_numbers(points[:], np.float64, "POINTS")).all():
         message = "POINTS: one of them is at no place"
@@ -42,7 +42,7 @@ def _list(words: list[bytes], name: bytes, per_item: int) -> tuple[int, list[byt
 
 
 def _connectivity(words: list[bytes]) -> list[int]:
-    """Return the points of all cells; the file gives them with counts between, or since 5.1 not."""
+    """Return the point indices of all cells; with counts between them, or since 5.1 without."""
     if b"CONNECTIVITY" in words:
         at = words.index(b"CONNECTIVITY") + 2
         stop = next((k for k in range(at, len(words)) if not _is_whole(words[k])), len(words))

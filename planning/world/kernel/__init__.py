@@ -1,1 +1,1 @@
-"""A loaded scene in the native kernel."""
+"""Loaded scenes in the native kernel: links, joints, collision pairs and collision checks."""

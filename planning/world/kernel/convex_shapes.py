@@ -1,4 +1,4 @@
-"""Drake's collision shapes as the kernel takes them."""
+"""Conversion of Drake's collision shapes to the kernel's convex shapes."""
 
 from functools import lru_cache
 from pathlib import Path
@@ -20,15 +20,15 @@ from planning.kernel.shape import ConvexShape, ShapeKind
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
-# Faces of a hull whose normals differ by less are one [rad].
+# Angle of normals below which faces of a hull are one face [rad].
 _SAME_FACE = 1e-7
-# Those of a few dozen robots.
+# Number of cached hulls: those of a few dozen robots.
 _MOST_HULLS = 1024
 _hulls: dict[tuple[Any, ...], ConvexShape] = {}
 
 
 def convex_shape(shape: Any) -> ConvexShape | None:  # noqa: PLR0911  (one case per shape)
-    """Return the convex body that Drake takes a shape for; None if it is of an unknown kind."""
+    """Return the convex body that Drake uses for a shape; None if it is of an unknown kind."""
     match shape:
         case Box():
             return _primitive(ShapeKind.BOX, *(np.asarray(shape.size()) / 2).tolist())
@@ -48,7 +48,7 @@ def convex_shape(shape: Any) -> ConvexShape | None:  # noqa: PLR0911  (one case 
             return None
 
 
-# Many objects of a scene are as large as each other.
+# Many objects of a scene have the same size.
 @lru_cache(maxsize=4096)
 def _primitive(kind: ShapeKind, *sizes: float) -> ConvexShape:
     size = np.zeros(3)
@@ -57,7 +57,7 @@ def _primitive(kind: ShapeKind, *sizes: float) -> ConvexShape:
 
 
 def _hull_of(shape: Any) -> ConvexShape:
-    """Return the hull of a mesh, worked out once per file and scale: that takes milliseconds."""
+    """Return the hull of a mesh, cached by file and scale: computing it takes milliseconds."""
     source = shape.source()
     if not source.is_path():
         return _hull(shape.GetConvexHull())

@@ -1,4 +1,4 @@
-"""Collision verdicts by the native kernel where it is sure, and by Drake where it is not."""
+"""Collision checks by the native kernel where it is certain, and by Drake where it is not."""
 
 from collections.abc import Callable
 from functools import cached_property
@@ -23,9 +23,9 @@ _FREE, _COLLIDING, _UNSURE = 0, 1, 2
 
 
 class KernelCollisionOracle:
-    """Gives Drake's answers: what the kernel calls free or colliding, Drake does as well.
+    """Collision checker with Drake's results: free or colliding by the kernel is the same by Drake.
 
-    Of separate boxes both go by the true distance, which Drake overstates now and then.
+    For separate boxes both use the true distance, which Drake overstates now and then.
 
     Attributes:
         num_left: Configurations that were left to Drake so far.
@@ -40,7 +40,7 @@ class KernelCollisionOracle:
         margins: PairMargins,
         bare: Callable[[], SceneGraphCollisionChecker] | None = None,
     ) -> None:
-        """Prepare the kernel for a group whose verdicts demand `margins` of every pair.
+        """Prepare the kernel for a group, with `margins` of every pair.
 
         `bare` gives the model's `bare_checker`.
         """
@@ -58,7 +58,7 @@ class KernelCollisionOracle:
         self._is_straight = group.num_positions == group.num_velocities
 
     def is_free(self, q: Float64[np.ndarray, " nq"]) -> bool:
-        """Return whether the group at q, shape (nq,), keeps its distances."""
+        """Return whether all pairs keep their margins with the group at q, shape (nq,)."""
         verdict = self._checker.judge_one(q)
         if verdict == _UNSURE:
             self.num_left += 1
@@ -76,7 +76,7 @@ class KernelCollisionOracle:
         return free
 
     def verdicts(self, qs: Float64[np.ndarray, "m nq"]) -> UInt8[np.ndarray, " m"]:
-        """Return what the kernel says by itself: 0 free, 1 colliding, 2 not sure."""
+        """Return the kernel's own verdicts: 0 free, 1 colliding, 2 undecided."""
         return self._checker.judge(qs)
 
     def is_motion_free(
@@ -93,9 +93,9 @@ class KernelCollisionOracle:
         return bool(self.are_motions_free(origin[None], displacement[None], resolution)[0])
 
     def is_edge_free(self, q0: list[float], q1: list[float], resolution: float) -> tuple[bool, int]:
-        """Return whether the straight way between two configurations is free, ends included.
+        """Return whether the straight edge between two configurations is free, and its steps.
 
-        And of how many steps it is. For joints that do not float.
+        Both ends are checked. For joints that do not float.
         """
         verdict, steps = self._checker.judge_edge(q0, q1, resolution)
         if verdict != _UNSURE:
@@ -127,7 +127,7 @@ class KernelCollisionOracle:
 
     @cached_property
     def _drake(self) -> DrakeCollisionOracle:
-        """Made when it is first needed: it takes longer than most searches."""
+        """Drake's checker, made at its first use: that takes longer than most searches."""
         return DrakeCollisionOracle(*self._drake_arguments)
 
 

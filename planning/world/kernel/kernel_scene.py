@@ -1,4 +1,4 @@
-"""KernelScene: a loaded world in the native kernel."""
+"""KernelScene: collision geometry and pairs of a loaded world in the native kernel."""
 
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, replace
@@ -30,7 +30,7 @@ _NONE = Covering(np.zeros((0, 4)), np.zeros((0, 4)), np.zeros(4), 0.0)
 
 @dataclass(frozen=True)
 class KernelScene:
-    """Never leaves the process, as a DrakeModel.
+    """Loaded world in the kernel. Never leaves the process, as a DrakeModel.
 
     Attributes:
         native: The kernel's Scene.
@@ -51,7 +51,7 @@ class KernelScene:
 
     @property
     def bodies(self) -> tuple[tuple[str, str], ...]:
-        """Full names of their bodies."""
+        """Full names of both bodies of every pair."""
         return self.candidates.pair_names
 
     def pair(self, row: int) -> tuple[GeometryId, GeometryId]:
@@ -71,11 +71,11 @@ class KernelScene:
     def by_pair(
         self, value: Callable[[str, str], float], exceptions: Collection[tuple[str, str]]
     ) -> Float64[np.ndarray, " num_pairs"]:
-        """Return a number for every pair of bodies, by their full names.
+        """Return a number for every pair of bodies, by a function of their full names.
 
         Args:
             value: The number; the same for all pairs of one robot, and the same for all others.
-            exceptions: Pairs, by names in sorted order, of which it may be another.
+            exceptions: Pairs, by names in sorted order, whose number may differ.
         """
         names = set(exceptions)
         found = np.full(len(self.is_of_one_robot), np.nan)
@@ -103,9 +103,9 @@ _made: WeakKeyDictionary[StaticObjects, KernelScene | None] = WeakKeyDictionary(
 
 
 def kernel_scene_of(model: DrakeModel) -> KernelScene | None:
-    """Return the model in the kernel, making it the first time only.
+    """Return the model in the kernel, cached by model.
 
-    None if the model shall do without, or as `kernel_scene` says.
+    None if the model does not use the kernel, or as of `kernel_scene`.
     """
     if not model.uses_kernel:
         return None
@@ -115,7 +115,7 @@ def kernel_scene_of(model: DrakeModel) -> KernelScene | None:
 
 
 def share_kernel_scene(before: DrakeModel, after: DrakeModel, rows: Sequence[int]) -> None:
-    """Let a model have the kernel's scene of another one, some rows of `standing` elsewhere."""
+    """Copy the kernel scene of one model to another, with some rows of `standing` moved."""
     scene = kernel_scene_of(before)
     if scene is None:
         _made[after.standing] = None
@@ -130,8 +130,8 @@ def share_kernel_scene(before: DrakeModel, after: DrakeModel, rows: Sequence[int
 def kernel_scene(model: DrakeModel) -> KernelScene | None:
     """Return the model in the kernel.
 
-    None if there is no kernel, or if the model has a joint or a shape that it does not know: Drake
-    alone answers then.
+    None if there is no kernel, or if the model has a joint or a shape that it does not have: Drake
+    alone decides then.
     """
     module, tree = native(), link_tree(model)
     if module is None or tree is None:
@@ -163,7 +163,7 @@ def kernel_scene(model: DrakeModel) -> KernelScene | None:
 
 
 def _add_geometry(scene: Any, link: int, x_lg: RigidTransform, shape: ConvexShape) -> None:
-    # Of what never moves the kernel takes the exact shape.
+    # Static objects have their exact shape in the kernel.
     if link == WORLD or shape.kind is ShapeKind.HALF_SPACE:
         covering = _NONE
     else:

@@ -1,4 +1,4 @@
-"""A loaded world's links and joints in the native kernel, without its geometry."""
+"""Kinematic tree of a loaded world in the native kernel, without its geometry."""
 
 from typing import Any
 from weakref import WeakKeyDictionary
@@ -21,10 +21,10 @@ _made: WeakKeyDictionary[RobotDiagram, tuple[Any, LinkTree] | None] = WeakKeyDic
 def kernel_chain(
     model: DrakeModel, group: JointGroup, state: Float64[np.ndarray, " num_positions"], frame: str
 ) -> Any | None:
-    """Return the kernel's Chain: how a frame depends on the group's q, all else at `state`.
+    """Return the kernel's Chain: kinematics of a frame by the group's q, other joints at `state`.
 
-    None if there is no kernel, the model shall do without, or it has a joint of a kind that the
-    kernel does not know: Drake alone answers then.
+    None if there is no kernel, the model does not use it, or it has a joint of a kind that the
+    kernel does not have: Drake alone computes then.
     """
     if not model.uses_kernel:
         return None
@@ -47,7 +47,7 @@ def kernel_chain(
 
 
 def add_tree(scene: Any, model: DrakeModel, tree: LinkTree) -> None:
-    """Tell the kernel's Scene of the model's links, joints and couplings."""
+    """Add the model's links, joints and couplings to the kernel's Scene."""
     for link in tree.links:
         scene.add_link(
             link.parent,
@@ -69,7 +69,7 @@ def add_tree(scene: Any, model: DrakeModel, tree: LinkTree) -> None:
 
 
 def flat_transform(x: RigidTransform) -> Array:
-    """Return R, row by row, and p: the kernel's way to write a transform, shape (12,)."""
+    """Return R, row by row, and p: the kernel's layout of a transform, shape (12,)."""
     return np.concatenate([x.rotation().matrix().ravel(), x.translation()])
 
 

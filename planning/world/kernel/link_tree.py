@@ -1,4 +1,4 @@
-"""LinkTree: a Drake plant's joints as the kernel takes them, with welded bodies merged."""
+"""LinkTree: kinematic tree of a Drake plant for the kernel, with welded bodies merged."""
 
 from dataclasses import dataclass
 from enum import IntEnum
@@ -36,15 +36,15 @@ class LinkKind(IntEnum):
 
 @dataclass(frozen=True)
 class KernelLink:
-    """A link L whose frame is the moving frame of the joint that carries it.
+    """Link L of the tree; its frame is the moving frame of its parent joint.
 
     Attributes:
         parent: An earlier link, or WORLD.
-        X_PF: Where the joint begins.
+        X_PF: Pose of the joint's fixed frame F in the parent link.
         kind: Of that joint.
         axis: Of a revolute or prismatic joint, in F, shape (3,).
-        position: Where its coordinates begin in the plant's q.
-        velocity: And in its v.
+        position: First index of its coordinates in the plant's q.
+        velocity: First index in the plant's v.
     """
 
     parent: int
@@ -57,7 +57,7 @@ class KernelLink:
 
 @dataclass(frozen=True)
 class LinkTree:
-    """All that moves.
+    """Moving links of a plant, and the link of each body.
 
     Attributes:
         links: Parents first.
@@ -72,9 +72,9 @@ _made: WeakKeyDictionary[RobotDiagram, LinkTree | None] = WeakKeyDictionary()
 
 
 def link_tree(model: DrakeModel) -> LinkTree | None:
-    """Return the tree of a model's plant, making it the first time only.
+    """Return the tree of a model's plant, cached by model.
 
-    None if it has a joint of a kind that the kernel does not know.
+    None if it has a joint of a kind that the kernel does not have.
     """
     if model.diagram not in _made:
         _made[model.diagram] = _explore(model.plant)
@@ -111,7 +111,7 @@ def _cross(
 ) -> tuple[int, RigidTransform] | None:
     """Return the link and X_LB of the body on the other side of a joint, adding a link if needed.
 
-    A joint that is crossed from child to parent turns and slides the other way.
+    A joint that is traversed from child to parent turns and slides the other way.
     """
     frames = (joint.frame_on_parent(), joint.frame_on_child())
     near, far = frames if forwards else frames[::-1]

@@ -1,1 +1,1 @@
-"""From a scene to Drake: robots, objects, frames and what may touch."""
+"""Loading a scene into Drake: robots, objects, frames and collision filters."""

@@ -1,13 +1,13 @@
-"""Links that a joint joins: which of them can be held against each other, by evidence.
+"""Adjacent links: pairs joined by a joint, and which of them are not checked, by evidence.
 
-Shapes of neighbours often overlap around their joint, by design or because a hull bulges; to check
-such a pair would forbid the robot to be anywhere. A pair is left out if its shapes touch at the
-joint's default position, or at half of the joint's range or more; and if they are shown never to
-touch, however far the joint turns. Every other pair is checked like any other
+Shapes of neighbours often overlap around their joint, by design or because a hull bulges; a check
+of such a pair would make every configuration invalid. A pair is left out if its shapes touch at the
+joint's default position, or at half of the joint's range or more; and if they are proven never to
+touch, at any joint angle. Every other pair is checked like any other
 (docs/decisions/0031).
 
 Drake's distances of separate shapes are never too small, but can be too large
-(docs/decisions/0006): what it calls touching touches, and that shapes are apart is shown by slabs
+(docs/decisions/0006): shapes that touch by Drake do touch, and separation is proven by slabs
 of our own.
 """
 
@@ -30,21 +30,21 @@ type Ids = tuple[GeometryId, GeometryId]
 
 _NUM_SAMPLES = 17
 _MOST_OVERLAPPING = 0.5
-# Faces that meet without a gap touch, whatever rounding says [m].
+# Distance up to which shapes touch: rounding error of faces that meet without a gap [m].
 _FLUSH = 1e-4
-# Positions of a turning joint at which its bodies are measured at most, to show that they never
-# touch; what distances are trusted to [m], and the share of Drake's that a slab need not show.
+# Largest number of measured positions of a revolute joint, to prove that its bodies never touch;
+# accuracy of distances [m], and the share of Drake's that a slab may lack.
 _MOST_LOOKS, _TRUSTED = 600, 1e-7
 _SHOWN = 0.02
-# How far a point may move within an interval, as a share of the distance, to begin with.
+# Initial displacement of a point within an interval, as a share of the distance.
 _MOST_STRAY = 0.8
-# What stands for a range without end: a whole turn, or a metre either way.
+# Range of an unlimited joint: a whole turn, or a metre either way.
 _UNLIMITED = {"revolute": np.pi, "prismatic": 1.0}
 
 
 @dataclass(frozen=True)
 class Neighbours:
-    """Two bodies that a joint joins, and that are not held against each other.
+    """Two bodies joined by a joint that are not checked against each other.
 
     Attributes:
         bodies: Parent and child.
@@ -56,7 +56,7 @@ class Neighbours:
 
 
 def unchecked_neighbours(diagram: Any, plant: MultibodyPlant, scene_graph: Any) -> list[Neighbours]:
-    """Return the neighbours that cannot be held against each other, or need not be.
+    """Return the neighbours that cannot be checked against each other, or need not be.
 
     Args:
         diagram: Has the plant; its pairs of neighbours are not filtered.
@@ -92,7 +92,7 @@ def unchecked_neighbours(diagram: Any, plant: MultibodyPlant, scene_graph: Any) 
 
 
 class _Probe:
-    """Which neighbours touch, with every joint at the same share of its own range."""
+    """Contact test of neighbours, with every joint at the same fraction of its own range."""
 
     def __init__(self, plant: Any, scene_graph: Any, context: Any, pairs: dict[Any, Any]) -> None:
         self._plant, self._pairs, self._inspector = plant, pairs, scene_graph.model_inspector()
@@ -102,7 +102,7 @@ class _Probe:
         self._shapes: dict[GeometryId, ConvexShape] = {}
 
     def go_to(self, share: float) -> None:
-        """Put every joint at a share of its range; those of several coordinates stay."""
+        """Set every joint to a fraction of its range; joints of several coordinates stay."""
         q = self._plant.GetPositions(self._plant_context)
         for index in self._pairs:
             joint = self._plant.get_joint(index)
@@ -117,8 +117,9 @@ class _Probe:
     def least_distance(self, index: Any) -> float:
         """Return a lower bound on the distance of a joint's bodies over a whole turn [m].
 
-        Zero or less if there is none, or it takes too long to find. While the joint turns by a, no
-        point of the child at a distance r from the axis moves farther than r a.
+        Zero or less if there is none, or it takes too long to find. By adaptive bisection of the
+        joint angle: while the joint turns by a, no point of the child at a distance r from the axis
+        moves farther than r a.
         """
         joint = self._plant.get_joint(index)
         if joint.type_name() != "revolute":
@@ -144,18 +145,18 @@ class _Probe:
         return 0.0
 
     def _distance_at(self, joint: Any, angle: float) -> float:
-        """Return what the joint's bodies are surely apart at an angle of it [m]."""
+        """Return a lower bound on the distance of the joint's bodies at one joint angle [m]."""
         joint.set_angle(self._plant_context, angle)
         query = self._port.Eval(self._query_context)
         found = [(pair, self._measured(query, pair)) for pair in self._pairs[joint.index()]]
         least = np.inf
-        # The nearest first: of the others a slab as wide as theirs is enough.
+        # The nearest first: for the others a slab of the same width suffices.
         for pair, seen in sorted(found, key=lambda entry: entry[1][0]):
             least = min(least, self._bounds(query, pair, seen, least)[0])
         return float(least) - _TRUSTED
 
     def _reach(self, joint: Any) -> float:
-        """Return how far any point of the child's shapes is from the joint's axis at most [m]."""
+        """Return an upper bound on the distance of the child's shapes from the joint axis [m]."""
         body = joint.child_body()
         X_MB = joint.frame_on_child().GetFixedPoseInBodyFrame().inverse()
         axis = joint.revolute_axis()
@@ -198,10 +199,10 @@ class _Probe:
         """Bound the distance of two geometries where they are [m].
 
         Args:
-            query: Drake's, with the plant where it shall be.
+            query: Drake's, at the plant's present state.
             pair: Both.
-            seen: What `_measured` says of them.
-            enough: The lower bound need not be larger; nor than nearly all of what was measured.
+            seen: Distance and direction by `_measured`.
+            enough: Largest useful lower bound; nearly all of the measured distance suffices too.
         """
         distance, normal = seen
         if distance <= 0 or has_half_space(self._inspector, pair):
@@ -226,13 +227,13 @@ class _Probe:
 
 
 def _floored(length: float) -> float:
-    """Return a positive length with two digits, never more than it is."""
+    """Return a positive length rounded down to two digits."""
     unit = 10.0 ** (np.floor(np.log10(length)) - 1)
     return float(np.floor(length / unit) * unit)
 
 
 def _is_open(joint: Any) -> Array:
-    """Return 1 for coordinates without end, infinity for those with limits of their own."""
+    """Return 1 for unlimited coordinates, infinity for those with limits of their own."""
     low, high = joint.position_lower_limits(), joint.position_upper_limits()
     return np.where(np.isfinite(low) & np.isfinite(high), np.inf, 1.0)
 
@@ -243,7 +244,7 @@ def _ends(plant: MultibodyPlant, joint: Any) -> tuple[BodyIndex, BodyIndex]:
 
 
 def _adjacent_candidates(plant: MultibodyPlant, scene_graph: Any) -> dict[Any, list[Any]]:
-    """Return pairs of geometries that are looked at, by the joint that joins their bodies."""
+    """Return the checked pairs of geometries, by the joint that joins their bodies."""
     inspector = scene_graph.model_inspector()
     ordered: list[tuple[int, int, Any, Any]] = []
     for index in plant.GetJointIndices():

@@ -1,4 +1,4 @@
-"""What robots hold: objects that follow a frame of a robot instead of standing in the world."""
+"""Attached objects: objects fixed to a frame of a robot instead of standing in the world."""
 
 from collections.abc import Collection, Iterable
 from typing import Any
@@ -12,7 +12,7 @@ from planning.errors import SceneInvalid, UnknownName
 
 
 def validate_owners(scene: Scene, frames: Collection[str]) -> dict[str, str]:
-    """Return the robot that holds each attached object.
+    """Return the robot to which each attached object belongs.
 
     Args:
         scene: With or without attached objects.
@@ -39,15 +39,15 @@ def validate_owners(scene: Scene, frames: Collection[str]) -> dict[str, str]:
 
 
 def allows_contact(plant: MultibodyPlant, frame: Frame, stops: Iterable[str]) -> list[BodyIndex]:
-    """Return the bodies that an object on `frame` touches unless the scene says otherwise.
+    """Return the bodies that an object on `frame` may touch unless the scene says otherwise.
 
     They are those that move rigidly with it and, if it moves at all, those that they carry: the
     fingers of a gripper.
 
     Args:
         plant: Finalized.
-        frame: What the object is attached to.
-        stops: Names of joints beyond which nothing is meant: those of the arm.
+        frame: The frame that the object is attached to.
+        stops: Names of joints at which the search of bodies ends: those of the arm.
     """
     rigid = plant.GetBodiesWeldedTo(frame.body())
     found = {int(body.index()): body.index() for body in rigid}

@@ -1,4 +1,4 @@
-"""Build a scene in Drake."""
+"""Builder of a scene's Drake diagram: robots, objects, frames and filters."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -51,17 +51,17 @@ def build_diagram(
     time_step: float = 0.001,
     kernel: bool = True,
 ) -> tuple[DrakeModel, tuple[LoadedRobot, ...]]:
-    """Return the scene in Drake, and what is known of each robot.
+    """Return the scene's Drake model, and its loaded robots.
 
     Args:
-        kept: What to build, with its files.
+        kept: The scene, with its files.
         standing: Names of the objects that stand outside of Drake's model.
         time_step: Of the plant [s]; matters only to simulation.
-        kernel: Whether the native kernel may answer where it is sure.
+        kernel: Whether the native kernel may decide collisions where it is certain.
 
     Raises:
-        SceneInvalid: A name is given twice, or a frame hangs on itself.
-        AssetNotFound: A file is not there.
+        SceneInvalid: A name is given twice, or a frame is its own ancestor.
+        AssetNotFound: A file does not exist.
         ModelInvalid: A robot does not load.
         UnknownName: A parent frame or body does not exist.
     """
@@ -115,7 +115,7 @@ def build_diagram(
 
 
 def build_alone(thing: SceneRobot | SceneObject, kept: KeptScene) -> None:
-    """Build one robot, or one object, and nothing else; raises as `build_diagram`."""
+    """Build a single robot or object; raises as `build_diagram`."""
     builder: Any = RobotDiagramBuilder(time_step=0.001)
     build = Build(builder, builder.plant())
     if isinstance(thing, SceneRobot):
@@ -127,7 +127,7 @@ def build_alone(thing: SceneRobot | SceneObject, kept: KeptScene) -> None:
 
 def _add_robot(build: Build, robot: SceneRobot, kept: KeptScene) -> None:
     source = kept.source(robot.name)
-    # Copies of files never change: robots of one model are looked at once.
+    # Copies of files never change: each model is inspected once.
     file = build.files.get(source.file) or inspect_model(source.file, kept.store.meshes)
     build.files[source.file] = file
     parser = build.builder.parser()
@@ -145,7 +145,7 @@ def _add_robot(build: Build, robot: SceneRobot, kept: KeptScene) -> None:
                 if file.rewritten is None
                 else parser.AddModelsFromString(file.rewritten, _format_of(source.file))
             )
-    except (RuntimeError, ValueError, SystemExit) as fault:  # the last at sizes that are none
+    except (RuntimeError, ValueError, SystemExit) as fault:  # SystemExit at invalid sizes
         message = f"robot {robot.name!r}: {source.file.name} does not load: {fault}"
         raise ModelInvalid(message, {"file": str(source.file), "reason": str(fault)}) from fault
     if not instances:
@@ -193,7 +193,7 @@ def _add_floating(build: Build, robot: str, joint: FloatingJoint) -> None:
 
 
 def _format_of(file: Path) -> str:
-    """Return what Drake calls the format of a file with this ending."""
+    """Return Drake's name of the file format with this ending."""
     return {".urdf": "urdf", ".sdf": "sdf", ".xml": "xml"}[file.suffix.lower()]
 
 
@@ -203,7 +203,7 @@ def _add_object(build: Build, thing: SceneObject, path: str) -> None:
     try:
         shape, x_og = drake_shape(thing.shape), RigidTransform()
         instance = build.plant.AddModelInstance(thing.name)
-        # What stands in the world burdens nobody.
+        # Objects that stand in the world load no joint, so they need no mass.
         inertia = spatial_inertia(thing) if thing.attached else SpatialInertia.NaN()
         body = build.plant.AddRigidBody(thing.name, instance, inertia)
         color = DEFAULT_COLOR if thing.color is None else thing.color
@@ -232,5 +232,5 @@ def _attach(build: Build, scene: Scene, standing: Mapping[str, RigidTransform]) 
 
 
 def pose_of(transform: RigidTransform) -> Pose:
-    """Return our pose of Drake's transform."""
+    """Return a Drake transform as a domain pose."""
     return Pose.from_matrix(transform.GetAsMatrix4())

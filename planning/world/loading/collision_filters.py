@@ -1,4 +1,4 @@
-"""Pairs of bodies that may touch: what Drake is told not to look at."""
+"""Collision filters: pairs of bodies that may touch and that Drake does not check."""
 
 from pydrake.geometry import CollisionFilterDeclaration, GeometryId, GeometrySet, SceneGraph
 from pydrake.multibody.tree import BodyIndex
@@ -13,7 +13,7 @@ from planning.world.models.srdf import end_effector_joints
 
 
 def allow_collisions(build: Build, scene: Scene) -> None:
-    """Let the pairs touch that the scene or a robot's own description allows; note the source.
+    """Filter the pairs that the scene or a robot's own description allows; note the source.
 
     Raises:
         SceneInvalid: The scene names a body that does not exist.
@@ -42,7 +42,7 @@ def allow_collisions(build: Build, scene: Scene) -> None:
 
 
 def allow_touch(build: Build, scene: Scene) -> None:
-    """Let attached objects touch what they may, by their own list or by default.
+    """Filter the permitted contacts of attached objects, by their own list or by default.
 
     Raises:
         SceneInvalid: A list names a body that does not exist.
@@ -70,7 +70,7 @@ def allow_touch(build: Build, scene: Scene) -> None:
 
 
 def _arm(build: Build, robot: LoadedRobot) -> list[str]:
-    """Return the joints of a robot beyond which nothing is meant to be touched: of its arm.
+    """Return the joints of a robot's arm, beyond which no body may be touched by default.
 
     Without a `robot.yaml` it is every joint but those of the end effectors that an SRDF names: a
     description does not say which links are fingers.
@@ -89,9 +89,9 @@ def _arm(build: Build, robot: LoadedRobot) -> list[str]:
 def leave_out_neighbours(
     build: Build, scene: Scene, diagram: RobotDiagram, scene_graph: SceneGraph
 ) -> None:
-    """Filter links that a joint joins and that need no check; contexts made later heed it.
+    """Filter adjacent links that need no check; contexts made later have the filter.
 
-    A pair of which the scene demands a margin of its own is always checked.
+    A pair with a margin of its own in the scene is always checked.
     """
     filters = scene_graph.collision_filter_manager()
     names = {index: name for name, index in build.bodies.items()}
@@ -103,13 +103,13 @@ def leave_out_neighbours(
             continue
         filters.Apply(CollisionFilterDeclaration().ExcludeBetween(*sets))
         build.unchecked[pair] = ("adjacent", found.evidence)
-    # Drake keeps what contexts are made from once it has made one; this makes it forget.
+    # Drake caches the model context with its first context; this clears the cache.
     scene_graph.set_config(scene_graph.get_config())
 
 
 def _exclude(build: Build, pair: tuple[str, str]) -> None:
     if not build.standing.isdisjoint(pair):
-        return  # no pair of Drake's: `standing_build` has it
+        return  # no pair of Drake's: `static_build` has it
     sets = [_geometries(build, build.bodies[name]) for name in pair]
     filters = build.builder.scene_graph().collision_filter_manager()
     filters.Apply(CollisionFilterDeclaration().ExcludeBetween(*sets))

@@ -1,4 +1,4 @@
-"""Give our shapes to Drake."""
+"""Conversion of domain shapes to Drake's shapes."""
 
 import numpy as np
 from pydrake import geometry

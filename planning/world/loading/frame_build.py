@@ -1,4 +1,4 @@
-"""The scene's named frames in Drake."""
+"""Named frames of a scene, added to Drake's plant."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -14,18 +14,18 @@ from planning.world.loading.scene_build import Build, refuse_second
 def add_frames(
     build: Build, frames: Sequence[SceneFrame], standing: Mapping[str, RigidTransform]
 ) -> None:
-    """Add frames in an order in which every parent comes first, whatever their own order.
+    """Add frames to the plant, every parent before its children.
 
-    Each is fixed to the body that it hangs on in the end, so that a chain of thousands costs no
+    Each is fixed to its root body, so that a chain of thousands costs no
     more than as many frames of one body.
 
     Args:
         build: With all bodies.
         frames: Of the scene.
-        standing: X_WF of frames that hang on what stands outside of the plant: left out here.
+        standing: X_WF of frames below objects that stand outside of the plant: left out here.
 
     Raises:
-        SceneInvalid: A name is given twice, a parent does not exist, or frames hang in a circle.
+        SceneInvalid: A name is given twice, a parent does not exist, or frames form a cycle.
     """
     _refuse_taken(build, frames)
     hanging: dict[str, list[int]] = {}

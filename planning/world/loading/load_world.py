@@ -1,4 +1,4 @@
-"""load_world(): from a scene to a world that is ready for questions."""
+"""load_world(): load a scene into Drake as a World, ready for queries."""
 
 from planning.domain.scene.scene import Scene
 from planning.errors import SceneInvalid, UnknownName
@@ -16,9 +16,9 @@ from planning.world.loading.static_build import MOST_IN_MODEL, standing_names
 from planning.world.models.model_library import ModelLibrary
 from planning.world.world import World
 
-# Groups whose judges are made at once; those of others when they are first asked for.
+# Groups whose checkers are made at once; those of others are made at their first use.
 _MOST_READY = 4
-# What Drake alone bears: its tables have a row for every pair of shapes, and so has each context.
+# Without the kernel: Drake's tables have a row for every pair of shapes, and so has each context.
 MOST_FOR_DRAKE = 1_000
 
 
@@ -32,23 +32,23 @@ def load_world(
 ) -> World:
     """Load a scene into Drake.
 
-    Everything is made from copies of the files that the scene names: those that its `files` say,
-    and what is on the disk now where they say nothing. The world's own `scene` says all of them,
-    so loading that again gives the same world, whatever has become of the disk.
+    Everything is made from copies of the files that the scene names: those in its `files`,
+    and the present content of the disk for the others. The world's own `scene` has all of them,
+    so loading that again gives the same world, independent of later changes of the disk.
 
     Args:
-        scene: What to load.
-        library: Where robots are found; None for those that come with Wayproof.
-        kernel: Whether the native kernel may answer where it is sure; the answers are Drake's
-            either way.
-        like: A world to begin from, such as that of the scene before an edit: what both have in
-            common is not loaded again, and they share it, so both belong to one thread.
-        most_in_model: So many objects that stand in the world are put into Drake's model; if there
-            are more, all of them stand outside of it, and the answers are the same.
+        scene: The scene.
+        library: Library of robots; None for those that come with Wayproof.
+        kernel: Whether the native kernel may decide collisions where it is certain; the results are
+            Drake's either way.
+        like: A loaded world to reuse, such as that of the scene before an edit: common parts
+            are not loaded again but shared, so both belong to one thread.
+        most_in_model: Largest number of objects that stand in the world within Drake's model; if
+            there are more, all of them stand outside of it, with the same results.
 
     Raises:
         SceneInvalid: A name in the scene is wrong; evidence has its `path`.
-        AssetNotFound: A file is not there.
+        AssetNotFound: A file does not exist.
         ModelInvalid: A robot's description is unsafe or does not load.
         UnknownName: There is no such robot.
     """
@@ -67,7 +67,7 @@ def load_world(
 def _built(
     kept: KeptScene, names: frozenset[str], *, kernel: bool
 ) -> tuple[DrakeModel, tuple[LoadedRobot, ...]]:
-    """Return the scene in Drake, with objects outside of its model if the kernel has them."""
+    """Return the scene in Drake; static objects stay outside if the kernel has their shapes."""
     if names:
         model, robots = build_diagram(kept, names, kernel=kernel)
         if kernel_scene_of(model) is not None and not has_half_space_that_moves(model):
@@ -87,7 +87,7 @@ def _require_bearable(scene: Scene) -> None:
 
 
 def _make_ready(world: World) -> None:
-    """Do now what the first questions would wait for."""
+    """Compute now what the first queries would wait for."""
     shared_context(world.drake)
     world.drake.standing.make_ready()
     unchecked_pairs(world.drake)
@@ -99,7 +99,7 @@ def _make_ready(world: World) -> None:
 
 
 def _require_bodies(scene: Scene, model: DrakeModel) -> None:
-    """Go on only if the scene's margins name bodies that it has."""
+    """Raise unless all bodies in the scene's margins exist."""
     for i, entry in enumerate(scene.margins):
         for body in entry.bodies:
             if body not in model.all_bodies:

@@ -1,4 +1,4 @@
-"""What objects weigh, and how that is spread over them."""
+"""Mass and inertia of objects, from their shapes at uniform density."""
 
 import numpy as np
 from pydrake.geometry import Convex, Mesh
@@ -9,10 +9,10 @@ from planning.world.loading.drake_shapes import drake_shape
 
 
 def spatial_inertia(thing: SceneObject) -> SpatialInertia:
-    """Return the spatial inertia of an object about its origin; nothing without a mass.
+    """Return the spatial inertia of an object about its origin; None without a mass.
 
-    It is that of the shape at uniform density, a mesh counting as its convex hull; with a centre of
-    mass of its own the object turns about that as the shape does about its centre.
+    It is that of the shape at uniform density, a mesh counting as its convex hull; with a given
+    centre of mass, the same rotational inertia about that centre.
 
     Raises:
         ValueError: The shape has no volume.

@@ -1,4 +1,4 @@
-"""Where a scene puts its robots, and the configurations that it names."""
+"""Initial positions of a scene's robots, and its named configurations."""
 
 from collections.abc import Callable, Sequence
 from typing import Any
@@ -50,10 +50,10 @@ def placed_state(
     configurations: Configurations,
     nominal: Array,
 ) -> Array:
-    """Return the scene's current configuration of everything, shape (num_positions,).
+    """Return the scene's current configuration of all joints, shape (num_positions,).
 
     A robot starts at its configuration `home`, if it has one, else at Drake's nominal positions
-    within its limits; then what the scene says of it.
+    within its limits; the scene's own positions override both.
 
     Raises:
         SceneInvalid: The scene names a joint or configuration that does not exist, or a count is
@@ -78,7 +78,7 @@ def placed_state(
 def _robot_positions(
     robot: SceneRobot, own: RobotGroups, configurations: Configurations, path: str
 ) -> dict[str, Array]:
-    """Return where a robot's groups start, by full group name, as the scene says."""
+    """Return the scene's positions of a robot's groups, by full group name."""
     home = _in_configuration(own, configurations, "home")
     match robot.positions:
         case str() as name:
@@ -109,7 +109,7 @@ def _in_configuration(
 
 
 def _place_joints(model: DrakeModel, state: Array, robot: SceneRobot, path: str) -> None:
-    """Set joints that the scene gives one by one."""
+    """Set the joints for which the scene gives single values."""
     assert isinstance(robot.positions, dict)  # noqa: S101  (the caller's case)
     for name, number in robot.positions.items():
         full = f"{robot.name}::{name.removeprefix(f'{robot.name}::')}"
@@ -138,7 +138,7 @@ def _group_of(entry: NamedConfiguration, find_group: Callable[[str], JointGroup]
 
 
 def _placed(group: JointGroup, q: Any, path: str) -> Array:
-    """Return q as the group's positions; its faults are the scene's."""
+    """Return q validated as the group's positions; errors become errors of the scene."""
     try:
         return require_positions(group, q, path)
     except ProblemInvalid as fault:

@@ -1,4 +1,4 @@
-"""Positions of a group, as somebody gave them."""
+"""Validation of given positions of a group."""
 
 from typing import Any
 
@@ -17,9 +17,9 @@ def require_positions(group: JointGroup, q: Any, field: str) -> Array:
     """Return q as the group's positions, read-only and with unit quaternions.
 
     Args:
-        group: Whose positions these are.
+        group: Group of the positions.
         q: Numbers [rad or m].
-        field: What messages call them.
+        field: Name of the positions in messages.
 
     Raises:
         ProblemInvalid: The count is wrong, a number is not finite, or a quaternion is zero.

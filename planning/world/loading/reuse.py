@@ -1,7 +1,7 @@
-"""reused(): the engine of a world that is loaded already, for a scene that differs in little.
+"""Reuse of a loaded world's Drake model for a scene that differs only in poses and positions.
 
-Drake's model depends on robots and on what they hold. Where everything else stands are tables of
-ours, and where robots stand is a state: neither is in the model.
+Drake's model depends on the robots and on the attached objects. The poses of all other objects
+are in our own tables, and robot positions are a state: neither is in the model.
 """
 
 from collections.abc import Sequence
@@ -23,16 +23,16 @@ from planning.world.world import World
 def reused(
     kept: KeptScene, names: frozenset[str], like: World | None, *, kernel: bool
 ) -> tuple[DrakeModel, tuple[LoadedRobot, ...]] | None:
-    """Return the model of a world with objects elsewhere, and its robots.
+    """Return the model of a loaded world with objects moved, and its robots.
 
-    None if the scenes differ in more than where robots and objects outside of Drake's model stand,
-    and how these look.
+    None if the scenes differ in more than the poses, positions and colors of robots and of
+    objects outside of Drake's model.
 
     Args:
         kept: The scene, with its files.
         names: The objects that stand outside of Drake's model.
-        like: A world that is loaded.
-        kernel: Whether the native kernel may answer.
+        like: The loaded world.
+        kernel: Whether the native kernel may decide collisions.
     """
     if like is None or like.drake.uses_kernel != kernel:
         return None
@@ -50,7 +50,7 @@ def reused(
 
 
 def _rest(scene: Scene, names: frozenset[str]) -> str:
-    """Return the digest of all that Drake's model is made of."""
+    """Return the digest of all inputs of Drake's model."""
     return digest((
         [replace(robot, positions=None) for robot in scene.robots],
         [thing for thing in scene.objects if thing.name not in names],
@@ -62,7 +62,7 @@ def _rest(scene: Scene, names: frozenset[str]) -> str:
 
 
 def _are_same(after: Sequence[SceneObject], before: Sequence[SceneObject]) -> bool:
-    """Return whether objects are the same but for where they stand and how they look."""
+    """Return whether objects are equal except for poses and colors."""
     return len(after) == len(before) and all(
         a is b or (a.name == b.name and a.shape == b.shape)
         for a, b in zip(after, before, strict=True)
@@ -72,7 +72,7 @@ def _are_same(after: Sequence[SceneObject], before: Sequence[SceneObject]) -> bo
 def _moved(
     before: DrakeModel, things: Sequence[SceneObject], frames: Sequence[SceneFrame]
 ) -> DrakeModel:
-    """Return a model with what stands outside of it where the scene says now."""
+    """Return a model with the objects outside of it at the scene's present poses."""
     standing = before.standing
     rows = [
         row

@@ -1,4 +1,4 @@
-"""RobotCache: the robots of a scene without its objects, loaded as often as they change."""
+"""RobotCache: the robots of a scene, loaded without its objects and reloaded when they change."""
 
 from dataclasses import replace
 from typing import Any
@@ -16,7 +16,7 @@ type Positions = str | dict[str, float | tuple[float, ...]] | tuple[float, ...]
 
 
 class RobotCache:
-    """Answers what only loaded robots know; objects have no say in where links are."""
+    """Cache of a scene's loaded robots, for link poses and joint names; objects play no part."""
 
     def __init__(self, library: ModelLibrary) -> None:
         """Find robots in `library`."""
@@ -29,12 +29,12 @@ class RobotCache:
         return list(self._load(scene).drake.bodies)
 
     def frame_pose(self, scene: Scene, name: str) -> Pose:
-        """Return X_WF of the world or a link where the scene puts its robots."""
+        """Return X_WF of the world or a link at the scene's positions."""
         world = self._load(scene)
         return world.frame_pose(name, world.state)
 
     def placed(self, scene: Scene, index: int, positions: Positions) -> SceneRobot:
-        """Return a robot of the scene at new positions; what they leave unsaid stays as it is.
+        """Return a robot of the scene at new positions; unnamed joints keep theirs.
 
         Raises:
             SceneInvalid: They name what the robot does not have, or their count is wrong.
@@ -54,12 +54,12 @@ class RobotCache:
         return replace(robot, positions=merged)
 
     def _load(self, scene: Scene) -> World:
-        # Groups that named configurations speak of are robots' groups: those entries stay.
+        # Named configurations refer to groups of robots: those entries stay.
         alone = Scene(
             scene.name, scene.robots, configurations=scene.configurations, files=scene.files
         )
         if self._world is None or self._loaded != alone:
-            # The same bytes for the whole edit, whatever happens to the disk meanwhile.
+            # The same bytes for the whole edit, even if the disk changes meanwhile.
             read = {} if self._world is None else self._world.scene.files
             kept = replace(alone, files={**read, **scene.files})
             # Robots that only moved are not loaded again.
@@ -81,7 +81,7 @@ def _joints(world: World, own: RobotGroups) -> list[str]:
 
 
 def _said(world: World, own: RobotGroups, positions: Positions) -> set[str]:
-    """Return the full names of the joints that `positions` speaks of."""
+    """Return the full names of the joints that `positions` sets."""
     match positions:
         case dict():
             prefix = f"{own.robot}::"

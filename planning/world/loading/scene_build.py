@@ -1,4 +1,4 @@
-"""Build: a scene in Drake while it grows."""
+"""Build: intermediate state of a scene being built in Drake."""
 
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -16,7 +16,7 @@ from planning.world.models.model_library import RobotSource
 
 @dataclass(frozen=True)
 class LoadedRobot:
-    """A robot of the scene with its files and Drake's name for it."""
+    """Robot of the scene with its files and Drake's model instance."""
 
     scene_robot: SceneRobot
     source: RobotSource
@@ -26,10 +26,10 @@ class LoadedRobot:
 
 @dataclass
 class Build:
-    """What grows while the scene is built.
+    """Mutable state of the builder.
 
-    `files` has what was read of each description; `standing` the names of what stands outside of
-    the plant, `placed` those of which the turn has come; `unchecked` the reason and the evidence of
+    `files` has the parsed description of each robot; `standing` the names of objects outside of
+    the plant, `placed` those already processed; `unchecked` the reason and the evidence of
     every pair of bodies, by both full names, that collision checks leave out; `warnings` are those
     of the scene's summary.
     """
@@ -47,15 +47,15 @@ class Build:
 
     @property
     def known_bodies(self) -> set[str]:
-        """The names of all bodies, in the plant or not."""
+        """Names of all bodies, in the plant or not."""
         return {*self.bodies, *self.standing}
 
 
 def refuse_second(build: Build, name: str, path: str) -> None:
-    """Go on only if nothing has this name yet.
+    """Raise if a name is already in use.
 
     Raises:
-        SceneInvalid: Something has.
+        SceneInvalid: The name is in use.
     """
     taken = name in build.bodies or name in build.frames or name in build.placed
     if taken or any(robot.scene_robot.name == name for robot in build.robots):

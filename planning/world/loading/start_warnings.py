@@ -1,4 +1,4 @@
-"""start_warnings(): what is wrong with where a scene puts its robots, and what would mend it."""
+"""start_warnings(): collisions and limit violations at the scene's positions, with remedies."""
 
 import json
 from collections.abc import Collection
@@ -21,19 +21,19 @@ from planning.world.drake_model import DrakeModel
 if TYPE_CHECKING:
     from planning.world.world import World
 
-# What is farther away than its margin by so much is so by every measure [m].
+# Slack beyond the margin at which every distance query agrees [m].
 _SURELY = 1e-3
 
 
 @dataclass(frozen=True)
 class _Known:
-    """What was found of a model, or of one that it shares, when all stood as `place` says.
+    """Cached warnings of a model, or of one that it shares, for the state digest `place`.
 
     Attributes:
-        place: Digest of where robots are and of what is demanded of them.
-        is_free: Whether everything kept its distance.
-        of_configurations: Warnings that do not depend on what stands around.
-        unseen: Rows of `standing` that are elsewhere since.
+        place: Digest of the robots' positions and of the margins.
+        is_free: Whether all pairs kept their margins.
+        of_configurations: Warnings that do not depend on surrounding objects.
+        unseen: Rows of `standing` that have moved since.
     """
 
     place: str
@@ -46,25 +46,25 @@ _known: WeakKeyDictionary[StaticObjects, _Known] = WeakKeyDictionary()
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
-# Configurations beside the scene's own in which pairs are looked at that touch there.
+# Number of random configurations at which touching pairs are checked again.
 _NUM_TRIED = 20
-# Of more groups making a judge takes longer than measuring everything.
+# With more groups, making a checker takes longer than measuring all distances.
 _MOST_ASKED = 4
-# Pairs that are told one by one.
+# Number of pairs with a warning each.
 _MOST_TOLD = 10
-# Beyond a limit by this much is at the limit [rad or m].
+# Tolerance of position limits [rad or m].
 _DUST = 1e-6
-# A distance of less is what rounding makes of 0 [m].
+# Rounding error of a zero distance [m].
 _TOUCH = 1e-9
-# What stands for a range without end: a whole turn, or a metre either way.
+# Range of an unlimited joint: a whole turn, or a metre either way.
 _UNLIMITED = {JointType.CONTINUOUS: np.pi, JointType.REVOLUTE: np.pi, JointType.PRISMATIC: 1.0}
 
 
 def start_warnings(world: "World") -> tuple[str, ...]:
-    """Return what makes every plan fail that begins at the scene's positions.
+    """Return the faults that make every plan from the scene's positions fail.
 
-    Pairs of links of one robot that touch in all configurations that are tried are offered as
-    an edit that lets them touch. Where nothing touches, this takes one collision check.
+    Pairs of links of one robot that touch in all sampled configurations come with
+    an edit that allows their contact. Where nothing touches, this takes one collision check.
     """
     margins, scene = world.margins(), world.scene
     place = digest((world.state, scene.margin, scene.margins, scene.configurations))
@@ -91,7 +91,7 @@ def start_warnings(world: "World") -> tuple[str, ...]:
 
 
 def _is_still_free(world: "World", known: _Known | None, margins: PairMargins) -> bool:
-    """Return whether everything surely keeps its distance, because it did and little has moved."""
+    """Return whether all pairs certainly keep their margins, by the cache and what moved."""
     if known is None or not known.is_free:
         return False
     near = NearStatic(world.drake, shared_context(world.drake))
@@ -100,10 +100,10 @@ def _is_still_free(world: "World", known: _Known | None, margins: PairMargins) -
 
 
 def _is_free(world: "World", margins: PairMargins) -> bool:
-    """Return whether everything keeps its distance; False where only the probe can say it."""
+    """Return whether all pairs keep their margins; False where only the probe can decide."""
     if len(world.groups) > _MOST_ASKED:
         return False
-    # Where its group is as the scene says, a judge's verdict is of all pairs: one says it all.
+    # With its group at the scene's positions, one checker's verdict covers all pairs.
     return all(
         world.collision_oracle(group, margins).is_free(world.positions(group))
         for group in world.groups[:1]
@@ -123,7 +123,7 @@ def _text(world: "World", pair: BodyPair) -> str:
 
 
 def _always_touching(world: "World", touching: tuple[BodyPair, ...]) -> list[tuple[str, str]]:
-    """Return the pairs of links of one robot that overlap wherever its joints are."""
+    """Return the pairs of links of one robot that overlap at all sampled joint positions."""
     own = {pair.bodies for pair in touching if pair.distance <= 0 and _are_of_one(*pair.bodies)}
     if not own:
         return []
@@ -142,7 +142,7 @@ def _always_touching(world: "World", touching: tuple[BodyPair, ...]) -> list[tup
 
 
 def _anywhere(world: "World", group: JointGroup, rng: np.random.Generator) -> Array:
-    """Return a random configuration; planar and floating joints stay where they are."""
+    """Return a random configuration; planar and floating joints keep their positions."""
     limits, q = world.limits(group), np.array(world.positions(group))
     at = 0
     for joint in group.joints:
@@ -162,16 +162,16 @@ def _are_of_one(a: str, b: str) -> bool:
 
 
 def share_start_warnings(before: DrakeModel, after: DrakeModel, rows: Collection[int]) -> None:
-    """Let a model have what is known of another one, with some rows of `standing` elsewhere."""
+    """Copy the cached warnings of one model to another, with some rows of `standing` moved."""
     if before.standing in _known:
         known = _known[before.standing]
         _known[after.standing] = replace(known, unseen=known.unseen.union(rows))
 
 
 def _configuration_warnings(world: "World") -> tuple[str, ...]:
-    """Name configurations that no motion can begin or end at, whatever stands around the robot.
+    """Return a warning for each named configuration that is invalid whatever surrounds the robot.
 
-    The same one of several robots of one model is looked at once.
+    Of several robots of one model, equal configurations are checked once.
     """
     found: list[str] = []
     seen: set[tuple[str, str, bytes]] = set()

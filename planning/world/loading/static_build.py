@@ -1,4 +1,4 @@
-"""Which objects of a scene stand outside of Drake's model, and what is made of them."""
+"""Static objects outside of Drake's model: their selection, and the tables made of them."""
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -20,18 +20,18 @@ from planning.world.files.mesh_check import require_sound_mesh
 from planning.world.kernel.convex_shapes import convex_shape
 from planning.world.loading.drake_shapes import drake_shape
 
-# So many objects that stand in the world Drake's model bears well: it is loaded in a tenth of a
-# second, as most scenes are.
+# Number of standing objects up to which Drake's model loads in a tenth of a second; most scenes
+# have fewer.
 MOST_IN_MODEL = 48
 _FEW_ROBOTS, _FEW_FRAMES = 4, 500
 
 
 def standing_names(scene: Scene, most: int = MOST_IN_MODEL) -> frozenset[str]:
-    """Return the names of the objects that Drake's model does without.
+    """Return the names of the objects that stay out of Drake's model.
 
     They are all that stand in the world, if they are more than `most`, or if there are many robots
-    or frames: then the model is dear, and an object that is moved must not cost another one. Half
-    spaces, which have no end, are always Drake's: there are few.
+    or frames: then the model is expensive, and moving an object must not rebuild it. Half
+    spaces, which are unbounded, are always Drake's: there are few.
     """
     standing = [thing.name for thing in scene.objects if is_apart(thing)]
     is_dear = len(scene.robots) > _FEW_ROBOTS or len(scene.frames) > _FEW_FRAMES
@@ -45,12 +45,12 @@ def is_apart(thing: SceneObject) -> bool:
 
 
 def standing_objects(kept: KeptScene, names: frozenset[str]) -> StaticObjects:
-    """Return the objects of these names.
+    """Return the objects of these names as tables.
 
     Raises:
         SceneInvalid: One does not load; evidence has its `path`.
-        ModelInvalid: A mesh points beyond its file.
-        AssetNotFound: The file of a mesh is not there any more.
+        ModelInvalid: A mesh refers to elements outside of its file.
+        AssetNotFound: The file of a mesh does not exist any more.
     """
     scene = kept.scene
     things: list[SceneObject] = []
@@ -88,12 +88,13 @@ def standing_frames(
     poses: Sequence[RigidTransform],
     frames: Sequence[SceneFrame],
 ) -> Mapping[str, RigidTransform]:
-    """Return X_WF of objects, and of the frames that hang on them, directly or on one another."""
+    """Return X_WF of objects, and of the frames below them, directly or through others."""
     found = {thing.name: x for thing, x in zip(things, poses, strict=True)}
     hanging: dict[str, list[SceneFrame]] = {}
     for frame in frames:
         hanging.setdefault(frame.parent, []).append(frame)
-    # Where a frame is in its object comes first, as in Drake: so numbers are the same to the bit.
+    # The frame's pose in its object is multiplied first, as in Drake: so numbers are equal to the
+    # bit.
     pending = [(name, x, RigidTransform()) for name, x in found.items() if name in hanging]
     while pending:
         parent, x_wo, x_op = pending.pop()
@@ -120,7 +121,7 @@ def _shape(thing: SceneObject, path: str) -> tuple[Any, ConvexShape]:
 
 
 def _allowed(scene: Scene, names: frozenset[str]) -> frozenset[frozenset[str]]:
-    """Return the pairs with one of these names that the scene lets touch."""
+    """Return the scene's allowed pairs that contain one of these names."""
     pairs = [frozenset(pair) for pair in scene.allowed_collisions]
     for thing in scene.objects:
         touch = () if thing.attached is None else thing.attached.touch or ()

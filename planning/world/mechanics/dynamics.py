@@ -1,4 +1,4 @@
-"""Inverse dynamics: the joint torques that a motion takes, with what the robot carries."""
+"""Inverse dynamics: joint torques and forces of a motion, with payload, by Drake."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -19,14 +19,14 @@ type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 @dataclass(frozen=True)
 class PathEfforts:
-    """What a motion takes along a path r(s): tau = ahead u + bend x + held, but for damping.
+    """Efforts along a path r(s): tau = ahead u + bend x + held, without damping.
 
     With x = (ds/dt)^2 and u = d2s/dt2: ahead = M r', bend = M r'' + C(r, r') r', held = -tau_g(r).
 
     Attributes:
-        ahead: [N m or N per 1/s^2], shape (m, nv).
-        bend: The same.
-        held: What holds it still [N m or N], shape (m, nv).
+        ahead: Inertial effort by path acceleration [N m or N per 1/s^2], shape (m, nv).
+        bend: Effort by squared path velocity, in the same unit, shape (m, nv).
+        held: Static effort against gravity [N m or N], shape (m, nv).
     """
 
     ahead: Float64[np.ndarray, "m nv"]
@@ -37,11 +37,11 @@ class PathEfforts:
 class GroupDynamics:
     """Inverse dynamics of a group by Drake, in a context of its own.
 
-    All else stays where the scene has it. What follows a joint burdens that joint, by the transpose
-    of its coupling (virtual work). Not in it: dry friction, contact.
+    All other joints stay as in the scene. The effort of a follower adds to that of its leader, by
+    the transpose of the coupling (virtual work). Not included: dry friction, contact.
 
     Attributes:
-        damping: What speed takes of each coordinate [N m s/rad or N s/m], shape (nv,).
+        damping: Viscous damping of each coordinate [N m s/rad or N s/m], shape (nv,).
     """
 
     def __init__(self, world: World, group: JointGroup, payload: Payload | None = None) -> None:
@@ -73,7 +73,7 @@ class GroupDynamics:
         Args:
             q: Positions [rad or m].
             v: Drake's velocities [rad/s or m/s].
-            vdot: And accelerations [rad/s^2 or m/s^2].
+            vdot: Drake's accelerations [rad/s^2 or m/s^2].
         """
         found = np.empty((len(v), self._plant.num_velocities()))
         full_v, full_vdot = self._followed(v), self._followed(vdot)
@@ -90,7 +90,7 @@ class GroupDynamics:
         rate: Float64[np.ndarray, "m nv"],
         curvature: Float64[np.ndarray, "m nv"],
     ) -> PathEfforts:
-        """Return what a motion takes along a path.
+        """Return the coefficients of the efforts along a path.
 
         Args:
             q: r(s) [rad or m].
@@ -116,13 +116,13 @@ class GroupDynamics:
         return self._plant.CalcInverseDynamics(self._context, vdot, self._forces)
 
     def _borne(self, full: Float64[np.ndarray, "m num_velocities"]) -> Array:
-        """Return the group's part of the plant's forces, with that of all that follows it."""
+        """Return the group's part of the plant's forces, with those of all followers."""
         for follower, leader, multiplier in reversed(self._mimics):
             full[:, leader] += multiplier * full[:, follower]
         return full[:, self._members]
 
     def _without_damping(self) -> Array:
-        """Take the damping out of the context, and return it."""
+        """Remove the damping from the context, and return it."""
         full = np.zeros(self._plant.num_velocities())
         for index in self._plant.GetJointIndices():
             joint = self._plant.get_joint(index)
@@ -135,7 +135,7 @@ class GroupDynamics:
         return full[self._members]
 
     def _followed(self, rates: Float64[np.ndarray, "m nv"]) -> Array:
-        """Return the plant's rates: those of the group, and of what follows it."""
+        """Return the plant's rates: those of the group, and of its followers."""
         full = np.zeros((len(rates), self._plant.num_velocities()))
         full[:, self._members] = rates
         for follower, leader, multiplier in self._mimics:
@@ -146,13 +146,13 @@ class GroupDynamics:
 def validate_payload(
     world: World, group: JointGroup, payload: Payload, field: str = "payload"
 ) -> None:
-    """Go on only if a payload burdens a joint of a group.
+    """Raise unless a payload loads a joint of a group.
 
     Args:
         world: The scene.
-        group: What moves.
-        payload: What it carries.
-        field: What the request calls the payload.
+        group: The group that moves.
+        payload: The mass that it carries.
+        field: Name of the payload in the request.
 
     Raises:
         UnknownName: Its frame does not exist.
@@ -172,7 +172,7 @@ def validate_payload(
 
 
 def _load(model: DrakeModel, context: Any, payload: Payload) -> None:
-    """Add a payload to the body that its frame is fixed to, in a context alone."""
+    """Add a payload to the body of its frame, in a context alone."""
     frame = model.frame(payload.frame)
     body: Any = model.plant.get_body(frame.body().index())
     x_bf = frame.GetFixedPoseInBodyFrame()

@@ -1,4 +1,4 @@
-"""Where frames are."""
+"""Forward kinematics of frames."""
 
 from collections.abc import Sequence
 

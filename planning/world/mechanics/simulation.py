@@ -1,11 +1,11 @@
-"""Simulation: a scene with its dynamics, one group of it under computed-torque control.
+"""Simulation: dynamics of a scene with one group under computed-torque control.
 
 The controller is inverse dynamics with feedback on the acceleration (Siciliano et al., Robotics:
 Modelling, Planning and Control, section 8.5.2),
 
     tau = M(q) (vdot_d + Kd (v_d - v) + Kp (q_d [-] q)) + C(q, v) v - tau_g(q) - tau_damping(v),
 
-so every joint's error obeys e'' + Kd e' + Kp e = 0 whatever the robot weighs, until tau is cut to
+so every joint's error obeys e'' + Kd e' + Kp e = 0 for any mass of the robot, until tau is cut to
 the effort limits. Joints that follow the group's are controlled with them; all others are held.
 """
 
@@ -32,11 +32,11 @@ CONTACT_DEPTH = 1e-4
 
 
 class Simulation:
-    """A group of a world, simulated. It owns its context; the world stays as it is.
+    """Simulation of a group of a world. It owns its context; the world stays as it is.
 
     Not promised: joint friction, motors or gears; contacts are Drake's compliant point contacts.
-    What stands outside of Drake's model, in scenes of many objects, is seen to be touched but does
-    not push back.
+    Contacts with objects outside of Drake's model, in scenes of many objects, are detected but
+    exert no force.
     """
 
     def __init__(
@@ -48,14 +48,14 @@ class Simulation:
         bandwidth: float = BANDWIDTH,
         contact_depth: float = CONTACT_DEPTH,
     ) -> None:
-        """Put the group at rest at `start` at time 0, all else at the world's state.
+        """Start at time 0 with the group at rest at `start`, all other joints at the world's state.
 
         Args:
-            world: Where; its plant must have a discrete time step.
-            group: What moves.
+            world: The world; its plant must have a discrete time step.
+            group: The group that moves.
             start: The group's q, shape (nq,).
             bandwidth: Of the controller [rad/s].
-            contact_depth: Penetration from which on bodies count as touching [m].
+            contact_depth: Smallest penetration that counts as contact [m].
 
         Raises:
             ModelInvalid: The robot cannot be simulated: a joint moves no mass.
@@ -111,7 +111,7 @@ class Simulation:
         v: Float64[np.ndarray, " nv"],
         vdot: Float64[np.ndarray, " nv"],
     ) -> None:
-        """Follow q, v, vdot from now on, with vdot held until the next command.
+        """Follow q, v, vdot from now on, with vdot held constant until the next command.
 
         Until then the error is integrated from v_d - v, which is exact but for the curvature of
         rotations: command floating joints every few milliseconds while they turn.
@@ -123,7 +123,7 @@ class Simulation:
         self._v_desired, self._vdot_desired = v, vdot
 
     def advance_to(self, time: float) -> tuple[BodyPair, ...]:
-        """Simulate until `time` [s] and return the bodies that touched, each pair at its deepest.
+        """Simulate until `time` [s] and return the bodies in contact, each pair at its deepest.
 
         Raises:
             TrackingLost: The solver of the contact problem failed: the motion has diverged.
@@ -165,13 +165,13 @@ class Simulation:
         self._tau.GetMutableData().set_value(tau)
 
     def _cut(self, tau: Array) -> Array:
-        """Return the factors, shape (nv,), that cut every block's norm to its effort limit."""
+        """Return the factors, shape (nv,), that scale every block's norm to its effort limit."""
         size = np.sqrt(self._members @ (tau * tau))
         factors = np.minimum(1.0, self._effort / np.maximum(size, 1e-12))
         return factors @ self._members
 
     def _follow(self, q: Array, v: Array, vdot: Array) -> None:
-        """Set the accelerations of the joints that follow the group's, and of those that stay."""
+        """Set the accelerations of the group's followers, and of the joints that stay."""
         in_q, in_v, place = self._held
         vdot[in_v] = self._kp * (place - q[in_q]) - self._kd * v[in_v]
         for c in self._followers:
@@ -193,7 +193,7 @@ class Simulation:
         return touching + self._touching_standing()
 
     def _touching_standing(self) -> list[BodyPair]:
-        """Return what touches an object outside of Drake's model, which stops nothing by itself."""
+        """Return contacts with objects outside of Drake's model, which exert no force."""
         if self._probe is None:
             return []
         rows = self._model.standing.rows
@@ -214,7 +214,7 @@ class Simulation:
         return BodyPair((a, b), -float(pair.depth), np.array([p_wa, p_wb]))
 
     def _hold_others(self) -> tuple[list[int], list[int], Array]:
-        """Lock the planar and floating joints that stay, return the scalar ones and their place.
+        """Lock the other planar and floating joints; return the scalar ones and their positions.
 
         A scalar joint is held by the controller instead: Drake's solver answers NaN for a locked
         joint that stands on its position limit, as closed grippers do.
@@ -243,7 +243,7 @@ class Simulation:
 
 
 def _members(limits: JointLimits) -> Array:
-    """Return which velocity coordinates each block has, as ones, shape (num_blocks, nv)."""
+    """Return the velocity coordinates of each block, as ones, shape (num_blocks, nv)."""
     members = np.zeros((len(limits.blocks), sum(map(len, limits.blocks))))
     for row, block in zip(members, limits.blocks, strict=True):
         row[list(block)] = 1.0

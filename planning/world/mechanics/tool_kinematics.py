@@ -19,7 +19,7 @@ type Indices = np.ndarray[Any, np.dtype[np.int64]]
 
 
 class ToolKinematics:
-    """By the native kernel if there is one for this world, else by Drake; all else stays put.
+    """Forward kinematics of a tool frame by the native kernel, else by Drake; other joints stay.
 
     Attributes:
         frame: Full name of T.
@@ -48,7 +48,7 @@ class ToolKinematics:
         return x[:, :9].reshape(-1, 3, 3), x[:, 9:]
 
     def jacobians(self, qs: Float64[np.ndarray, "n nq"]) -> Float64[np.ndarray, "n 6 nv"]:
-        """Return d(rotation; translation of T in W) by the tangent at each q, followers included.
+        """Return Jacobians of T in W (rotation; translation) by the tangent, with followers.
 
         Columns of joints that turn and shift in the tangent's own axes (floating ones) differ from
         Drake's, whose angular velocity is in the parent's axes.
@@ -58,9 +58,9 @@ class ToolKinematics:
     def columns(self, qs: Float64[np.ndarray, "n nq"]) -> Float64[np.ndarray, "n 6 k"]:
         """Return the Jacobians' columns by the tangent, followers apart from their leaders.
 
-        First come the group's own, as `jacobians` has them if nothing follows, then those of the
-        followers that `followers` tells of. Bounds need them: where a follower turns against its
-        leader their sum says little of how each moves the tool.
+        First come the group's own, as `jacobians` has them without followers, then those of
+        `followers`. Bounds need them: where a follower turns against its
+        leader, their sum does not bound how far each moves the tool.
         """
         if not self.followers[0].size:
             return self.jacobians(qs)
@@ -70,7 +70,7 @@ class ToolKinematics:
 
     @property
     def followers(self) -> tuple[Int64[np.ndarray, " k"], Float64[np.ndarray, " k"]]:
-        """The leaders of the followers that move the tool, as indices into v, and multipliers."""
+        """Leaders of the followers that move the tool, as indices into v, and multipliers."""
         return self._followers[1:]
 
     def velocities(
@@ -115,7 +115,7 @@ class ToolKinematics:
 
     @cached_property
     def _context(self) -> Context:
-        """Made when it is first needed: it takes longer than many a query."""
+        """Drake's context, made at its first use: that takes longer than many queries."""
         return self._world.drake.plant.CreateDefaultContext()
 
     def _by_drake(self, qs: Array) -> Array:

@@ -1,7 +1,7 @@
-"""What a joint leads, and whether whole turns of it leave that as it was.
+"""Whole turns of joints: whether a joint's followers are unchanged by them.
 
-Drake counts positions of joints on the real line. For us a joint that turns without end is on a
-circle, where whole turns are nothing. That is true only if all that follows it is where it was
+Drake counts positions of joints on the real line. In `planning` an unlimited revolute joint is on a
+circle, modulo whole turns. That is valid only if all its followers are where they were
 after a whole turn, and may go there: a follower by half is half a turn off.
 """
 
@@ -13,18 +13,18 @@ from pydrake.multibody.tree import RevoluteJoint
 
 from planning.world.drake_model import DrakeModel
 
-# Multipliers this near to a whole number are one, such as 0.1 times 10.
+# Tolerance for whole-number multipliers, such as 0.1 times 10.
 _DUST = 1e-12
 
 
 @dataclass(frozen=True)
 class Led:
-    """A joint that follows another one, directly or through others.
+    """Follower of a joint, directly or through others.
 
     Attributes:
         joint: Drake's.
-        multiplier: Its displacement over that of the joint that leads all of them.
-        offset: Where it is if that is at 0 [rad or m].
+        multiplier: Its displacement over that of the first leader.
+        offset: Its position with the first leader at 0 [rad or m].
     """
 
     joint: Any
@@ -33,13 +33,13 @@ class Led:
 
     @property
     def minds_turns(self) -> bool:
-        """Whether its child is elsewhere after a whole turn of what leads."""
+        """Whether its child body is elsewhere after a whole turn of the leader."""
         is_whole = abs(self.multiplier - round(self.multiplier)) <= _DUST
         return self.multiplier != 0 and not (is_whole and isinstance(self.joint, RevoluteJoint))
 
 
 def led_by(model: DrakeModel, name: str) -> tuple[Led, ...]:
-    """Return all that follows a joint of one coordinate, by full name; leaders first."""
+    """Return all followers of a joint of one coordinate, by full name; leaders first."""
     plant = model.plant
     index = model.joint_indices[name]
     joints = {int(plant.get_joint(i).velocity_start()): i for i in model.joint_indices.values()}
@@ -56,7 +56,7 @@ def led_by(model: DrakeModel, name: str) -> tuple[Led, ...]:
 
 
 def is_endless(model: DrakeModel, name: str) -> bool:
-    """Return whether a joint that turns may do so without end, and whole turns are nothing."""
+    """Return whether a revolute joint is unlimited and on a circle, modulo whole turns."""
     joint = model.plant.get_joint(model.joint_indices[name])
     led = [each for each in led_by(model, name) if each.multiplier != 0]
     bounds = [

@@ -1,1 +1,1 @@
-"""Robot descriptions: URDF, SDF, MJCF and SRDF, their groups and limits."""
+"""Robot descriptions: URDF, SDF, MJCF and SRDF, with groups and limits."""

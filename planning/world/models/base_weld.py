@@ -1,4 +1,4 @@
-"""weld_base(): how a robot's base stands in the world: welded, or floating."""
+"""weld_base(): weld a robot's base to the world, or let it float."""
 
 from collections.abc import Sequence
 
@@ -10,9 +10,9 @@ from planning.world.loading.scene_build import Build, LoadedRobot
 
 
 def weld_base(build: Build, loaded: LoadedRobot, instances: Sequence[ModelInstanceIndex]) -> None:
-    """Weld the base of a robot to the world, or let it float, as its scene and its files say.
+    """Weld the base of a robot to the world, or let it float, by its scene and its files.
 
-    A base that floats although the scene does not say so is worth a warning.
+    A base that floats although the scene does not say so gets a warning.
 
     Args:
         build: With the robot, which is the last one, before the plant is finalized.
@@ -20,8 +20,8 @@ def weld_base(build: Build, loaded: LoadedRobot, instances: Sequence[ModelInstan
         instances: The robot's models.
 
     Raises:
-        UnknownName: The card names a base link that there is none of.
-        SceneInvalid: The scene says what the description does not leave open.
+        UnknownName: The card names a base link that does not exist.
+        SceneInvalid: The scene contradicts the description.
     """
     robot = loaded.scene_robot
     free = _free_links(build, instances)
@@ -49,7 +49,7 @@ def _free_links(build: Build, instances: Sequence[ModelInstanceIndex]) -> list[R
 
 
 def _base(build: Build, loaded: LoadedRobot, free: list[RigidBody]) -> RigidBody | None:
-    """Return the link that the scene may weld: the card's, else the URDF's root, else the one."""
+    """Return the link to weld or float: the card's, the URDF's root, or the only free one."""
     card = loaded.source.card
     name = card.base if card else loaded.file.root_link
     if card and f"{loaded.scene_robot.name}::{name}" not in build.bodies:
@@ -60,7 +60,7 @@ def _base(build: Build, loaded: LoadedRobot, free: list[RigidBody]) -> RigidBody
 
 
 def _refuse_what_is_settled(build: Build, loaded: LoadedRobot, free: list[RigidBody]) -> None:
-    """Go on only if the scene leaves to the description what that settles itself."""
+    """Raise if the scene sets what the description determines itself."""
     robot = loaded.scene_robot
     path = f"robots.{len(build.robots) - 1}"
     names = [link.name() for link in free]
@@ -79,7 +79,7 @@ def _refuse_what_is_settled(build: Build, loaded: LoadedRobot, free: list[RigidB
 
 
 def _require_said(build: Build, loaded: LoadedRobot, base: RigidBody) -> None:
-    """Go on only if the scene says that a base floats that it gives a place."""
+    """Raise unless the scene declares floating a base for which it gives a pose."""
     robot = loaded.scene_robot
     if robot.weld is None and not RigidTransform(robot.base.matrix).IsNearlyIdentity(0.0):
         path = f"robots.{len(build.robots) - 1}.base"

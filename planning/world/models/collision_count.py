@@ -1,4 +1,4 @@
-"""Collision shapes that a description states, counted against those that Drake has made of it."""
+"""Count of collision shapes: those in a description against those in Drake's plant."""
 
 from collections import Counter
 from collections.abc import Iterator, Sequence
@@ -14,14 +14,14 @@ from planning.world.models.mjcf_file import MjcfDefaults
 
 # Kinds that Drake reads in all formats: where a shape is missing, it is one of the others if any.
 _READ = {"box", "capsule", "cylinder", "ellipsoid", "mesh", "plane", "sphere"}
-# Of MJCF, whose ends Drake does not read.
+# MJCF kinds whose `fromto` (end points) Drake does not read.
 _NO_ENDS = ("box", "ellipsoid")
 _WORLD = "world"
 
 
 @dataclass(frozen=True)
 class StatedShape:
-    """A collision shape in a description.
+    """Collision shape in a description.
 
     Attributes:
         link: Its name; "world" for MJCF's `worldbody`, "" for a body of MJCF without a name.
@@ -35,12 +35,12 @@ class StatedShape:
 
 
 def stated_shapes(root: ET.Element) -> list[StatedShape]:
-    """Return every collision shape that a description itself states."""
+    """Return every collision shape in a description itself."""
     return list(_of_mjcf(root) if root.tag == "mujoco" else _of_links(root))
 
 
 def collision_counts(plant: Any, bodies: Sequence[BodyIndex]) -> Counter[str]:
-    """Return how many collision shapes each of some bodies has, by the body's name."""
+    """Return the number of collision shapes of some bodies, by the body's name."""
     counts: Counter[str] = Counter()
     for index in bodies:
         body = plant.get_body(index)
@@ -55,7 +55,7 @@ def require_shapes(
     before: Counter[str],
     file: Path,
 ) -> None:
-    """Go on only if the plant has every collision shape that a description states.
+    """Raise unless the plant has every collision shape of a description.
 
     Args:
         plant: With the model.
@@ -100,7 +100,7 @@ def _of_links(root: ET.Element) -> Iterator[StatedShape]:
 
 
 def _kinds(geometry: ET.Element | None) -> list[str]:
-    """Return the kinds of the shapes of one geometry; Drake's own tags count instead of others."""
+    """Return the kinds of the shapes of one geometry; Drake's own tags replace others."""
     tags = [] if geometry is None else [child.tag for child in geometry if child.tag != "empty"]
     own = [tag for tag in tags if "drake" in tag]
     return [tag.rpartition("}")[2].removeprefix("drake:") for tag in own or tags]

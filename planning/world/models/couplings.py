@@ -1,4 +1,4 @@
-"""Which joints a robot has in Drake, and which of them follow others."""
+"""Couplings: Drake's joints of a robot, and the mimic relations among them."""
 
 from collections.abc import Mapping, Sequence
 
@@ -27,16 +27,16 @@ def couplings(
     indices: Mapping[str, JointIndex],
     mimics: Sequence[tuple[str, Mimic]],
 ) -> tuple[Coupling, ...]:
-    """Return the joints that follow others, none before its leader.
+    """Return the mimic joints, none before its leader.
 
     Args:
-        plant: Where they are.
+        plant: The plant.
         indices: Of all joints, by `robot::joint`.
         mimics: Each with the name of its robot, in any order.
 
     Raises:
-        ModelInvalid: Joints follow each other in a circle, or one of several coordinates does, or
-            one follows what does not move.
+        ModelInvalid: Joints follow each other in a cycle, or a joint of several coordinates is
+            among them, or a leader is fixed.
     """
     found: list[Coupling] = []
     for robot, mimic in _leaders_first(mimics):
@@ -72,7 +72,7 @@ def _require_single(robot: str, mimic: Mimic, *counts: int) -> None:
 
 
 def _leaders_first(mimics: Sequence[tuple[str, Mimic]]) -> list[tuple[str, Mimic]]:
-    """Return the same in an order in which no joint comes before the one that it follows."""
+    """Return the same in topological order, no joint before its leader."""
     ordered: list[tuple[str, Mimic]] = []
     rest = list(mimics)
     while rest:

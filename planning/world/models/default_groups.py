@@ -1,4 +1,4 @@
-"""wanted_groups(): the groups of a robot as its card says, else as its SRDF does, else one."""
+"""wanted_groups(): groups of a robot from its card, else from its SRDF, else one of all joints."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -11,14 +11,14 @@ from planning.world.models.srdf import read_srdf
 
 @dataclass(frozen=True)
 class WantedGroups:
-    """Groups of a robot as names.
+    """Groups of a robot by names of joints and frames.
 
     Attributes:
-        default: Of the group that the bare robot name stands for.
-        groups: Joints and tool frames, by name; none are the group's last link.
+        default: Name of the group that the bare robot name stands for.
+        groups: Joints and tool frames, by name; no tool frames mean the group's last link.
         configurations: Values by configuration and group.
         assumed: Joints whose rate limits are not stated.
-        warnings: What is not read.
+        warnings: Parts of the files that are ignored.
     """
 
     default: str
@@ -29,11 +29,11 @@ class WantedGroups:
 
 
 def wanted_groups(loaded: LoadedRobot, joints: Mapping[str, Joint]) -> WantedGroups:
-    """Return the groups that a robot's card says; without one, its SRDF's and one of all joints.
+    """Return the groups of a robot's card; without one, its SRDF's and one of all joints.
 
     Args:
         loaded: The robot.
-        joints: Its joints that move by themselves, by their names in the description.
+        joints: Its independent joints, by their names in the description.
     """
     card = loaded.source.card
     return _of_card(card, joints) if card else _of_srdf(loaded, joints)

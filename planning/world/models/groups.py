@@ -1,4 +1,4 @@
-"""Groups of a robot, with their limits and named configurations."""
+"""Joint groups of a robot, with their limits and named configurations."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -22,7 +22,7 @@ from planning.world.mechanics.turns import is_endless, led_by
 from planning.world.models.default_groups import wanted_groups
 from planning.world.models.robot_card import EffortCard, LimitsCard
 
-# Where nobody states them: half a second to full speed, a tenth of a second to full acceleration.
+# Default limits: half a second to full speed, a tenth of a second to full acceleration.
 _ASSUMED_VELOCITY = 1.0
 ACCELERATION_PER_VELOCITY = 2.0
 JERK_PER_ACCELERATION = 10.0
@@ -30,15 +30,15 @@ JERK_PER_ACCELERATION = 10.0
 
 @dataclass(frozen=True)
 class RobotGroups:
-    """What a robot can do.
+    """Groups, configurations and warnings of one robot.
 
     Attributes:
         robot: Its name in the scene.
         default: Name of the group that the bare robot name stands for.
         groups: By name within the robot.
         configurations: Values by configuration and group name.
-        assumed: Joints whose rate limits are not stated, so that ours are assumed.
-        warnings: What its SRDF says that is not read.
+        assumed: Joints whose rate limits no source states, so that default limits are assumed.
+        warnings: Parts of its SRDF that are ignored.
     """
 
     robot: str
@@ -50,12 +50,12 @@ class RobotGroups:
 
 
 def robot_groups(model: DrakeModel, loaded: LoadedRobot) -> RobotGroups:
-    """Return the groups of a robot: from its card, else its SRDF, else all joints that move.
+    """Return the groups of a robot: from its card, else its SRDF, else all independent joints.
 
     Raises:
         UnknownName: The card names a joint, in a group or with limits, or a frame that the
             description does not have.
-        ModelInvalid: A joint is of a kind that cannot be planned for.
+        ModelInvalid: A joint is of a kind that planning does not support.
     """
     robot = loaded.scene_robot.name
     joints = _joints_of(model, loaded)
@@ -82,7 +82,7 @@ def robot_groups(model: DrakeModel, loaded: LoadedRobot) -> RobotGroups:
 
 
 def _require_joints(model: DrakeModel, loaded: LoadedRobot) -> None:
-    """Go on only if the description has every joint that the card states limits of."""
+    """Raise unless the description has every joint with limits in the card."""
     prefix = f"{loaded.scene_robot.name}::"
     known = [full.removeprefix(prefix) for full in model.joint_indices if full.startswith(prefix)]
     for name in loaded.source.card.limits if loaded.source.card else ():
@@ -91,7 +91,7 @@ def _require_joints(model: DrakeModel, loaded: LoadedRobot) -> None:
 
 
 def _winding(model: DrakeModel, joints: Sequence[Joint]) -> tuple[str, ...]:
-    """Return the revolute joints whose whole turns move what follows them."""
+    """Return the revolute joints whose whole turns move their followers."""
     return tuple(
         joint.name
         for joint in joints
@@ -103,7 +103,7 @@ def _winding(model: DrakeModel, joints: Sequence[Joint]) -> tuple[str, ...]:
 def group_limits(model: DrakeModel, group: JointGroup, robots: list[LoadedRobot]) -> JointLimits:
     """Return a group's own limits: the card's where it states them, else the description's.
 
-    What follows the group has limits as well (`followers`).
+    Followers of the group have limits as well (`followers`).
     """
     by_robot = {loaded.scene_robot.name: loaded for loaded in robots}
     lower: list[float] = []
@@ -135,7 +135,7 @@ def group_limits(model: DrakeModel, group: JointGroup, robots: list[LoadedRobot]
 
 
 def _steering(loaded: LoadedRobot, joints: dict[str, Joint]) -> dict[str, Steering]:
-    """Return how the card says that joints are steered, by full name.
+    """Return the card's steering of joints, by full name.
 
     Raises:
         ModelInvalid: One of them is not planar.
@@ -154,7 +154,7 @@ def _steering(loaded: LoadedRobot, joints: dict[str, Joint]) -> dict[str, Steeri
 
 
 def _joints_of(model: DrakeModel, loaded: LoadedRobot) -> dict[str, Joint]:
-    """Return the robot's own joints that move and follow no other, in Drake's order."""
+    """Return the robot's independent joints, in Drake's order."""
     followers = {mimic.follower for mimic in loaded.file.mimics}
     joints: dict[str, Joint] = {}
     prefix = f"{loaded.scene_robot.name}::"
@@ -183,13 +183,13 @@ def _type_of(model: DrakeModel, name: str) -> JointType:
 
 
 def _tips(model: DrakeModel, joints: tuple[Joint, ...]) -> tuple[str, ...]:
-    """Return the frame of the last link that the last joint carries: a fair guess at the tool."""
+    """Return the frame of the last link that the last joint carries: the default tool frame."""
     if not joints:
         return ()
     last = model.plant.get_joint(model.joint_indices[joints[-1].name]).child_body()
     carried = model.plant.GetBodiesWeldedTo(last)
     names = [model.body_names[body.index()] for body in carried if body.index() in model.body_names]
-    names = [name for name in names if name not in model.owners]  # a thing in the hand is no tool
+    names = [name for name in names if name not in model.owners]  # an attached object is no tool
     return (max(names, key=lambda name: int(model.bodies[name])),)
 
 

@@ -1,4 +1,4 @@
-"""What limits the joints that follow those of a group."""
+"""Limits of mimic joints that follow those of a group."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -23,10 +23,10 @@ _NOTHING_STATED = LimitsCard()
 def limits_together(
     model: DrakeModel, group: JointGroup, robots: Sequence[LoadedRobot]
 ) -> JointLimits:
-    """Return the limits within which a group and all that follows it keep their own.
+    """Return the limits under which a group and all its followers keep their own.
 
     Raises:
-        ModelInvalid: A follower can be nowhere within its limits.
+        ModelInvalid: No position of a leader keeps both its own limits and its follower's.
     """
     own = group_limits(model, group, list(robots))
     return together(own, followers_of(model, group, robots))
@@ -37,9 +37,9 @@ def followers_of(
 ) -> tuple[Follower, ...]:
     """Return the joints that follow those of a group, directly or through others.
 
-    Positions and velocities are limited as the card says, or else the description. Accelerations
-    and jerks are as the card says; where it says nothing of them, and nothing of the leader's, they
-    are assumed from the follower's velocity as those of any joint are.
+    Positions and velocities are limited by the card, or else the description. Accelerations
+    and jerks are limited by the card; if it states none for the follower and none for the leader,
+    they are assumed from the follower's velocity as those of any joint are.
     """
     cards = {r.scene_robot.name: r.source.card.limits for r in robots if r.source.card}
     found: list[Follower] = []

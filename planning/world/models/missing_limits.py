@@ -1,19 +1,19 @@
-"""unlimited_joints(): joints that a description leaves without an end, though it could say so."""
+"""unlimited_joints(): joints without position limits in a description whose type has limits."""
 
 import math
 from collections.abc import Iterator
 from xml.etree import ElementTree as ET
 
 _LIMITED = {"revolute", "prismatic"}
-# What SDF writes for no limit at all.
+# SDF's value for no limit.
 _ENDLESS = 1e15
 
 
 def unlimited_joints(models: list[ET.Element]) -> tuple[str, ...]:
-    """Return the revolute and prismatic joints whose positions URDF or SDF do not limit.
+    """Return the revolute and prismatic joints without position limits in URDF or SDF.
 
-    Those of type `continuous` are meant to have no end. MJCF is not looked at: it has no such type,
-    and a joint without `range` is the usual one there.
+    Those of type `continuous` are unlimited by design. MJCF is not checked: it has no such type,
+    and a joint without `range` is usual there.
     """
     names = (
         joint.get("name", "")
@@ -36,5 +36,5 @@ def _is_finite(text: str) -> bool:
     try:
         number = float(text)
     except ValueError:
-        return True  # the parser says what is wrong with it
+        return True  # the parser reports it
     return math.isfinite(number) and abs(number) < _ENDLESS

@@ -1,4 +1,4 @@
-"""What MJCF says that Drake's parser passes over, often without a word."""
+"""MJCF features that Drake's parser ignores, often without a warning."""
 
 import math
 import os
@@ -18,7 +18,7 @@ _MOST_INCLUDES = 100
 
 @dataclass(frozen=True)
 class JointEquality:
-    """q_follower = multiplier * q_leader + offset."""
+    """MJCF joint equality: q_follower = multiplier * q_leader + offset."""
 
     follower: str
     leader: str
@@ -27,7 +27,7 @@ class JointEquality:
 
 
 class MjcfDefaults:
-    """Attributes of elements, with what their classes say where they say nothing."""
+    """Attributes of MJCF elements, with the defaults of their classes."""
 
     def __init__(self, root: ET.Element) -> None:
         """Read the `default` elements of a model."""
@@ -40,7 +40,7 @@ class MjcfDefaults:
                 self._descend(child, "main")
 
     def get(self, element: ET.Element, name: str, otherwise: str = "") -> str:
-        """Return an attribute of an element of the model."""
+        """Return an attribute of an element of the model, or its class default."""
         chosen = element.get("class") or self._class.get(element, "main")
         by_class = self._of.get(chosen, {}).get(element.tag, {})
         return element.get(name) or by_class.get(name) or otherwise
@@ -55,7 +55,7 @@ class MjcfDefaults:
             self._read(child, child.get("class", ""), self._of[name])
 
     def _descend(self, element: ET.Element, chosen: str) -> None:
-        """Note the class that each element inherits from the bodies around it."""
+        """Record the class that each element inherits from the bodies around it."""
         self._class[element] = chosen
         inside = element.get("childclass") or chosen
         for child in element:
@@ -63,17 +63,17 @@ class MjcfDefaults:
 
 
 def with_includes(file: Path, root: ET.Element) -> bool:
-    """Put what a model includes in the place of every `include`; return whether there was one.
+    """Replace every `include` by the included elements; return whether there was one.
 
     Raises:
-        AssetNotFound: An included file is not there.
+        AssetNotFound: An included file does not exist.
         ModelInvalid: It is not XML, or includes itself, or too many are included.
     """
     return bool(_expand(file, root, (_resolved(file, file.name),), _MOST_INCLUDES))
 
 
 def _expand(file: Path, root: ET.Element, chain: tuple[Path, ...], left: int) -> int:
-    """Put in what the last file of a chain includes; return how many were put in."""
+    """Expand the includes of the last file of a chain; return their number."""
     count = 0
     for parent in [parent for parent in root.iter() if parent.find("include") is not None]:
         for include in parent.findall("include"):
@@ -107,7 +107,7 @@ def _included(file: Path, name: str) -> ET.Element:
 
 
 def refuse_unread(file: Path, root: ET.Element) -> None:
-    """Go on only if Drake's parser leaves out nothing of a model that moves or collides.
+    """Raise if Drake's parser ignores a part of a model that moves or collides.
 
     Raises:
         ModelInvalid: It would leave out bodies or geoms, or move a mesh.
@@ -127,7 +127,7 @@ def refuse_unread(file: Path, root: ET.Element) -> None:
 
 
 def _refuse_points(file: Path, root: ET.Element) -> None:
-    """Go on only if every sphere has a radius: of others Drake makes points."""
+    """Raise unless every sphere has a radius: without one Drake makes a point."""
     defaults = MjcfDefaults(root)
     for geom in (geom for world in root.findall("worldbody") for geom in world.iter("geom")):
         radius = [_number(file, word) for word in defaults.get(geom, "size").split()][:1]

@@ -1,4 +1,4 @@
-"""What a description must not say: sizes, masses, limits and names that end or deceive Drake."""
+"""Faults of a description that crash or mislead Drake: sizes, masses, limits and names."""
 
 import math
 from collections.abc import Iterator
@@ -16,13 +16,13 @@ _POSITIVE = {
     "capsule": ("radius", "length"),
     "ellipsoid": ("a", "b", "c"),
 }
-# What Drake scopes names by; a link that has it in its own ends the process.
+# Drake's scope separator; a link with it in its own name ends the process.
 _SCOPE = "::"
 _NAMED = ("link", "body", "model", "robot")
 
 
 def refuse_faults(file: Path, root: ET.Element) -> None:
-    """Go on only if no part of a description is one that Drake would stumble over.
+    """Raise if a part of a description would crash or mislead Drake.
 
     Raises:
         ModelInvalid: It names the element: a size that is not positive, a mass below zero, limits
@@ -38,16 +38,16 @@ def refuse_faults(file: Path, root: ET.Element) -> None:
 
 
 def invalid(file: Path, reason: str, **evidence: str) -> ModelInvalid:
-    """Return the error that says what is wrong with a file; the evidence names the element."""
+    """Return the error for a fault of a file; the evidence names the element."""
     known = {"file": str(file), "reason": reason}
     return ModelInvalid(f"{file.name}: {reason}", {**known, **evidence})
 
 
 def number_in(file: Path, tag: str, word: str) -> float:
-    """Return the finite number that a word is.
+    """Return the finite number that a word represents.
 
     Raises:
-        ModelInvalid: It is none; the message names the tag.
+        ModelInvalid: It represents none; the message names the tag.
     """
     try:
         number = float(word)

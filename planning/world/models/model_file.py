@@ -1,8 +1,8 @@
-"""Look at a robot description before Drake does, and read what Drake's parser does not.
+"""ModelFile: inspection of a robot description before Drake parses it, and data that Drake ignores.
 
 Drake's parser ends the process (SystemExit) at a box of size zero, downloads some packages, and
-accepts negative masses; URDF's `floating` joints, `mimic` and MJCF's equalities of joints it passes
-over. A description is refused here for all of the former, and the latter are returned.
+accepts negative masses; URDF's `floating` joints, `mimic` and MJCF's equalities of joints it
+ignores. A description is refused here for all of the former, and the latter are returned.
 """
 
 import os
@@ -26,7 +26,7 @@ PACKAGE = re.compile(r"^(?:package|model)://([^/]+)/(.*)$")
 
 @dataclass(frozen=True)
 class Mimic:
-    """A joint that follows another: q = multiplier * q_leader + offset."""
+    """Mimic joint: q = multiplier * q_leader + offset."""
 
     follower: str
     leader: str
@@ -36,7 +36,7 @@ class Mimic:
 
 @dataclass(frozen=True)
 class FloatingJoint:
-    """A URDF joint of type floating.
+    """URDF joint of type floating.
 
     Attributes:
         name: Of the joint.
@@ -55,19 +55,19 @@ class FloatingJoint:
 
 @dataclass(frozen=True)
 class ModelFile:
-    """What a description says beside what Drake reads.
+    """Data of a description in addition to what Drake reads.
 
     Attributes:
         file: The description.
-        root_link: The link that is nobody's child, or "" where the format hides it.
+        root_link: The link without a parent joint, or "" where the format hides it.
         floating: Every URDF joint of type floating.
         mimics: Joints that follow others.
-        effort: Largest effort by joint, where the file says it [N m or N].
+        effort: Largest effort by joint, where the file states it [N m or N].
         packages: Folder of every package that the file names.
-        rewritten: The description with meshes that Drake reads; None if it reads its own.
-        disabled_pairs: Pairs of links that an SRDF of the same name lets touch.
-        shapes: Collision shapes that the description states.
-        unlimited: Joints whose positions it does not limit, though their type has limits.
+        rewritten: The description with converted meshes; None if Drake reads the original ones.
+        disabled_pairs: Pairs of links that an SRDF of the same name allows to touch.
+        shapes: Collision shapes in the description.
+        unlimited: Joints without position limits, though their type has limits.
     """
 
     file: Path
@@ -83,16 +83,17 @@ class ModelFile:
 
 
 def inspect_model(file: Path, twins: Path) -> ModelFile:
-    """Return what a description says, if it is safe to give to Drake.
+    """Return the data of a description, if it is safe to give to Drake.
 
     Args:
         file: The description.
-        twins: Folder of meshes that are made from those that Drake does not read.
+        twins: Folder of meshes converted from those that Drake does not read.
 
     Raises:
-        AssetNotFound: A package, mesh or included MJCF file that it names is not there.
-        ModelInvalid: It is not XML, too large, has a document type, includes itself, or says what
-            Drake stumbles over (`refuse_faults`); or it is MJCF with what Drake leaves out.
+        AssetNotFound: A package, mesh or included MJCF file that it names does not exist.
+        ModelInvalid: It is not XML, too large, has a document type, includes itself, or has a
+            fault that Drake does not handle (`refuse_faults`); or it is MJCF with parts that Drake
+            ignores.
     """
     root = _parse(file)
     is_mjcf = root.tag == "mujoco"
@@ -144,7 +145,7 @@ def _parse(file: Path) -> ET.Element:
 
 
 def _find_meshes(file: Path, root: ET.Element) -> tuple[dict[str, Path], dict[str, Path]]:
-    """Return the folder of each package, and the path of each mesh by the name it is given."""
+    """Return the folder of each package, and the path of each mesh by its name in the file."""
     packages: dict[str, Path] = {}
     meshes: dict[str, Path] = {}
     stated = [compiler.get("meshdir") for compiler in root.findall("compiler")]
@@ -174,7 +175,7 @@ def _find_meshes(file: Path, root: ET.Element) -> tuple[dict[str, Path], dict[st
 
 
 def package_folder(file: Path, name: str, uri: str) -> Path:
-    """Find a package among the folders above the file: by its package.xml or its folder's name.
+    """Return a package among the folders above the file, by package.xml or the folder's name.
 
     Raises:
         AssetNotFound: None of them is it.
@@ -242,7 +243,7 @@ def _efforts(root: ET.Element) -> dict[str, float]:
         limit = joint.find("limit")
         word = limit.get("effort") if limit is not None else None
         if word is not None:
-            efforts[joint.get("name", "")] = float(word)  # was looked at (`refuse_faults`)
+            efforts[joint.get("name", "")] = float(word)  # checked by `refuse_faults`
     return efforts
 
 

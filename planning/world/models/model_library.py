@@ -1,4 +1,4 @@
-"""ModelLibrary: where robots are found, by name or by path."""
+"""ModelLibrary: folders of robots, searched by name or path."""
 
 import sysconfig
 from dataclasses import dataclass
@@ -13,13 +13,13 @@ _SUFFIXES = (".urdf", ".sdf", ".xml")
 
 @dataclass(frozen=True)
 class RobotSource:
-    """A robot's files.
+    """Files of a robot.
 
     Attributes:
-        name: How it was asked for.
+        name: Name of the robot in the request.
         file: Its description.
         card: Its robot.yaml, if there is one beside the description.
-        card_file: Where that was read.
+        card_file: Path of that file.
     """
 
     name: str
@@ -52,7 +52,7 @@ class ModelLibrary:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Robots that can be asked for by name, sorted."""
+        """Names of the robots, sorted."""
         cards = (card for root in self.roots for card in root.glob(f"*/{_CARD}"))
         return tuple(sorted({card.parent.name for card in cards}))
 
@@ -94,7 +94,7 @@ class ModelLibrary:
 
 
 def expansion(xacro: str) -> str:
-    """Return the command that makes a URDF of a xacro file."""
+    """Return the command that converts a xacro file to URDF."""
     stem = xacro.partition(".")[0]
     return f"`xacro {xacro} > {stem}{'-expanded' if xacro.endswith('.urdf') else ''}.urdf`"
 

@@ -1,4 +1,4 @@
-"""What robots there are, and what each can do."""
+"""Robots of a library, and a summary of each."""
 
 from planning.domain.geometry.pose import Pose
 from planning.domain.scene.scene import Scene, SceneRobot
@@ -13,7 +13,7 @@ def list_models(library: ModelLibrary) -> tuple[str, ...]:
 
 
 def describe_model(library: ModelLibrary, name: str) -> RobotSummary:
-    """Return what a robot can do: loaded alone, under its own name.
+    """Return the summary of a robot, loaded alone under its own name.
 
     Raises:
         UnknownName: There is no such robot.

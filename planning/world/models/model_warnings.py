@@ -1,4 +1,4 @@
-"""What is odd about a robot's description, for the scene's summary."""
+"""Warnings about a robot's description, for the scene's summary."""
 
 import logging
 import re
@@ -12,7 +12,8 @@ from pydrake.multibody.tree import ModelInstanceIndex
 
 _DRAKE = logging.getLogger("drake")
 _PLACE = re.compile(r"^.*?:(\d+): warning: ")
-# What is read by `planning` itself, or matters to neither motions nor collisions.
+# Warnings about features that `planning` reads itself, or that affect neither motions nor
+# collisions.
 _OURS = re.compile(
     r"mimic|floating|transmission|equality|texture|actuat|effort|material|friction|damping|sensor"
     r"|keyframe|gazebo|light|camera|site|plugin|statistic|visual",
@@ -21,9 +22,9 @@ _OURS = re.compile(
 
 
 class _Collector(logging.Filter):
-    """Keeps what Drake warns of, by the thread that asks for it; only errors go on.
+    """Log handler that collects Drake's warnings by thread; only errors pass on.
 
-    Drake's level is that of errors while no thread asks: its own threads are not to wait for
+    Drake's log level is that of errors while no thread collects: its own threads must not wait for
     Python's lock because of a warning.
     """
 
@@ -43,7 +44,7 @@ class _Collector(logging.Filter):
 
     @contextmanager
     def collected(self) -> Generator[list[str]]:
-        """Give the list that this thread's warnings are added to."""
+        """Yield the list to which this thread's warnings are added."""
         thread = threading.get_ident()
         with self._lock:
             own = self.texts[thread] = []
@@ -61,7 +62,7 @@ _COLLECTOR = _Collector()
 
 @contextmanager
 def parser_warnings(robot: str, warnings: list[str]) -> Generator[None]:
-    """Add what Drake's parser warns of inside to `warnings`, each once."""
+    """Add the warnings of Drake's parser inside the block to `warnings`, each once."""
     with _COLLECTOR.collected() as texts:
         yield
     warnings += [
@@ -74,7 +75,7 @@ def parser_warnings(robot: str, warnings: list[str]) -> Generator[None]:
 def visual_only(
     scene_graph: Any, plant: Any, instances: Sequence[ModelInstanceIndex], robot: str
 ) -> list[str]:
-    """Return a warning for every link that is seen and has no collision shape."""
+    """Return a warning for every link with a visual and no collision shape."""
     inspector = scene_graph.model_inspector()
     found: list[str] = []
     for index in (i for instance in instances for i in plant.GetBodyIndices(instance)):

@@ -1,4 +1,4 @@
-"""RobotCard: the robot.yaml beside a robot's description."""
+"""RobotCard: content of the robot.yaml beside a robot's description."""
 
 from functools import lru_cache
 from pathlib import Path
@@ -15,7 +15,7 @@ type Range = Annotated[list[Number], Field(min_length=2, max_length=2)]
 
 
 class GroupCard(StrictModel):
-    """Joints that are planned for together."""
+    """Joint group of a robot card."""
 
     joints: list[str] = Field(min_length=1)
     tool_frames: list[str] = []
@@ -57,14 +57,14 @@ class LimitsCard(StrictModel):
 
 
 class SourceCard(StrictModel):
-    """Where a number is from."""
+    """Source of a number."""
 
     what: str
     from_: str = Field(alias="from")
 
 
 class RobotCard(StrictModel):
-    """What a robot's description file cannot say."""
+    """Robot data that a description file has no place for: groups, limits, configurations."""
 
     name: str
     description: str = ""
@@ -80,7 +80,7 @@ class RobotCard(StrictModel):
 
 @lru_cache(maxsize=64)
 def _parsed(text: str) -> RobotCard:
-    """Return the card in a text; to parse it takes longer than to read all other files."""
+    """Return the card in a text, cached: parsing it takes longer than reading all other files."""
     return RobotCard.model_validate(read_yaml(text)[0])
 
 
@@ -88,7 +88,7 @@ def read_robot_card(path: Path) -> RobotCard:
     """Return the card in a file.
 
     Raises:
-        ModelInvalid: It is not a robot card.
+        ModelInvalid: It is no valid robot card.
     """
     try:
         card = _parsed(path.read_text(encoding="utf-8"))

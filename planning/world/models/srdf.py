@@ -1,4 +1,4 @@
-"""Groups, named configurations and end effectors from the SRDF beside a URDF (MoveIt's)."""
+"""SRDF (MoveIt): groups, named configurations and end effectors from the file beside a URDF."""
 
 import math
 from collections.abc import Mapping
@@ -11,11 +11,11 @@ from planning.world.documents.xml_file import xml_root
 
 @dataclass(frozen=True)
 class SrdfGroup:
-    """A group as the SRDF says it.
+    """Group of an SRDF.
 
     Attributes:
-        joints: Those that move by themselves, from the base on.
-        tool_frames: Links at the tips of its chains, then those that an end effector hangs on.
+        joints: Independent joints, from the base on.
+        tool_frames: Links at the tips of its chains, then parent links of end effectors.
     """
 
     joints: tuple[str, ...]
@@ -24,12 +24,12 @@ class SrdfGroup:
 
 @dataclass(frozen=True)
 class Srdf:
-    """What an SRDF says; all empty where there is none.
+    """Content of an SRDF; all empty where there is none.
 
     Attributes:
         groups: By name, the default one first: chains before others, end effectors last.
         configurations: Values by configuration and group, in the group's order.
-        warnings: What it says that is not read.
+        warnings: Parts of the file that are ignored.
     """
 
     groups: Mapping[str, SrdfGroup] = field(default_factory=dict)
@@ -38,11 +38,11 @@ class Srdf:
 
 
 def read_srdf(urdf: Path, movable: Mapping[str, int]) -> Srdf:
-    """Return what the SRDF of the same name beside a URDF says.
+    """Return the content of the SRDF of the same name beside a URDF.
 
     Args:
         urdf: A description that was inspected already, and its SRDF with it.
-        movable: How many positions each joint has that moves by itself, in order.
+        movable: Number of positions of each independent joint, in order.
     """
     file = _srdf_file(urdf)
     if file is None:
@@ -79,7 +79,7 @@ def _groups(reader: "_Reader", movable: Mapping[str, int]) -> dict[str, SrdfGrou
 
 
 def end_effector_joints(urdf: Path) -> set[str]:
-    """Return the joints of the groups that an SRDF beside a URDF calls end effectors."""
+    """Return the joints of the groups that an SRDF beside a URDF declares end effectors."""
     file = _srdf_file(urdf)
     if file is None:
         return set()
@@ -88,7 +88,7 @@ def end_effector_joints(urdf: Path) -> set[str]:
 
 
 class _LeftOut(Exception):
-    """Why a group state is not read."""
+    """Reason why a group state is ignored."""
 
 
 def _values(
@@ -114,7 +114,7 @@ def _values(
 
 
 class _Reader:
-    """Follows the names in an SRDF."""
+    """Resolver of the names in an SRDF."""
 
     def __init__(self, root: ET.Element, parents: dict[str, tuple[str, str]]) -> None:
         self._groups = {group.get("name", ""): group for group in root.findall("group")}
@@ -138,7 +138,7 @@ class _Reader:
         return [part.tag for part in self._groups[name]] == ["chain"]
 
     def members(self, name: str, above: frozenset[str] = frozenset()) -> list[str]:
-        """Return the joints of a group: of its chains, by name, by their links, of its groups."""
+        """Return the joints of a group: of its chains, joints, links and subgroups."""
         found: list[str] = []
         if name not in self._groups or name in above:
             return found
@@ -158,7 +158,7 @@ class _Reader:
         return found
 
     def tools(self, name: str, joints: list[str]) -> tuple[str, ...]:
-        """Return the tips of a group's chains and the links that its end effectors hang on."""
+        """Return the tips of a group's chains and the parent links of its end effectors."""
         tips = [chain.get("tip_link", "") for chain in self._groups[name].findall("chain")]
         for effector in () if name in self.hands else self._effectors:
             link, of = effector.get("parent_link", ""), effector.get("parent_group")
@@ -167,11 +167,11 @@ class _Reader:
         return tuple(dict.fromkeys(tips))
 
     def _is_moved(self, link: str, joints: list[str]) -> bool:
-        """Return whether the last of a group's joints carries a link, by fixed joints or itself."""
+        """Return whether a group's last joint carries a link, directly or by fixed joints."""
         return bool(joints) and joints[-1] in self._between("", link)
 
     def _between(self, base: str, tip: str) -> list[str]:
-        """Return the joints from a link to another one below it; of all above it without a base."""
+        """Return the joints from a link to a descendant; without a base, all ancestors' joints."""
         members: list[str] = []
         link = tip
         while link in self._parents and link != base:

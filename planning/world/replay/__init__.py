@@ -1,1 +1,1 @@
-"""Motions as pages of HTML that need no server."""
+"""Replays of motions as HTML pages that need no server."""

@@ -1,4 +1,4 @@
-"""Camera: from where to look at what moves, with as little as possible in the way."""
+"""Camera placement: a viewpoint from which moving bodies are visible with little occlusion."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -15,7 +15,7 @@ _ELEVATIONS = np.deg2rad([25.0, 45.0, 70.0])
 _FROM_ABOVE = np.array([0.0, -0.3, 1.0])
 # Meshcat's field of view is 75 degrees: at this distance a ball of radius 1 fills most of it.
 _DISTANCE_PER_RADIUS = 1.5
-# What watched points weigh together, where all others together weigh 1.
+# Weight of all watched points together, where all others together weigh 1.
 _WATCHED = 2.0
 # A sight line ends short of its point, which may lie on a surface.
 _REACH = 0.97
@@ -23,7 +23,7 @@ _REACH = 0.97
 
 @dataclass(frozen=True)
 class SolidBox:
-    """A box in the way.
+    """Oriented box that occludes.
 
     Attributes:
         pose: X_WB, shape (4, 4).
@@ -36,11 +36,11 @@ class SolidBox:
 
 @dataclass(frozen=True)
 class WatchedPoint:
-    """A point that matters more than others, at one instant.
+    """Point of higher weight, at one instant.
 
     Attributes:
         point: p_WP [m], shape (3,).
-        obstacles: What may hide it at that instant; a box that it is in does not.
+        obstacles: Boxes that may hide it at that instant; a box that contains it does not.
     """
 
     point: Float64[np.ndarray, "3"]
@@ -54,15 +54,15 @@ def place_camera(
     *,
     from_above: bool = False,
 ) -> tuple[Float64[np.ndarray, "3"], Float64[np.ndarray, "3"]]:
-    """Return where the camera is and what it looks at, p_WC and p_WT.
+    """Return the camera's position and target, p_WC and p_WT.
 
-    Of some viewpoints around the points, the first from which the most of them can be seen; the
+    Of some viewpoints around the points, the first from which most of them are visible; the
     watched ones together count twice as much as the others together.
 
     Args:
-        points: What is to be seen, in world [m], n >= 1.
-        obstacles: What may hide it.
-        watched: What should be seen above all, such as the tool on its way.
+        points: Points to show, in world [m], n >= 1.
+        obstacles: Boxes that may hide them.
+        watched: Points of higher weight, such as the tool during the motion.
         from_above: Whether a view from above is preferred.
     """
     lower, upper = points.min(axis=0), points.max(axis=0)
@@ -86,7 +86,7 @@ def place_camera(
 def num_visible(
     camera: Float64[np.ndarray, "3"], points: Float64[np.ndarray, "n 3"], obstacles: list[SolidBox]
 ) -> int:
-    """Return how many of the points the camera sees past the obstacles."""
+    """Return the number of points that the camera sees past the obstacles."""
     hidden = np.zeros(len(points), dtype=bool)
     for box in obstacles:
         hidden |= _crosses(box, camera, points)

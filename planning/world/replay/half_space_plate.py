@@ -1,4 +1,4 @@
-"""A plate that stands for a half space in pictures, which show nothing without end."""
+"""Plate: a finite box that represents a half space in pictures."""
 
 from typing import Any
 
@@ -10,7 +10,7 @@ from pydrake.math import RigidTransform
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 _THICKNESS = 0.01
-# Its sides, over the size of what is shown, and at least [m].
+# Its sides, over the size of the drawn bodies, and at least [m].
 _WIDTH_PER_SIZE = 4.0
 _LEAST_WIDTH = 4.0
 
@@ -20,12 +20,12 @@ def plate_under(
 ) -> tuple[Box, RigidTransform]:
     """Return a plate P whose top is in the plane of a half space G, and X_GP.
 
-    It is as wide as needed to reach beyond what is shown, and below the middle of it, or about the
-    half space's origin if nothing is.
+    It is wide enough to reach beyond the points, and below their middle, or about the
+    half space's origin if there are none.
 
     Args:
-        x_wg: Where the half space is.
-        points: The corners of what is shown, in world [m].
+        x_wg: Pose of the half space.
+        points: Corners of the drawn bodies, in world [m].
     """
     middle, width = np.zeros(3), _LEAST_WIDTH
     if len(points):

@@ -1,4 +1,4 @@
-"""labelled(): a page of Meshcat's with names in it, and with what is going on."""
+"""labelled(): a Meshcat page with name labels and captions."""
 
 import html
 import json
@@ -10,12 +10,12 @@ from typing import Literal
 
 @dataclass(frozen=True)
 class Label:
-    """A name at something's place.
+    """Name label at an object's place.
 
     Attributes:
-        path: Of what is named, in Meshcat's tree.
+        path: Of the named object, in Meshcat's tree.
         text: The name.
-        kind: Of what; links are named on request only.
+        kind: Its kind; links are labelled on request only.
     """
 
     path: str
@@ -25,11 +25,11 @@ class Label:
 
 @dataclass(frozen=True)
 class Section:
-    """A part of the animation.
+    """Section of the animation with a caption.
 
     Attributes:
-        title: What goes on in it.
-        end: When it ends in the animation [s].
+        title: Its caption.
+        end: Its end in the animation [s].
     """
 
     title: str
@@ -42,7 +42,7 @@ def labelled(page: str, title: str, labels: list[Label], sections: list[Section]
     Args:
         page: It defines `viewer` and `MeshCat.THREE`.
         title: Of the page.
-        labels: What is named.
+        labels: Name labels.
         sections: Of the animation, in order.
     """
     told = {
@@ -50,7 +50,7 @@ def labelled(page: str, title: str, labels: list[Label], sections: list[Section]
         "labels": [asdict(label) for label in labels],
         "sections": [asdict(section) for section in sections],
     }
-    # No name may end the script that it stands in.
+    # Escape names, so that none can end the script that contains it.
     data = json.dumps(told).replace("<", "\\u003c")
     head, _, rest = page.partition("<title>Drake MeshCat</title>")
     body, closing, tail = rest.rpartition("</body>")

@@ -1,4 +1,4 @@
-"""WorldView: what of a world shows in a replay, in which colours, and where it is."""
+"""WorldView: visible bodies of a world in a replay, with colours and poses."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -18,7 +18,7 @@ from planning.world.world import World
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
-# For what has no colour of its own: neighbours differ, so that one sees where a link ends.
+# Default colours: neighbouring links differ, so that their ends are visible.
 _PALETTE = (
     Rgba(0.55, 0.63, 0.71),
     Rgba(0.80, 0.71, 0.52),
@@ -27,19 +27,19 @@ _PALETTE = (
     Rgba(0.64, 0.58, 0.74),
     Rgba(0.70, 0.70, 0.70),
 )
-# Of thousands of objects so many count as being in the camera's way.
+# Largest number of static objects that count as occluding.
 _MOST_IN_THE_WAY = 200
 
 
 @dataclass(frozen=True)
 class ShownShape:
-    """A shape that is drawn.
+    """Shape that is drawn.
 
     Attributes:
         shape: Drake's.
         X_BS: Its pose on its body.
-        color: As its description says, or one of ours.
-        box: The box around it, on the shape; None for what has no end.
+        color: As in its description, or a default one.
+        box: Its bounding box, on the shape; None for unbounded shapes.
     """
 
     shape: Any
@@ -50,13 +50,13 @@ class ShownShape:
 
 @dataclass(frozen=True)
 class ShownBody:
-    """A body that shows.
+    """Body that is drawn.
 
     Attributes:
         name: Its full name.
         path: Its place in Meshcat's tree.
         body: Drake's; None if it stands outside of Drake's model.
-        shapes: What is drawn of it: what it looks like, else its collision shapes.
+        shapes: Its visual shapes, else its collision shapes.
     """
 
     name: str
@@ -66,10 +66,10 @@ class ShownBody:
 
 
 class WorldView:
-    """Draws on a world of its own context; one thread."""
+    """View of a world by a context of its own; one thread."""
 
     def __init__(self, world: World) -> None:
-        """Find what shows."""
+        """Collect the visible bodies."""
         self.world = world
         self._inspector: Any = world.drake.scene_graph.model_inspector()
         self._plant = world.drake.plant
@@ -95,27 +95,27 @@ class WorldView:
         self._moving = {p: f for p, f in self._frames.items() if self._moves(f.body())}
 
     def go_to(self, state: Float64[np.ndarray, " nx"]) -> None:
-        """Put everything at a full configuration."""
+        """Set the full configuration."""
         self._plant.SetPositions(self._context, state)
 
     @property
     def poses(self) -> dict[str, RigidTransform]:
-        """X_WF of everything that shows, by path."""
+        """X_WF of all visible bodies, by path."""
         found = {p: f.CalcPoseInWorld(self._context) for p, f in self._frames.items()}
         return found | self._standing
 
     @property
     def moving_poses(self) -> dict[str, RigidTransform]:
-        """X_WF of what shows and is not fixed to the world, by path."""
+        """X_WF of the visible bodies that are not fixed to the world, by path."""
         return {p: f.CalcPoseInWorld(self._context) for p, f in self._moving.items()}
 
     def tool(self, group: JointGroup) -> Array:
-        """Return where the default tool frame of a group is, p_WF, shape (3,)."""
+        """Return the position of a group's default tool frame, p_WF, shape (3,)."""
         tool = self.world.drake.frames[group.tool_frames[0]]
         return np.array(tool.CalcPoseInWorld(self._context).translation())
 
     def boxes(self, *, moving: bool) -> list[SolidBox]:
-        """Return the boxes around what shows and moves, or around what shows and does not."""
+        """Return the bounding boxes of visible bodies that move, or of those that do not."""
         boxes: list[SolidBox] = []
         for shown in self.bodies:
             if shown.body is None or self._moves(shown.body) is not moving:
@@ -138,7 +138,7 @@ class WorldView:
         ]
 
     def watched(self, group: JointGroup, states: Sequence[Array]) -> list[WatchedPoint]:
-        """Return the default tool frame at some states, with what may hide it there."""
+        """Return the default tool frame at some states, with the boxes that may hide it there."""
         found: list[WatchedPoint] = []
         for state in states if group.tool_frames else ():
             self.go_to(state)
@@ -174,7 +174,7 @@ class WorldView:
         )
 
     def _color(self, body: RigidBody, geometry: GeometryId) -> Rgba:
-        # Drake answers None for a geometry that only collides, whatever its stubs say.
+        # Drake returns None for a geometry that only collides, contrary to its stubs.
         properties: Any = self._inspector.GetIllustrationProperties(geometry)
         if properties is not None and properties.HasProperty("phong", "diffuse"):
             found: Rgba = properties.GetProperty("phong", "diffuse")

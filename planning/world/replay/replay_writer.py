@@ -31,7 +31,7 @@ _AXIS_LENGTH, _AXIS_RADIUS = 0.06, 0.0025
 # Twice the number of frames gives a smoother line than the animation needs.
 _TRACE_POINTS_PER_FRAME = 2
 _FOREVER = 1_000_000
-# Of longer motions there are fewer frames a second, so that a browser can open the page.
+# Longer motions have fewer frames a second, so that a browser can open the page.
 MOST_FRAMES = 10_000
 # Instants of each motion at which the camera looks for its tool.
 _LOOKS = 5
@@ -39,14 +39,14 @@ _LOOKS = 5
 
 @dataclass(frozen=True)
 class ShownMotion:
-    """A motion to replay, and where it happens.
+    """Motion to replay, with its world.
 
     Attributes:
-        title: What it is, for people.
-        world: Where; what `group` does not move stays at the world's state.
-        group: What moves.
+        title: Title, for people.
+        world: The world; joints outside of `group` stay at its state.
+        group: The group that moves.
         trajectory: Of the group.
-        until: How much of it happened [s]; None for all.
+        until: Part of it to show [s]; None for all.
     """
 
     title: str
@@ -70,14 +70,14 @@ def replay_html(
     frames_per_second: float = 30.0,
     most_frames: int = MOST_FRAMES,
 ) -> str:
-    """Return a page that shows the motion over and over, with the path of the tool frame.
+    """Return a page that repeats the motion, with the path of the tool frame.
 
-    Meshcat insists on a web server while it works: it listens on the loopback interface, on a port
+    Meshcat needs a web server while it works: it listens on the loopback interface, on a port
     that the system chooses, and is gone when this returns.
 
     Args:
-        world: Where; what `group` does not move stays at the world's state.
-        group: What moves.
+        world: The world; joints outside of `group` stay at its state.
+        group: The group that moves.
         trajectory: Of the group.
         frames_per_second: Of the animation; fewer where there would be more than `most_frames`.
         most_frames: Of the animation.
@@ -91,10 +91,10 @@ def replay_motions_html(
     frames_per_second: float = 30.0,
     most_frames: int = MOST_FRAMES,
 ) -> str:
-    """Return a page that shows motions one after the other, over and over, as `replay_html` does.
+    """Return a page that repeats motions one after the other, as `replay_html` does.
 
     Each has a world of its own, such as the revisions of a scene between which an object was
-    grasped; what one of them does not have is hidden during its motion.
+    grasped; objects that one of them does not have are hidden during its motion.
 
     Args:
         motions: In order, at least one.
@@ -107,7 +107,7 @@ def replay_motions_html(
 
 
 class _Replay:
-    """Draws worlds in Meshcat and moves what moves."""
+    """Writer of worlds and their animation to Meshcat."""
 
     def __init__(self, motions: Sequence[ShownMotion], meshcat: Meshcat, rate: float) -> None:
         self._motions, self._meshcat, self._rate = motions, meshcat, rate
@@ -175,7 +175,7 @@ class _Replay:
                 self._meshcat.SetTransform(path, RigidTransform(turn, center))
 
     def _draw_trace(self, i: int) -> None:
-        """Draw where the default tool frame goes in a motion."""
+        """Draw the path of the default tool frame in a motion."""
         motion, view = self._motions[i], self._views[i]
         if not motion.group.tool_frames:
             return
@@ -208,7 +208,7 @@ class _Replay:
         return animation
 
     def _changing(self) -> set[str]:
-        """Return the paths of what moves, comes, goes, or is elsewhere in another world."""
+        """Return the paths of bodies that move, appear, disappear, or differ between worlds."""
         found: set[str] = set()
         first: dict[str, RigidTransform] = {}
         for view, states in zip(self._views, self._states, strict=True):
@@ -220,7 +220,7 @@ class _Replay:
         return found
 
     def _aim_camera(self) -> Array:
-        """Show all that moves, at the start, on the way and at the end; return its corners."""
+        """Aim at all moving bodies, at the start, midway and at the end; return their corners."""
         points: list[Array] = []
         around: list[SolidBox] = []
         watched = []
@@ -241,7 +241,7 @@ class _Replay:
         return np.concatenate([np.zeros((0, 3)), *points])
 
     def _labels(self) -> list[Label]:
-        """Name objects, frames and robots; links as well, for who asks for them."""
+        """Label objects, frames and robots; links as well, shown on request."""
         labels: list[Label] = []
         for view in self._views:
             labels += [Label(f"/frames/{f.name}", f.name, "frame") for f in view.world.scene.frames]

@@ -4,7 +4,7 @@
 #include "bind/bind.hpp"
 
 NB_MODULE(_native, m) {
-  nanobind::set_leak_warnings(false);  // at the end of a process nobody wants to hear of its globals
+  nanobind::set_leak_warnings(false);  // leak warnings about its globals at the end of a process are of no use
   m.doc() = "Native collision bounds and kinematics; see planning/kernel.";
   wayproof::bind_scene(m);
   wayproof::bind_checker(m);

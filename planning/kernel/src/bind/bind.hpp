@@ -1,4 +1,4 @@
-// What every part of the Python module needs.
+// Helpers of all bindings of the Python module.
 #pragma once
 
 #include <nanobind/nanobind.h>

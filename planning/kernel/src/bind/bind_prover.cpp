@@ -1,4 +1,4 @@
-// Prover, on numpy arrays; it gives up the interpreter's lock but to ask whether to go on.
+// Prover, on numpy arrays; it holds the interpreter's lock only to poll for an interrupt.
 #include <nanobind/stl/shared_ptr.h>
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
@@ -54,8 +54,8 @@ Proof prove(Prover& prover, const nb::callable& interrupt) {
   });
 }
 
-// The segment that halvings (0 first, 1 second half) of the whole motion lead to: begin, end, centre, and a
-// row (approach, lower bound, lower bound along one direction) per pair.
+// The segment reached by halvings (0 first, 1 second half) of the whole motion: begin, end, centre, and a row
+// (approach, lower bound, lower bound along one direction) per pair.
 auto bounds(Prover& prover, const std::vector<int>& halvings) {
   Segment segment = prover.motion().whole();
   for (int which : halvings) segment = prover.motion().half(segment, which);

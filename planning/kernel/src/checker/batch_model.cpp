@@ -8,12 +8,12 @@
 namespace wayproof {
 namespace {
 
-// The unit roundoff of single precision, and how much of it one link's arithmetic may lose: about
-// ten operations on each rotation matrix and its sines, and as many on the position.
+// The unit roundoff of single precision, and the largest loss of one link's arithmetic in units of it: about ten
+// operations on each rotation matrix and its sines, and as many on the position.
 constexpr double unit = 6e-8;
 constexpr double losses_per_link = 32;
 constexpr double endless = 1e15;
-// Faces of a hull that are looked at; those left out only make it seem larger.
+// Largest number of checked faces of a hull; the others are left out, which only enlarges it.
 constexpr std::size_t max_planes = 32;
 
 void write(const Transform& x, float* R, float* p) {
@@ -21,7 +21,7 @@ void write(const Transform& x, float* R, float* p) {
   for (int i = 0; i < 3; ++i) p[i] = static_cast<float>(x.p[i]);
 }
 
-// Rounding makes the sphere larger if `grow`, else smaller.
+// Enlarges the sphere by rounding errors if `grow`, else shrinks it.
 LaneSphere lane_sphere(const Transform& x, const Sphere& s, bool grow) {
   const Vec3 c = x * s.center;
   const double dust = unit * (norm(c) + s.radius) * 4;
@@ -44,7 +44,7 @@ std::vector<std::array<double, 4>> tangent_planes(Vec3 axes) {
   return planes;
 }
 
-// A few of many planes, as different as can be: each next one is farthest from those taken.
+// A few of many planes, as different as possible: each next one is farthest from those taken.
 std::vector<std::array<double, 4>> spread(const std::vector<std::array<double, 4>>& all) {
   if (all.size() <= max_planes) return all;
   std::vector<std::array<double, 4>> taken{all[0]};
@@ -68,7 +68,7 @@ struct Builder {
   LaneModelStorage& out;
   std::vector<int> lane_link;
   std::vector<double> depth, extent;  // of every lane link: joints before it, metres of chain
-  std::vector<int> body_of, obstacle_of;  // by geometry; -1 for what is none
+  std::vector<int> body_of, obstacle_of;  // by geometry; -1 for no body or obstacle
 
   void add_links() {
     lane_link.assign(scene.tree.links.size(), -1);
@@ -181,7 +181,7 @@ struct Builder {
   };
   std::vector<Made> with_obstacles, among_bodies;
 
-  // Sorts pairs by link and obstacle or other link, and says where each such group is.
+  // Sorts pairs by link and obstacle or other link, and records the range of each such group.
   void group_pairs(std::vector<Made>& made, std::vector<LanePair>& pairs, std::vector<LaneGroup>& groups) {
     std::stable_sort(made.begin(), made.end(), [](const Made& x, const Made& y) {
       return x.link != y.link ? x.link < y.link : x.other < y.other;

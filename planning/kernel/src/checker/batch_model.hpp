@@ -1,4 +1,4 @@
-// From a scene and a group to the lane kernel's tables.
+// Batch model: the SIMD checker's tables of a scene and a group.
 #pragma once
 
 #include <vector>
@@ -10,8 +10,7 @@ namespace wayproof {
 
 struct Demand;
 
-// One coordinate of a lane model: where it is in the full q, and what is done to it before it
-// becomes a float.
+// Coordinate of a batch model: its index in the full q, and its conversion before it becomes a float.
 struct LaneCoordinate {
   enum class Kind { angle, length, quaternion_w, quaternion_xyz };
   int position;
@@ -29,7 +28,7 @@ struct LaneModelStorage {
   std::vector<LaneGroup> obstacle_groups, link_groups;
   std::vector<LaneCoordinate> coordinates;
   std::vector<int> pair_of;  // the scene's number of each pair, obstacle pairs first
-  double slack_per_metre = 0;  // rounding grows with how far a length coordinate reaches
+  double slack_per_metre = 0;  // rounding grows with the size of the length coordinates
 
   LaneModelStorage() = default;
   // X_WL: all links at the group's state.

@@ -14,7 +14,7 @@ namespace wayproof {
 namespace {
 
 constexpr double turn = 6.283185307179586;
-// Beyond so many radians or metres, and for what is no number, single precision says nothing.
+// Beyond so many radians or metres, and for NaN, single precision gives no verdict.
 constexpr double far_off = 1e6;
 
 // The same number as planning/domain/curves/motion_samples.py has, operation by operation.
@@ -36,7 +36,7 @@ struct Aligned {
 
 }  // namespace
 
-// Everything that a thread writes while it judges.
+// Mutable buffers of one thread's check.
 struct Checker::Workspace {
   LaneModel model;
   int width;
@@ -45,7 +45,7 @@ struct Checker::Workspace {
   std::vector<unsigned> lanes;
   std::vector<double> full;
   std::vector<Transform> X_WL;
-  std::vector<Vec3> directions;  // that last parted each pair, in the frame of its first geometry
+  std::vector<Vec3> directions;  // last separating direction of each pair, in the frame of its first geometry
   std::vector<double> samples;
   std::vector<std::int64_t> numbers;
   std::vector<Verdict> found;
@@ -64,8 +64,8 @@ struct Checker::Workspace {
         numbers(width),
         found(width) {}
 
-  // Writes one configuration into a lane and returns how far its lengths reach [m]: infinitely if the
-  // lanes can say nothing of it.
+  // Writes one configuration into a lane and returns its largest length coordinate [m]: infinite if the lanes can give
+  // no verdict on it.
   double pack(const Checker& c, const double* q, int lane) {
     c.group_.embed(c.scene_->tree, q, full.data());
     double reach = 0;
@@ -92,7 +92,7 @@ struct Checker::Workspace {
   }
 };
 
-// A workspace for one call: the idle one if nobody else has it.
+// A workspace for one call: the idle one unless another call has it.
 struct Checker::Lease {
   const Checker& checker;
   std::unique_ptr<Workspace> workspace;
@@ -137,7 +137,7 @@ Verdict Checker::judge_pair(int index, const Transform* X_WL, Vec3& direction) c
   const Demand demand = demands_[index];
   const Geometry &a = scene_->geometries[pair.a], &b = scene_->geometries[pair.b];
   const Transform X_WA = scene_->pose(pair.a, X_WL), X_WB = scene_->pose(pair.b, X_WL);
-  // Neighbours are always near, and nearly always the same plane parts them.
+  // Neighbours are always near, and nearly always the same plane separates them.
   if (dot(direction, direction) > 0 && slab(a.shape, X_WA, b.shape, X_WB, X_WA.R * direction) >= demand.margin + exact_slack)
     return Verdict::free;
   const Separation found = separation(a.shape, X_WA, b.shape, X_WB, demand.margin + exact_slack,
@@ -147,7 +147,7 @@ Verdict Checker::judge_pair(int index, const Transform* X_WL, Vec3& direction) c
   return found.upper <= demand.touching - exact_slack ? Verdict::colliding : Verdict::unsure;
 }
 
-// Settles one lane by exact distances of the pairs of which nothing was sure, and of those that are left to it.
+// Decides one lane by exact distances of its undecided pairs, and of those that the lanes do not check.
 Verdict Checker::judge_exactly(const double* q, unsigned lane, const LaneVerdict& v, Workspace& w) const {
   group_.embed(scene_->tree, q, w.full.data());
   group_.place(scene_->tree, w.full.data(), w.X_WL.data());

@@ -14,18 +14,16 @@ namespace wayproof {
 
 enum class Verdict : std::uint8_t { free = 0, colliding = 1, unsure = 2 };
 
-// What is demanded of a pair: its distance is to be at least `margin`. A pair is surely in collision
-// if it is nearer than `touching`, which is the margin, or 0 where the exact checker is known to
-// overstate positive distances.
+// Distance thresholds of a pair: its distance must be at least `margin`. A pair is certainly in collision if it is
+// nearer than `touching`, which is the margin, or 0 where the exact checker is known to overstate positive distances.
 struct Demand {
   double margin, touching;
 };
 
-// How far an exact distance must be from what is demanded for a verdict [m]: the exact checker's own
-// tolerance.
+// Distance from the threshold below which an exact distance gives no verdict [m]: the exact checker's own tolerance.
 constexpr double exact_slack = 1e-5;
 
-// Samples of a motion, by number i of n, that the kernel is not sure of.
+// Undecided samples of a motion, by number i of n.
 struct Unsure {
   std::int64_t motion, i, n;
 };
@@ -38,20 +36,20 @@ class Checker {
 
   int num_positions() const { return static_cast<int>(group_.positions.size()); }
 
-  // Judges configurations, [count][nq].
+  // Checks configurations, [count][nq].
   void judge(const double* qs, std::int64_t count, Verdict* verdicts) const;
 
-  // Judges motions origin + (i / n) displacement, i = 1 .. n, n the least number whose steps are at
-  // most `resolution` long: free or colliding; unsure if only some samples are, which are then
-  // appended to `unsure`. [count][nq] each. For joints whose q and v are the same.
+  // Checks motions origin + (i / n) displacement, i = 1 .. n, n the least number whose steps are at most `resolution`
+  // long: free or colliding; unsure if only some samples are, which are then appended to `unsure`. [count][nq] each.
+  // For joints whose q and v are the same.
   void judge_motions(const double* origins, const double* displacements, double resolution,
                      std::int64_t count, Verdict* verdicts, std::vector<Unsure>& unsure) const;
 
-  // One motion between two configurations, both ends included; sets how many samples it has.
+  // Checks one motion between two configurations, both ends included; sets its number of samples.
   Verdict judge_edge(const double* from, const double* to, double resolution, std::int64_t& n) const;
 
-  // Pairs that are judged once, as the group does not move them, and that are not surely free: no configuration
-  // is called free then.
+  // Static pairs, checked once since the group does not move them, that are not certainly free: with any of them no
+  // configuration is called free.
   const std::vector<int>& doubtful_fixed_pairs() const { return doubtful_; }
 
   const LaneKernel& kernel() const { return kernel_; }
@@ -65,14 +63,14 @@ class Checker {
     bool from_origin;  // whether the origin is a sample too
   };
 
-  // Appends samples that are unsure as motion `number`.
+  // Appends undecided samples as those of motion `number`.
   Verdict judge_motion(const Motion& motion, std::int64_t number, std::vector<Unsure>& unsure, Workspace& w) const;
 
-  // Judges at most as many configurations as there are lanes. Returns early, with verdicts undone,
-  // if any of them collides and that decides.
+  // Checks at most as many configurations as there are lanes. Returns early, with verdicts missing, if one of them
+  // collides and that decides.
   bool judge_block(const double* qs, int count, Verdict* verdicts, Workspace& w, bool any_hit_decides) const;
   Verdict judge_exactly(const double* q, unsigned lane, const LaneVerdict& v, Workspace& w) const;
-  // `direction` is a guess of what parts the pair, and then what did.
+  // `direction` is a guess of the separating direction, then the one found.
   Verdict judge_pair(int pair, const Transform* X_WL, Vec3& direction) const;
 
   std::shared_ptr<const Scene> scene_;
@@ -82,7 +80,7 @@ class Checker {
   LaneModelStorage lanes_;
   std::vector<Transform> X_WL_;  // at the group's state
   std::vector<int> doubtful_;
-  std::vector<int> exact_;  // with half spaces that the group moves: the lanes know them only as obstacles
+  std::vector<int> exact_;  // with half spaces that the group moves: the lanes have half spaces only as obstacles
   mutable std::mutex idle_mutex_;
   mutable std::unique_ptr<Workspace> idle_;  // of the last call, for the next one
 };

@@ -9,10 +9,10 @@
 namespace wayproof {
 namespace {
 
-// Shapes that overlap are moved this far apart to find where they meet [m].
+// Shapes that overlap are moved this far apart to find their contact point [m].
 constexpr double apart = 1e-3;
 
-// What a coordinate of the full v is of the group's v.
+// Source of a coordinate of the full v in the group's v.
 struct Source {
   int column = -1;
   double factor = 0;
@@ -32,13 +32,13 @@ Vec3 unit(int i) { return {i == 0 ? 1.0 : 0.0, i == 1 ? 1.0 : 0.0, i == 2 ? 1.0 
 
 }  // namespace
 
-// What is known of one configuration.
+// Buffers of one configuration.
 struct Nearness::Workspace {
   std::vector<double> full;
   std::vector<Transform> X_WL, X_WG;
   std::vector<Vec3> centers;
   std::vector<Screw> screws;
-  std::vector<Vec3> directions;  // that last parted each moved pair
+  std::vector<Vec3> directions;  // last separating direction of each moved pair
 };
 
 Nearness::Nearness(std::shared_ptr<const Scene> scene, Group group)
@@ -67,7 +67,7 @@ Nearness::Nearness(std::shared_ptr<const Scene> scene, Group group)
   }
   for (std::size_t i = 0; i < scene_->pairs.size(); ++i) {
     const Geometry &a = scene_->geometries[scene_->pairs[i].a], &b = scene_->geometries[scene_->pairs[i].b];
-    // Two half spaces overlap without end, whatever the group does.
+    // Two half spaces overlap without bound at any configuration of the group.
     if (a.shape.kind == ShapeKind::half_space && b.shape.kind == ShapeKind::half_space) continue;
     const auto of_a = rates_of(a.link), of_b = rates_of(b.link);
     MovedPair moved{static_cast<int>(i), {}, {}, a.shape.radius + b.shape.radius};
@@ -77,7 +77,7 @@ Nearness::Nearness(std::shared_ptr<const Scene> scene, Group group)
   }
 }
 
-// Of every rate that moves a link, its number, in increasing order.
+// Indices of the rates that move a link, in increasing order.
 std::vector<int> Nearness::rates_of(int link) const {
   std::vector<int> found;
   for (int i = link; i >= 0; i = scene_->tree.links[i].parent)

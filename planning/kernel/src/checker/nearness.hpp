@@ -1,4 +1,4 @@
-// Nearness: how far apart the pairs are that a group moves, and how that changes with its v.
+// Nearness: signed distances of the pairs that a group moves, and their gradients by its v.
 #pragma once
 
 #include <cstdint>
@@ -9,7 +9,7 @@
 
 namespace wayproof {
 
-// Pairs that were found near, one after another.
+// Near pairs, one after another.
 struct Near {
   std::vector<std::int64_t> configuration, pair;
   std::vector<double> distance;  // signed
@@ -26,12 +26,12 @@ class Nearness {
   int num_velocities() const { return static_cast<int>(group_.velocities.size()); }
   std::size_t num_pairs() const { return scene_->pairs.size(); }
 
-  // Finds every pair that is nearer than its reach in one of [count][nq] configurations, in order of
-  // configurations, then of pairs.
+  // Returns every pair that is nearer than its reach in one of [count][nq] configurations, in order of configurations,
+  // then of pairs.
   Near within(const double* qs, std::int64_t count, const double* reach) const;
 
  private:
-  // How a coordinate of the group's v moves a link: about or along an axis.
+  // Motion of a link by a coordinate of the group's v: about or along an axis.
   struct Rate {
     int link, column;
     double factor;

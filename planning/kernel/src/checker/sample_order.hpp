@@ -1,6 +1,5 @@
-// The order in which the samples 1 .. n of a motion are looked at: the far end, then the middle,
-// the quarters and so on (van der Corput's sequence in base 2), which meets a collision of width w
-// after about 1 / w samples.
+// Order of checking the samples 1 .. n of a motion: the far end, then the middle, the quarters and so on (van der
+// Corput's sequence in base 2), which meets a collision of width w after about 1 / w samples.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-// Collision verdicts of many configurations at once, one per SIMD lane, in single precision.
+// SIMD checker: collision verdicts of many configurations at once, one per lane, in single precision.
 //
 // `simd_checker.inc` is compiled once per instruction set, each in a namespace of its own and without
 // anything of the standard library that the linker could share between them.
@@ -10,7 +10,7 @@ struct LaneSphere {
   float x, y, z, r;
 };
 
-// A link that moves; see Link. The parent is a lane link, or -1 if it stands still in the world.
+// Moving link; see Link. The parent is a lane link, or -1 if it is static.
 struct LaneLink {
   int parent;
   int kind;
@@ -19,35 +19,35 @@ struct LaneLink {
   float axis[3];
 };
 
-// A collision geometry that moves; all its spheres are in its link's frame.
+// Moving collision geometry; all its spheres are in its link's frame.
 struct LaneBody {
   int link;
   int outer_begin, outer_end, inner_begin, inner_end;
   LaneSphere bound;
 };
 
-// A collision geometry that stands still: R_OW, p_WO and its size, or planes in W.
+// Static collision geometry: R_OW, p_WO and its size, or planes in W.
 struct LaneObstacle {
   int kind;
   float R[9], p[3], size[3];
   LaneSphere bound;
   int planes_begin, planes_end;
-  bool planes_are_all;  // else they only contain the obstacle
+  bool planes_are_all;  // else the planes only contain the obstacle
 };
 
 struct LanePlane {
   float x, y, z, d;
 };
 
-// A body against an obstacle or another body: beyond `free_above` it is surely free, nearer than
-// `hit_below` it surely collides. Both allow for rounding.
+// A body against an obstacle or another body: beyond `free_above` it is certainly free, nearer than `hit_below` it
+// certainly collides. Both allow for rounding.
 struct LanePair {
   int body, other;
   float free_above, hit_below;
 };
 
-// Pairs of one link with one obstacle or another link: where those two are farther apart than `far`
-// nothing more is asked.
+// Pairs of one link with one obstacle or another link: where those two are farther apart than `far`, none of the pairs
+// is checked.
 struct LaneGroup {
   int link, other;
   int begin, end;
@@ -77,8 +77,7 @@ struct LaneModel {
   int num_coordinates;
 };
 
-// Pairs of which nothing is sure, with the lanes concerned. Pairs are numbered obstacle pairs
-// first.
+// Undecided pairs, with their lanes. Pairs are numbered obstacle pairs first.
 struct LaneVerdict {
   unsigned hit;
   int num_unsure;
@@ -86,8 +85,8 @@ struct LaneVerdict {
   unsigned* lanes;
 };
 
-// Judges `active` lanes. Coordinates: [num_coordinates][lanes]; angles within [-pi, pi],
-// quaternions of unit length. `slack` is added to every threshold [m]. `scratch` is 64-aligned.
+// Checks `active` lanes. Coordinates: [num_coordinates][lanes]; angles within [-pi, pi], quaternions of unit length.
+// `slack` is added to every threshold [m]. `scratch` is 64-aligned.
 using LaneJudge = void (*)(const LaneModel&, const float* coordinates, unsigned active, float slack,
                            float* scratch, LaneVerdict&);
 
@@ -97,7 +96,7 @@ struct LaneKernel {
   LaneJudge judge;
 };
 
-// What this machine runs fastest.
+// The fastest kernel of this machine.
 LaneKernel best_lane_kernel();
 
 // Every kernel that this machine can run, for tests; the best one first.

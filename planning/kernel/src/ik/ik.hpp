@@ -8,7 +8,7 @@
 
 namespace wayproof {
 
-// What of R_GT is tolerated: an angle up to a bound, the angle of one axis up to a bound, anything.
+// Tolerance of R_GT: an angle up to a bound, the angle of one axis up to a bound, or any rotation.
 enum class Freedom { ball = 0, cone = 1, free = 2 };
 
 struct IkTolerance {
@@ -28,7 +28,7 @@ struct IkJoint {
   double factor[6];
 };
 
-// An element of q that simply adds its element of v; infinite where it has no limit.
+// Element of q that simply adds its element of v; infinite where it has no limit.
 struct IkFlat {
   int position, velocity;
   bool turns;
@@ -50,8 +50,7 @@ struct IkModel {
   int num_positions, num_velocities;
 };
 
-// Solve from each seed in turn until `enough` have converged. A seed that was given up has its
-// last q.
+// Solves from each seed in turn until `enough` have converged. An abandoned seed has its last q.
 struct IkTask {
   IkModel model;
   IkTolerance tolerance;
@@ -66,8 +65,7 @@ struct IkTask {
   int64_t* iterations;        // [count]
 };
 
-// Returns how many seeds were tried: the first ones, whatever the lanes have done beyond.
-// `scratch` is 64-aligned.
+// Returns the number of seeds tried: a prefix, regardless of what the lanes have done beyond. `scratch` is 64-aligned.
 using IkSolver = int64_t (*)(const IkTask&, double* scratch);
 
 struct IkKernel {

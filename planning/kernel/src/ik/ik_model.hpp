@@ -1,4 +1,4 @@
-// From a chain and limits to the solver's tables.
+// IkModel: the solver's tables of a chain and its limits.
 #pragma once
 
 #include <vector>

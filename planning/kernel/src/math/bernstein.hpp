@@ -6,12 +6,12 @@
 namespace wayproof {
 
 struct Peak {
-  double bound;     // no polynomial is larger anywhere, rounding (some 1e-15 of the coefficients) aside
-  std::size_t row;  // which one may be
-  double fraction;  // and where on its interval
+  double bound;     // no polynomial is larger anywhere, apart from rounding (some 1e-15 of the coefficients)
+  std::size_t row;  // row of the largest polynomial
+  double fraction;  // and its position on the interval
 };
 
-// Halves intervals (de Casteljau) until the bound is within `tolerance` of a value that is taken.
+// Halves intervals (de Casteljau) until the bound is within `tolerance` of an attained value.
 Peak peak(const double* coefficients, std::size_t rows, std::size_t terms, double tolerance);
 
 }  // namespace wayproof

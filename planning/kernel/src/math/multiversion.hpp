@@ -1,4 +1,4 @@
-// One build runs everywhere: what is worth it is compiled several times and chosen at run time.
+// Function multiversioning: hot functions are compiled for several instruction sets and chosen at run time.
 #pragma once
 
 #if defined(__x86_64__) && defined(__GNUC__) && defined(__linux__) && !defined(__clang__) && \

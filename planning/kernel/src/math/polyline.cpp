@@ -6,7 +6,7 @@
 namespace wayproof {
 namespace {
 
-// A row more is worth while it brings points nearer than this share of the polyline's length.
+// Another row is added while it brings points nearer than this share of the polyline's length.
 constexpr double fine = 0.02;
 
 }  // namespace
@@ -20,7 +20,7 @@ double distance_from_chord(const double* x, const double* a, const double* b, in
   return total;
 }
 
-// Ramer, Douglas and Peucker's way: the worst point becomes a row.
+// Ramer-Douglas-Peucker: the farthest point becomes a row.
 void simplify(const std::vector<double>& points, int count, int size, std::vector<double>& rows,
               double* residual, int most_rows) {
   const auto point = [&](int i) { return &points[static_cast<std::size_t>(i) * size]; };

@@ -1,4 +1,4 @@
-// Polyline: points in order, and the few of them that are near all others.
+// Polyline: points in order, and its simplification to few of them.
 #pragma once
 
 #include <vector>
@@ -8,8 +8,8 @@ namespace wayproof {
 // The square of a point's distance from the chord of two others, whose difference to it goes to `away`.
 double distance_from_chord(const double* x, const double* a, const double* b, int size, double* away);
 
-// Keeps of a polyline, [count][size], the few rows that bring every point of it within a residual per
-// coordinate of the polyline of those; the residual is added to what is there.
+// Simplifies a polyline, [count][size], to few rows, such that every point of it is within a residual per coordinate of
+// their polyline; the residual is added to the given one.
 void simplify(const std::vector<double>& points, int count, int size, std::vector<double>& rows,
               double* residual, int most_rows = 6);
 

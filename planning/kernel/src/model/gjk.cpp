@@ -15,7 +15,7 @@ struct Simplex {
   int size = 0;
 };
 
-// Keeps of a simplex the face whose point nearest to the origin is returned.
+// Reduces a simplex to the face whose point nearest to the origin is returned.
 Vec3 nearest_of_segment(Simplex& s) {
   const Vec3 a = s.w[0], ab = s.w[1] - a;
   const double square = dot(ab, ab), t = square > 0 ? -dot(a, ab) / square : 0;
@@ -45,7 +45,7 @@ Vec3 nearest_of_triangle(Simplex& s) {
   return a + (vb / sum) * ab + (vc / sum) * ac;
 }
 
-// Sets `depth` to how deep the origin lies inside, or to a negative number if it lies outside.
+// Sets `depth` to the origin's depth inside, or to a negative number if it lies outside.
 Vec3 nearest_of_tetrahedron(Simplex& s, double& depth) {
   constexpr int faces[4][4] = {{0, 1, 2, 3}, {0, 1, 3, 2}, {0, 2, 3, 1}, {1, 2, 3, 0}};
   Simplex best;
@@ -86,7 +86,7 @@ Vec3 support(const Shape& a, const Transform& X_WA, const Shape& b, const Transf
          X_WB * b.core_support(transposed_times(X_WB.R, -n));
 }
 
-// Supports of a search, so that the points of A and B behind the last simplex can be told.
+// Support points of a search, from which the points of A and B behind the last simplex are computed.
 struct Trail {
   Vec3 w[max_steps], a[max_steps];
   int size = 0;
@@ -98,7 +98,7 @@ struct Trail {
   }
 };
 
-// The point of A behind the point of a simplex that is nearest to the origin: the same mean of A's points.
+// The point of A for the simplex point nearest to the origin: the same convex combination of A's points.
 Vec3 behind(const Simplex& s, Vec3 v, const Trail& trail) {
   const Vec3 a = trail.point_of(s.w[0]);
   if (s.size == 1) return a;
@@ -111,7 +111,7 @@ Vec3 behind(const Simplex& s, Vec3 v, const Trail& trail) {
   return a + ((re * ff - rf * ef) / det) * da + ((rf * ee - re * ef) / det) * (trail.point_of(s.w[2]) - a);
 }
 
-// `trail`, if there is one, is left with the supports, and `simplex` with the last simplex.
+// `trail`, if there is one, receives the support points, and `simplex` the last simplex.
 template <bool keeps_trail>
 Separation search(const Shape& a, const Transform& X_WA, const Shape& b, const Transform& X_WB, double enough,
                   double few, Vec3 guess, double close, Simplex& simplex, Vec3& v, Trail* trail) {
@@ -152,8 +152,8 @@ Vec3 lowest(const Shape& a, const Transform& X_WA, const Transform& X_WB) {
   return X_WA * a.core_support(transposed_times(X_WA.R, -up(X_WB)));
 }
 
-// How high A lies above the half space B: another half space reaches infinitely far below it, unless they face
-// each other, which rounding decides.
+// Height of A above the half space B: another half space reaches infinitely far below it, unless they face each other,
+// which rounding decides.
 Separation above(const Shape& a, const Transform& X_WA, const Transform& X_WB, bool flip) {
   const Vec3 n = up(X_WB);
   if (a.kind == ShapeKind::half_space) return {-inf, -inf, flip ? -n : n};

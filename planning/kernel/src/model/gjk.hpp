@@ -1,4 +1,4 @@
-// The signed distance of two convex shapes between two bounds, after Gilbert, Johnson, Keerthi.
+// GJK: lower and upper bound on the signed distance of two convex shapes (Gilbert, Johnson, Keerthi).
 //
 // The distance of A and B is that of the origin from the set of all a - b. Every step takes the
 // point v of a simplex in that set nearest to the origin: |v| is an upper bound. The point w of the
@@ -13,24 +13,24 @@
 namespace wayproof {
 
 struct Separation {
-  double lower;    // a slab this wide separates the shapes; negative if none was found
-  double upper;    // points of both are this near; negative if they are known to overlap so deeply
+  double lower;    // a slab this wide separates the shapes; negative if there is none
+  double upper;    // two points of the shapes are this near; negative if the shapes certainly overlap so deeply
   Vec3 direction;  // unit normal of the slab, from B to A
 };
 
-// Bounds the distance of A and B until the lower bound reaches `enough`, the upper one falls below
-// `few`, or both agree but for `close`. `guess` points from B to A, or is zero.
+// Bounds the distance of A and B until the lower bound reaches `enough`, the upper one falls below `few`, or both agree
+// within `close`. `guess` points from B to A, or is zero.
 Separation separation(const Shape& a, const Transform& X_WA, const Shape& b, const Transform& X_WB,
                       double enough, double few, Vec3 guess, double close = 1e-10);
 
 struct Meeting {
   Separation separation;
-  // On the line through the nearest points of A and B, but for balls; means nothing if the shapes overlap, or if
-  // the search ended early.
+  // A point on the line through the nearest points of A and B, balls aside; undefined if the shapes overlap, or if the
+  // search ended early.
   Vec3 p_W;
 };
 
-// The same up to a distance of `enough`, with where the shapes are nearest.
+// The same up to a distance of `enough`, with the nearest points.
 Meeting meeting(const Shape& a, const Transform& X_WA, const Shape& b, const Transform& X_WB, double enough, Vec3 guess);
 
 // The slab between A and B across a unit vector n, from B to A: a lower bound on their distance.

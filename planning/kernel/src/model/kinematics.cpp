@@ -10,8 +10,8 @@ int find(const std::vector<int>& all, int wanted) {
   return at == all.end() ? -1 : static_cast<int>(at - all.begin());
 }
 
-// Coordinates follow in the order of the couplings, as in Tree::follow: what a coupling reads was
-// written by those before it.
+// Coordinates are resolved in the order of the couplings, as in Tree::follow: a coupling reads what those before it
+// have written.
 ChainCoordinate resolve(const Tree& tree, const Group& group, int position, int before) {
   for (int k = before - 1; k >= 0; --k) {
     const Follower& f = tree.followers[k];

@@ -1,4 +1,4 @@
-// Chain: how a frame T on a link depends on a group's q; its pose and its Jacobian.
+// Chain: kinematics of a frame T on a link by a group's q: its pose and its Jacobian.
 #pragma once
 
 #include <vector>
@@ -7,7 +7,7 @@
 
 namespace wayproof {
 
-// A coordinate of a joint: multiplier * q[source] + offset with the group's q. Source -1: it stays.
+// Coordinate of a joint: multiplier * q[source] + offset with the group's q. Source -1: it is constant.
 struct ChainCoordinate {
   int source = -1;
   double multiplier = 0, offset = 0;
@@ -19,21 +19,21 @@ struct ChainRate {
   double factor = 0;
 };
 
-// A joint that the group moves, written so that z is the axis of revolute and prismatic ones.
+// Joint that the group moves, written so that z is the axis of revolute and prismatic ones.
 struct ChainJoint {
   JointKind kind;
-  Transform X_BF;  // B: the moving frame of the joint before it, or the world
+  Transform X_BF;  // B: the moving frame of the previous joint, or the world
   ChainCoordinate coordinates[7];
   ChainRate rates[6];
 };
 
-// An element of the group's q that simply adds its element of v.
+// Element of the group's q that simply adds its element of v.
 struct FlatCoordinate {
   int position, velocity;
-  bool turns;  // whole turns of it change no pose, but for limits
+  bool turns;  // whether whole turns of it change no pose, apart from limits
 };
 
-// Where a quaternion of the group's q begins, and its w_FM in v.
+// First index of a quaternion in the group's q, and of its w_FM in v.
 struct QuaternionCoordinate {
   int position, velocity;
 };

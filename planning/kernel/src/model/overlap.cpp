@@ -41,7 +41,7 @@ Overlap overlap(const Shape& a, const Transform& X_WA, const Shape& b, const Tra
     for (Vec3 d : {s, -s, t, -t}) better |= consider(from + d);
     if (!better) step /= 2;
   }
-  // Moved apart along the best direction, and a little farther, the shapes have a nearest one of their own.
+  // Shapes moved apart along the best direction, and a little farther, have nearest points of their own.
   for (bool better = true; better && best <= 0;) {
     Transform X_WC = X_WA;
     X_WC.p = X_WA.p + (apart - best) * n;

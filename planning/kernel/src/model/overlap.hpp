@@ -1,4 +1,4 @@
-// How deep two convex shapes overlap, for reports: nothing is decided by it.
+// Penetration depth of two convex shapes, for reports only: no verdict depends on it.
 #pragma once
 
 #include "model/shape.hpp"
@@ -10,8 +10,8 @@ struct Overlap {
   Vec3 n;        // its unit normal, from B to A
 };
 
-// The widest (least negative) of the slabs that a search finds: the signed distance of shapes that overlap is
-// that of the best slab there is, so it is this or a little more.
+// The widest (least negative) slab of a local search: the signed distance of shapes that overlap is that of the best
+// slab, so it is this or a little more.
 Overlap overlap(const Shape& a, const Transform& X_WA, const Shape& b, const Transform& X_WB);
 
 }  // namespace wayproof

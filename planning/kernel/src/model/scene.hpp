@@ -1,4 +1,4 @@
-// Scene: what a loaded world is to the kernel; nothing in it changes after it was built.
+// Scene: a loaded world in the kernel; immutable after it is built.
 #pragma once
 
 #include <vector>
@@ -13,7 +13,7 @@ struct Sphere {
   double radius = 0;
 };
 
-// A collision geometry G on a link; -1 is the world.
+// Collision geometry G on a link; -1 is the world.
 struct Geometry {
   int link = -1;
   Transform X_LG;

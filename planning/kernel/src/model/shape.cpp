@@ -11,7 +11,7 @@ namespace wayproof {
 namespace {
 
 constexpr std::size_t pad = 8;
-// Polytopes of more vertices than few, but not of more boxes than these, have boxes.
+// Polytopes of more vertices than few_vertices, but of at most most_boxes boxes, have boxes.
 constexpr std::size_t few_vertices = 40, most_boxes = 1024;
 
 std::vector<Vec3> polytope(ShapeKind kind, Vec3 size, const std::vector<Vec3>& vertices) {
@@ -30,7 +30,7 @@ std::vector<Vec3> polytope(ShapeKind kind, Vec3 size, const std::vector<Vec3>& v
   }
 }
 
-// The index of the vertex farthest along n; of equals, the first one, whatever the vector width.
+// The index of the vertex farthest along n; of equals, the first one, for any vector width.
 WAYPROOF_MULTIVERSION
 std::size_t farthest(const double* x, const double* y, const double* z, std::size_t count, Vec3 n) {
   double best[pad];
@@ -52,7 +52,7 @@ std::size_t farthest(const double* x, const double* y, const double* z, std::siz
   return where[winner];
 }
 
-// How far eight boxes may reach along n, rounding included.
+// Upper bounds of eight boxes along n, rounding included.
 WAYPROOF_MULTIVERSION
 void reaches(const std::array<std::vector<double>, 6>& boxes, Vec3 n, std::size_t from, double* reach) {
   const double *cx = &boxes[0][from], *cy = &boxes[1][from], *cz = &boxes[2][from];
@@ -62,7 +62,7 @@ void reaches(const std::array<std::vector<double>, 6>& boxes, Vec3 n, std::size_
     reach[k] = (cx[k] * n.x + cy[k] * n.y + cz[k] * n.z) + (hx[k] * ax + hy[k] * ay + hz[k] * az) * (1 + 1e-9);
 }
 
-// The same vertex, or one as far, passing over boxes that do not reach as far as another one's vertices.
+// The same vertex, or one as far, skipping boxes whose bound is below a vertex of another one.
 std::size_t farthest_in_boxes(const Shape& s, Vec3 n) {
   double best = -std::numeric_limits<double>::infinity();
   std::size_t winner = 0;
@@ -82,7 +82,8 @@ std::size_t farthest_in_boxes(const Shape& s, Vec3 n) {
   return winner;
 }
 
-// Sorts points so that any eight in a row lie together: halves, along the longer side, of a multiple of eight.
+// Sorts points so that any eight in sequence are near each other: halves, along the longer side, of a multiple of
+// eight.
 void cluster(Vec3* points, std::size_t count) {
   if (count <= pad) return;
   Vec3 low = points[0], high = points[0];

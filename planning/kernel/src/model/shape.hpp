@@ -15,20 +15,20 @@ enum class ShapeKind { box, sphere, cylinder, capsule, ellipsoid, hull, half_spa
 struct Shape {
   ShapeKind kind = ShapeKind::sphere;
   Vec3 size;  // as in planning/kernel/shape.py
-  // The polytope's vertices in G, padded to a multiple of 8; of large ones neighbours are together, and every eight
-  // have a box: its centre and half sizes, padded to a multiple of 8 boxes.
+  // The polytope's vertices in G, padded to a multiple of 8; large polytopes have neighbours in sequence, and every
+  // eight have a bounding box: its centre and half sizes, padded to a multiple of 8 boxes.
   std::vector<double> vx, vy, vz;
   std::array<std::vector<double>, 6> boxes;
   Vec3 axes;                       // the ellipsoid's semi-axes in G
   double ball = 0;
   std::vector<std::array<double, 4>> planes;  // of hulls: n . x <= d
-  Vec3 center;                     // of a sphere around it, in G
+  Vec3 center;                     // of a bounding sphere, in G
   double radius = 0;               // of that sphere
 
   Shape(ShapeKind kind, Vec3 size, const std::vector<Vec3>& vertices,
         std::vector<std::array<double, 4>> planes);
 
-  // Of a sphere around the core: to turn a ball moves nothing, so nor does it move the ball about a core.
+  // Radius of a sphere around the core: rotating a ball moves no point of it, so neither does a ball about a core.
   double core_radius() const { return radius - ball; }
   // The point of the core that lies farthest along n, in G.
   Vec3 core_support(Vec3 n) const;

@@ -31,7 +31,7 @@ Group::Group(const Tree& tree, std::vector<int> positions_, std::vector<int> vel
   std::vector<char> coordinate(tree.num_positions, 0);
   for (int i : positions) coordinate[i] = 1;
   follows.assign(tree.followers.size(), 0);
-  // A follower may follow a follower that comes later: as often as there are followers.
+  // A follower may follow a later follower: as many rounds as there are followers suffice.
   for (std::size_t round = 0; round < tree.followers.size(); ++round)
     for (std::size_t k = 0; k < tree.followers.size(); ++k)
       if (coordinate[tree.followers[k].leader]) {

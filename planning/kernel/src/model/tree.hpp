@@ -10,19 +10,18 @@ namespace wayproof {
 
 enum class JointKind { fixed = 0, revolute = 1, prismatic = 2, planar = 3, floating = 4 };
 
-// A link L with the joint that carries it. The frame of L is the joint's moving frame M, so that
-// X_WL = X_WP X_PF X_FM(q). Planar: q = (x, y, angle about z). Floating: q = (quaternion
-// [w, x, y, z], p_FM).
+// Link L with its parent joint. The frame of L is the joint's moving frame M, so that X_WL = X_WP X_PF X_FM(q). Planar:
+// q = (x, y, angle about z). Floating: q = (quaternion [w, x, y, z], p_FM).
 struct Link {
   int parent = -1;  // an earlier link; -1: the world
   Transform X_PF;
   JointKind kind = JointKind::fixed;
   Vec3 axis;         // unit, in F; of revolute and prismatic joints
-  int position = 0;  // where its coordinates begin in the full q
-  int velocity = 0;  // and in the full v; planar (x, y, angle), floating (w_FM in F, v_FM in F)
+  int position = 0;  // first index of its coordinates in the full q
+  int velocity = 0;  // first index in the full v; planar (x, y, angle), floating (w_FM in F, v_FM in F)
 };
 
-// A coordinate that follows another one: q[follower] = multiplier q[leader] + offset.
+// Mimic coordinate: q[follower] = multiplier q[leader] + offset.
 struct Follower {
   int follower, leader;
   double multiplier, offset;
@@ -32,14 +31,14 @@ struct Follower {
 int num_positions(JointKind kind);
 Transform joint_transform(const Link& link, const double* q);
 
-// Everything that moves, the world excluded. A link comes after its parent.
+// Kinematic tree of all links, the world excluded. A link comes after its parent.
 struct Tree {
   std::vector<Link> links;
   std::vector<Follower> followers;
   int num_positions = 0;
   int num_velocities = 0;
 
-  // Makes followers follow, in place.
+  // Sets all followers from their leaders, in place.
   void follow(double* q) const {
     for (const auto& f : followers) q[f.follower] = f.multiplier * q[f.leader] + f.offset;
   }
@@ -56,7 +55,7 @@ struct Tree {
   }
 };
 
-// Some coordinates of the tree move, all others stay: what a joint group is.
+// Joint group: some coordinates of the tree move, all others stay.
 struct Group {
   std::vector<int> positions;    // of the group's q in the full q
   std::vector<int> velocities;   // of the group's v in the full v

@@ -26,12 +26,12 @@ void split(const double* whole, int terms, int nv, double* left, double* right) 
   }
 }
 
-// What is off by less counts as nothing [rad or m]: the room that the prover leaves for rounding [m] is more
-// than that times any lever arm.
+// Differences below this count as zero [rad or m]: the prover's margin for rounding [m] is larger than that times any
+// lever arm.
 constexpr double dust = 1e-12;
 
-// How far Bernstein coefficients and values of a polynomial are off: planning/certify/intervals/rounding.py has why.
-// `size` is the sum of |c_k| w^k, `largest` the largest coefficient.
+// Rounding error of Bernstein coefficients and values of a polynomial: derived in
+// planning/certify/intervals/rounding.py. `size` is the sum of |c_k| w^k, `largest` the largest coefficient.
 double rounding_of(int terms, double size, double largest) {
   constexpr double unit = 1.1102230246251565e-16;
   return (terms + 1) * unit * (5 * size + 65 * largest);
@@ -145,7 +145,7 @@ void Motion::bound_loose() {
   }
 }
 
-// Of a ball, whose coordinates begin anew with every piece, points and residuals are zero.
+// Points and residuals of a ball, whose coordinates begin anew with every piece, are zero.
 void Motion::bound_chords() {
   const int n = num_pieces();
   points_.assign(static_cast<std::size_t>(n + 1) * nv_, 0);
@@ -164,7 +164,7 @@ void Motion::bound_chords() {
       distance_from_chord(&control[i * nv_], control.data(), last, nv_, away.data());
       for (int v = 0; v < nv_; ++v) residual[v] = std::max(residual[v], std::abs(away[v]));
     }
-    // The chord leads to where the next piece begins.
+    // The chord ends at the beginning of the next piece.
     for (auto [q, v] : plain_) residual[v] += loose_[static_cast<std::size_t>(p) * nv_ + v];
   }
 }

@@ -1,11 +1,11 @@
-// Motion: q(t) = base_i [+] delta_i(t), and segments of it with how far the joints stray within each.
+// Motion: q(t) = base_i [+] delta_i(t), and its segments with bounds on the joints' deviation within each.
 //
-// A polynomial stays in the convex hull of its Bernstein coefficients, all coordinates at once (Farouki,
-// "The Bernstein polynomial basis: a centennial retrospective", 2012, section 3). Points near a line need no
-// more than its ends: the coefficients of a piece become a chord and a residual per coordinate, and the
-// chords of a segment a polyline of few rows. So on a segment the displacement of the group's coordinates
-// from its centre is always a convex combination of the rows, and some residual. Where a piece ends elsewhere
-// than the next one begins, the residual of all its segments includes the way from the one to the other.
+// A polynomial stays in the convex hull of its Bernstein coefficients, all coordinates at once (Farouki, "The Bernstein
+// polynomial basis: a centennial retrospective", 2012, section 3). Points near a line need only its ends: the
+// coefficients of a piece become a chord and a residual per coordinate, and the chords of a segment a polyline of few
+// rows. So on a segment the displacement of the group's coordinates from its centre is always a convex combination of
+// the rows, plus a residual. Where a piece does not end at the beginning of the next one, the residual of all its
+// segments includes the gap between them.
 #pragma once
 
 #include <utility>
@@ -15,14 +15,14 @@
 
 namespace wayproof {
 
-// Velocity coordinates of one joint that turn or shift it together. A ball turns about any axis: its three
-// are a rotation vector, and displacements of it are bounded in size only, by the block's stray.
+// Velocity coordinates of one joint that rotate or translate it together. A ball rotates about any axis: its three are
+// a rotation vector, whose displacements have only a bound on their norm, the block's deviation.
 struct Block {
   int column, size;
   bool ball;
 };
 
-// A part of a motion: whole pieces, or a part of one piece.
+// Segment of a motion: whole pieces, or a part of one piece.
 struct Segment {
   double begin = 0, end = 0, time = 0;  // the centre is taken at `time`
   int first = 0, last = 0;              // pieces; `last` is the one after the last
@@ -31,7 +31,7 @@ struct Segment {
   bool is_part() const { return last - first == 1; }
 };
 
-// A segment's centre, and how the coordinates move away from it.
+// Joint deviation: a segment's centre, and bounds on the displacement of the coordinates from it.
 struct Strays {
   std::vector<double> q;         // the group's q at the centre
   std::vector<double> rows;      // [num_rows][nv] displacements; zero in a ball's columns
@@ -76,9 +76,9 @@ class Motion {
   int nq_, nv_, terms_;
   std::vector<double> breaks_, bases_, coefficients_, bernstein_;
   std::vector<double> middles_, centers_;  // of each piece: delta and q at its middle
-  std::vector<double> points_;       // where each piece begins, in v's coordinates; and where the last ends
+  std::vector<double> points_;       // beginning of each piece, in v's coordinates; and the end of the last
   std::vector<double> residuals_;    // of each piece's chord, from its first point to the next piece's
-  std::vector<double> loose_;        // how far each piece is off: by rounding, and to where the next begins
+  std::vector<double> loose_;        // error of each piece: by rounding, and the gap to the beginning of the next
   std::vector<double> ball_strays_;  // of each piece and ball
   std::vector<std::pair<int, int>> plain_;
   std::vector<Ball> balls_;

@@ -10,7 +10,7 @@ namespace {
 constexpr int for_ever = -1;
 constexpr double pi = 3.141592653589793;
 
-// What a coordinate of the full q has to do with the group.
+// Relation of a coordinate of the full q to the group.
 struct Source {
   int column = -1;
   double scale = 0;

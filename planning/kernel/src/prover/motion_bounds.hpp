@@ -1,4 +1,4 @@
-// MotionBounds: how much nearer two shapes can come while the group strays from a configuration.
+// MotionBounds: bounds on the approach of two shapes while the group deviates from a configuration.
 //
 // First order, for any direction of motion (Schwarzer, Saha, Latombe, "Adaptive dynamic collision checking
 // for single and multiple articulated robots", IEEE T-RO 21:3, 2005, with lever arms at the present
@@ -27,20 +27,20 @@
 
 namespace wayproof {
 
-// One degree of freedom on the way from the world to a link, or a ball.
+// One degree of freedom on the chain from the world to a link, or a ball.
 struct Axis {
   int link;
   bool turns;
-  bool ball;      // turns about any axis through its origin
+  bool ball;      // rotates about any axis through its origin
   int direction;  // -1: the link's own axis, else a column of its frame
   int column;     // of the group's v
   double scale;   // displacement over that of the column
-  int block;      // whose stray bounds it; -1 if the axis before it counts that already
+  int block;      // whose deviation bounds it; -1 if the axis before it counts that already
 };
 
 class MotionBounds {
  public:
-  // The parts of the chains of both shapes of a pair that move one against the other: from these axes on.
+  // The parts of the chains of both shapes of a pair with relative motion: from these axes on.
   struct Relative {
     int a = 0, b = 0;
     bool moves = false;
@@ -50,16 +50,16 @@ class MotionBounds {
 
   Relative relative(const Pair& pair) const;
 
-  // Goes to the group's q; without strays no bounds are asked for.
+  // Sets the group's q; bounds need the deviations too.
   void place(const double* q);
   void enter(const Strays& strays);
 
   const Transform& pose(int geometry);
   Vec3 center(int geometry);
-  // How much nearer the shapes of a pair can come.
+  // Bound on the approach of the shapes of a pair.
   double approach(const Pair& pair, const Relative& relative);
-  // A lower bound, not below `enough` if it is finite, on the distance of a pair throughout: -inf if it
-  // cannot be shown to be that large along n, from B to A. `width` is the slab across n at the centre.
+  // A lower bound, not below `enough` if it is finite, on the distance of a pair throughout: -inf if so large a bound
+  // cannot be proven along n, from B to A. `width` is the slab across n at the centre.
   double along(const Pair& pair, const Relative& relative, Vec3 n, double width, double enough);
 
  private:
@@ -74,7 +74,7 @@ class MotionBounds {
   };
 
   const std::vector<int>& chain(int geometry) const;
-  // How far any point of a shape moves against the frame before the axis `from` of its chain.
+  // Bound on the motion of any point of a shape against the frame before the axis `from` of its chain.
   double reach(int geometry, int from);
   // The same against a carrier, of the axes from `from` on of the carrier's chain.
   double swing(int carrier, int from, int geometry);

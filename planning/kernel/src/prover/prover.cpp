@@ -13,16 +13,16 @@ namespace {
 constexpr double inf = std::numeric_limits<double>::infinity();
 // Bounds are rounded by less than this [m].
 constexpr double rounding = 1e-9;
-// Segments shorter than this [s], or more of them, are given up as unproven.
+// Segments shorter than this [s], or more of them, end the proof as unproven.
 constexpr double shortest = 1e-7;
 constexpr int most_segments = 20000;
 // Pairs that may come nearer than this within a segment are not measured in it [m].
 constexpr double wide = 0.25;
-// How well a distance is measured in a segment, as a share of how much it changes there.
+// Accuracy of a distance in a segment, as a share of its change there.
 constexpr double coarse = 0.02;
-// Instants at which a refused motion is looked at for its worst collision.
+// Number of instants at which a refused motion is measured for its worst collision.
 constexpr int instants = 33;
-// Pairs that are judged between two calls of `interrupt`.
+// Number of pair checks between two calls of `interrupt`.
 constexpr int interrupt_every = 256;
 
 }  // namespace
@@ -38,7 +38,7 @@ Prover::Prover(std::shared_ptr<const Scene> scene, Group group, Motion motion, s
   for (std::size_t i = 0; i < scene_->pairs.size(); ++i) {
     relatives_.push_back(bounds_.relative(scene_->pairs[i]));
     if (relatives_.back().moves) moved_.push_back(static_cast<int>(i));
-    // No margin means no contact, with nothing off.
+    // No margin means no contact, without slack.
     required_.push_back(margins_[i] > 0 ? std::max(margins_[i] - slack_, 0.0) : margins_[i]);
   }
   hints_.resize(scene_->pairs.size());
@@ -68,8 +68,7 @@ Proof Prover::prove(const std::function<void()>& interrupt) {
   return proof_;
 }
 
-// Pairs between which nothing moves are looked at once; to touch is no fault in them if no margin is
-// demanded.
+// Pairs without relative motion are checked once; contact is permitted to them if they have no margin.
 bool Prover::find_fixed_violation() {
   std::vector<double> q(group_.positions.size());
   motion_.positions(0, q.data());
@@ -97,7 +96,7 @@ void Prover::refuse(Outcome outcome, int pair, double distance, double uncertain
   proof_.distance = distance, proof_.uncertainty = uncertainty, proof_.time = time;
 }
 
-// The least promising first; numbers break ties, so that every run is the same.
+// The least bound first; numbers break ties, so that every run is the same.
 bool Prover::later(const Node& a, const Node& b) const {
   return a.floor != b.floor ? a.floor > b.floor : a.number > b.number;
 }
@@ -142,8 +141,8 @@ void Prover::see(int pair, double distance, double time) {
   note(proof_.tightest, distance - margins_[pair]);
 }
 
-// Bounds a pair's distance on the segment that was entered until the bound is above `required`, or as good as
-// can be. A distance of `few` or less is not looked into further.
+// Bounds a pair's distance on the entered segment until the bound is above `required`, or as good as possible. A
+// distance of `few` or less is not refined further.
 Prover::Judged Prover::judge(Open& open, double required, double few, bool last_resort, double time) {
   count_work();
   const Pair& pair = scene_->pairs[open.pair];
@@ -185,7 +184,7 @@ Prover::Judged Prover::judge(Open& open, double required, double few, bool last_
   return {false, false, lower - approach, found.upper};
 }
 
-// Decides what can be decided on a segment, and pushes what is left of it.
+// Decides pairs on a segment where possible, and pushes the undecided ones.
 bool Prover::prove_node(Node node, std::vector<Node>& heap) {
   enter(node.segment);
   const bool exhausted = is_short(node.segment) || number_ > most_segments;
@@ -197,7 +196,7 @@ bool Prover::prove_node(Node node, std::vector<Node>& heap) {
   for (Open& open : node.open) {
     const double required = required_[open.pair];
     const Judged found = judge(open, required, required, exhausted, node.segment.time);
-    // So near that rounding decides: no segment is short enough to prove it.
+    // So near that rounding decides: no segment is short enough for a proof.
     if (found.distance <= required + rounding) {
       refuse(Outcome::too_near, open.pair, found.distance, 0, node.segment.time);
       return false;

@@ -1,11 +1,10 @@
-// Prover: that every pair of shapes keeps its distance throughout a motion, by conservative bisection.
+// Prover: proof that every pair of shapes keeps its distance throughout a motion, by conservative bisection.
 //
-// A pair's distance at a segment's centre, less how much nearer the shapes can come within the segment,
-// bounds it from below there. Where the bound is above what is required the pair is proven; pairs that are
-// left are looked at again on both halves, the most suspicious segment first. Afterwards segments that may
-// hide a smaller distance than was seen are halved until the smallest one is known well. Distances are
-// bounded from below by slabs and from above by points of both shapes, so nothing here is believed that was
-// not computed both ways.
+// A pair's distance at a segment's centre, less a bound on the approach of the shapes within the segment, bounds it
+// from below there. Where the bound is above the required distance the pair is proven; the remaining pairs are checked
+// again on both halves, the segment of least bound first. Afterwards segments that may contain a smaller distance than
+// the smallest one measured are halved until that is accurate. Distances are bounded from below by slabs and from above
+// by points of both shapes, so every result is supported by both bounds.
 #pragma once
 
 #include <functional>
@@ -21,7 +20,7 @@ namespace wayproof {
 
 enum class Outcome { proven = 0, too_near = 1, unproven = 2, fixed = 3 };
 
-// The pair that had the least of something.
+// The pair with the least value of some quantity.
 struct Sighting {
   double least = std::numeric_limits<double>::infinity();
   int pair = -1;
@@ -31,22 +30,22 @@ struct Sighting {
 
 struct Proof {
   Outcome outcome = Outcome::proven;
-  // Of the pair at which the proof stopped: too near, not shown to be far enough, or moved by nothing.
+  // The pair at which the proof stopped: too near, not proven far enough, or static.
   int pair = -1;
   double distance = 0, uncertainty = 0, time = 0;
-  Sighting nearest, tightest;  // smallest distance seen, and smallest over the pair's margin
+  Sighting nearest, tightest;  // smallest distance measured, and smallest over the pair's margin
   double floor = std::numeric_limits<double>::infinity();  // no distance is smaller, if proven
   int segments = 0, looks = 0;
 };
 
-// What is proven of one pair on one segment: how much nearer it can come, and two bounds on its distance.
+// Bounds of one pair on one segment: on its approach, and two on its distance.
 struct PairBound {
   double approach, lower, along;
 };
 
 class Prover {
  public:
-  // margins: what is demanded of each pair; `slack` less is enough.
+  // margins: required distance of each pair; `slack` less suffices.
   Prover(std::shared_ptr<const Scene> scene, Group group, Motion motion, std::vector<double> margins,
          double slack);
   Prover(const Prover&) = delete;
@@ -54,12 +53,12 @@ class Prover {
   // `interrupt` is called now and then and may throw.
   Proof prove(const std::function<void()>& interrupt);
 
-  // What can be proven of every pair on one segment; prove() uses the same.
+  // Bounds of every pair on one segment; prove() uses the same.
   std::vector<PairBound> bounds(const Segment& segment);
   const Motion& motion() const { return motion_; }
 
  private:
-  // A pair that is open on a segment: where the slab was last, and what is known of its distance there.
+  // An undecided pair on a segment: its last slab, and the bounds of its distance there.
   struct Open {
     int pair;
     bool aimed;
@@ -104,9 +103,9 @@ class Prover {
   std::vector<MotionBounds::Relative> relatives_;
   std::vector<double> required_;
   std::vector<int> moved_;
-  std::vector<Vec3> hints_;  // of every pair, where its slab was at the last look
+  std::vector<Vec3> hints_;  // last slab of every pair
   Strays strays_;
-  std::vector<Node> leaves_;  // what is proven, but not known well
+  std::vector<Node> leaves_;  // segments that are proven, but whose distances are not yet accurate
   Proof proof_;
   int number_ = 0;
   int work_ = 0;

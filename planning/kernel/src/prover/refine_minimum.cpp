@@ -1,4 +1,4 @@
-// Prover: how small the smallest distance is, once the motion is proven or refused.
+// Prover: refinement of the smallest distance, once the motion is proven or refused.
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -10,20 +10,20 @@ namespace wayproof {
 namespace {
 
 constexpr double inf = std::numeric_limits<double>::infinity();
-// How well the smallest distance is to be known [m], the larger of these, and what that may cost.
+// Accuracy of the smallest distance [m], the larger of these, and the limit of its cost.
 constexpr double resolution = 1e-3;
 constexpr double relative_resolution = 0.01;
 constexpr int tightening_looks = 2000;
 
 }  // namespace
 
-// What the smallest distance may be at least, if the smallest one seen is to be good enough.
+// Lower bound of the smallest distance at which the smallest one measured is accurate enough.
 double Prover::target() const {
   const double distance = proof_.nearest.distance;
   return distance - std::max(resolution, relative_resolution * distance);
 }
 
-// Halves the segments that may hide a smaller distance than was seen.
+// Halves the segments that may contain a smaller distance than the smallest one measured.
 void Prover::tighten() {
   std::make_heap(leaves_.begin(), leaves_.end(),
                  [this](const Node& a, const Node& b) { return later(a, b); });
@@ -53,7 +53,7 @@ void Prover::tighten() {
     for (const Open& open : node.open) proof_.floor = std::min(proof_.floor, open.bound);
 }
 
-// Looks at all pairs at an instant for smaller distances than were seen.
+// Measures all pairs at an instant for distances smaller than those measured before.
 void Prover::look(double time) {
   std::vector<double> q(group_.positions.size());
   motion_.positions(time, q.data());

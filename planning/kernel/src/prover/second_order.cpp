@@ -70,7 +70,7 @@ double MotionBounds::along(const Pair& pair, const Relative& relative, Vec3 n, d
   return least - blur - rest;
 }
 
-// How much the residuals of the strays move any point of a shape along the direction.
+// Bound on the displacement of any point of a shape along the direction by the residuals of the deviations.
 double MotionBounds::residual(int geometry, int from, const std::vector<Linear>& linear) const {
   const auto& axes = chain(geometry);
   const double radius = scene_.geometries[geometry].shape.core_radius();

@@ -12,7 +12,7 @@ namespace {
 
 constexpr double to_the_wall = 0.99;
 
-// Slacks s > 0 with their multipliers z > 0, and a step of both.
+// Slacks s > 0 with their multipliers z > 0 (complementary pairs), and a step of both.
 struct Cone {
   std::vector<double> s, z, ds, dz;
 
@@ -40,7 +40,7 @@ struct Cone {
   }
 };
 
-// Rows a . x + e - w = least; w has the multiplier y, e = what the row lacks has price - y.
+// Rows a . x + e - w = least; w has the multiplier y, the shortfall e has price - y.
 class Search {
  public:
   explicit Search(const SoftRows& program)
@@ -85,8 +85,7 @@ class Search {
  private:
   static constexpr double start = 0.05;
 
-  // rx: of the stationarity in x; ry: of the rows. The slacks of the box and the multipliers of what rows
-  // lack are kept exact.
+  // rx: stationarity in x; ry: rows. The slacks of the box and the multipliers of the shortfalls are kept exact.
   double residuals() {
     double worst = 0;
     for (int i = 0; i < n; ++i) rx[i] = p.c[i] + p.q[i] * x[i] - low.z[i] + high.z[i];
@@ -109,7 +108,7 @@ class Search {
     matrix.factor();
   }
 
-  // What s dz + z ds is to be.
+  // Target of s dz + z ds.
   static double wanted(const Cone& cone, std::size_t i, double mu, bool corrects) {
     return mu - cone.s[i] * cone.z[i] - (corrects ? cone.ds[i] * cone.dz[i] : 0);
   }

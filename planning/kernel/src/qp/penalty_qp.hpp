@@ -1,10 +1,10 @@
-// SoftRows: convex programs in a box, whose rows may be broken for a price.
+// Penalty QP (SoftRows): convex quadratic programs in a box, whose rows may be violated at a linear price.
 //
 //   minimise  c . x + 1/2 sum_i q_i x_i^2 + sum_k price_k max(0, least_k - a_k . x),  lower <= x <= upper
 //
 // by a primal-dual interior point method with Mehrotra's predictor and corrector ("On the implementation of a
-// primal-dual interior point method", 1992). There is always a solution. The normal equations are solved by a
-// Cholesky factorisation within their skyline: variables that share rows should have near numbers.
+// primal-dual interior point method", 1992). A solution always exists. The normal equations are solved by a Cholesky
+// factorisation within their skyline: variables that share rows should have near indices.
 #pragma once
 
 #include <cstdint>

@@ -15,7 +15,7 @@ void rows_times(const double* values, int rows, int width, const double* x, doub
   for (int r = 0; r < rows; ++r) y[r] = dot(values + static_cast<std::ptrdiff_t>(r) * width, x, width);
 }
 
-// Adds sum_r weight_r v_r v_r' to a square; what is above its diagonal may be left out.
+// Adds sum_r weight_r v_r v_r' to a square; entries above its diagonal may be left out.
 WAYPROOF_MULTIVERSION
 void add_row_squares(const double* values, int rows, int width, const double* weight, double* square) {
   for (int r = 0; r < rows; ++r) {

@@ -1,4 +1,4 @@
-// RowBlocks: sparse rows, in blocks of those that follow one another and have the same columns.
+// RowBlocks: sparse rows, in blocks of consecutive rows with the same columns.
 #pragma once
 
 #include <cstddef>
@@ -15,7 +15,7 @@ class RowBlocks {
   // Of the program's rows A; it must outlive this.
   explicit RowBlocks(const SoftRows& program);
 
-  // A matrix that has room for A' A.
+  // A zero matrix with the skyline of A' A.
   Skyline normal_matrix() const;
 
   // y = A x.

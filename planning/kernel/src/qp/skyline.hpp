@@ -1,6 +1,6 @@
-// Skyline: a symmetric positive definite matrix, and its Cholesky factorisation in place (George and Liu,
-// "Computer Solution of Large Sparse Positive Definite Systems", 1981, 4.2). Of every row there is what lies
-// between its first entry and the diagonal.
+// Skyline: a symmetric positive definite matrix, and its Cholesky factorisation in place (George and Liu, "Computer
+// Solution of Large Sparse Positive Definite Systems", 1981, 4.2). Every row stores its entries from the first nonzero
+// to the diagonal.
 #pragma once
 
 #include <cstddef>
