@@ -110,7 +110,7 @@ class Manifold(Value):
         return delta
 
     def _minus_floating(self, q1: Array, q0: Array) -> Array:
-        """Return what `minus` does, but with the whole turns of angles."""
+        """Return the same as `minus`, but without removing whole turns of angles."""
         shape = np.broadcast_shapes(q1.shape[:-1], q0.shape[:-1])
         delta = np.empty((*shape, self.num_velocities))
         in_q, in_v = self._plain

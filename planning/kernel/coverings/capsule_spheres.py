@@ -11,7 +11,9 @@ _HALVINGS = 50
 def capsule_spheres(
     radius: float, half_length: float, aim: float, most: int
 ) -> tuple[Float64[np.ndarray, "n 4"], float]:
-    """Return balls as rows (x, y, z, r) and their reach t: the least, or for which few are enough.
+    """Return the fewest balls of reach t at most `aim`, else `most` balls, and their reach [m].
+
+    The balls are rows (x, y, z, r).
 
     Balls of radius r + t whose centres are no more than 2 h apart hold the cylinder of radius r
     between them where h^2 = (r + t)^2 - r^2, and the last ones, t before the ends of the axis, hold
@@ -20,8 +22,8 @@ def capsule_spheres(
     Args:
         radius: Of the capsule, r [m].
         half_length: Of its cylindrical part [m].
-        aim: No smaller reach is sought than this [m].
-        most: How many balls there may be.
+        aim: Reach that suffices [m].
+        most: Largest number of balls.
     """
     count, reach = 1, half_length
     while count < most and reach > aim:

@@ -39,7 +39,7 @@ _CLOSEST = 1e-4
 def outer_spheres(
     solid: Solid, polytope: OuterPolytope, choices: BallChoices
 ) -> tuple[Float64[np.ndarray, "n 4"], float]:
-    """Return balls as rows (x, y, z, r), largest first, and how far they reach beyond the shape."""
+    """Return balls as rows (x, y, z, r), largest first, and their reach beyond the shape [m]."""
     aim = float(np.clip(_SHARE * solid.width, _LEAST, _MOST))
     if solid.shape.kind is ShapeKind.CAPSULE:
         radius, half_length, _ = solid.shape.size

@@ -29,8 +29,8 @@ def edit_scene(
 ) -> Scene:
     """Return a scene after some operations, in order; the given one stays as it is.
 
-    Unnamed parts stay bit for bit. The result loads, as far as its names go: it may be in
-    collision.
+    Parts that no operation names stay bit for bit. The result loads, as far as its names go: it may
+    be in collision.
 
     Args:
         scene: A scene that loads.

@@ -46,10 +46,7 @@ def scene_document(scene: Scene, like: SceneDocument | None = None) -> SceneDocu
     try:
         return SceneDocument.model_validate({**written, "objects": objects})
     except ValidationError:
-        parse_scene({
-            **written,
-            "objects": list(map(_object, scene.objects)),
-        })  # raises with the reason
+        parse_scene({**written, "objects": list(map(_object, scene.objects))})  # raises the reason
         raise
 
 
