@@ -54,12 +54,12 @@ class KernelScene:
         """Full names of both bodies of every pair."""
         return self.candidates.pair_names
 
-    def pair(self, row: int) -> tuple[GeometryId, GeometryId]:
+    def pair(self, row: int | np.int64) -> tuple[GeometryId, GeometryId]:
         """Return both geometries of one pair."""
         a, b = self.candidates.rows[row]
         return self.candidates.ids[a], self.candidates.ids[b]
 
-    def names(self, row: int) -> tuple[str, str]:
+    def names(self, row: int | np.int64) -> tuple[str, str]:
         """Return the full names of their bodies."""
         a, b = self.candidates.rows[row]
         return self.candidates.names[a], self.candidates.names[b]
