@@ -59,7 +59,7 @@ def position_jumps(
     trajectory: TimedTrajectory,
     begins: Float64[np.ndarray, "n nq"],
     ends: Float64[np.ndarray, "n nq"],
-) -> Float64[np.ndarray, "n nv"]:
+) -> Float64[np.ndarray, "n-1 nv"]:
     """Return the jump from each piece's end to the next piece's beginning, shape (n - 1, nv).
 
     Args:
