@@ -4,7 +4,6 @@ Workers import this module again (multiprocessing's forkserver does), so it impo
 """
 
 import os
-import sys
 
 
 def main() -> None:
@@ -12,11 +11,6 @@ def main() -> None:
     # The matrices here are tiny: threads of a BLAS spin beside them, and a retiming takes six times
     # the processor's time. Parallel work is done by processes. Read when numpy is first imported.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-    if sys.argv[1:2] == ["serve"]:
-        # Of all that a start takes, importing Drake takes longest: it begins before anything else.
-        from service.workers import start_to_import  # noqa: PLC0415  (kept out of workers)
-
-        start_to_import()
     from service.cli.app import app  # noqa: PLC0415  (kept out of workers)
 
     app()

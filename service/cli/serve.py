@@ -10,6 +10,7 @@ from pydantic import ValidationError
 from pydantic_settings import SettingsError
 
 from service.settings import Settings
+from service.workers import start_to_import
 
 EPILOG = (
     "Settings in the environment (docs/operations.md says what they are): "
@@ -40,6 +41,8 @@ def serve(  # noqa: PLR0913  (one parameter per option)
     settings = settings_of({name: item for name, item in chosen.items() if item is not None})
     bound = bind(settings.host, settings.port)
     url = url_of(bound)
+    if settings.engine == "process":
+        start_to_import()
     from service.cli.server import CannotStart, run  # noqa: PLC0415  (takes a second)
 
     def tell() -> None:
