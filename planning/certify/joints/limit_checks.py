@@ -124,7 +124,7 @@ def _signed_utilisations(request: CertifyRequest) -> Iterator[tuple[float, str, 
             np.concatenate([rows / highest, rows / lowest]), _RELATIVE_GAP
         )
         top = max(top, 0.0) + float(hidden) / min(highest, -lowest)
-        yield top, name, row % len(rows), fraction
+        yield float(top), name, row % len(rows), fraction
 
 
 def _norm_bound(
