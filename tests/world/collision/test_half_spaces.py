@@ -181,7 +181,10 @@ def test_the_nearest_feasible_configuration_lies_on_the_floor(
 def test_a_replay_shows_a_plate(cart: Callable[..., World]) -> None:
     world = cart()
     motion = planning.trajectory_through(
-        world.group("r").joints, np.array([0.0, 1.0]), np.array([[0, 1], [1, 1]]), np.zeros((2, 2))
+        world.group("r").joints,
+        np.array([0.0, 1.0]),
+        np.array([[0.0, 1.0], [1.0, 1.0]]),
+        np.zeros((2, 2)),
     )
     page = replay_html(world, world.group("r"), motion, frames_per_second=5.0)
     assert page.lstrip().lower().startswith("<!doctype html>")

@@ -117,6 +117,8 @@ def compared(told: list[Any], expected: list[Any]) -> None:
     assert digest(told) == digest(expected)
 
 
+# With shapes checked, beartype draws from `random` while operations are built.
+@pytest.mark.filterwarnings("ignore:Do not use the `random` module inside strategies")
 @given(steps=st.lists(operations, min_size=1, max_size=6))
 @settings(max_examples=num_cases(5, 320))
 def test_edited_in_place_is_loaded_anew(steps: list[Any]) -> None:
