@@ -109,9 +109,9 @@ def _search(context: PlanContext) -> CertifiedMotion:
                 refusals,
                 _no_path_helps,
             )
-        except NotCertified as failure:
+        except NotCertified:
             if refusals.last is not None and _no_path_helps(refusals.last):
-                raise failure from None
+                raise
             continue
         refused = tuple(refusals.reasons)
         return CertifiedMotion(

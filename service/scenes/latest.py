@@ -1,6 +1,6 @@
 """Latest: revisions that are known to be the latest of their scenes, so that none is read again.
 
-Whoever asks for the latest revision asks two tables, and decodes a document that may be megabytes.
+To find the latest revision takes reads of two tables, and of a document that may have megabytes.
 Only this server writes either table, so what it has read stays true until it writes.
 """
 

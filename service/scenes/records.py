@@ -92,7 +92,7 @@ class SceneRecord(SceneBrief):
     def document(self) -> dict[str, Any]:
         """What was posted, or what came of editing it; read each time: of many objects it is long.
 
-        For whoever needs more than the text.
+        Answers and files take the text itself.
         """
         found: dict[str, Any] = json.loads(self.loaded.document.text)
         return found

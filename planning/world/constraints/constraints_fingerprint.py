@@ -58,8 +58,8 @@ def predicates_refused(label: str) -> ProblemInvalid:
     """Return the error for a predicate in a request for a stored roadmap."""
     field = "search.roadmap"
     message = (
-        f"{field}: {label}: roadmaps are known by what they keep to, and of a "
-        f"{PathPredicate.__name__} nobody can tell what that is; plan without the one or the other"
+        f"{field}: {label}: a stored roadmap is identified by its constraints, and a "
+        f"{PathPredicate.__name__} is a function without a digest; plan without one of them"
     )
     return ProblemInvalid(message, {"field": field, "constraint": label})
 

@@ -14,7 +14,7 @@ namespace wayproof {
 namespace {
 
 constexpr double turn = 6.283185307179586;
-// Beyond so many radians or metres, and for NaN, single precision gives no verdict.
+// Largest position [rad or m] of which single precision gives a verdict; for NaN it gives none.
 constexpr double far_off = 1e6;
 
 // The same number as planning/domain/curves/motion_samples.py has, operation by operation.
