@@ -20,6 +20,7 @@ from rich.console import Console
 from rich.table import Table
 
 import planning
+from planning.domain.arrays import Array
 from planning.errors import PlanningFailure
 
 SCENES = {"ur5e_pickup": "arm", "panda_shelf": "panda"}
@@ -27,8 +28,6 @@ PLANNERS = ("GCS", "RRTConnect")
 # How finely the straight line is looked at, and how many configurations are drawn at once.
 _RESOLUTION = 0.0125
 _DRAWN = 4000
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 
 @dataclass

@@ -24,11 +24,11 @@ from pydrake.planning import (
 
 from benchmarks.motion_bench_maker.problems import Obstacle, Problem
 from benchmarks.motion_bench_maker.robots import RobotFiles
+from planning.domain.arrays import Array
 
 # Drake warns of every URDF tag that it does not need.
 logging.getLogger("drake").setLevel(logging.ERROR)
 
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # Largest distance between two samples, as a Euclidean norm over the joints [rad].
 STEP = 0.002

@@ -3,11 +3,10 @@
 import struct
 import zlib
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 
-type Array = np.ndarray[Any, np.dtype[np.float64]]
+from planning.domain.arrays import Array
 
 _LIGHT = np.array([0.35, -0.5, 0.8]) / np.linalg.norm([0.35, -0.5, 0.8])
 _SHADOW = 0.55  # brightness of what faces away from the light

@@ -1,11 +1,9 @@
 """Triangles of Drake's shapes, for pictures."""
 
-from typing import Any
-
 import numpy as np
 from pydrake import geometry
 
-type Array = np.ndarray[Any, np.dtype[np.float64]]
+from planning.domain.arrays import Array
 
 _AROUND = 20
 

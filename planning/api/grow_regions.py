@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from planning.api.ik import solve_ik
+from planning.domain.arrays import Array
 from planning.domain.curves.path import JointPath
 from planning.domain.geometry.pose import Pose
 from planning.domain.goals.goal import PoseGoal, PoseTarget
@@ -33,8 +34,6 @@ from planning.regions.grow import GrowRequest, Growth, grow
 from planning.search.request import SearchTask
 from planning.search.solver import search
 from planning.world.world import CollisionJudge, World
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # Between two configurations of a path that get a region if no other holds them [rad or m].
 _STRIDE = 0.1

@@ -2,11 +2,11 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 from jaxtyping import Float64
 
+from planning.domain.arrays import Array
 from planning.domain.curves.curve import TimedTrajectory
 from planning.domain.request.deadline import UNHURRIED, Deadline
 from planning.domain.request.options import RetimeOptions
@@ -18,8 +18,6 @@ from planning.world.collision.margins import PairMargins
 from planning.world.mechanics.dynamics import GroupDynamics
 from planning.world.mechanics.tool_kinematics import ToolKinematics
 from planning.world.world import World
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # Bodies that have more than the last to spare are not of interest; few are looked at first [m].
 _HORIZONS = (0.1, 0.5)

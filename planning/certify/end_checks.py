@@ -1,14 +1,11 @@
 """End checks: start, goal and rest of a trajectory, and continuity where its pieces meet."""
 
-from typing import Any
-
 import numpy as np
 
 from planning.certify.intervals.jumps import Sums, position_jumps
 from planning.certify.request import CertifyRequest
+from planning.domain.arrays import Array
 from planning.domain.report.certificate import Check
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # Tolerance for equal configurations, of follower joints too [rad or m].
 SAME = 1e-6

@@ -1,15 +1,13 @@
 """Form check: whether the numbers of a certify request are a well-formed trajectory."""
 
 from collections.abc import Iterable
-from typing import Any
 
 import numpy as np
 
 from planning.certify.intervals.rounding import LOW_DEGREE
 from planning.certify.request import CertifyRequest
+from planning.domain.arrays import Array
 from planning.domain.report.certificate import Check
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 _UNIT_TOLERANCE = 1e-9
 # Largest magnitude of any number: larger ones lose the digits that the proof needs.

@@ -2,13 +2,13 @@
 
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 from jaxtyping import Float64
 
 from planning.certify.intervals import bernstein
 from planning.certify.intervals.rounding import rounding
+from planning.domain.arrays import Array
 from planning.domain.curves.curve import TimedTrajectory
 from planning.domain.goals.linear_moves import LineSection
 from planning.domain.request.constraint import PathConstraint
@@ -19,8 +19,6 @@ from planning.domain.robot.joints import JointGroup, JointLimits
 from planning.domain.robot.payload import Payload
 from planning.domain.value import Value
 from planning.world.collision.margins import PairMargins
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 
 @dataclass(frozen=True, eq=False)

@@ -18,7 +18,6 @@ nothing is proven.
 """
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from jaxtyping import Float64
@@ -27,10 +26,9 @@ from planning.certify.intervals import bernstein
 from planning.certify.intervals.bernstein_products import raised, times
 from planning.certify.intervals.rounding import closely
 from planning.certify.request import CertifyRequest
+from planning.domain.arrays import Array
 from planning.domain.report.certificate import Check
 from planning.domain.robot.steering import Steering, steering_of
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # epsilon, the tangent of the angle of slip, and delta.
 SLIP, TIGHT = 1e-5, 1e-4

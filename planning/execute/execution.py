@@ -4,10 +4,10 @@ No input or output happens here: `Runner` reads measurements and sends setpoints
 """
 
 from dataclasses import dataclass, field, replace
-from typing import Any
 
 import numpy as np
 
+from planning.domain.arrays import Array
 from planning.domain.curves.curve import TimedTrajectory
 from planning.domain.robot.joints import JointLimits
 from planning.domain.value import Value
@@ -17,8 +17,6 @@ from planning.execute.states import ExecutionEvent, ExecutionState, advance
 from planning.execute.status import ExecutionStatus
 from planning.execute.time_scaling import choose_ramp, ramp_bounds
 from planning.execute.tolerances import Tolerances
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # Rates nearer than this are equal: rounding must not keep a robot from coming to rest.
 _SAME_RATE = 1e-12

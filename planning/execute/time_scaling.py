@@ -10,15 +10,12 @@ inequality in s''. For 0 <= s' <= 1, s'' = 0 always satisfies it where the traje
 the bound, so step-by-step choices always leave a feasible next step.
 """
 
-from typing import Any
-
 import numpy as np
 from jaxtyping import Float64
 
+from planning.domain.arrays import Array
 from planning.domain.curves.curve import TimedTrajectory
 from planning.domain.robot.joints import JointLimits
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # A block that moves slower than this [rad/s or m/s] cannot bound the ramp.
 _STILL = 1e-9

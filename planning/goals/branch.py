@@ -25,14 +25,11 @@ Each sign changes only where that factor is zero, which is a singularity. A sign
 two ways in which an arm bends; it is not tied to the names left/right, up/down or flip.
 """
 
-from typing import Any
-
 import numpy as np
 from jaxtyping import Float64
 
+from planning.domain.arrays import Array
 from planning.domain.goals.configuration_quality import ArmBranch
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # Tolerance within which axes are parallel, or meet [rad, m].
 _EXACT = 1e-4

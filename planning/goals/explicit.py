@@ -30,7 +30,6 @@ from planning.goals.start import (
 from planning.world.loading.positions import require_positions
 from planning.world.world import World
 
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 type GivenGoal = JointGoal | ConfigurationGoal
 
 # Largest number of given configurations in the search for suggestions.

@@ -1,15 +1,11 @@
 """Feasibility: batch check of configurations for limits, collisions and path constraints."""
 
-from typing import Any
-
 import numpy as np
 from jaxtyping import Bool, Float64
 
 from planning.goals.goal_query import GoalQuery
 from planning.goals.start import within_limits
 from planning.world.world import World
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # Configurations per batch.
 _AT_ONCE = 64

@@ -1,7 +1,6 @@
 """Goal configurations of a goal: the single entry of the goals stage, used by plans and by /ik."""
 
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
@@ -29,8 +28,6 @@ from planning.goals.predicate import accepted_by
 from planning.goals.ranking import equivalents, nearest_first
 from planning.goals.timeout import check_time
 from planning.world.world import World
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # Share of the time for goals that the search under path constraints may take.
 _RULED_SHARE = 0.5

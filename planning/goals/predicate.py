@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float64, Int64
 
+from planning.domain.arrays import Array, Flags
 from planning.domain.goals.funnel import funnel_evidence
 from planning.domain.goals.goal import GoalPredicate
 from planning.domain.goals.goal_configurations import GoalConfigurations
@@ -21,9 +22,6 @@ from planning.goals.targets.target_samples import TargetSamples
 from planning.goals.timeout import check_time
 from planning.world.loading.positions import require_positions
 from planning.world.world import World
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
-type Flags = np.ndarray[Any, np.dtype[np.bool_]]
 
 
 class PredicateSolver:

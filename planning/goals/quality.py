@@ -6,6 +6,7 @@ import numpy as np
 from jaxtyping import Float64
 from pydrake.multibody.tree import RevoluteJoint
 
+from planning.domain.arrays import Array
 from planning.domain.geometry.body_pair import BodyPair
 from planning.domain.goals.configuration_quality import ArmBranch, ConfigurationQuality
 from planning.domain.robot.joints import JointGroup, JointLimits
@@ -14,8 +15,6 @@ from planning.goals.joint_metric import JointMetric
 from planning.world.kernel.link_tree import link_tree
 from planning.world.mechanics.tool_kinematics import ToolKinematics
 from planning.world.world import World
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # Search radii for the nearest body pair, tried in turn: a small one is faster, mostly enough [m].
 _HORIZONS = (0.1, 10.0)

@@ -1,17 +1,12 @@
 """Ranking of IK solutions: removal of duplicates, equivalents by full turns, nearest first."""
 
-from typing import Any
-
 import numpy as np
 from jaxtyping import Bool, Float64, Int64
 
+from planning.domain.arrays import Array, Flags, Indices
 from planning.domain.robot.joints import JointGroup, JointLimits, JointType
 from planning.domain.robot.manifold import Manifold
 from planning.goals.joint_metric import JointMetric
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
-type Flags = np.ndarray[Any, np.dtype[np.bool_]]
-type Indices = np.ndarray[Any, np.dtype[np.int64]]
 
 # Two configurations nearer than this in every joint are duplicates [rad or m].
 SAME = 1e-3

@@ -5,6 +5,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Bool, Float64
 
+from planning.domain.arrays import Array
 from planning.domain.geometry.body_pair import BodyPair
 from planning.domain.robot.joints import JointGroup, JointLimits
 from planning.domain.robot.manifold import Manifold
@@ -12,8 +13,6 @@ from planning.errors import StartInCollision, StartOutOfLimits, StartTooNear
 from planning.goals.diagnosis.distance_text import millimetres
 from planning.world.collision.margins import PairMargins
 from planning.world.world import World
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # Limit violations up to this are rounding errors: they are clipped and reported [rad or m].
 ROUNDING = 1e-6

@@ -5,12 +5,10 @@ or at an edge of each (Ericson, "Real-Time Collision Detection", 2005, section 5
 are tried: 2 x 8 corners and 12 x 12 pairs of edges, for many pairs of boxes at once.
 """
 
-from typing import Any
-
 import numpy as np
 from jaxtyping import Float64
 
-type Array = np.ndarray[Any, np.dtype[np.float64]]
+from planning.domain.arrays import Array
 
 _SIGNS = np.array([[x, y, z] for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in (-1.0, 1.0)])
 # Pairs of corners that differ in one sign.

@@ -5,16 +5,13 @@ its points. Without the ball the core remains, which has corners more often than
 `separation` finds the distance of cores with corners exactly.
 """
 
-from typing import Any
-
 import numpy as np
 from jaxtyping import Float64
 
+from planning.domain.arrays import Array
 from planning.kernel.gjk import GjkResult, separation
 from planning.kernel.shape import ConvexShape, ShapeKind
 from planning.kernel.support import farthest_point
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 
 def distance_bounds(

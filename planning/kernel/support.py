@@ -1,15 +1,13 @@
 """Support functions: the point of a convex shape that lies farthest along a direction."""
 
 import math
-from typing import Any
 
 import numpy as np
 from jaxtyping import Float64
 
+from planning.domain.arrays import Array
 from planning.errors import ModelInvalid
 from planning.kernel.shape import ConvexShape, ShapeKind
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 
 def farthest_point(shape: ConvexShape, n: Float64[np.ndarray, "3"]) -> Float64[np.ndarray, "3"]:

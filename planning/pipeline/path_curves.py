@@ -2,7 +2,6 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -14,8 +13,6 @@ from planning.retime.blend import blend_corners
 from planning.retime.smooth import smoothed
 from planning.world.constraints.path_constraints import PathConstraints
 from planning.world.world import CollisionJudge
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # How far corners may be rounded, largest first (joint-space length). The last resort, 0, follows
 # the very path that was checked and rests at every corner.

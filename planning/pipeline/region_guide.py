@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float64
 
+from planning.domain.arrays import Array
 from planning.domain.planner.planner_card import PlannerCard, PlannerParameter
 from planning.domain.planner.regions import Regions
 from planning.domain.report.search_report import RegionsReport, SearchReport
@@ -22,7 +23,6 @@ from planning.pipeline.context import PlanContext
 from planning.regions.gcs_path import shortest_inside
 from planning.world.world import World
 
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 type Scalar = str | float | int | bool
 
 GCS = "GCS"

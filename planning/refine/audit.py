@@ -1,17 +1,14 @@
 """Auditor: dense collision and constraint check of an optimised curve."""
 
-from typing import Any
-
 import numpy as np
 
+from planning.domain.arrays import Array
 from planning.domain.curves.curve import JointSpline
 from planning.domain.robot.joints import JointGroup, JointLimits
 from planning.refine.constraints.distance_buffers import DistanceBuffers
 from planning.world.constraints.path_constraints import PathConstraints
 from planning.world.constraints.predicate_constraint import PredicateConstraint
 from planning.world.world import World
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # Spacing of the samples (joint-space length) ...
 _STEP = 0.01

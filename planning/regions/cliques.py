@@ -5,15 +5,12 @@ covers of visibility graphs".
 """
 
 from collections.abc import Iterator
-from typing import Any
 
 import numpy as np
 from jaxtyping import Float64
 
+from planning.domain.arrays import Array, Flags
 from planning.regions.free_space import FreeSpace
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
-type Flags = np.ndarray[Any, np.dtype[np.bool_]]
 
 # Sample spacing of visibility checks [rad or m]: a heuristic, not a proof.
 _RESOLUTION = 0.1

@@ -8,13 +8,11 @@ the next path differs. The corridor is the union of their regions.
 from collections.abc import Sequence
 from dataclasses import dataclass
 from heapq import heappop, heappush
-from typing import Any
 
 import numpy as np
 
+from planning.domain.arrays import Array
 from planning.domain.planner.regions import Regions
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # Factor on the cost of a region for each path through it.
 _DEARER = 1.5

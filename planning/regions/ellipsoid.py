@@ -8,7 +8,7 @@ import numpy as np
 from jaxtyping import Float64
 from pydrake.geometry.optimization import HPolyhedron  # pyright: ignore[reportMissingModuleSource]
 
-type Array = np.ndarray[Any, np.dtype[np.float64]]
+from planning.domain.arrays import Array
 
 
 @dataclass(frozen=True)

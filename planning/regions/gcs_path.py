@@ -15,10 +15,9 @@ from pydrake.common import Parallelism
 from pydrake.geometry.optimization import GraphOfConvexSetsOptions, HPolyhedron, Point  # pyright: ignore[reportMissingModuleSource]
 from pydrake.planning import GcsTrajectoryOptimization
 
+from planning.domain.arrays import Array
 from planning.domain.planner.regions import Regions
 from planning.regions.corridor import Corridor, corridor
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # Waypoints that differ by less are duplicates [rad or m].
 _SAME = 1e-6

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Bool, Float64
 
+from planning.domain.arrays import Array
 from planning.domain.planner.regions import Portal, Region, RegionOptions
 from planning.domain.request.deadline import Deadline
 from planning.errors import DeadlineExceeded
@@ -20,8 +21,6 @@ from planning.regions.cliques import cliques
 from planning.regions.free_space import FreeSpace
 from planning.regions.iris_zo import IrisZo
 from planning.regions.overlap import portals_of, without_redundant_faces
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # Free samples by which coverage is estimated; they seed no region.
 _AUDIENCE = 2000

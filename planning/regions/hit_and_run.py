@@ -1,11 +1,9 @@
 """Hit-and-run sampling of a polytope: random walks with uniform steady state (Smith 1984)."""
 
-from typing import Any
-
 import numpy as np
 from jaxtyping import Float64
 
-type Array = np.ndarray[Any, np.dtype[np.float64]]
+from planning.domain.arrays import Array
 
 
 def hit_and_run(

@@ -13,13 +13,13 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float64
 
+from planning.domain.arrays import Array
 from planning.domain.planner.regions import Region
 from planning.domain.request.deadline import Deadline
 from planning.regions.ellipsoid import GrowthEllipsoid
 from planning.regions.free_space import FreeSpace
 from planning.regions.hit_and_run import hit_and_run
 
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 type Faces = tuple[Array, Array]
 
 # Samples per batch of collision checks.

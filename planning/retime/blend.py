@@ -11,17 +11,14 @@ point of the curve nearest to the corner is its middle, delta(lambda) = (u2 - u1
 1/4 or 3/16, which bounds how far it is from the path.
 """
 
-from typing import Any
-
 import numpy as np
 
+from planning.domain.arrays import Array
 from planning.domain.curves.curve import JointSpline
 from planning.domain.curves.path import JointPath
 from planning.domain.robot.manifold import Manifold
 from planning.domain.robot.steering import steering_of
 from planning.retime.collinear_runs import STRAIGHT, without_straight_runs
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # 1 / w, and the degree of delta, by smoothness.
 _FARTHEST = {1: 4.0, 2: 16 / 3}

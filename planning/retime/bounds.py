@@ -1,10 +1,9 @@
 """Rate bounds of a curve, per block of coordinates with one limit, by Bernstein coefficients."""
 
-from typing import Any
-
 import numpy as np
 from jaxtyping import Float64
 
+from planning.domain.arrays import Array
 from planning.domain.curves.curve import Curve, derivative
 from planning.domain.robot.joints import JointLimits, JointType
 from planning.retime.limits.angular_rate_bounds import (
@@ -13,8 +12,6 @@ from planning.retime.limits.angular_rate_bounds import (
     with_derivatives,
 )
 from planning.retime.polynomials import halved, norms, to_bernstein
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 _HALVINGS = 2
 

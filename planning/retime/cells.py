@@ -6,12 +6,10 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float64
 
+from planning.domain.arrays import Array, Indices
 from planning.domain.curves.curve import Curve, JointSpline
 from planning.retime.compose import shifted
 from planning.retime.polynomials import norms
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
-type Counts = np.ndarray[Any, np.dtype[np.int64]]
 
 # Smallest distance of edges, relative to the curve's whole parameter; nearer ones are left out.
 _APART = 1e-7
@@ -47,7 +45,7 @@ def with_cuts(
     return np.sort(np.concatenate([edges, more[apart[: len(more)]]]))
 
 
-def num_short(curve: Curve, longest: float) -> Counts:
+def num_short(curve: Curve, longest: float) -> Indices:
     """Return the number of equal parts of each piece that makes the parts short.
 
     Args:

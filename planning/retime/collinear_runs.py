@@ -3,13 +3,10 @@
 However finely a path was cut, it is then the same path for every retimer.
 """
 
-from typing import Any
-
 import numpy as np
 
+from planning.domain.arrays import Array
 from planning.domain.robot.manifold import Manifold
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # Rounding error of a waypoint's distance from the line that it lies on (joint-space length).
 STRAIGHT = 1e-9

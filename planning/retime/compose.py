@@ -1,13 +1,10 @@
 """Composition q(t) = r(s(t)) of a path and a speed profile, exact as polynomials."""
 
-from typing import Any
-
 import numpy as np
 
+from planning.domain.arrays import Array
 from planning.domain.curves.curve import JointSpline, TimedTrajectory
 from planning.retime.profile import SpeedProfile
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 
 def compose(spline: JointSpline, profile: SpeedProfile) -> TimedTrajectory:

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from planning.domain.arrays import Array
 from planning.domain.curves.curve import Curve, JointSpline, TimedTrajectory
 from planning.domain.report.duration import BindingInterval, DurationExplanation, Saving
 from planning.domain.report.stage_reports import RetimeReport
@@ -21,8 +22,6 @@ from planning.retime.bounds import block_norms
 from planning.retime.limit_utilization import RATES
 from planning.retime.limits.path_limit import PathLimit
 from planning.retime.retimer import RETIMERS, retime
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 _SAMPLES = 400
 # Utilization from which a limit counts as binding.

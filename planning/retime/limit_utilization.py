@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from planning.domain.arrays import Array
 from planning.domain.curves.curve import Curve, derivative
 from planning.domain.robot.joints import JointLimits
 from planning.retime.bounds import block_norms, turning_blocks
@@ -18,8 +19,6 @@ from planning.retime.limits.angular_rate_bounds import (
     with_derivatives,
 )
 from planning.retime.polynomials import halved, norms, to_bernstein
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # Largest relative excess of the bound over the true peak, unless the search is cut off.
 _GAP = 1e-9

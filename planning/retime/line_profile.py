@@ -9,9 +9,8 @@ from typing import Any
 
 import numpy as np
 
+from planning.domain.arrays import Array
 from planning.retime.profile import SpeedProfile
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # Shortest phase relative to the whole duration; shorter ones are left out.
 _BRIEF = 1e-12

@@ -7,12 +7,11 @@ nowhere exceeds the largest norm of a coefficient, and meets the first and the l
 
 from functools import cache
 from math import comb
-from typing import Any
 
 import numpy as np
 from jaxtyping import Float64
 
-type Array = np.ndarray[Any, np.dtype[np.float64]]
+from planning.domain.arrays import Array
 
 
 def to_bernstein(

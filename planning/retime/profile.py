@@ -7,9 +7,8 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float64
 
+from planning.domain.arrays import Array
 from planning.domain.value import Value
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 _BISECTIONS = 60
 # Shortest phase relative to the whole duration.

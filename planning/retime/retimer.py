@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 
@@ -19,8 +18,6 @@ from planning.retime.limits.path_limit import PathLimit, PathUtilization, uses_o
 from planning.retime.profile import SpeedProfile
 from planning.retime.smooth_pieces import smooth_pieces
 from planning.retime.toppra.toppra_retimer import toppra_profile
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # Duration of a motion without displacement, so that it can be sampled and executed [s].
 _HOLD = 1e-3

@@ -8,10 +8,10 @@ the difference from the path is a cubic, and lies in the convex hull of its Bern
 """
 
 from collections.abc import Iterator, Sequence
-from typing import Any
 
 import numpy as np
 
+from planning.domain.arrays import Array
 from planning.domain.curves.cubic import cubic_through
 from planning.domain.curves.curve import JointSpline
 from planning.domain.curves.path import JointPath
@@ -21,8 +21,6 @@ from planning.domain.robot.steering import steering_of
 from planning.retime.cells import cut_at, with_cuts
 from planning.retime.collinear_runs import STRAIGHT, without_straight_runs
 from planning.retime.polynomials import halved, norms, to_bernstein
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # Numbers of control points to try, fewest first.
 _COUNTS = (6, 8, 11, 16, 23, 32, 45, 64, 90)

@@ -9,8 +9,6 @@ from jaxtyping import Float64
 from planning.domain.curves.curve import Curve, JointSpline, derivative
 from planning.retime.polynomials import norms
 
-type Array = np.ndarray[Any, np.dtype[np.float64]]
-
 # Smallest relative jump of a derivative that counts as one.
 _JUMP = 1e-8
 

@@ -13,7 +13,7 @@ import numpy as np
 from planning.domain.planner.roadmap import Roadmap
 from planning.parallel.atomic_files import evict_oldest, write_atomically
 
-type Array = np.ndarray[Any, np.dtype[Any]]
+type AnyArray = np.ndarray[Any, np.dtype[Any]]
 
 _STATE, _ROW = "<f8", "<i4"
 
@@ -135,9 +135,9 @@ def _roadmap(document: dict[str, Any]) -> Roadmap | None:
     return found if found.digest == document["digest"] else None
 
 
-def _text(array: Array) -> str:
+def _text(array: AnyArray) -> str:
     return base64.b64encode(array.tobytes()).decode("ascii")
 
 
-def _array(text: str, kind: str) -> Array:
+def _array(text: str, kind: str) -> AnyArray:
     return np.frombuffer(base64.b64decode(text, validate=True), dtype=kind)

@@ -3,10 +3,8 @@
 from dataclasses import dataclass
 from functools import cache
 from importlib.metadata import version
-from typing import Any
 
-import numpy as np
-
+from planning.domain.arrays import Array
 from planning.domain.request.problem import PlanningProblem
 from planning.domain.robot.joints import JointGroup
 from planning.domain.robot.steering import steering_of
@@ -23,8 +21,6 @@ from planning.world.constraints.constraints_fingerprint import constraints_finge
 from planning.world.constraints.path_constraints import PathConstraints
 from planning.world.fingerprint import collision_fingerprint
 from planning.world.world import World
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # Version of the roadmap construction: to be raised with every change of its result.
 _GROWTH = 1

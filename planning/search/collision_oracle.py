@@ -7,13 +7,11 @@ from typing import Any, Protocol, runtime_checkable
 import numpy as np
 from jaxtyping import Bool, Float64
 
+from planning.domain.arrays import Array, Flags
 from planning.domain.curves.motion_samples import Counts, num_steps, sample_batches, steps_of
 from planning.domain.request.deadline import Deadline
 from planning.domain.robot.joints import JointGroup, JointLimits
 from planning.domain.robot.manifold import Manifold
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
-type Flags = np.ndarray[Any, np.dtype[np.bool_]]
 
 # Most states in one call of the inner oracle between two checks of the deadline (or one motion).
 _MOST_AT_ONCE = 4096

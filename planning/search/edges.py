@@ -1,15 +1,13 @@
 """EdgeChecker: validity of an edge (a geodesic between two configurations) by sampling."""
 
 from collections.abc import Callable
-from typing import Any
 
 import numpy as np
 from jaxtyping import Bool, Float64
 
+from planning.domain.arrays import Array
 from planning.domain.robot.manifold import Manifold
 from planning.search.collision_oracle import WatchedOracle
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 
 class EdgeChecker:

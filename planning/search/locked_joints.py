@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Bool, Float64
 
+from planning.domain.arrays import Indices
 from planning.domain.curves.path import JointPath
 from planning.domain.request.deadline import Deadline
 from planning.domain.request.options import SearchOptions
@@ -18,9 +19,6 @@ from planning.search.collision_oracle import CollisionOracle
 from planning.search.ompl.projected_space import Residual
 from planning.search.request import SearchResult, SearchTask
 from planning.search.solver import search
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
-type Indices = np.ndarray[Any, np.dtype[np.intp]]
 
 # Largest difference between start and goal in a locked joint, for the goal to count [rad or m].
 _SAME = 1e-6

@@ -6,16 +6,12 @@ constrained sampling-based planning", IJRR 38:10, 2019). Roadmaps use this modul
 none of OMPL's planners. Only for joints that neither wrap nor float.
 """
 
-from typing import Any
-
 import numpy as np
 from jaxtyping import Float64
 
+from planning.domain.arrays import Array, Indices
 from planning.search.edges import EdgeChecker
 from planning.search.ompl.projected_space import MOST_ITERATIONS, ON, STEP, Residual
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
-type Rows = np.ndarray[Any, np.dtype[np.intp]]
 
 # A projected step longer than this many nominal steps has jumped to another part of the set.
 _JUMP = 2.0
@@ -85,7 +81,7 @@ def _chain(residual: Residual, q0: Array, q1: Array) -> Array | None:
     return np.stack([*rows, q1])
 
 
-def _halved(residual: Residual, way: Array, blocked: Rows) -> Array | None:
+def _halved(residual: Residual, way: Array, blocked: Indices) -> Array | None:
     """Return the chain with a projected midpoint added to each blocked step."""
     middles = [projected(residual, (way[i] + way[i + 1]) / 2) for i in blocked]
     found = [q for q in middles if q is not None]

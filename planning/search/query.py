@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float64
 
+from planning.domain.arrays import Array
 from planning.domain.request.deadline import Deadline
 from planning.domain.request.options import SearchOptions
 from planning.domain.request.stopwatch import Stopwatch
@@ -24,8 +25,6 @@ from planning.search.ompl.projected_space import ProjectedSpace
 from planning.search.ompl.spaces import SearchSpace
 from planning.search.request import SearchTask
 from planning.search.space_options import bounded_limits, held_rotations, metric_weights
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,6 @@ half the resolution. The best of all attempts by `objective` is kept (see `solve
 """
 
 from contextlib import nullcontext
-from typing import Any
 
 import numpy as np
 
@@ -33,8 +32,6 @@ from planning.search.verified_path import (
     fine_checker,
     followed,
 )
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # A straight line is taken at once only if it is no longer than this factor times the distance to
 # the nearest goal, plus a constant (joint-space length).

@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 from jaxtyping import Float64
@@ -11,8 +10,6 @@ from planning.domain.robot.car_request import agreed_steering, bad_space
 from planning.domain.robot.joints import JointGroup, JointLimits, JointType
 from planning.domain.robot.steering import Steering, steered, steering_of
 from planning.errors import ProblemInvalid, UnknownName
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 _WEIGHTS = (1e-3, 1e3)
 _SPACES = ("full", "position")

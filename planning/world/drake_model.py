@@ -12,14 +12,13 @@ from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import BodyIndex, Frame, JointIndex
 from pydrake.planning import RobotDiagram
 
+from planning.domain.arrays import Array, Indices
 from planning.domain.geometry.unchecked_pair import UncheckedReason
 from planning.domain.robot.joints import JointGroup
 from planning.errors import ProblemInvalid
 from planning.world.collision.static_objects import StaticObjects
 
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 type Reasons = Mapping[frozenset[str], tuple[UncheckedReason, str]]
-type Indices = np.ndarray[Any, np.dtype[np.intp]]
 
 
 @dataclass(frozen=True)

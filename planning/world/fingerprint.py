@@ -11,6 +11,7 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
+from planning.domain.arrays import Array
 from planning.domain.robot.joints import JointGroup
 from planning.domain.robot.manifold import Manifold
 from planning.domain.value import digest
@@ -18,8 +19,6 @@ from planning.world.collision.shape_pairs import candidates_of
 from planning.world.collision.static_objects import StaticObjects
 from planning.world.kernel.convex_shapes import convex_shape
 from planning.world.world import World
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # Number of configurations at which body poses are compared: two kinematic chains that agree at
 # these agree everywhere, except on a set of measure zero.

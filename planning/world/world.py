@@ -9,6 +9,7 @@ import numpy as np
 from jaxtyping import Float64
 from pydrake.planning import RobotDiagram, SceneGraphCollisionChecker
 
+from planning.domain.arrays import Array
 from planning.domain.geometry.body_pair import BodyPair
 from planning.domain.geometry.pose import Pose
 from planning.domain.robot.followers import Follower, together
@@ -38,7 +39,6 @@ from planning.world.models.groups import RobotGroups, group_limits, robot_groups
 from planning.world.models.mimic_limits import followers_of
 from planning.world.models.model_library import ModelLibrary
 
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 type CollisionJudge = DrakeCollisionOracle | KernelCollisionOracle
 
 # Making a checker takes longer than most of its queries: the last used ones are kept.

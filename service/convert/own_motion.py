@@ -1,16 +1,14 @@
 """A trajectory that a client made, as the domain's."""
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 
 from planning import TimedTrajectory, polyline_through, trajectory_through
+from planning.domain.arrays import Array
 from planning.domain.robot.joints import JointGroup, JointType
 from planning.errors import ProblemInvalid, UnknownName
 from service.schemas.own_motion import OwnPolynomial, OwnTrajectory
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 
 def own_trajectory(

@@ -10,8 +10,7 @@ from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
 
 from planning import MotionSeries
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
+from planning.domain.arrays import Array
 
 # Text stays text, and the same motion gives the same bytes.
 _STYLE: dict[Any, Any] = {

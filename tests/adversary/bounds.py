@@ -7,14 +7,13 @@ from typing import Any
 import numpy as np
 
 import planning
+from planning.domain.arrays import Array
 from tests.adversary.cases import Document
 from tests.adversary.distances import nearest
 from tests.adversary.kinematics import pose_matrix
 from tests.adversary.motions import positions, sample_places
 from tests.adversary.peaks import all_ranges
 from tests.adversary.surroundings import Look, Stage
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 _SAMPLES = 1500
 

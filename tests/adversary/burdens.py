@@ -4,9 +4,9 @@ from typing import Any
 
 import numpy as np
 
+from planning.domain.arrays import Array
 from tests.adversary.kinematics import Inertia, pose_matrix
 
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 type Document = dict[str, Any]
 
 _KINDS = ("box", "sphere", "cylinder", "ellipsoid")

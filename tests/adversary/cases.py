@@ -16,12 +16,12 @@ import numpy as np
 import yaml
 
 import planning
+from planning.domain.arrays import Array
 from planning.errors import WayproofError
 from tests.adversary.kinematics import Robot, pose_matrix, read_robot
 from tests.adversary.robots import urdf_files
 from tests.adversary.shapes import obj_text
 
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 type Document = dict[str, Any]
 
 # More time of the processor no question may take [s].

@@ -6,11 +6,11 @@ from typing import Any
 
 import numpy as np
 
+from planning.domain.arrays import Array
 from tests.adversary.kinematics import Robot, pose_matrix, read_robot
 from tests.adversary.robots import SCALARS, random_robot
 from tests.adversary.shapes import random_shape
 
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 type Document = dict[str, Any]
 
 

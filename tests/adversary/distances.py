@@ -11,9 +11,8 @@ from typing import Any
 import coal
 import numpy as np
 
+from planning.domain.arrays import Array
 from tests.adversary.shapes import Shape, heights, points_of, radius_of, scaled
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 _UNIT = coal.DistanceRequest()
 _UNIT.gjk_tolerance = 1e-9

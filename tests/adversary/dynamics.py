@@ -10,10 +10,9 @@ from typing import Any
 
 import numpy as np
 
+from planning.domain.arrays import Array
 from tests.adversary.kinematics import Inertia, Robot
 from tests.adversary.motions import Document, positions, sample_places
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 _GRAVITY = np.array([0.0, 0.0, -9.81])
 

@@ -5,15 +5,13 @@ jerk is limited, no more acceleration; one step of each within what counts as ro
 """
 
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
+from planning.domain.arrays import Array
 from tests.adversary.cases import Document, Outcome, Setting
 from tests.adversary.motions import sample_places, tangents
 from tests.adversary.peaks import rise
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # What one step may be, in position [rad or m] and as shares of the limits of rates.
 ROUNDING = {0: 1e-6, 1: 1e-5, 2: 1e-3}

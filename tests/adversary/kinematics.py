@@ -13,9 +13,8 @@ from xml.etree import ElementTree as ET
 
 import numpy as np
 
+from planning.domain.arrays import Array
 from tests.adversary.shapes import Shape, obj_points
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 
 @dataclass(frozen=True)

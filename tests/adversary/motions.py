@@ -12,9 +12,9 @@ from typing import Any
 
 import numpy as np
 
+from planning.domain.arrays import Array
 from tests.adversary.kinematics import FileJoint
 
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 type Document = dict[str, Any]
 
 WIDTHS = {"planar": 3, "floating": 6}

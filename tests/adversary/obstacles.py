@@ -1,16 +1,13 @@
 """Random obstacles that a motion passes by a chosen distance, or cuts by a chosen depth."""
 
-from typing import Any
-
 import numpy as np
 
+from planning.domain.arrays import Array
 from tests.adversary.cases import Document
 from tests.adversary.kinematics import pose_matrix
 from tests.adversary.motions import around, positions
 from tests.adversary.shapes import radius_of, random_shape
 from tests.adversary.surroundings import Look, Seen, Stage
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 GAPS = (-1e-3, -1e-5, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 1e-1)
 

@@ -1,13 +1,10 @@
 """How far and how fast joints go: largest values of polynomials, and what jumps between them do."""
 
-from typing import Any
-
 import numpy as np
 
+from planning.domain.arrays import Array
 from tests.adversary.kinematics import Robot
 from tests.adversary.motions import Document, sample_places, tangents
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 ORDERS = {"velocity": 1, "acceleration": 2, "jerk": 3}
 # A step of differences, as a share of a piece.

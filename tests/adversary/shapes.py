@@ -8,7 +8,8 @@ from typing import Any
 
 import numpy as np
 
-type Array = np.ndarray[Any, np.dtype[np.float64]]
+from planning.domain.arrays import Array
+
 type Shape = dict[str, Any]
 
 KINDS = ("box", "sphere", "cylinder", "capsule", "ellipsoid", "convex")

@@ -22,8 +22,6 @@ from tests.adversary.readings import hold_delivered, of_polynomial
 from tests.adversary.robots import SCALARS, random_robot
 from tests.adversary.surroundings import Stage
 
-type Array = np.ndarray[Any, np.dtype[np.float64]]
-
 # What a file's velocity makes of limits on acceleration and jerk that it does not state.
 _ASSUMED = {1: 1.0, 2: 2.0, 3: 20.0}
 _GAPS = (1e-6, 1e-5, 1e-4, 1e-2)

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from planning.domain.arrays import Array
 from tests.adversary.cases import Document, Setting
 from tests.adversary.crew import Standing, read_crew
 from tests.adversary.distances import Near, Solid, make_geometry, nearest
@@ -15,7 +16,6 @@ from tests.adversary.kinematics import Robot, pose_matrix
 from tests.adversary.motions import around, positions, sample_places
 from tests.adversary.shapes import radius_of
 
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 type Pair = frozenset[str]
 
 

@@ -6,14 +6,11 @@ to the shapes, so that their distance is never less than the true one; what sepa
 from below.
 """
 
-from typing import Any
-
 import numpy as np
 
+from planning.domain.arrays import Array
 from tests.adversary.distances import Solid
 from tests.adversary.shapes import support
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 _ROUNDS = 300
 

@@ -15,8 +15,6 @@ shapes (1 for prismatic joints). So the pair keeps its margin if
 Both are bounded along the whole trajectory by best-first branch and bound.
 """
 
-from typing import Any
-
 import numpy as np
 
 from planning.certify.clearance.pair_distances import Indices, PairDistances
@@ -31,8 +29,6 @@ from planning.certify.request import CertifyRequest
 from planning.domain.request.deadline import Deadline
 from planning.domain.request.robustness import MOST_DISPLACEMENT, MOST_ERROR, Robustness
 from planning.world.drake_model import DrakeModel
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # Segments on which shapes move more than this are halved without a distance query [m].
 _WIDE = 0.25

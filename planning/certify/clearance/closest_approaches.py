@@ -1,16 +1,13 @@
 """ClosestApproaches: the smallest distances and margin reserves so far, with their instants."""
 
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 from pydrake.geometry import GeometryId
 
 from planning.certify.clearance.candidate_pairs import CandidatePairs
 from planning.certify.clearance.clearance_result import WitnessPoint
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
-type Indices = np.ndarray[Any, np.dtype[np.intp]]
+from planning.domain.arrays import Array, Indices
 
 
 @dataclass

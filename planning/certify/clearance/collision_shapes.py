@@ -29,10 +29,9 @@ from pydrake.geometry import (
     Sphere,
 )
 
+from planning.domain.arrays import Array
 from planning.errors import ModelInvalid
 from planning.world.drake_model import DrakeModel
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 
 @dataclass(frozen=True)

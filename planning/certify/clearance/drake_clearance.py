@@ -10,7 +10,6 @@ tolerance.
 """
 
 from heapq import heapify, heappop, heappush
-from typing import Any
 
 import numpy as np
 
@@ -25,11 +24,10 @@ from planning.certify.clearance.closest_approaches import ClosestApproaches
 from planning.certify.clearance.pair_distances import Indices, Measured, PairDistances
 from planning.certify.intervals.joint_deviation import Segment, Segments
 from planning.certify.request import CertifyRequest
+from planning.domain.arrays import Array
 from planning.domain.report.certificate import Check
 from planning.domain.request.deadline import Deadline
 from planning.world.drake_model import DrakeModel
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # Rounding error of bounds is less than this [m].
 _ROUNDING = 1e-9

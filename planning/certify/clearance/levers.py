@@ -20,9 +20,8 @@ from planning.certify.clearance.candidate_pairs import geometry_of
 from planning.certify.clearance.collision_shapes import CollisionShapes
 from planning.certify.clearance.motion_bounds import MovingJoint, joint_chains, moving_joints
 from planning.certify.request import CertifyRequest
+from planning.domain.arrays import Array
 from planning.world.drake_model import DrakeModel
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 _read: WeakKeyDictionary[RobotDiagram, dict[tuple[str | bytes, ...], Array]] = WeakKeyDictionary()
 

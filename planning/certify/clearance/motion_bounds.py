@@ -33,12 +33,10 @@ from pydrake.multibody.tree import (
 )
 
 from planning.certify.clearance.collision_shapes import CollisionShapes
+from planning.domain.arrays import Array
 from planning.domain.robot.joints import JointGroup, JointType
 from planning.errors import ModelInvalid
 from planning.world.drake_model import DrakeModel
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
-
 
 # Kinds of error of a joint: in rotation, in translation.
 _ERRORS = {

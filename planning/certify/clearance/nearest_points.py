@@ -17,6 +17,7 @@ from planning.certify.clearance.candidate_pairs import geometry_of
 from planning.certify.clearance.clearance_result import WitnessPoint
 from planning.certify.clearance.collision_shapes import CollisionShapes
 from planning.certify.request import CertifyRequest
+from planning.domain.arrays import Array
 from planning.kernel.gjk import nearest_point
 from planning.world.collision.distance_rounding import TrueLengths
 from planning.world.collision.drake_distance import distance_of
@@ -24,7 +25,6 @@ from planning.world.collision.near_static import NearStatic
 from planning.world.contexts import shared_context
 from planning.world.drake_model import DrakeModel
 
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 type Ids = tuple[GeometryId, GeometryId]
 type Placed = tuple[int, Array, Array]
 

@@ -20,12 +20,10 @@ from planning.certify.clearance.motion_bounds import MotionBounds
 from planning.certify.clearance.placed_shapes import PlacedShapes
 from planning.certify.intervals.joint_deviation import Segment
 from planning.certify.request import CertifyRequest
+from planning.domain.arrays import Array, Indices
 from planning.world.collision.drake_distance import distance_of, distances_within
 from planning.world.collision.near_static import NearStatic
 from planning.world.drake_model import DrakeModel
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
-type Indices = np.ndarray[Any, np.dtype[np.intp]]
 
 # Largest number of pairs that are queried from Drake one by one.
 _FEW = 24

@@ -7,11 +7,9 @@ from pydrake.multibody.tree import BodyIndex
 
 from planning.certify.clearance.collision_shapes import CollisionShapes
 from planning.certify.clearance.motion_bounds import MotionBounds
+from planning.domain.arrays import Array, Indices
 from planning.kernel.gjk import CLOSE, GjkResult, separation
 from planning.world.drake_model import DrakeModel
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
-type Indices = np.ndarray[Any, np.dtype[np.intp]]
 
 
 class PlacedShapes:

@@ -36,10 +36,9 @@ from planning.certify.intervals import bernstein
 from planning.certify.intervals.rounding import UNIT, rounding
 from planning.certify.intervals.turn_bounds import turn_bounds
 from planning.certify.request import CertifyRequest
+from planning.domain.arrays import Array
 from planning.errors import ModelInvalid
 from planning.world.drake_model import DrakeModel
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 _ORDER = 4
 _FACTORIALS = np.array([float(factorial(m)) for m in range(_ORDER + 1)])

@@ -14,13 +14,12 @@ from planning.certify.frames.frame_chain import (
 from planning.certify.frames.frame_poses import FramePoses
 from planning.certify.intervals.chord_proof import SLACK, ChordProof
 from planning.certify.request import CertifyRequest
+from planning.domain.arrays import Array
 from planning.domain.geometry import rotation
 from planning.domain.report.certificate import Check
 from planning.domain.request.constraint import KeepIn, KeepOut, OrientationCone, PositionBand
 from planning.domain.request.deadline import Deadline
 from planning.world.drake_model import DrakeModel
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 
 def box_check(

@@ -6,10 +6,9 @@ import numpy as np
 from jaxtyping import Float64
 
 from planning.certify.request import CertifyRequest
+from planning.domain.arrays import Array
 from planning.domain.request.deadline import Deadline
 from planning.world.drake_model import DrakeModel
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 _AT_ONCE = 256
 

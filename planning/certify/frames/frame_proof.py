@@ -16,11 +16,10 @@ from planning.certify.frames.frame_chain import derivative_bounds, origin_errors
 from planning.certify.frames.frame_states import FrameMotion, FrameStates
 from planning.certify.joints.limit_checks import MAX_UTILISATION
 from planning.certify.request import CertifyRequest
+from planning.domain.arrays import Array
 from planning.domain.report.certificate import Check
 from planning.domain.request.deadline import Deadline
 from planning.world.drake_model import DrakeModel
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # Largest gap between a bound and the samples, relative to them, or relative to the limit.
 _GAP, _LEAST = 1e-3, 0.01

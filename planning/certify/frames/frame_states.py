@@ -8,11 +8,10 @@ from jaxtyping import Float64
 from pydrake.multibody.tree import JacobianWrtVariable
 
 from planning.certify.request import CertifyRequest
+from planning.domain.arrays import Array
 from planning.domain.curves.curve import TimedTrajectory, derivative
 from planning.domain.request.deadline import Deadline
 from planning.world.drake_model import DrakeModel
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 _AT_ONCE = 256
 

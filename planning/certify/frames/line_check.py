@@ -15,7 +15,6 @@ added to both.
 """
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from jaxtyping import Float64
@@ -24,13 +23,12 @@ from planning.certify.frames.frame_chain import direction_errors, origin_errors
 from planning.certify.frames.tool_rates import RateCells, ToolRates
 from planning.certify.intervals.equal_parts import split_equally
 from planning.certify.request import CertifyRequest
+from planning.domain.arrays import Array
 from planning.domain.geometry import rotation
 from planning.domain.goals.linear_moves import LineSection, ToolLine
 from planning.domain.report.certificate import Check
 from planning.domain.request.deadline import Deadline
 from planning.world.drake_model import DrakeModel
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # Share of the tolerance that the bound between samples may use.
 _LOST = 0.02

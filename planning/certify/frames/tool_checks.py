@@ -1,7 +1,6 @@
 """Tool checks: speed and acceleration limits of frames, everywhere and in speed zones."""
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -9,13 +8,12 @@ from planning.certify.frames.frame_poses import FramePoses
 from planning.certify.frames.frame_proof import FrameProof, FrameQuantity, Spans
 from planning.certify.frames.frame_states import FrameMotion
 from planning.certify.request import CertifyRequest
+from planning.domain.arrays import Array
 from planning.domain.geometry import rotation
 from planning.domain.report.certificate import Check
 from planning.domain.request.deadline import Deadline
 from planning.domain.request.motion_limits import SpeedZone
 from planning.world.drake_model import DrakeModel
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 _NAMES = {1: "tool_speed", 2: "tool_acceleration"}
 _UNITS = {1: "m/s", 2: "m/s^2"}

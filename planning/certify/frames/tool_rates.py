@@ -22,12 +22,10 @@ from pydrake.multibody.tree import JacobianWrtVariable
 from planning.certify.intervals.equal_parts import split_equally
 from planning.certify.intervals.turn_bounds import turn_bounds
 from planning.certify.request import CertifyRequest
+from planning.domain.arrays import Array, Indices
 from planning.domain.request.deadline import Deadline
 from planning.domain.robot.joints import JointType
 from planning.world.drake_model import DrakeModel
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
-type Indices = np.ndarray[Any, np.dtype[np.intp]]
 
 # Largest sum of joint motions on a cell [rad or m].
 _FAR = 0.2

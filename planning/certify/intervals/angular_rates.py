@@ -23,7 +23,6 @@ included.
 """
 
 from math import factorial
-from typing import Any
 
 import numpy as np
 from jaxtyping import Float64
@@ -32,8 +31,7 @@ from planning.certify.intervals import bernstein
 from planning.certify.intervals.rounding import UNIT, rounding
 from planning.certify.intervals.taylor import skew
 from planning.certify.intervals.turn_series import spun_rates
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
+from planning.domain.arrays import Array
 
 _ORDER = 6
 _MAX_HALVINGS = 14

@@ -16,7 +16,6 @@ with bounds a, b on |delta'| and |delta''|. Rounding errors (`rounding`) are add
 """
 
 from math import factorial
-from typing import Any
 
 import numpy as np
 from jaxtyping import Float64
@@ -24,8 +23,7 @@ from numpy.polynomial.polynomial import polyder, polyval
 
 from planning.certify.intervals import bernstein
 from planning.certify.intervals.rounding import UNIT, rounding
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
+from planning.domain.arrays import Array
 
 # Number of terms of the series, and largest angle at which they are exact to rounding [rad].
 _TERMS, _LARGEST_ANGLE = 100, 20.0

@@ -8,14 +8,12 @@ Computed coefficients have rounding errors: `rounding` bounds them, and every pr
 
 from functools import cache
 from math import comb
-from typing import Any
 
 import numpy as np
 from jaxtyping import Float64
 
+from planning.domain.arrays import Array
 from planning.kernel.native import native
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 _MAX_HALVINGS = 40
 _MAX_NODES = 20_000

@@ -6,12 +6,11 @@ multiplication by one (Farouki 2012, section 4).
 
 from functools import cache
 from math import comb
-from typing import Any
 
 import numpy as np
 from jaxtyping import Float64
 
-type Array = np.ndarray[Any, np.dtype[np.float64]]
+from planning.domain.arrays import Array
 
 
 def times(a: Float64[np.ndarray, "n i"], b: Float64[np.ndarray, "n j"]) -> Array:

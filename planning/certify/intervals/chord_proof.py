@@ -14,9 +14,8 @@ import numpy as np
 
 from planning.certify.intervals.branch_and_bound import BoundResult
 from planning.certify.request import CertifyRequest
+from planning.domain.arrays import Array
 from planning.domain.request.deadline import Deadline
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # Tolerance above a bound: a start that lies on it would be refused for rounding.
 SLACK = 1e-6

@@ -1,11 +1,7 @@
 """Equal parts: pieces of a motion, each cut into a number of equal parts."""
 
-from typing import Any
-
 import numpy as np
 from jaxtyping import Int
-
-type Indices = np.ndarray[Any, np.dtype[np.intp]]
 
 
 def split_equally(
@@ -16,5 +12,5 @@ def split_equally(
     Args:
         counts: Number of parts of each piece, at least one.
     """
-    owners: Indices = np.repeat(np.arange(len(counts)), counts)
+    owners = np.repeat(np.arange(len(counts)), counts)
     return owners, np.arange(len(owners)) - np.repeat(np.cumsum(counts) - counts, counts)

@@ -14,16 +14,14 @@ limit.
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 
 from planning.certify.intervals import bernstein
 from planning.certify.joints.limit_checks import DUST, MAX_UTILISATION, RATES, rate_check
 from planning.certify.request import CertifyRequest
+from planning.domain.arrays import Array
 from planning.domain.curves.interpolation_proof import Interpolation
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # c_r for r = 0, 1, ...
 _ERRORS: dict[Interpolation, tuple[float, ...]] = {

@@ -11,7 +11,6 @@ deviation within a piece includes that jump, and rounding errors (`rounding`).
 """
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from jaxtyping import Float64
@@ -19,10 +18,9 @@ from jaxtyping import Float64
 from planning.certify.intervals import bernstein
 from planning.certify.intervals.jumps import in_one_turn, position_jumps
 from planning.certify.intervals.rounding import rounding
+from planning.domain.arrays import Array
 from planning.domain.curves.curve import TimedTrajectory
 from planning.domain.robot.joints import Joint, JointType
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 
 @dataclass(frozen=True)

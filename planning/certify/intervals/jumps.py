@@ -10,15 +10,12 @@ are not additive; for them sizes are added, which is an upper bound.
 """
 
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 from jaxtyping import Bool, Float64
 
 from planning.domain.curves.curve import TimedTrajectory
 from planning.domain.robot.joints import JointType, offsets_of
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 _TURN = 2 * np.pi
 

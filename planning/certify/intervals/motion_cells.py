@@ -25,8 +25,7 @@ from planning.certify.joints.limit_checks import (
 )
 from planning.certify.request import CertifyRequest
 from planning.certify.stopping.stop_constraint import StopConstraint, hull
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
+from planning.domain.arrays import Array
 
 
 @dataclass(frozen=True)

@@ -12,14 +12,10 @@ S is much larger than the polynomial where powers of a high degree cancel each o
 is numerically undetermined, for a proof as for a controller.
 """
 
-from typing import Any
-
 import numpy as np
 from jaxtyping import Float64
 
 from planning.certify.intervals.bernstein import derivative
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 UNIT = 2.0**-53
 _CONVERSION, _HALVINGS = 5, 65

@@ -4,12 +4,10 @@ A series is an array whose first axis runs over segments and whose second one ov
 up. Products are Cauchy products, so every coefficient within the truncation is exact.
 """
 
-from typing import Any
-
 import numpy as np
 from jaxtyping import Float64
 
-type Array = np.ndarray[Any, np.dtype[np.float64]]
+from planning.domain.arrays import Array
 
 
 def expand_at(

@@ -17,12 +17,8 @@ s |delta'|. Differentiating under the integral, with a, b, c, d bounds on |delta
     |omega'''| <= d + 2 a c + 3 b^2 / 2 + 3 a^2 b + 3 a^4 / 4.
 """
 
-from typing import Any
-
 import numpy as np
 from jaxtyping import Float64
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 
 def turn_bounds(sizes: Float64[np.ndarray, "k *n"]) -> Float64[np.ndarray, "k *n"]:

@@ -13,14 +13,11 @@ quaternion's scalar part and v its vector part
 in the body's frame.
 """
 
-from typing import Any
-
 import numpy as np
 from jaxtyping import Float64
 
 from planning.certify.intervals.taylor import cross, derivative, dot, scaled
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
+from planning.domain.arrays import Array
 
 
 def spun_rates(delta: Float64[np.ndarray, "n k 3"]) -> Float64[np.ndarray, "n m 3"]:

@@ -5,15 +5,13 @@ offset.
 """
 
 from collections.abc import Iterator
-from typing import Any
 
 import numpy as np
 
 from planning.certify.intervals import bernstein
 from planning.certify.intervals.rounding import UNIT
 from planning.certify.request import CertifyRequest
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
+from planning.domain.arrays import Array
 
 _RELATIVE_GAP = 1e-8
 

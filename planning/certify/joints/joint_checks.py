@@ -1,7 +1,5 @@
 """Joint constraint checks: locked joints and tightened limits, from trajectory polynomials."""
 
-from typing import Any
-
 import numpy as np
 
 from planning.certify.intervals import bernstein
@@ -10,8 +8,6 @@ from planning.domain.geometry import rotation
 from planning.domain.report.certificate import Check
 from planning.domain.request.constraint import LockedJoints, TightLimits
 from planning.domain.robot.joints import Joint, JointType
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # Tolerance of locked joints and of bounds [rad or m].
 _DUST = 1e-6

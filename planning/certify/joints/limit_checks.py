@@ -15,10 +15,9 @@ from planning.certify.intervals.axis_drift import axis_drift
 from planning.certify.intervals.rounding import UNIT
 from planning.certify.joints.follower_limits import follower_excesses, follower_uses
 from planning.certify.request import CertifyRequest
+from planning.domain.arrays import Array
 from planning.domain.report.certificate import Check
 from planning.domain.robot.joints import JointType
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # Largest utilization (peak over limit) that passes; the tolerance of position bounds is DUST.
 MAX_UTILISATION = 1 + 1e-6

@@ -1,14 +1,11 @@
 """Deviations: the distance between two motions of the same joints at the same instants."""
 
-from typing import Any
-
 import numpy as np
 from jaxtyping import Float64
 
 from planning.certify.intervals import bernstein
+from planning.domain.arrays import Array
 from planning.domain.curves.curve import TimedTrajectory
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 
 class Deviations:

@@ -10,7 +10,6 @@ like that of any other motion.
 
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 
@@ -27,6 +26,7 @@ from planning.certify.clearance.levers import levers_of
 from planning.certify.intervals.hermite_errors import HermiteErrors
 from planning.certify.request import CertifyRequest
 from planning.certify.samples.deviation import Deviations
+from planning.domain.arrays import Array
 from planning.domain.curves.curve import TimedTrajectory
 from planning.domain.curves.interpolation import polyline_through, trajectory_through
 from planning.domain.curves.interpolation_proof import Interpolation, InterpolationProof
@@ -37,8 +37,6 @@ from planning.domain.request.options import CertifyOptions
 from planning.domain.robot.steering import steering_of
 from planning.errors import DeadlineExceeded
 from planning.world.drake_model import DrakeModel
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 KINDS: tuple[Interpolation, ...] = ("linear", "cubic", "quintic")
 

@@ -1,7 +1,5 @@
 """Stop check: the longest stop along the path from any instant of a motion: duration, distance."""
 
-from typing import Any
-
 import numpy as np
 from jaxtyping import Float64
 
@@ -14,8 +12,6 @@ from planning.domain.report.certificate import Check
 from planning.domain.report.stop_report import StopReport
 from planning.domain.request.deadline import Deadline
 from planning.world.drake_model import DrakeModel
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # Number of cells of a motion: fewer with jerk limits, where each takes more work.
 _CELLS, _SMOOTH_CELLS = 600, 300

@@ -17,8 +17,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float64
 
-type Array = np.ndarray[Any, np.dtype[np.float64]]
-type Indices = np.ndarray[Any, np.dtype[np.intp]]
+from planning.domain.arrays import Array, Indices
 
 
 @dataclass(frozen=True)

@@ -20,10 +20,9 @@ from planning.certify.request import CertifyRequest
 from planning.certify.stopping.stop_constraint import StopConstraint
 from planning.certify.torque.links import Link, links_of
 from planning.certify.torque.taylor_torques import Torques, torque_series
+from planning.domain.arrays import Array
 from planning.domain.request.deadline import Deadline
 from planning.world.drake_model import DrakeModel
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # Number of evaluations of a frame in each cell after the one at its beginning.
 _LOOKS = 8

@@ -37,10 +37,8 @@ from jaxtyping import Float64, Int
 from planning.certify.intervals.motion_cells import MotionCells
 from planning.certify.joints.limit_checks import MAX_UTILISATION
 from planning.certify.stopping.stop_constraint import spread
+from planning.domain.arrays import Array, Indices
 from planning.domain.request.deadline import UNHURRIED, Deadline
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
-type Indices = np.ndarray[Any, np.dtype[np.intp]]
 
 _STANDS = 1e-12
 # Squared rate that counts as zero: it moves nothing even with the largest ramp.

@@ -15,11 +15,10 @@ from pydrake.multibody.tree import (
     RevoluteJoint,
 )
 
+from planning.domain.arrays import Array
 from planning.domain.robot.joints import JointGroup
 from planning.errors import ModelInvalid
 from planning.world.drake_model import DrakeModel
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 
 class Kind(Enum):

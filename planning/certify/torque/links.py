@@ -18,10 +18,9 @@ from jaxtyping import Float64
 from planning.certify.intervals.taylor import skew
 from planning.certify.request import CertifyRequest
 from planning.certify.torque.link_motion import JointMotion, JointMotions, Kind
+from planning.domain.arrays import Array
 from planning.errors import ModelInvalid
 from planning.world.drake_model import DrakeModel
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 
 @dataclass(frozen=True)

@@ -14,8 +14,6 @@ With the second derivative (`order` 2) they give the share of s'^2, with the fir
 with order 0 the static load.
 """
 
-from typing import Any
-
 import numpy as np
 
 from planning.certify.intervals.angular_rates import turn_rates
@@ -30,9 +28,8 @@ from planning.certify.intervals.taylor import (
 )
 from planning.certify.torque.link_motion import Kind
 from planning.certify.torque.links import Link
+from planning.domain.arrays import Array
 from planning.domain.geometry.rotation import exp, matrix, multiply
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # Number of coefficients of the torques' polynomials: powers 0 to TERMS - 1.
 TERMS = 5

@@ -18,8 +18,6 @@ from planning.certify.torque.newton_euler import TERMS, TorqueRecursion
 from planning.certify.torque.torque_remainder import missed
 from planning.domain.curves.curve import TimedTrajectory
 
-type Array = np.ndarray[Any, np.dtype[np.float64]]
-
 
 @dataclass(frozen=True)
 class Torques:

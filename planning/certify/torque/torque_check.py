@@ -15,11 +15,10 @@ from planning.certify.joints.limit_checks import MAX_UTILISATION
 from planning.certify.request import CertifyRequest
 from planning.certify.torque.links import links_of
 from planning.certify.torque.taylor_torques import Torques, torque_series
+from planning.domain.arrays import Array
 from planning.domain.report.certificate import Check
 from planning.domain.request.deadline import Deadline
 from planning.world.drake_model import DrakeModel
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # Relative gap between the bound and the largest sampled value at which the search stops.
 _GAP = 1e-3

@@ -9,8 +9,6 @@ error of the torques' is at most the growth of the recursion's result from b_i t
 rotation the constant counts then: exp(e_0).
 """
 
-from typing import Any
-
 import numpy as np
 
 from planning.certify.intervals.angular_rates import velocity_series
@@ -19,9 +17,7 @@ from planning.certify.intervals.taylor import derivative, enlarged, expand_at, s
 from planning.certify.torque.link_motion import Kind
 from planning.certify.torque.links import Link
 from planning.certify.torque.newton_euler import TERMS, resisted
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
-
+from planning.domain.arrays import Array
 
 # Bound on the relative rounding error of sums and products.
 _ROUNDED = 2**13 * UNIT

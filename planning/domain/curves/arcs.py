@@ -8,15 +8,12 @@ and in curvature some h^4 / 10^3 of the exact values. With h = 0.2 that is 1.4e-
 and 3e-8 rad. The derivatives agree where two pieces of an arc meet, so it needs no stop there.
 """
 
-from typing import Any
-
 import numpy as np
 from jaxtyping import Float64
 
+from planning.domain.arrays import Array
 from planning.domain.curves.curve import JointSpline
 from planning.domain.robot.steering import SteeredManifold
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # Largest turn of a piece [rad], and smallest number of pieces of an arc: on one piece alone, as
 # retimers cut them, a long gentle arc has no place for full speed.

@@ -1,15 +1,12 @@
 """Cubic splines with continuous second derivative through waypoints on a manifold."""
 
-from typing import Any
-
 import numpy as np
 from jaxtyping import Float64
 
+from planning.domain.arrays import Array
 from planning.domain.curves.curve import JointSpline
 from planning.domain.robot.joints import Joint
 from planning.domain.robot.manifold import Manifold
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # Number of waypoints of the polynomial that gives the slope at each end.
 _AT_ENDS = 4

@@ -6,16 +6,13 @@ acceleration that rests at both ends (de Boor, "A Practical Guide to Splines", 2
 or, on request, the straight line.
 """
 
-from typing import Any
-
 import numpy as np
 from jaxtyping import Float64
 
+from planning.domain.arrays import Array
 from planning.domain.curves.curve import TimedTrajectory
 from planning.domain.robot.joints import Joint, JointType
 from planning.domain.robot.manifold import Manifold
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 
 def trajectory_through(

@@ -14,10 +14,8 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float64
 
+from planning.domain.arrays import Array, Indices
 from planning.domain.curves.curve import TimedTrajectory, derivative
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
-type Indices = np.ndarray[Any, np.dtype[np.intp]]
 
 # Smallest half duration of the ramp that replaces a jump of acceleration [s].
 _RAMP = 5e-5

@@ -13,16 +13,13 @@ one, because most blocked motions end there; the others in batches that grow.
 import math
 from collections.abc import Callable, Iterator
 from functools import lru_cache
-from typing import Any
 
 import numpy as np
 from jaxtyping import Bool, Float64, Int64
 
+from planning.domain.arrays import Array, Flags, Indices
 from planning.domain.robot.manifold import Manifold
 
-type Array = np.ndarray[Any, np.dtype[np.float64]]
-type Counts = np.ndarray[Any, np.dtype[np.int64]]
-type Flags = np.ndarray[Any, np.dtype[np.bool_]]
 type AreFree = Callable[[Array], Flags]
 
 _FIRST_BATCH = 6
@@ -119,7 +116,7 @@ def _generate(steps: int) -> Iterator[Array]:
         size = min(_LARGEST_BATCH, _FIRST_BATCH if size == 1 else size * _GROWTH)
 
 
-def _reversed_bits(numbers: Counts, bits: int) -> Counts:
+def _reversed_bits(numbers: Indices, bits: int) -> Indices:
     mirrored = np.zeros_like(numbers)
     for k in range(bits):
         mirrored |= (numbers >> k & 1) << (bits - 1 - k)

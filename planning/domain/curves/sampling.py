@@ -17,17 +17,15 @@ the end: the first and the last position are the motion's own.
 """
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from jaxtyping import Float64
 
+from planning.domain.arrays import Array
 from planning.domain.curves.curve import TimedTrajectory, derivative
 from planning.domain.curves.knots import Knots, evaluated
 from planning.domain.robot.joints import Joint
 from planning.domain.value import Value
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # Smallest time between samples, unless the period itself is smaller [s].
 _SHORTEST = 1e-3

@@ -4,14 +4,12 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from enum import StrEnum
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 from jaxtyping import Float64
 
+from planning.domain.arrays import Indices
 from planning.domain.value import Value
-
-type Indices = np.ndarray[Any, np.dtype[np.intp]]
 
 
 class JointType(StrEnum):

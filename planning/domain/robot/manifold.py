@@ -8,16 +8,14 @@ yaw, SO(3) x R^3 for floating joints (right-perturbed: R exp(delta), p + delta).
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 from jaxtyping import Float64
 
+from planning.domain.arrays import Array
 from planning.domain.geometry import rotation
 from planning.domain.robot.joints import Joint, JointType, offsets_of
 from planning.domain.value import Value
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # Manifolds by the id() of their joints; each keeps its joints alive, so no id() is reused.
 _shared: dict[int, "Manifold"] = {}

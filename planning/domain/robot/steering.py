@@ -10,16 +10,15 @@ it has the constant speed sqrt(v_x^2 + omega^2).
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any, override
+from typing import override
 
 import numpy as np
 from jaxtyping import Float64
 
+from planning.domain.arrays import Array
 from planning.domain.robot.joints import JointGroup, offsets_of
 from planning.domain.robot.manifold import Manifold
 from planning.domain.value import Value
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # Angles smaller than this use the series of the quotients by them [rad].
 _SMALL = 1e-4

@@ -4,14 +4,13 @@ from typing import Any
 
 import numpy as np
 
+from planning.domain.arrays import Array
 from planning.domain.goals.goal_configurations import NearestConfiguration
 from planning.domain.robot.joints import JointLimits
 from planning.domain.robot.manifold import Manifold
 from planning.goals.diagnosis.nearest_joints import NearestJoints
 from planning.goals.goal_query import GoalQuery
 from planning.world.world import World
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # Distance from its bound within which a pair or a joint is active [m, rad].
 _AT_BOUND = 1e-4

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float64
 
+from planning.domain.arrays import Array
 from planning.domain.goals.goal_configurations import Bounds
 from planning.domain.goals.linear_moves import ToolLine
 from planning.domain.request.deadline import Deadline
@@ -17,8 +18,6 @@ from planning.goals.goal_query import GoalQuery
 from planning.goals.lines.approach_feasibility import ApproachFeasibility, approach_feasibility
 from planning.world.mechanics.tool_kinematics import ToolKinematics
 from planning.world.world import World
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # Distance from its bound within which a pair or a joint is active [m, rad].
 _AT_BOUND = 1e-4

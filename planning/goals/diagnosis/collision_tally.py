@@ -2,10 +2,8 @@
 
 from collections import defaultdict
 from dataclasses import dataclass, field
-from typing import Any
 
-import numpy as np
-
+from planning.domain.arrays import Array
 from planning.domain.geometry.body_pair import BodyPair
 from planning.domain.goals.funnel import PairTally
 from planning.domain.request.deadline import Deadline
@@ -13,9 +11,6 @@ from planning.goals.goal_query import GoalQuery
 from planning.goals.start import overlap
 from planning.world.collision.margins import PairMargins
 from planning.world.world import World
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
-
 
 # Configurations measured even after the deadline, so that the tally is not empty.
 _AT_LEAST = 4

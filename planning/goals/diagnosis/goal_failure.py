@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from planning.domain.arrays import Array
 from planning.domain.goals.funnel import PairTally, funnel_evidence
 from planning.domain.request.deadline import Deadline
 from planning.domain.robot.manifold import Manifold
@@ -24,8 +25,6 @@ from planning.goals.ranking import UniqueSolutions
 from planning.goals.start import describe_pairs, pair_evidence
 from planning.goals.targets.target_selection import TargetSelection
 from planning.world.world import World
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # Largest number of colliding configurations measured for the evidence.
 _LOOKED_AT = 256

@@ -1,18 +1,15 @@
 """Joint cost: quadratic joint-space distance to a goal configuration, as a cost in Drake."""
 
-from typing import Any
-
 import numpy as np
 from jaxtyping import Float64
 
+from planning.domain.arrays import Array
 from planning.domain.robot.joints import JointGroup, JointType
 from planning.domain.robot.manifold import Manifold
 from planning.goals.diagnosis.nearest_program import Pull
 from planning.goals.ik.group_program import GroupProgram
 from planning.goals.joint_metric import JointMetric
 from planning.world.world import World
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 
 def to_configuration(

@@ -1,15 +1,12 @@
 """JointPerturbations: random displacements of a group in its weighted joint metric."""
 
-from typing import Any
-
 import numpy as np
 from jaxtyping import Float64
 
+from planning.domain.arrays import Array
 from planning.domain.robot.joints import JointGroup, JointType
 from planning.domain.robot.manifold import Manifold
 from planning.goals.joint_metric import JointMetric
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # Largest displacement of a coordinate, reached by coordinates of weight 0 [rad, m].
 _TURN, _SHIFT = np.pi, 2.0

@@ -1,11 +1,11 @@
 """NearestJointSearch: feasible configuration nearest to infeasible given ones, in joint space."""
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from jaxtyping import Float64
 
+from planning.domain.arrays import Array, Indices
 from planning.domain.request.deadline import Deadline
 from planning.domain.robot.manifold import Manifold
 from planning.goals.diagnosis.joint_cost import to_configuration
@@ -16,9 +16,6 @@ from planning.goals.goal_query import GoalQuery
 from planning.goals.ik.seeds import Seeds
 from planning.goals.joint_metric import JointMetric
 from planning.world.world import World
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
-type Indices = np.ndarray[Any, np.dtype[np.intp]]
 
 # Configurations per batch.
 _NUM_TRIES = 2048

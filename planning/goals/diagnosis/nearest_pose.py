@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float64
 
+from planning.domain.arrays import Array
 from planning.domain.geometry.pose import Pose
 from planning.domain.goals.goal_configurations import Bounds, NearestPose
 from planning.domain.request.deadline import Deadline
@@ -17,8 +18,6 @@ from planning.goals.goal_query import GoalQuery
 from planning.goals.ik.pose_attempts import PoseAttempts
 from planning.goals.targets.tool_target import ToolTarget
 from planning.world.world import World
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # Initial random configurations, and how many of the best start a gradient descent.
 _NUM_RANDOM = 64

@@ -7,6 +7,7 @@ import numpy as np
 from jaxtyping import Float64
 from pydrake.math import RigidTransform, RotationMatrix
 
+from planning.domain.arrays import Array
 from planning.domain.geometry.pose import Pose
 from planning.domain.request.deadline import Deadline
 from planning.goals.goal_query import GoalQuery
@@ -19,7 +20,6 @@ from planning.goals.targets.tool_target import ToolTarget
 from planning.world.collision.half_spaces import half_space_pairs_of
 from planning.world.world import World
 
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 type Target = ToolTarget | RegionTarget | BallTarget
 # Adds the cost of the distance to a goal to a program, expanded about a configuration q, (nq,).
 type Pull = Callable[[GroupProgram, Array], None]

@@ -5,16 +5,14 @@ The part is the position or the rotation.
 
 from dataclasses import dataclass
 from enum import Enum
-from typing import Any
 
 import numpy as np
 from jaxtyping import Float64
 
+from planning.domain.arrays import Array
 from planning.domain.geometry.pose import Pose
 from planning.domain.request.deadline import Deadline
 from planning.goals.ik.pose_attempts import PoseAttempts
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # Poses per round, and rounds without improvement after which the search ends.
 _NUM_TRIES, _PATIENCE = 320, 3

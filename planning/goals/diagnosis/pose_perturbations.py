@@ -1,7 +1,5 @@
 """PosePerturbations: random configurations around a feasible one, biased towards a tool pose."""
 
-from typing import Any
-
 import numpy as np
 from jaxtyping import Float64
 
@@ -13,8 +11,6 @@ from planning.goals.diagnosis.joint_perturbations import JointPerturbations
 from planning.goals.joint_metric import JointMetric
 from planning.world.mechanics.tool_kinematics import ToolKinematics
 from planning.world.world import World
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # Configurations per draw.
 _NUM_DRAWN = 320

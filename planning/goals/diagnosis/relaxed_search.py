@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from planning.domain.arrays import Array
 from planning.domain.request.deadline import Deadline
 from planning.errors import DeadlineExceeded
 from planning.goals.goal_query import GoalQuery
@@ -14,8 +15,6 @@ from planning.goals.ik.solve import solve_tool_goal
 from planning.world.constraints.body_pairs import moved_bodies
 from planning.world.constraints.compiled_constraint import CompiledConstraint
 from planning.world.world import World
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # Largest number of bodies removed, one at a time.
 _NUM_BODIES = 4

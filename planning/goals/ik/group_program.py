@@ -9,13 +9,13 @@ from pydrake.geometry import GeometryId
 from pydrake.multibody.inverse_kinematics import InverseKinematics
 from pydrake.solvers import SnoptSolver, SolverOptions
 
+from planning.domain.arrays import Array
 from planning.domain.robot.joints import JointGroup
 from planning.world.collision.near_static import MOST_SHOWN, NearStatic
 from planning.world.drake_model import Coupling
 from planning.world.world import World
 
 type Ids = tuple[GeometryId, GeometryId]
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 
 class GroupProgram:

@@ -6,11 +6,10 @@ from typing import Any
 import numpy as np
 from pydrake.autodiffutils import ExtractGradient, ExtractValue, InitializeAutoDiff
 
+from planning.domain.arrays import Array
 from planning.goals.ik.group_program import GroupProgram
 from planning.world.collision.half_space_heights import HalfSpaceHeights
 from planning.world.drake_model import DrakeModel
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 
 def keep_above(program: GroupProgram, model: DrakeModel, least: Mapping[int, float]) -> None:

@@ -1,20 +1,17 @@
 """IkProgram: inverse kinematics of one target pose as a Drake program, solved from many seeds."""
 
-from typing import Any
-
 import numpy as np
 from jaxtyping import Float64
 from pydrake.math import RigidTransform, RotationMatrix
 from pydrake.multibody.tree import JacobianWrtVariable
 
+from planning.domain.arrays import Array
 from planning.domain.geometry.pose import Pose
 from planning.domain.robot.joints import JointGroup
 from planning.domain.robot.manifold import Manifold
 from planning.goals.ik.group_program import GroupProgram
 from planning.goals.targets.tool_target import FreedomKind, ToolTarget
 from planning.world.world import World, pose_of
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 _MAJOR_ITERATIONS = 100
 _POLISH_STEPS = 8

@@ -1,11 +1,11 @@
 """PoseAttempts: IK attempts at displaced poses near a pose, feasible results nearest first."""
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 from jaxtyping import Bool, Float64, Int64
 
+from planning.domain.arrays import Array
 from planning.domain.geometry import rotation
 from planning.domain.geometry.pose import Pose
 from planning.domain.request.deadline import Deadline
@@ -18,8 +18,6 @@ from planning.goals.lines.approach_feasibility import approach_feasibility
 from planning.goals.targets.tool_target import ToolTarget
 from planning.world.kernel.kernel_tree import kernel_chain
 from planning.world.world import World
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # Largest number of feasible configurations returned.
 _NUM_KEPT = 4

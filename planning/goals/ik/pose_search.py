@@ -1,9 +1,8 @@
 """PoseSearch: IK sampling from many seeds, filtered by limits, collisions, constraints, lines."""
 
-from typing import Any
-
 import numpy as np
 
+from planning.domain.arrays import Array, Flags, Indices
 from planning.domain.goals.funnel import Funnel, PairTally
 from planning.domain.request.deadline import Deadline
 from planning.domain.robot.manifold import Manifold
@@ -16,10 +15,6 @@ from planning.goals.ranking import UniqueSolutions
 from planning.goals.start import clip_rounding, within_limits
 from planning.goals.targets.target_samples import TargetSamples
 from planning.world.world import World
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
-type Flags = np.ndarray[Any, np.dtype[np.bool_]]
-type Indices = np.ndarray[Any, np.dtype[np.int64]]
 
 # Consecutive duplicates among free solutions after which the search ends.
 _PATIENCE = 40

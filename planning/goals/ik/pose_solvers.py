@@ -5,6 +5,7 @@ from typing import Any, Protocol, runtime_checkable
 import numpy as np
 from jaxtyping import Bool, Float64, Int64
 
+from planning.domain.arrays import Array, Flags
 from planning.domain.geometry import rotation
 from planning.domain.request.deadline import Deadline
 from planning.domain.robot.joints import JointGroup
@@ -13,10 +14,6 @@ from planning.goals.targets.tool_target import FreedomKind, ToolTarget
 from planning.kernel.native import native
 from planning.world.kernel.kernel_tree import kernel_chain
 from planning.world.world import World
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
-type Flags = np.ndarray[Any, np.dtype[np.bool_]]
-type Indices = np.ndarray[Any, np.dtype[np.int64]]
 
 _MAX_ITERATIONS = 30
 

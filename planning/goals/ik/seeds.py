@@ -5,10 +5,9 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float64
 
+from planning.domain.arrays import Array
 from planning.domain.robot.joints import JointGroup, JointLimits, JointType
 from planning.domain.robot.manifold import Manifold
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 _NUM_NEAR = 8
 _NEAR = 0.4

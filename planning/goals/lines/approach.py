@@ -5,11 +5,11 @@ Both lines are traced from the goal configuration outwards, so they stay in its 
 
 from collections import defaultdict
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 from jaxtyping import Bool, Float64, Int64
 
+from planning.domain.arrays import Array, Flags, Indices
 from planning.domain.geometry import rotation
 from planning.domain.geometry.pose import Pose
 from planning.domain.goals.funnel import Funnel, LinearMoveTally
@@ -28,10 +28,6 @@ from planning.goals.lines.trace_state import TraceState
 from planning.goals.ranking import nearest_first
 from planning.goals.start import ROUNDING
 from planning.world.world import World
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
-type Flags = np.ndarray[Any, np.dtype[np.bool_]]
-type Indices = np.ndarray[Any, np.dtype[np.int64]]
 
 # Largest number of blocked lines analyzed for the report.
 _LOOKED_AT = 64

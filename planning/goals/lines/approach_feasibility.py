@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Bool, Float64, Int64
 
+from planning.domain.arrays import Array
 from planning.domain.geometry import rotation
 from planning.domain.geometry.pose import Pose
 from planning.domain.goals.goal import LinedGoal
@@ -21,8 +22,6 @@ from planning.goals.lines.line_tracer import TraceResolution
 from planning.goals.targets.tool_target import ToolTarget
 from planning.world.mechanics.tool_kinematics import ToolKinematics
 from planning.world.world import World
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # Resolution without bisection: whether a line reaches its end matters, not where it is blocked.
 _VERDICTS = TraceResolution(end=1.0)

@@ -6,19 +6,15 @@ Hanafusa 1986, Wampler 1986), so that it stays small where J has lost rank.
 """
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 from jaxtyping import Bool, Float64, Int64
 
+from planning.domain.arrays import Array, Flags, Indices
 from planning.domain.geometry import rotation
 from planning.domain.goals.linear_moves import ToolLine
 from planning.domain.robot.manifold import Manifold
 from planning.world.mechanics.tool_kinematics import ToolKinematics
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
-type Flags = np.ndarray[Any, np.dtype[np.bool_]]
-type Indices = np.ndarray[Any, np.dtype[np.int64]]
 
 _DAMPING = 1e-10
 _ITERATIONS = 10

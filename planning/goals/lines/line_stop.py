@@ -4,6 +4,7 @@ from typing import Any
 
 import numpy as np
 
+from planning.domain.arrays import Array
 from planning.domain.geometry.body_pair import BodyPair
 from planning.domain.goals.line_trace import LineStop, LineTrace
 from planning.domain.robot.joints import JointGroup
@@ -13,8 +14,6 @@ from planning.goals.start import pair_evidence
 from planning.world.collision.margins import PairMargins
 from planning.world.mechanics.tool_kinematics import ToolKinematics
 from planning.world.world import World
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # Singular values below this count as zero: the group cannot move the tool in that direction.
 _NONE = 1e-6

@@ -2,11 +2,11 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from jaxtyping import Float64
 
+from planning.domain.arrays import Array, Flags, Indices
 from planning.domain.goals.linear_moves import MAX_SHIFT, MAX_TURN, ToolLine
 from planning.domain.request.deadline import Deadline
 from planning.domain.robot.joints import JointGroup
@@ -17,10 +17,6 @@ from planning.goals.start import ROUNDING
 from planning.world.collision.margins import PairMargins
 from planning.world.mechanics.tool_kinematics import ToolKinematics
 from planning.world.world import World
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
-type Flags = np.ndarray[Any, np.dtype[np.bool_]]
-type Indices = np.ndarray[Any, np.dtype[np.int64]]
 
 # Largest tool rotation in one step [rad].
 _LARGEST_TURN = 0.3

@@ -5,14 +5,13 @@ from typing import Any
 
 import numpy as np
 
+from planning.domain.arrays import Array
 from planning.domain.goals.goal import PoseGoal, RegionGoal
 from planning.domain.request.deadline import Deadline
 from planning.domain.value import Value
 from planning.goals.goal_query import GoalQuery
 from planning.goals.lines.approach import ApproachChecker
 from planning.world.world import World
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # Number of configurations tried, those whose lines get farthest.
 _NUM_ASKED = 8

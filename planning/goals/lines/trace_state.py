@@ -6,13 +6,11 @@ joint limit or an obstacle ends the line is found by bisection.
 
 from dataclasses import dataclass, field
 from enum import IntEnum
-from typing import Any
 
 import numpy as np
 
+from planning.domain.arrays import Array
 from planning.domain.goals.linear_moves import ToolLine
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # Accuracy of the place where a line ends, as a share of the line.
 FINEST = 1e-5

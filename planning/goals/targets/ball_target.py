@@ -1,18 +1,16 @@
 """BallTarget: target poses of a tool frame within a weighted distance of a center pose."""
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from jaxtyping import Bool, Float64
 
+from planning.domain.arrays import Array
 from planning.domain.geometry import rotation
 from planning.domain.geometry.pose import Pose
 from planning.domain.value import Value
 from planning.goals.targets.tool_target import POSE_TOLERANCE, ToolTarget
 from planning.goals.targets.workspace_bound import WorkspaceBound
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # Finite bound for the solvers, which accept no infinite box; larger than any arm [m].
 _WIDE = 1e3

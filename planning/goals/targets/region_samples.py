@@ -1,7 +1,6 @@
 """RegionSamples: exact target poses sampled from regions, in blocks, as IK trials consume them."""
 
 from collections.abc import Iterator, Sequence
-from typing import Any
 
 import numpy as np
 
@@ -9,8 +8,6 @@ from planning.goals.targets.ball_target import BallTarget
 from planning.goals.targets.region_target import RegionTarget
 from planning.goals.targets.target_samples import ExactPoses, TargetSamples
 from planning.goals.targets.workspace_bound import WorkspaceBound
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # Poses per block, over all regions.
 _AT_ONCE = 640

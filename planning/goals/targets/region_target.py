@@ -6,13 +6,12 @@ from typing import Any
 import numpy as np
 from jaxtyping import Bool, Float64
 
+from planning.domain.arrays import Array
 from planning.domain.geometry import rotation
 from planning.domain.geometry.pose import Pose
 from planning.domain.value import Value
 from planning.goals.targets.tool_target import POSE_TOLERANCE
 from planning.goals.targets.workspace_bound import WorkspaceBound
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # Positions drawn per requested one: the others may be out of reach.
 _DRAWS = 8

@@ -1,16 +1,13 @@
 """TargetSamples: target poses of the IK solver and their assignment to trials and seeds."""
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from jaxtyping import Float64, Int64
 
+from planning.domain.arrays import Indices
 from planning.domain.geometry.pose import Pose
 from planning.goals.targets.tool_target import ToolTarget
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
-type Indices = np.ndarray[Any, np.dtype[np.int64]]
 
 
 @dataclass(frozen=True)

@@ -2,11 +2,11 @@
 
 from dataclasses import dataclass
 from enum import IntEnum
-from typing import Any
 
 import numpy as np
 from jaxtyping import Bool, Float64
 
+from planning.domain.arrays import Array
 from planning.domain.geometry import rotation
 from planning.domain.geometry.pose import Pose
 from planning.domain.goals.goal import PoseBall, PoseGoal, PoseTarget, RegionGoal, RelativeGoal
@@ -14,8 +14,6 @@ from planning.domain.goals.linear_moves import Displacement
 from planning.domain.robot.joints import JointGroup
 from planning.domain.value import Value
 from planning.world.world import World
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # Accuracy of a solution for an exact target after Newton refinement [m and rad].
 POSE_TOLERANCE = 1e-6

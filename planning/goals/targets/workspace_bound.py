@@ -1,17 +1,15 @@
 """WorkspaceBound: ball in world that bounds the reachable positions of a tool frame's origin."""
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from jaxtyping import Float64
 
+from planning.domain.arrays import Array
 from planning.domain.robot.joints import JointGroup
 from planning.domain.value import Value
 from planning.world.kernel.link_tree import WORLD, KernelLink, LinkKind, LinkTree, link_tree
 from planning.world.world import World
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # Range of unbounded coordinates about their present value [m]; the same as in `Seeds`.
 _UNBOUNDED = 2.0

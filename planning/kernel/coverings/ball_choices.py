@@ -7,15 +7,13 @@ the gaps that remain for a set of inner balls are the depths of undetected penet
 """
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from jaxtyping import Float64
 
+from planning.domain.arrays import Array
 from planning.kernel.coverings.outer_polytope import OuterPolytope
 from planning.kernel.coverings.solid import Solid
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # Numbers of centres, rays to the surface and points on edges: for hulls of many corners, for
 # others.

@@ -9,12 +9,9 @@ new ones. The side of a corner is decided once for all of its edges.
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import product
-from typing import Any
 
 import numpy as np
 from jaxtyping import Float64, Int64
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 _MANY = 1 << 20
 

@@ -7,7 +7,6 @@ from contextlib import suppress
 from dataclasses import dataclass
 from functools import cache, lru_cache
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from jaxtyping import Float64
@@ -21,8 +20,6 @@ from planning.kernel.coverings.outer_spheres import outer_spheres
 from planning.kernel.coverings.solid import Solid
 from planning.kernel.shape import ConvexShape, ShapeKind
 from planning.parallel.atomic_files import evict_oldest, write_atomically
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # Version of this computation: a stored covering of another version is not read.
 VERSION = 2

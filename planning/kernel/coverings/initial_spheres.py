@@ -3,16 +3,14 @@
 from collections.abc import Iterator
 from itertools import product
 from math import prod
-from typing import Any
 
 import numpy as np
 from jaxtyping import Bool, Float64
 
+from planning.domain.arrays import Array, Indices
 from planning.kernel.coverings.ball_choices import BallChoices
 
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 # Indices of balls.
-type Chosen = np.ndarray[Any, np.dtype[np.int64]]
 
 _HALVINGS = 10
 
@@ -38,7 +36,7 @@ def initial_spheres(
     return choices.centers[found[best]], reaches[best]
 
 
-def _greedy(held: Bool[np.ndarray, "n m"]) -> Chosen:
+def _greedy(held: Bool[np.ndarray, "n m"]) -> Indices:
     """Return balls that hold every point; none if all of them do not.
 
     Greedy set cover: always the ball that holds most of the remaining points (Chvatal, "A greedy
@@ -57,7 +55,7 @@ def _greedy(held: Bool[np.ndarray, "n m"]) -> Chosen:
     return np.array(taken, dtype=np.int64)
 
 
-def _halving(gaps: Array, most: int) -> Chosen:
+def _halving(gaps: Array, most: int) -> Indices:
     """Return the greedy cover at the least reach, by bisection, with few enough balls."""
     farthest = gaps.max(axis=1)
     best = np.array([np.argmin(farthest)])
@@ -72,7 +70,7 @@ def _halving(gaps: Array, most: int) -> Chosen:
     return best
 
 
-def _lattices(choices: BallChoices, most: int) -> Iterator[Chosen]:
+def _lattices(choices: BallChoices, most: int) -> Iterator[Indices]:
     """Yield the best ball for each cell of lattices; longer sides are divided more often."""
     low, high = choices.points.min(axis=0), choices.points.max(axis=0)
     place = (choices.points - low) / np.maximum(high - low, 1e-300)
@@ -89,7 +87,7 @@ def _lattices(choices: BallChoices, most: int) -> Iterator[Chosen]:
         yield np.unique(np.argmin(farthest, axis=0))
 
 
-def _filled(gaps: Array, chosen: Chosen, most: int) -> Chosen:
+def _filled(gaps: Array, chosen: Indices, most: int) -> Indices:
     """Return the choice with more balls, each the one that lowers the farthest reaches most.
 
     Fourth powers approximate the farthest reach: in symmetric shapes no ball alone lowers that.

@@ -5,15 +5,12 @@ the nearest ball, meets a ball. So each next ball is the one that lowers the squ
 most, and then each moves to where they are lowest.
 """
 
-from typing import Any
-
 import numpy as np
 from jaxtyping import Float64
 
+from planning.domain.arrays import Array
 from planning.kernel.coverings.ball_choices import BallChoices, directions
 from planning.kernel.coverings.solid import Solid
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 _MOST_BALLS = 8
 # Balls smaller than this share of the largest are not worth a test.

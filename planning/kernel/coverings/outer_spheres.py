@@ -7,11 +7,10 @@ reaches least, again and again: Lloyd's algorithm, for the farthest reach instea
 square. The cells cover the polytope, so the balls contain the shape from any initial centres.
 """
 
-from typing import Any
-
 import numpy as np
 from jaxtyping import Float64
 
+from planning.domain.arrays import Array
 from planning.kernel.coverings.ball_choices import BallChoices, directions
 from planning.kernel.coverings.capsule_spheres import capsule_spheres
 from planning.kernel.coverings.initial_spheres import initial_spheres
@@ -19,8 +18,6 @@ from planning.kernel.coverings.outer_polytope import OuterPolytope
 from planning.kernel.coverings.power_cells import power_cells
 from planning.kernel.coverings.solid import Solid
 from planning.kernel.shape import ShapeKind
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # Permitted reach of the balls: a share of the shape's width between two bounds [m].
 _SHARE, _LEAST, _MOST = 0.04, 0.005, 0.010

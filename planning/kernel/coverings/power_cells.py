@@ -5,14 +5,11 @@ polytope for any balls: so balls that are then made large enough, each for the c
 own cell, contain the polytope (Aurenhammer, "Power diagrams", 1987).
 """
 
-from typing import Any
-
 import numpy as np
 from jaxtyping import Float64
 
+from planning.domain.arrays import Array
 from planning.kernel.coverings.convex_polytope import ConvexPolytope
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # Larger than every face index of the polytope itself.
 _FIRST_FACE = 10_000

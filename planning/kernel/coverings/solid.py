@@ -2,15 +2,13 @@
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 from jaxtyping import Float64
 
+from planning.domain.arrays import Array
 from planning.errors import ModelInvalid
 from planning.kernel.shape import ConvexShape, ShapeKind
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 _HALVINGS = 20
 

@@ -21,7 +21,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float64, Int64
 
-type Array = np.ndarray[Any, np.dtype[np.float64]]
+from planning.domain.arrays import Array
 
 # Angles below which divisions by the angle are replaced by series [rad].
 _SMALL = 1e-4

@@ -6,11 +6,10 @@ from typing import Any
 
 import numpy as np
 
+from planning.domain.arrays import Array
 from planning.refine.cars.arc_segments import ArcSegments, PathSamples, SegmentPoses
 from planning.refine.constraints.distance_query import DistanceRows
 from planning.refine.curves.curve_evaluation import DISTANCE_PRICE
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 
 @dataclass(frozen=True)

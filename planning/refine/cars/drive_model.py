@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float64
 
+from planning.domain.arrays import Array
 from planning.domain.robot.joints import JointLimits
 from planning.refine.cars.arc_segments import NOWHERE, ArcSegments, PathSamples, places_on
 from planning.refine.cars.drive_evaluation import DriveEvaluation
@@ -22,8 +23,6 @@ from planning.refine.constraints.clearance_objective import ClearanceObjective
 from planning.refine.constraints.distance_query import DistanceQuery, DistanceRows
 from planning.refine.curves.curve_evaluation import DISTANCE_PRICE
 from planning.refine.model.penalty_qp import PenaltyQp, PenaltyRows
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # Spacing of the samples at which distances are kept [m, and rad of another joint], and most samples
 # per segment.

@@ -1,17 +1,15 @@
 """DriveProblem: a car's path to refine, and the conversion between paths and arc segments."""
 
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 from jaxtyping import Float64
 
+from planning.domain.arrays import Array
 from planning.domain.curves.path import JointPath
 from planning.domain.robot.joints import JointLimits
 from planning.domain.robot.steering import Steering, manifold_of, steering_of
 from planning.refine.cars.arc_segments import ArcSegments, knots_of
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # Largest turning angle of one edge of a path, well below half a turn [rad].
 _MOST_TURN = 2.0

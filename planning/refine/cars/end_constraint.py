@@ -1,14 +1,11 @@
 """End constraint of car paths: nearby segments that end at the goal, by Newton's method."""
 
-from typing import Any
-
 import numpy as np
 from jaxtyping import Float64
 
+from planning.domain.arrays import Array
 from planning.refine.cars.arc_segments import ArcSegments, end_of
 from planning.refine.cars.drive_problem import DriveProblem
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # Largest miss of the goal by an end [m and rad].
 _MISS = 1e-11

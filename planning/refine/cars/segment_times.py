@@ -18,14 +18,12 @@ Planning for Automatic Machines and Robots", 2008, section 3.4), on an arc with 
 """
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from jaxtyping import Float64
 
+from planning.domain.arrays import Array
 from planning.domain.robot.joints import JointLimits
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # Gauss-Legendre rule on u, u^2 = s, where the integrand is smooth except where the bounds switch.
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(24)

@@ -1,7 +1,6 @@
 """Distance band as distances: no pair below the lower bound, the nearest pair within the upper."""
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from jaxtyping import Float64
@@ -9,8 +8,6 @@ from jaxtyping import Float64
 from planning.refine.constraints.distance_query import DistanceRows, nearness_of
 from planning.refine.curves.chart import Chart
 from planning.world.constraints.band_constraint import BandConstraint
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # Required distance of pairs outside the band: they never count as near [m].
 _NEVER = -1e3

@@ -6,10 +6,10 @@ where clearance is that of the nearest pair of bodies, not both of one robot, at
 """
 
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 
+from planning.domain.arrays import Array
 from planning.domain.curves.curve import TimedTrajectory
 from planning.domain.request.options import ClearanceWish, RefineOptions
 from planning.domain.robot.joints import JointGroup
@@ -17,8 +17,6 @@ from planning.errors import ProblemInvalid
 from planning.refine.constraints.distance_query import DistanceQuery, DistanceRows, nearness_of
 from planning.world.collision.margins import PairMargins
 from planning.world.world import World
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # Target distance of pairs within one robot: larger in size than any penetration depth, so that
 # these pairs, which are near by design, never count [m].

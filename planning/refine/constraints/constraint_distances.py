@@ -1,11 +1,11 @@
 """Path constraints as distances: their signed margins along a curve, with gradients."""
 
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 from jaxtyping import Float64
 
+from planning.domain.arrays import Array
 from planning.refine.constraints.band_distances import BandNearness
 from planning.refine.constraints.distance_query import DistanceQuery, DistanceRows
 from planning.refine.curves.chart import Chart
@@ -14,8 +14,6 @@ from planning.world.constraints.box_constraint import BoxConstraint
 from planning.world.constraints.cone_constraint import ConeConstraint
 from planning.world.constraints.path_constraints import PathConstraints
 from planning.world.constraints.predicate_constraint import PredicateConstraint
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # Step of the difference quotients [rad or m].
 _STEP = 1e-6

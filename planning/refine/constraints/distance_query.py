@@ -6,6 +6,7 @@ from typing import Any, Protocol, runtime_checkable
 import numpy as np
 from jaxtyping import Float64
 
+from planning.domain.arrays import Array, Indices
 from planning.domain.robot.joints import JointGroup
 from planning.domain.robot.manifold import Manifold
 from planning.kernel.native import native
@@ -16,9 +17,6 @@ from planning.world.collision.half_spaces import half_space_pairs_of
 from planning.world.drake_model import DrakeModel
 from planning.world.kernel.kernel_scene import KernelScene, kernel_scene_of
 from planning.world.world import World
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
-type Indices = np.ndarray[Any, np.dtype[np.intp]]
 
 
 @dataclass(frozen=True)

@@ -5,12 +5,12 @@ Along a curve r(s) with b = (ds/dt)^2 and u = d2s/dt2 the motion has v = r' sqrt
 """
 
 from collections.abc import Callable
-from typing import Any, Protocol, runtime_checkable
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 from jaxtyping import Float64
 
-type Array = np.ndarray[Any, np.dtype[np.float64]]
+from planning.domain.arrays import Array
 
 # Largest static load ratio: above it too little of a limit is left to stop a motion.
 MOST_HELD = 0.98

@@ -1,15 +1,13 @@
 """RateBounds: bounds on velocity, acceleration and jerk of coordinates, and on loads."""
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from jaxtyping import Float64
 
+from planning.domain.arrays import Array
 from planning.domain.robot.joints import JointLimits
 from planning.refine.constraints.load import Load
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # Finite substitutes of infinite bounds, which would lead to NaN.
 _UNBOUNDED_RATE, _UNBOUNDED_JERK = 1e3, 1e6

@@ -1,7 +1,5 @@
 """request_bounds(): bounds of a request for the trajectory optimisation: joint rates and loads."""
 
-from typing import Any
-
 import numpy as np
 from jaxtyping import Float64
 
@@ -17,8 +15,6 @@ from planning.refine.request import RefineRequest
 from planning.world.mechanics.dynamics import GroupDynamics
 from planning.world.mechanics.tool_kinematics import ToolKinematics
 from planning.world.world import World
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 
 def request_bounds(world: World, request: RefineRequest) -> RateBounds:

@@ -6,16 +6,14 @@ negative: there the disc of admissible accelerations is replaced by half a polyg
 """
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
+from planning.domain.arrays import Array
 from planning.domain.request.motion_limits import ToolLimit
 from planning.refine.constraints.load import difference_quotients
 from planning.refine.curves.duration_bound import rest_to_rest
 from planning.world.mechanics.tool_kinematics import ToolKinematics
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # Step of the difference quotient for J', as a displacement of the joints [rad or m].
 _STEP = 1e-4

@@ -7,17 +7,14 @@ but its cost still distinguishes better curves from worse ones.
 """
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from jaxtyping import Float64
 
+from planning.domain.arrays import Array, Indices
 from planning.domain.robot.joints import JointLimits
 from planning.refine.constraints.load import MOST_HELD, difference_quotients
 from planning.world.mechanics.dynamics import GroupDynamics
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
-type Indices = np.ndarray[Any, np.dtype[np.intp]]
 
 
 @dataclass(frozen=True)

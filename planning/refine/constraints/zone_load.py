@@ -6,10 +6,10 @@ in the box or leaves it.
 """
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
+from planning.domain.arrays import Array
 from planning.domain.request.motion_limits import SpeedZone
 from planning.domain.robot.joints import JointGroup
 from planning.refine.constraints.load import difference_quotients
@@ -17,8 +17,6 @@ from planning.refine.constraints.tool_load import repeated
 from planning.world.constraints.box_constraint import BoxConstraint
 from planning.world.mechanics.tool_kinematics import ToolKinematics
 from planning.world.world import World
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # Ranges before and behind a face over which the weight rises [m]. If they were equal, a motion
 # would gain more behind the face than it loses before it, where it brakes anyway: with these values

@@ -12,8 +12,7 @@ from jaxtyping import Float64, Int
 from pydrake.math import BsplineBasis, KnotVectorType
 from pydrake.trajectories import BsplineTrajectory
 
-type Array = np.ndarray[Any, np.dtype[np.float64]]
-type Indices = np.ndarray[Any, np.dtype[np.intp]]
+from planning.domain.arrays import Array, Indices
 
 # Order 4 is cubic pieces: acceleration is continuous, as both retimers require.
 ORDER = 4

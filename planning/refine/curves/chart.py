@@ -16,6 +16,7 @@ from typing import Any, Protocol, runtime_checkable
 import numpy as np
 from jaxtyping import Float64
 
+from planning.domain.arrays import Array
 from planning.domain.curves.curve import JointSpline
 from planning.domain.curves.path import JointPath
 from planning.domain.robot.joints import JointLimits
@@ -25,8 +26,6 @@ from planning.refine.curves.bspline_basis import spline_of
 from planning.refine.curves.fit import unwrapped
 from planning.refine.curves.power_basis import joint_spline
 from planning.refine.curves.unwrapped_tangents import tangents_along, turns_of
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # Longest tangent up to which the middle configuration serves as the base [rad].
 _LONG = 2.2

@@ -2,16 +2,14 @@
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 
+from planning.domain.arrays import Array
 from planning.refine.constraints.distance_query import DistanceRows
 from planning.refine.curves.path_velocity import NormalizedDerivatives
 from planning.refine.model.load_evaluation import LoadEvaluation
 from planning.refine.model.load_linearization import LoadLinearization
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # Penalty of a metre less than the required distance, per instant and pair [s/m].
 DISTANCE_PRICE = 20.0

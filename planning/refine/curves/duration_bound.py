@@ -5,10 +5,9 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float64
 
+from planning.domain.arrays import Array
 from planning.domain.robot.joints import JointLimits
 from planning.refine.constraints.rate_bounds import RateBounds
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 
 def least_duration(

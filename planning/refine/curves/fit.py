@@ -1,16 +1,14 @@
 """Least-squares fit of a B-spline to a path: the optimiser's initial guess."""
 
 from functools import lru_cache
-from typing import Any
 
 import numpy as np
 from jaxtyping import Float64
 
+from planning.domain.arrays import Array
 from planning.domain.curves.path import JointPath
 from planning.domain.robot.manifold import Manifold
 from planning.refine.curves.bspline_basis import weights_at
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # More control points make a quicker motion and a slower optimiser; beyond 14 the gain is small.
 _COUNTS = (14, 17, 22, 28)

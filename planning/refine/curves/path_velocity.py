@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float64
 
+from planning.domain.arrays import Array, Indices
 from planning.refine.constraints.rate_bounds import RateBounds
 from planning.refine.curves.bspline_basis import num_spans, weights_at
 from planning.refine.model.path_velocity_rows import (
@@ -22,9 +23,6 @@ from planning.refine.model.path_velocity_rows import (
     PathVelocityConstraints,
 )
 from planning.refine.model.penalty_qp import PenaltyQp, PenaltyRows
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
-type Indices = np.ndarray[Any, np.dtype[np.intp]]
 
 _PER_SPAN = 4
 # Number of rows above which the solver begins with a subset of them, and that subset's stride.

@@ -3,15 +3,12 @@
 exp(phi) is the same rotation for phi and (1 + 2 pi k / |phi|) phi, full turns apart.
 """
 
-from typing import Any
-
 import numpy as np
 from jaxtyping import Float64, Int
 
+from planning.domain.arrays import Array
 from planning.domain.robot.joints import JointGroup, JointType, offsets_of
 from planning.domain.robot.manifold import Manifold
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 _TURN = 2 * np.pi
 _TINY = 1e-12

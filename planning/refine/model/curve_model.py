@@ -9,11 +9,11 @@ the shortfall of the nearest pair there.
 """
 
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 from jaxtyping import Float64
 
+from planning.domain.arrays import Array, Indices
 from planning.domain.robot.joints import JointLimits
 from planning.refine.constraints.clearance_objective import ClearanceObjective
 from planning.refine.constraints.distance_query import DistanceQuery, DistanceRows
@@ -25,9 +25,6 @@ from planning.refine.model.load_evaluation import path_velocity_along
 from planning.refine.model.path_velocity_rows import RATE_PENALTY
 from planning.refine.model.penalty_qp import PenaltyQp, PenaltyRows
 from planning.refine.model.variable_layout import numbering_of
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
-type Indices = np.ndarray[Any, np.dtype[np.intp]]
 
 # Signed margin above which pairs are ignored [m].
 _REACH = 0.1

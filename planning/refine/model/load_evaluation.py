@@ -2,11 +2,11 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from jaxtyping import Float64
 
+from planning.domain.arrays import Array
 from planning.refine.constraints.load import MOST_HELD, Load
 from planning.refine.constraints.rate_bounds import RateBounds
 from planning.refine.curves.curve_samples import CurveSamples, grid_weights
@@ -17,8 +17,6 @@ from planning.refine.curves.path_velocity import (
 )
 from planning.refine.model.load_linearization import LoadLinearization
 from planning.refine.model.path_velocity_rows import PathVelocityConstraints
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # Penalty of static load beyond its largest value, per limit and grid point [s].
 _EXCESS_PRICE = 10.0

@@ -1,19 +1,15 @@
 """LoadLinearization: a load along one curve at one path velocity, linearized in both."""
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from jaxtyping import Float64
 
+from planning.domain.arrays import Array, Flags, Indices
 from planning.refine.constraints.load import MOST_HELD, Load, difference_quotients
 from planning.refine.curves.curve_samples import CurveSamples
 from planning.refine.model.path_velocity_rows import RATE_PENALTY
 from planning.refine.model.penalty_qp import PenaltyRows
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
-type Indices = np.ndarray[Any, np.dtype[np.intp]]
-type Flags = np.ndarray[Any, np.dtype[np.bool_]]
 
 # Load ratios below this have no row.
 _SEEN = 0.5

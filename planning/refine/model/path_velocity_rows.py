@@ -1,15 +1,12 @@
 """PathVelocityConstraints: bounds on path velocity besides joint rates, as inequalities in b."""
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from jaxtyping import Float64
 
+from planning.domain.arrays import Array, Indices
 from planning.refine.model.penalty_qp import PenaltyRows
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
-type Indices = np.ndarray[Any, np.dtype[np.intp]]
 
 # Penalty of exceeding a limit by its own size, in durations.
 RATE_PENALTY = 10.0

@@ -12,9 +12,8 @@ import numpy as np
 from jaxtyping import Float64, Int
 from pydrake.solvers import ClarabelSolver, MathematicalProgram
 
+from planning.domain.arrays import Array
 from planning.kernel.native import native
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 _TOLERANCE = 1e-7
 _MAX_STEPS = 40

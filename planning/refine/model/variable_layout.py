@@ -5,14 +5,12 @@ Variables of near instants have near indices, which keeps the solver's Cholesky 
 
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Any
 
 import numpy as np
 
+from planning.domain.arrays import Indices
 from planning.refine.curves.bspline_basis import centres
 from planning.refine.curves.path_velocity import grid_of
-
-type Indices = np.ndarray[Any, np.dtype[np.intp]]
 
 
 @dataclass(frozen=True)

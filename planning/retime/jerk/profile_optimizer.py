@@ -12,10 +12,10 @@ the peaks there are bounded afterwards, and the whole profile is slowed by the e
 """
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
+from planning.domain.arrays import Array
 from planning.domain.curves.curve import JointSpline, derivative
 from planning.domain.request.deadline import UNHURRIED, Deadline
 from planning.domain.robot.joints import JointLimits
@@ -25,8 +25,6 @@ from planning.retime.jerk.timing_spline import TimingSpline
 from planning.retime.limit_utilization import RATES
 from planning.retime.profile import SpeedProfile
 from planning.retime.smooth_pieces import evaluated
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # Largest number of pieces of a path: with more a step would take too long.
 _MOST_PIECES = 64

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 import ruckig
 
+from planning.domain.arrays import Array
 from planning.domain.curves.curve import JointSpline
 from planning.domain.request.deadline import UNHURRIED, Deadline
 from planning.domain.robot.joints import JointLimits
@@ -25,8 +26,6 @@ from planning.retime.jerk.profile_optimizer import optimize_profile
 from planning.retime.jerk.speed_dp import SpeedCells, SpeedSegment, solve_speed_dp
 from planning.retime.limits.path_limit import PathLimit, PeakLimit, uses_of
 from planning.retime.profile import SpeedProfile
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # Number of cells of a smooth piece, and smallest number on each of its polynomial pieces.
 _NUM_CELLS = 40

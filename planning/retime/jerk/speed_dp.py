@@ -16,9 +16,8 @@ from typing import Any
 
 import numpy as np
 
+from planning.domain.arrays import Array
 from planning.domain.request.deadline import UNHURRIED, Deadline
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # Candidate speeds at every cell boundary, relative to the greatest possible there, and then
 # relative to the chosen ones.

@@ -11,13 +11,12 @@ from typing import Any
 import numpy as np
 import ruckig
 
+from planning.domain.arrays import Array
 from planning.domain.curves.curve import TimedTrajectory
 from planning.domain.curves.motion_state import MotionState
 from planning.domain.request.motion_limits import AccelerationBounds
 from planning.domain.robot.joints import Joint, JointLimits, JointType
 from planning.errors import RetimingFailed
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # Cycle time [s], required by ruckig's constructor and used only in its online mode.
 _CYCLE = 0.01

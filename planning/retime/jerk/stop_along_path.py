@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from planning.domain.arrays import Array
 from planning.domain.curves.curve import JointSpline, TimedTrajectory
 from planning.domain.request.deadline import Deadline
 from planning.domain.robot.joints import JointLimits
@@ -23,8 +24,6 @@ from planning.retime.limit_utilization import largest_use
 from planning.retime.limits.path_limit import PathLimit
 from planning.retime.profile import SpeedProfile
 from planning.retime.toppra.path_rows import acceleration_rows
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # Width of cells [s], and their largest number.
 _CELL, _MOST_CELLS = 4e-3, 600

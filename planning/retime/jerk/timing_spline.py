@@ -6,13 +6,11 @@ guide to splines", chapter IV), and their derivatives by the durations from the 
 """
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
+from planning.domain.arrays import Array
 from planning.retime.profile import SpeedProfile
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 
 @dataclass(frozen=True)

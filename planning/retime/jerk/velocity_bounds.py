@@ -10,12 +10,10 @@ x <= v^2 / (m^2 M rho^2) keep |r'|^2 x <= v^2 all the way. Where |r'| nearly van
 is large, and x <= v^2 / max |r'|^2 at both ends allows more.
 """
 
-from typing import Any
-
 import numpy as np
 from jaxtyping import Float64
 
-type Array = np.ndarray[Any, np.dtype[np.float64]]
+from planning.domain.arrays import Array
 
 
 def speed_caps(

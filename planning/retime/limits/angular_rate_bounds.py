@@ -14,9 +14,8 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float64
 
+from planning.domain.arrays import Array
 from planning.retime.polynomials import norms, to_bernstein
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # Relative size of components across the axis below which it counts as fixed.
 _FIXED = 1e-13

@@ -8,15 +8,14 @@ only, the audit of the motion covers those between.
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Protocol, runtime_checkable
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 from jaxtyping import Float64
 
+from planning.domain.arrays import Array
 from planning.domain.curves.curve import Curve, JointSpline, TimedTrajectory
 from planning.domain.request.deadline import Deadline
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # Relative reserve of motions to a path limit, so that a proof needs few samples.
 HEADROOM = 2e-3

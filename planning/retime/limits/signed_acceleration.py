@@ -2,18 +2,16 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 
+from planning.domain.arrays import Array
 from planning.domain.curves.curve import Curve, JointSpline, TimedTrajectory, derivative
 from planning.domain.request.motion_limits import AccelerationBounds
 from planning.retime.limit_utilization import largest_value
 from planning.retime.limits.path_limit import PathUtilization
 from planning.retime.polynomials import to_bernstein
 from planning.retime.toppra.path_rows import CellPlaces
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 
 @dataclass(frozen=True)

@@ -11,12 +11,11 @@ from typing import Any
 
 import numpy as np
 
+from planning.domain.arrays import Array
 from planning.domain.curves.curve import Curve, JointSpline
 from planning.domain.robot.joints import Joint, JointType
 from planning.retime.cells import cut_at, even_edges, num_short
 from planning.world.mechanics.tool_kinematics import ToolKinematics
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # Longest part (joint-space length), and number of its interpolation points: the error is below 1e-9
 # of the speed.

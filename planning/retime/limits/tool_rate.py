@@ -6,10 +6,10 @@ those of a floating body have: the same rows, caps and audit as for joints.
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 
+from planning.domain.arrays import Array
 from planning.domain.curves.curve import Curve, JointSpline, TimedTrajectory
 from planning.domain.robot.joints import JointLimits
 from planning.retime.bounds import block_peaks, block_sizes
@@ -19,8 +19,6 @@ from planning.retime.limits.path_limit import HEADROOM, PathUtilization
 from planning.retime.limits.tool_path import ToolPath
 from planning.retime.polynomials import norms
 from planning.retime.toppra.path_rows import acceleration_rows
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 
 @dataclass(frozen=True)

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float64
 
+from planning.domain.arrays import Array
 from planning.domain.curves.curve import Curve, JointSpline, TimedTrajectory
 from planning.domain.robot.joints import JointGroup
 from planning.errors import RetimingFailed
@@ -23,8 +24,6 @@ from planning.retime.polynomials import norms
 from planning.retime.smooth_pieces import evaluated, path_derivatives
 from planning.retime.toppra.path_rows import CellPlaces
 from planning.world.mechanics.dynamics import GroupDynamics
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # Reserve on cells, above the audit's, for peaks between the evaluated parameters of a cell.
 _SPARE = 2 * HEADROOM

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from planning.domain.arrays import Array
 from planning.domain.curves.curve import Curve, JointSpline, TimedTrajectory
 from planning.domain.geometry import rotation
 from planning.domain.request.motion_limits import SpeedZone
@@ -17,8 +18,6 @@ from planning.retime.limits.path_limit import HEADROOM, PathUtilization
 from planning.retime.limits.tool_path import ToolPath
 from planning.retime.limits.tool_rate import together
 from planning.retime.polynomials import halved, norms, to_bernstein
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # Distance before the box at which motions are slow already, so that a proof can separate the box
 # from its outside [m].

@@ -12,11 +12,10 @@ from typing import Any
 
 import numpy as np
 
+from planning.domain.arrays import Array
 from planning.domain.curves.curve import JointSpline
 from planning.domain.robot.joints import JointLimits
 from planning.retime.smooth_pieces import path_derivatives
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # Fractions of each cell at which limits are imposed. If r is quadratic, q'' is linear in D, and
 # |q''| is largest at an end.

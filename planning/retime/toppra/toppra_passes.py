@@ -13,6 +13,7 @@ from typing import Any, override
 import numpy as np
 from jaxtyping import Float64
 
+from planning.domain.arrays import Array
 from planning.errors import RetimingFailed
 from planning.retime.toppra.toppra_solver import (
     ConstraintType,
@@ -20,8 +21,6 @@ from planning.retime.toppra.toppra_solver import (
     LinearConstraint,
     seidelWrapper,
 )
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # As in toppra: a reached speed is lowered by this, so that it stays controllable in spite of
 # rounding; if it is not, it is lowered further, this number of times.

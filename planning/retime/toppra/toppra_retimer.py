@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from planning.domain.arrays import Array
 from planning.domain.curves.curve import JointSpline
 from planning.domain.request.deadline import UNHURRIED, Deadline
 from planning.domain.robot.joints import JointLimits
@@ -25,8 +26,6 @@ from planning.retime.polynomials import norms
 from planning.retime.profile import SpeedProfile
 from planning.retime.toppra.path_rows import acceleration_rows
 from planning.retime.toppra.toppra_passes import squared_speeds
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # Smallest number of cells of a curve, additional ones per radian of turn, and the largest number.
 _LEAST, _PER_TURN, _MOST = 2, 6, 64

@@ -11,16 +11,14 @@ it was checked.
 
 from collections.abc import Callable
 from itertools import pairwise
-from typing import Any
 
 import numpy as np
 from jaxtyping import Float64
 
+from planning.domain.arrays import Array
 from planning.errors import DeadlineExceeded
 from planning.search.cars.steering_edges import SteeringEdgeChecker
 from planning.search.shortcut.polyline import path_measure, points_on
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # Approximate number of points of a path; most pieces that an edge is cut into.
 _POINTS, _PIECES = 48, 8

@@ -7,14 +7,11 @@ are those of Shkel and Lumelsky, "Classification of the Dubins set", Robotics an
 the yaws at the start and at the goal.
 """
 
-from typing import Any
-
 import numpy as np
 from jaxtyping import Float64
 
+from planning.domain.arrays import Array
 from planning.search.cars.path_words import PathWords, root, shortest
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # An angle this little short of a full turn counts as zero: it is a rounding error [rad].
 _NOTHING = 1e-11

@@ -6,12 +6,11 @@ the right, 0 for straight ahead.
 """
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from jaxtyping import Float64
 
-type Array = np.ndarray[Any, np.dtype[np.float64]]
+from planning.domain.arrays import Array
 
 # Largest miss of the goal by a formula: formulas divide by values that may vanish [radii].
 _MISS = 1e-9

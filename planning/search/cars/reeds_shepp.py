@@ -15,9 +15,9 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float64
 
+from planning.domain.arrays import Array
 from planning.search.cars.path_words import PathWords, root, shortest
 
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 type Formula = Callable[[Array, Array, Array], tuple[list[Array], Any]]
 
 _QUARTER = np.pi / 2

@@ -2,17 +2,16 @@
 
 from collections.abc import Callable
 from itertools import islice
-from typing import Any, override
+from typing import override
 
 import numpy as np
 from jaxtyping import Bool, Float64
 
+from planning.domain.arrays import Array
 from planning.domain.curves.motion_samples import fraction_batches, steps_of
 from planning.search.cars.steering_paths import SteeringPath, SteeringPaths
 from planning.search.collision_oracle import WatchedOracle
 from planning.search.edges import EdgeChecker
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # Tolerance on bounds of x and y [m]; the certifier's is larger.
 _DUST = 1e-9

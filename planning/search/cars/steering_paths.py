@@ -7,19 +7,17 @@ by arcs and lines of constant velocity (`SteeredManifold`).
 
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Any
 
 import numpy as np
 from jaxtyping import Bool, Float64
 
+from planning.domain.arrays import Array
 from planning.domain.robot.joints import JointGroup
 from planning.domain.robot.steering import SteeredManifold, steering_of
 from planning.errors import ProblemInvalid
 from planning.search.cars.dubins import dubins_words
 from planning.search.cars.path_words import PathWords
 from planning.search.cars.reeds_shepp import reeds_shepp_words
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # Largest angle of one arc [rad], well below half a turn, where its direction would be ambiguous.
 _MOST_TURN = 2.0

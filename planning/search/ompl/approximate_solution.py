@@ -4,14 +4,13 @@ from typing import Any
 
 import numpy as np
 
+from planning.domain.arrays import Array
 from planning.domain.request.deadline import Deadline
 from planning.errors import DeadlineExceeded
 from planning.search.collision_oracle import WatchedOracle
 from planning.search.edges import EdgeChecker
 from planning.search.ompl.graph import Graph, cheapest_ways, measured, traced
 from planning.search.ompl.spaces import SearchSpace
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # Time budget after the search has run out of time [s].
 _GRACE = 0.15

@@ -10,6 +10,7 @@ from jaxtyping import Float64
 from ompl import base as ob
 from ompl import util as ou
 
+from planning.domain.arrays import Array
 from planning.domain.planner.planner_graph import PlannerGraph
 from planning.domain.value import Value
 from planning.errors import DeadlineExceeded
@@ -25,8 +26,6 @@ from planning.search.ompl.termination import TerminationCondition
 from planning.search.ompl.validity import space_information
 from planning.search.query import Query
 from planning.search.shortcut.polyline import unrolled
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # Largest distance of a path's end from a goal: the planner copies the goal's state.
 _SAME = 1e-6

@@ -1,18 +1,17 @@
 """CarSpace: OMPL state space of a group with a car in it."""
 
 from collections.abc import Callable
-from typing import Any, override
+from typing import override
 
 import numpy as np
 from jaxtyping import Float64
 
+from planning.domain.arrays import Array
 from planning.domain.robot.joints import JointGroup, JointLimits
 from planning.search.cars.steering_edges import SteeringEdgeChecker
 from planning.search.cars.steering_paths import SteeringPaths
 from planning.search.collision_oracle import WatchedOracle
 from planning.search.ompl.spaces import SearchSpace
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 
 class CarSpace(SearchSpace):

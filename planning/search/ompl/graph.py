@@ -11,10 +11,10 @@ from jaxtyping import Float64
 from ompl import base as ob
 from ompl import geometric as og
 
+from planning.domain.arrays import Array
 from planning.domain.planner.planner_graph import PlannerGraph
 from planning.search.ompl.spaces import SearchSpace
 
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 type Costs = Callable[[Array, Array], Array]
 # Costs of the edges from a row to its neighbours, in their order.
 type Steps = Callable[[int, list[int]], Array | list[float]]

@@ -21,11 +21,11 @@ import numpy as np
 from jaxtyping import Float64
 from ompl import base as ob
 
+from planning.domain.arrays import Array
 from planning.domain.robot.joints import JointGroup, JointLimits
 from planning.domain.robot.steering import manifold_of
 from planning.search.ompl.spaces import SearchSpace
 
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 type Name = Literal["length", "weighted_length", "clearance", "duration"]
 type Clearances = Callable[[Array], Array]
 

@@ -10,15 +10,13 @@ algorithm, each time the roadmap has grown by half.
 from collections.abc import Callable
 from typing import Any
 
-import numpy as np
 from ompl import base as ob
 from ompl import geometric as og
 
+from planning.domain.arrays import Array
 from planning.search.ompl.graph import Costs, cheapest_ways, measured, read_graph, traced
 from planning.search.ompl.spaces import SearchSpace
 from planning.search.ompl.termination import TerminationCondition
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 _FIRST_GROWTH = 50
 

@@ -14,11 +14,10 @@ from jaxtyping import Float64
 from ompl import base as ob
 from ompl import geometric as og
 
+from planning.domain.arrays import Array
 from planning.domain.robot.joints import JointGroup, JointLimits
 from planning.search.collision_oracle import WatchedOracle
 from planning.search.ompl.spaces import SearchSpace
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # Length of a step along the set, and residual norm at which a state is on it [rad or m].
 STEP = 0.1

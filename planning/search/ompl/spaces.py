@@ -17,13 +17,12 @@ import numpy as np
 from jaxtyping import Float64
 from ompl import base as ob
 
+from planning.domain.arrays import Array
 from planning.domain.robot.joints import JointGroup, JointLimits, JointType
 from planning.domain.robot.steering import manifold_of
 from planning.search.collision_oracle import WatchedOracle
 from planning.search.edges import EdgeChecker
 from planning.search.ompl.space_parts import SpacePart, circles, scales_of, space_parts
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # Search bounds of translations without limits: distance from the world's origin [m] ...
 _REACH = 10.0

@@ -8,11 +8,11 @@ bounds and metrics; none of its planners is used.
 
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Any
 
 import numpy as np
 from jaxtyping import Float64, Int32
 
+from planning.domain.arrays import Array, Indices
 from planning.domain.planner.roadmap import Roadmap
 from planning.domain.request.deadline import Deadline
 from planning.domain.request.options import RoadmapOptions, SearchOptions
@@ -32,9 +32,6 @@ from planning.search.roadmap.local_planner import LocalPlanner
 from planning.search.roadmap.uniform_samples import uniform_samples
 from planning.search.space_options import bounded_limits, held_rotations, metric_weights
 from planning.search.verified_path import FINER
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
-type Rows = np.ndarray[Any, np.dtype[np.intp]]
 
 # Most samples per requested state: where next to nothing is free, there are fewer states.
 _MOST_TRIES = 100
@@ -199,7 +196,7 @@ def _nearest_pairs(
     if wanted < 1:
         return np.empty((0, 2), dtype=np.int32)
     metric = recipe.metric
-    found: list[Rows] = []
+    found: list[Indices] = []
     for rows in np.array_split(np.arange(count), max(1, count * count // _AT_ONCE)):
         deadline.check("search")
         distances = metric.norm(manifold.minus(states[None], states[rows, None]))
@@ -212,7 +209,9 @@ def _nearest_pairs(
     return np.unique(np.concatenate(found), axis=0).astype(np.int32)
 
 
-def _nearest_driven(edges: EdgeChecker, states: Array, rows: Rows, near: Rows, wanted: int) -> Rows:
+def _nearest_driven(
+    edges: EdgeChecker, states: Array, rows: Indices, near: Indices, wanted: int
+) -> Indices:
     """Return the neighbours of each row by length of steering path, of the near ones, (m, k)."""
     ends = np.repeat(rows, near.shape[1])
     lengths = edges.lengths(states[ends], states[near.ravel()]).reshape(near.shape)

@@ -5,18 +5,14 @@ are near by the length of such paths. Under constraints that leave only a thin s
 short projected steps along that set, where the straight edge leaves it.
 """
 
-from typing import Any
-
 import numpy as np
 from jaxtyping import Float64
 
+from planning.domain.arrays import Array, Indices
 from planning.search.cars.steering_edges import SteeringEdgeChecker
 from planning.search.edges import EdgeChecker
 from planning.search.ompl.projected_space import STEP, Residual
 from planning.search.projection import way_along
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
-type Rows = np.ndarray[Any, np.dtype[np.intp]]
 
 
 class LocalPlanner:
@@ -29,7 +25,7 @@ class LocalPlanner:
 
     def nearest(
         self, states: Float64[np.ndarray, "m nq"], q: Float64[np.ndarray, " nq"], count: int
-    ) -> Rows:
+    ) -> Indices:
         """Return the rows of the `count` states nearest to q, the nearest first.
 
         Along a thin set the states of a bent edge are close to one another: of states within one

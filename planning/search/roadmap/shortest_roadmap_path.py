@@ -5,11 +5,11 @@ bound of the remaining cost (Hart, Nilsson, Raphael 1968). The roadmap itself is
 """
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from jaxtyping import Float64
 
+from planning.domain.arrays import Array
 from planning.domain.planner.roadmap import Roadmap
 from planning.search.cars.steering_edges import SteeringEdgeChecker
 from planning.search.edges import EdgeChecker
@@ -19,8 +19,6 @@ from planning.search.ompl.projected_space import ProjectedSpace
 from planning.search.query import Query
 from planning.search.roadmap.local_planner import LocalPlanner
 from planning.search.shortcut.polyline import unrolled
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # The start and each goal are connected to near states, a batch at a time and the nearest first:
 # batch size, sufficient number of connections, and most states tried.

@@ -1,14 +1,10 @@
 """Uniform samples of a search space, independent of OMPL and its global random numbers."""
 
-from typing import Any
-
 import numpy as np
 from jaxtyping import Float64
 
 from planning.domain.robot.joints import JointGroup, JointType
 from planning.search.ompl.spaces import SearchSpace
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 
 def uniform_samples(

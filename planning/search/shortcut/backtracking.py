@@ -1,13 +1,10 @@
 """Backtracking: a relaxed path moved back toward a free one until a finer check finds it free."""
 
-from typing import Any
-
 import numpy as np
 from jaxtyping import Float64
 
+from planning.domain.arrays import Array
 from planning.search.edges import EdgeChecker
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 _FIRST, _FURTHER = 0.1, 2.0
 _LIMIT = 0.75

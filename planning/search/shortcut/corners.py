@@ -1,15 +1,12 @@
 """Corner cutting: one waypoint becomes two where that makes a path much shorter."""
 
-from typing import Any
-
 import numpy as np
 from jaxtyping import Float64
 
+from planning.domain.arrays import Array
 from planning.domain.curves.motion_samples import steps_of
 from planning.search.edges import EdgeChecker
 from planning.search.shortcut.polyline import distinct, path_measure
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # Shares of the edges at a corner that are cut off; an edge has a corner at each end.
 _SHARES = np.array([0.5, 0.25, 0.125])

@@ -1,16 +1,14 @@
 """Polyline: waypoints joined by geodesics; lengths, subdivision and unwrapping."""
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from jaxtyping import Float64, Int64
 
+from planning.domain.arrays import Array
 from planning.domain.curves.motion_samples import steps_of
 from planning.domain.robot.manifold import Manifold
 from planning.search.edges import EdgeChecker
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 
 def path_measure(waypoints: Float64[np.ndarray, "n nq"], edges: EdgeChecker) -> float:

@@ -17,11 +17,10 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float64
 
+from planning.domain.arrays import Array
 from planning.domain.robot.manifold import Manifold
 from planning.search.edges import EdgeChecker
 from planning.search.shortcut.polyline import path_measure
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 _MOST_SWEEPS = 4
 # Least gain of a move for which a check is worthwhile, as a share of the length.

@@ -8,17 +8,15 @@ by a path of RRTConnect between their ends.
 
 from dataclasses import replace
 from itertools import pairwise
-from typing import Any
 
 import numpy as np
 from jaxtyping import Float64
 
+from planning.domain.arrays import Array
 from planning.search.edges import EdgeChecker
 from planning.search.ompl.attempt import attempt
 from planning.search.ompl.car_space import CarSpace
 from planning.search.query import Query
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # Time budget after a cancel, all edges together [s].
 _BRIEF = 0.3

@@ -1,15 +1,12 @@
 """Resampling: more waypoints on the same path."""
 
-from typing import Any
-
 import numpy as np
 from jaxtyping import Float64
 
+from planning.domain.arrays import Array
 from planning.errors import DeadlineExceeded
 from planning.search.edges import EdgeChecker
 from planning.search.query import Query
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # Edges checked between two checks of the time budget.
 _AT_ONCE = 256

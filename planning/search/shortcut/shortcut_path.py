@@ -15,19 +15,17 @@ every stage.
 """
 
 from collections.abc import Callable
-from typing import Any
 
 import numpy as np
 from jaxtyping import Float64
 
+from planning.domain.arrays import Array
 from planning.errors import DeadlineExceeded
 from planning.search.edges import EdgeChecker
 from planning.search.shortcut.backtracking import backtrack
 from planning.search.shortcut.corners import cut_corners
 from planning.search.shortcut.relax import relaxed
 from planning.search.shortcut.vertex_skipping import skip_vertices, tighten
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # Number of rounds of relaxation and corner cutting.
 _MOST_CUTS = 3

@@ -6,15 +6,13 @@ ones.
 """
 
 from collections.abc import Callable
-from typing import Any
 
 import numpy as np
 from jaxtyping import Float64
 
+from planning.domain.arrays import Array
 from planning.search.edges import EdgeChecker
 from planning.search.shortcut.polyline import Points, points_on
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 _PIECES = 4
 

@@ -9,11 +9,10 @@ from jaxtyping import Float64, Int
 from pydrake.geometry import Box, GeometryId, Role
 from pydrake.planning import RobotDiagram
 
+from planning.domain.arrays import Array
 from planning.kernel.box_distance import box_distances, box_gaps
 from planning.world.collision.shape_pairs import candidates_of
 from planning.world.drake_model import DrakeModel
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 
 @dataclass(frozen=True)

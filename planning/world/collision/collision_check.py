@@ -9,6 +9,7 @@ from jaxtyping import Bool, Float64
 from pydrake.common import Parallelism
 from pydrake.planning import CollisionCheckerParams, SceneGraphCollisionChecker
 
+from planning.domain.arrays import Array
 from planning.domain.curves import motion_samples
 from planning.domain.geometry.body_pair import BodyPair
 from planning.domain.robot.joints import JointGroup
@@ -26,7 +27,6 @@ from planning.world.drake_model import DrakeModel
 _MANY = 10_000
 _HORIZONS = (0.01, 0.1, 0.5)
 
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # Largest difference between two measurements of one distance [m].
 _SAME = 1e-9

@@ -12,13 +12,12 @@ from typing import Any
 import numpy as np
 from pydrake.geometry import GeometryId, SignedDistancePair
 
+from planning.domain.arrays import Array
 from planning.kernel.gjk import nearest_point
 from planning.kernel.shape import ConvexShape
 from planning.kernel.shape_distance import distance_bounds
 from planning.kernel.support import farthest_point
 from planning.world.kernel.convex_shapes import convex_shape
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 
 def distance_of(query: Any, a: GeometryId, b: GeometryId) -> SignedDistancePair:

@@ -13,10 +13,9 @@ from jaxtyping import Float64, Int
 from pydrake.geometry import GeometryId, HalfSpace
 from pydrake.multibody.tree import JacobianWrtVariable
 
+from planning.domain.arrays import Array
 from planning.world.collision.half_spaces import half_space_pairs_of
 from planning.world.drake_model import DrakeModel
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 
 class HalfSpaceHeights:

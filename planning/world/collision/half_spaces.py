@@ -21,6 +21,7 @@ from pydrake.geometry import (
 )
 from pydrake.planning import RobotDiagram
 
+from planning.domain.arrays import Array
 from planning.errors import ModelInvalid
 from planning.kernel.shape import ConvexShape, ShapeKind
 from planning.kernel.support import farthest_point
@@ -28,7 +29,6 @@ from planning.world.collision.shape_pairs import candidates_of
 from planning.world.drake_model import DrakeModel
 from planning.world.kernel.convex_shapes import convex_shape
 
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 type Ids = tuple[GeometryId, GeometryId]
 
 

@@ -18,8 +18,6 @@ from planning.world.collision.half_spaces import HalfSpacePairs, half_space_pair
 from planning.world.collision.margins import PairMargins
 from planning.world.drake_model import DrakeModel
 
-type Array = np.ndarray[Any, np.dtype[np.float64]]
-
 
 @dataclass(frozen=True)
 class Distance:

@@ -15,6 +15,7 @@ from jaxtyping import Float64
 from pydrake.geometry import Box, GeometryId
 from pydrake.systems.framework import Context
 
+from planning.domain.arrays import Array, Indices
 from planning.world.collision.box_pairs import signed_box_distances
 from planning.world.collision.measured_pairs import Distance
 from planning.world.collision.shape_pairs import candidates_of
@@ -22,8 +23,6 @@ from planning.world.contexts import measuring_context
 from planning.world.drake_model import DrakeModel
 from planning.world.kernel.convex_shapes import convex_shape
 
-type Array = np.ndarray[Any, np.dtype[np.float64]]
-type Indices = np.ndarray[Any, np.dtype[np.intp]]
 type Ids = tuple[GeometryId, GeometryId]
 
 # Number of registrations after which a new context is made.

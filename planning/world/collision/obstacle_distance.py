@@ -1,14 +1,12 @@
 """Obstacle distance: smallest distance of a robot's bodies from all other bodies."""
 
 from collections.abc import Callable
-from typing import Any
 
 import numpy as np
 
+from planning.domain.arrays import Array
 from planning.domain.robot.joints import JointGroup
 from planning.world.world import World
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # Upper end of reported distances: farther obstacles count as this far [m].
 _FAR = 0.3

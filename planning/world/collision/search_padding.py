@@ -1,14 +1,10 @@
 """Search padding: clearance beyond the margin that a search can afford to keep."""
 
-from typing import Any
-
 import numpy as np
 from jaxtyping import Float64
 
 from planning.domain.robot.joints import JointGroup
 from planning.world.world import World
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # A path with this clearance beyond its margins is proven in a few distance queries [m].
 SEARCH_PADDING = 0.001

@@ -23,10 +23,9 @@ from pydrake.geometry import (
 )
 from pydrake.math import RigidTransform
 
+from planning.domain.arrays import Array
 from planning.domain.scene.scene import SceneObject
 from planning.kernel.shape import ConvexShape
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 
 @dataclass(frozen=True, eq=False)

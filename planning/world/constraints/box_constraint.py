@@ -2,17 +2,15 @@
 
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 from jaxtyping import Bool, Float64
 
+from planning.domain.arrays import Array
 from planning.domain.geometry import rotation
 from planning.domain.geometry.pose import Pose
 from planning.world.constraints.compiled_constraint import DUST, ConstraintValue, suggested_step
 from planning.world.mechanics.tool_kinematics import ToolKinematics
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # Preferred margin: this share of the thinnest side, and no more than this [m].
 _SHARE, _MOST = 0.1, 4e-3

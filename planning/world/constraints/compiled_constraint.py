@@ -1,13 +1,10 @@
 """CompiledConstraint: a path constraint resolved for one world, group and start."""
 
 from dataclasses import dataclass
-from typing import Any, Protocol, runtime_checkable
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 from jaxtyping import Bool, Float64
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
-type Flags = np.ndarray[Any, np.dtype[np.bool_]]
 
 # Tolerance of a violation, for rounding [rad or m]; the certifier has the same.
 DUST = 1e-6

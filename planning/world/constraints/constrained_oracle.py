@@ -1,17 +1,14 @@
 """ConstrainedOracle: collision checker that also checks path constraints."""
 
-from typing import Any
-
 import numpy as np
 from jaxtyping import Bool, Float64
 
+from planning.domain.arrays import Array
 from planning.domain.curves import motion_samples
 from planning.domain.robot.manifold import Manifold
 from planning.world.constraints.band_constraint import BandConstraint
 from planning.world.constraints.compiled_constraint import CompiledConstraint
 from planning.world.world import CollisionJudge
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 _MOST_REMEMBERED = 100_000
 

@@ -1,15 +1,13 @@
 """Joint constraints: joints locked at the start, or within tighter position bounds."""
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from jaxtyping import Bool, Float64
 
+from planning.domain.arrays import Array
 from planning.domain.robot.manifold import Manifold
 from planning.world.constraints.compiled_constraint import DUST, ConstraintValue
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 
 @dataclass(frozen=True)

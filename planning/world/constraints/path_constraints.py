@@ -24,8 +24,6 @@ from planning.world.constraints.joint_constraints import LimitConstraint, LockCo
 from planning.world.constraints.validate_constraints import validate_constraints
 from planning.world.world import CollisionJudge, World
 
-type Array = np.ndarray[Any, np.dtype[np.float64]]
-
 # Shares of a constraint's preferred margin that are tried, the largest first.
 _SHARES = (1.0, 0.25)
 # A straight step much longer than a band is thick leaves it, in most directions.

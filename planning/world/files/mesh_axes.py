@@ -1,14 +1,11 @@
 """upright(): transform of a mesh's units and axes to metres with z up, as Drake does with glTF."""
 
 from io import BytesIO
-from typing import Any
 from xml.etree import ElementTree as ET
 
 import numpy as np
 from defusedxml.ElementTree import iterparse
 from jaxtyping import Float64
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # Rows say where x, y and z come from (COLLADA 1.4.1, `up_axis`: right, up and in of each).
 _TO_Z_UP = {

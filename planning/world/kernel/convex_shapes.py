@@ -18,8 +18,6 @@ from pydrake.geometry import (
 
 from planning.kernel.shape import ConvexShape, ShapeKind
 
-type Array = np.ndarray[Any, np.dtype[np.float64]]
-
 # Angle of normals below which faces of a hull are one face [rad].
 _SAME_FACE = 1e-7
 # Number of cached hulls: those of a few dozen robots.

@@ -8,6 +8,7 @@ import numpy as np
 from jaxtyping import Bool, Float64, UInt8
 from pydrake.planning import SceneGraphCollisionChecker
 
+from planning.domain.arrays import Array
 from planning.domain.curves import motion_samples
 from planning.domain.robot.joints import JointGroup
 from planning.domain.robot.manifold import Manifold
@@ -16,8 +17,6 @@ from planning.world.collision.collision_check import DrakeCollisionOracle
 from planning.world.collision.margins import PairMargins
 from planning.world.drake_model import DrakeModel
 from planning.world.kernel.kernel_scene import KernelScene
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 _FREE, _COLLIDING, _UNSURE = 0, 1, 2
 

@@ -8,12 +8,11 @@ from jaxtyping import Float64
 from pydrake.math import RigidTransform
 from pydrake.planning import RobotDiagram
 
+from planning.domain.arrays import Array
 from planning.domain.robot.joints import JointGroup
 from planning.kernel.native import native
 from planning.world.drake_model import DrakeModel
 from planning.world.kernel.link_tree import LinkTree, link_tree
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 _made: WeakKeyDictionary[RobotDiagram, tuple[Any, LinkTree] | None] = WeakKeyDictionary()
 

@@ -18,9 +18,8 @@ from pydrake.multibody.tree import (
 )
 from pydrake.planning import RobotDiagram
 
+from planning.domain.arrays import Array
 from planning.world.drake_model import DrakeModel
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 WORLD = -1
 

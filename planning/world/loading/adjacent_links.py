@@ -20,12 +20,12 @@ from pydrake.geometry import GeometryId
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import BodyIndex
 
+from planning.domain.arrays import Array
 from planning.kernel.shape import ConvexShape
 from planning.kernel.shape_distance import distance_bounds, slab
 from planning.world.collision.drake_distance import distance_of
 from planning.world.collision.half_spaces import has_half_space, height, measurable
 
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 type Ids = tuple[GeometryId, GeometryId]
 
 _NUM_SAMPLES = 17

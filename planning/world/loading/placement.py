@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from planning.domain.arrays import Array
 from planning.domain.robot.joints import JointGroup
 from planning.domain.scene.scene import NamedConfiguration, Scene, SceneRobot
 from planning.errors import ProblemInvalid, SceneInvalid, UnknownName
@@ -14,7 +15,6 @@ from planning.world.loading.scene_build import LoadedRobot
 from planning.world.models.groups import RobotGroups
 from planning.world.models.mimic_limits import limits_together
 
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 type Configurations = dict[str, dict[str, Array]]
 
 

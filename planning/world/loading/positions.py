@@ -4,11 +4,10 @@ from typing import Any
 
 import numpy as np
 
+from planning.domain.arrays import Array
 from planning.domain.robot.joints import JointGroup, JointType
 from planning.domain.robot.manifold import Manifold
 from planning.errors import ProblemInvalid
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 _SHORTEST_QUATERNION = 1e-6
 

@@ -3,11 +3,12 @@
 import json
 from collections.abc import Collection
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 from weakref import WeakKeyDictionary
 
 import numpy as np
 
+from planning.domain.arrays import Array
 from planning.domain.geometry.body_pair import BodyPair
 from planning.domain.robot.joints import JointGroup, JointType
 from planning.domain.value import digest
@@ -44,7 +45,6 @@ class _Known:
 
 _known: WeakKeyDictionary[StaticObjects, _Known] = WeakKeyDictionary()
 
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # Number of random configurations at which touching pairs are checked again.
 _NUM_TRIED = 20

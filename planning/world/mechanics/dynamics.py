@@ -8,13 +8,12 @@ from jaxtyping import Float64
 from pydrake.math import RotationMatrix
 from pydrake.multibody.tree import MultibodyForces, RotationalInertia, SpatialInertia
 
+from planning.domain.arrays import Array
 from planning.domain.robot.joints import JointGroup
 from planning.domain.robot.payload import Payload
 from planning.errors import ProblemInvalid
 from planning.world.drake_model import DrakeModel
 from planning.world.world import World
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 
 @dataclass(frozen=True)

@@ -17,13 +17,12 @@ from pydrake.multibody.plant import PointPairContactInfo
 from pydrake.multibody.tree import MultibodyForces
 from pydrake.systems.analysis import Simulator
 
+from planning.domain.arrays import Array
 from planning.domain.geometry.body_pair import BodyPair
 from planning.domain.robot.joints import JointGroup, JointLimits
 from planning.domain.robot.manifold import Manifold
 from planning.errors import ModelInvalid, TrackingLost
 from planning.world.world import World
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # Critically damped: an error dies out within about five times 1 / bandwidth. The product with the
 # plant's time step must stay well below 1.

@@ -1,21 +1,18 @@
 """ToolKinematics: poses and Jacobians of one frame for many configurations of a group."""
 
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 from jaxtyping import Float64, Int64
 from pydrake.multibody.tree import JacobianWrtVariable, JointIndex
 from pydrake.systems.framework import Context
 
+from planning.domain.arrays import Array, Indices
 from planning.domain.geometry import rotation
 from planning.domain.robot.joints import JointGroup, JointType
 from planning.world.drake_model import DrakeModel
 from planning.world.kernel.kernel_tree import kernel_chain
 from planning.world.world import World
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
-type Indices = np.ndarray[Any, np.dtype[np.int64]]
 
 
 class ToolKinematics:

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float64
 
-type Array = np.ndarray[Any, np.dtype[np.float64]]
+from planning.domain.arrays import Array
 
 # Three quarters from the front first, then around, then from higher up.
 _AZIMUTHS = np.deg2rad([-40.0, 40.0, -75.0, 75.0, -110.0, 110.0, -150.0, 150.0])

@@ -1,13 +1,9 @@
 """Plate: a finite box that represents a half space in pictures."""
 
-from typing import Any
-
 import numpy as np
 from jaxtyping import Float64
 from pydrake.geometry import Box
 from pydrake.math import RigidTransform
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 _THICKNESS = 0.01
 # Its sides, over the size of the drawn bodies, and at least [m].

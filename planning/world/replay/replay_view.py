@@ -11,12 +11,11 @@ from pydrake.geometry import CalcObb, GeometryId, Rgba, Role
 from pydrake.math import RigidTransform
 from pydrake.multibody.tree import Frame, RigidBody
 
+from planning.domain.arrays import Array
 from planning.domain.robot.joints import JointGroup
 from planning.world.loading.builder import DEFAULT_COLOR
 from planning.world.replay.camera import SolidBox, WatchedPoint
 from planning.world.world import World
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # Default colours: neighbouring links differ, so that their ends are visible.
 _PALETTE = (

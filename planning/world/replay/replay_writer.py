@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from pydrake.geometry import (
@@ -15,6 +14,7 @@ from pydrake.geometry import (
 )
 from pydrake.math import RigidTransform, RotationMatrix
 
+from planning.domain.arrays import Array
 from planning.domain.curves.curve import TimedTrajectory
 from planning.domain.robot.joints import JointGroup, JointType
 from planning.world.replay.camera import SolidBox, place_camera
@@ -22,8 +22,6 @@ from planning.world.replay.half_space_plate import plate_under
 from planning.world.replay.replay_page import Label, Section, labelled
 from planning.world.replay.replay_view import ShownBody, ShownShape, WorldView
 from planning.world.world import World
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 _TRACE_COLOR = Rgba(0.95, 0.45, 0.05, 1.0)
 _AXIS_COLORS = (Rgba(0.85, 0.1, 0.1, 1.0), Rgba(0.1, 0.65, 0.1, 1.0), Rgba(0.1, 0.2, 0.9, 1.0))
