@@ -7,8 +7,8 @@ from typing import Any, Protocol, runtime_checkable
 import numpy as np
 from jaxtyping import Bool, Float64
 
-from planning.domain.arrays import Array, Flags
-from planning.domain.curves.motion_samples import Counts, num_steps, sample_batches, steps_of
+from planning.domain.arrays import Array, Flags, Indices
+from planning.domain.curves.motion_samples import num_steps, sample_batches, steps_of
 from planning.domain.request.deadline import Deadline
 from planning.domain.robot.joints import JointGroup, JointLimits
 from planning.domain.robot.manifold import Manifold
@@ -214,9 +214,7 @@ class WatchedOracle:
         return ((beyond <= self._width + dust) | (beyond >= 2 * np.pi - dust)).all(axis=1)
 
 
-def _portions(
-    rows: np.ndarray[Any, np.dtype[np.intp]], counts: Counts
-) -> list[np.ndarray[Any, np.dtype[np.intp]]]:
+def _portions(rows: Indices, counts: Indices) -> list[np.ndarray[Any, np.dtype[np.intp]]]:
     """Return the rows split into batches of at most about `_MOST_AT_ONCE` states each."""
     if not len(rows):
         return []

@@ -10,8 +10,6 @@ from jaxtyping import Bool, Float64
 from planning.domain.arrays import Array, Indices
 from planning.kernel.coverings.ball_choices import BallChoices
 
-# Indices of balls.
-
 _HALVINGS = 10
 
 
