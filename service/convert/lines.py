@@ -2,8 +2,8 @@
 
 from typing import Any
 
-from planning import LineTrace, TraceResolution
-from planning.domain.goals.line_trace import LineStop
+from planning.api.line import TraceResolution
+from planning.domain.goals.line_trace import LineStop, LineTrace
 from service.convert.goals import pose_wire
 from service.convert.numbers import listed
 from service.convert.verdicts import pair_wire

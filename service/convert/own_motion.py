@@ -4,8 +4,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from planning import TimedTrajectory, polyline_through, trajectory_through
+from planning import TimedTrajectory, trajectory_through
 from planning.domain.arrays import Array
+from planning.domain.curves.interpolation import polyline_through
 from planning.domain.robot.joints import JointGroup, JointType
 from planning.errors import ProblemInvalid, UnknownName
 from service.schemas.own_motion import OwnPolynomial, OwnTrajectory

@@ -4,7 +4,7 @@ import dataclasses
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from planning import PlannerCard
+    from planning.domain.planner.planner_card import PlannerCard
 
 
 def planner_wire(card: "PlannerCard") -> dict[str, Any]:

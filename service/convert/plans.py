@@ -4,7 +4,7 @@ import dataclasses
 from collections.abc import Sequence
 from typing import Any
 
-from planning import funnel_evidence
+from planning.domain.goals.funnel import funnel_evidence
 from planning.domain.report.certificate import Certificate
 from planning.domain.report.motion_plan import MotionPlan, StageReports
 from service.convert.numbers import finite, listed

@@ -8,7 +8,7 @@ from service.convert.numbers import listed
 if TYPE_CHECKING:
     import numpy as np
 
-    from planning import ConfigurationQuality
+    from planning.domain.goals.configuration_quality import ConfigurationQuality
 
 
 def solution_wire(

@@ -6,10 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from planning import Sampling
 from planning.domain.curves.curve import TimedTrajectory
 from planning.domain.curves.interpolation_proof import InterpolationProof
-from planning.domain.curves.sampling import SampledTrajectory
+from planning.domain.curves.sampling import SampledTrajectory, Sampling
 from planning.domain.report.certificate import Check
 from planning.domain.robot.joints import Joint, JointType
 from planning.errors import ProblemInvalid

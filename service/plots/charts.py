@@ -9,7 +9,7 @@ from matplotlib import rc_context
 from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
 
-from planning import MotionSeries
+from planning.api.motion_series import MotionSeries
 from planning.domain.arrays import Array
 
 # Text stays text, and the same motion gives the same bytes.

@@ -4,7 +4,7 @@ from typing import Annotated, Any
 
 from pydantic import Field, Strict, model_validator
 
-from planning import Sampling
+from planning.domain.curves.sampling import Sampling
 from service.schemas.numbers import WHOLE, Real
 from service.schemas.wire import Boolean, Wire
 

@@ -5,7 +5,8 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from planning import CoreLeases, ForkPool
+from planning.parallel.core_leases import CoreLeases
+from planning.parallel.fork_pool import ForkPool
 
 
 @contextmanager

@@ -3,8 +3,8 @@
 from collections.abc import Mapping
 from typing import Any
 
-from planning import SceneDocument
 from planning.errors import SceneInvalid
+from planning.world.documents.scene_document import SceneDocument
 from planning.world.documents.scene_file import read_document
 from service.errors import UnreadableBody
 from service.json_body import RepeatedKey

@@ -6,16 +6,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-from planning import (
-    Deadline,
-    ProvenMotion,
-    RetimeOptions,
-    TimedTrajectory,
-    World,
-    sample_motion,
-    splice_motion,
-    stop_motion,
-)
+from planning import Deadline, RetimeOptions, TimedTrajectory, World, splice_motion, stop_motion
+from planning.api.sample_motion import sample_motion
+from planning.api.splice_motion import ProvenMotion
 from planning.domain.robot.joints import JointGroup
 from planning.errors import PlanningFailure, ProblemInvalid
 from service.convert.constraints import constraint_values

@@ -6,14 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from planning import (
-    Deadline,
-    RetimeOptions,
-    certify_positions,
-    certify_trajectory,
-    retime_path,
-    sample_motion,
-)
+from planning import Deadline, RetimeOptions, certify_trajectory, retime_path
+from planning.api.certify_trajectory import certify_positions
+from planning.api.sample_motion import sample_motion
 from planning.errors import PlanningFailure
 from service.convert.constraints import constraint_values
 from service.convert.failures import failure_wire

@@ -6,7 +6,8 @@ from contextlib import contextmanager
 from dataclasses import replace
 from typing import Any
 
-from planning import Deadline, PlanningProblem, World, plan, sample_plan
+from planning import Deadline, PlanningProblem, World, plan
+from planning.api.sample_motion import sample_plan
 from planning.domain.curves.sampling import Sampling
 from planning.domain.report.motion_plan import MotionPlan, Progress
 from planning.errors import PlanningFailure

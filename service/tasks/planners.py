@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from planning import list_planners
+from planning.api.planners import list_planners
 from service.convert.planners import planner_wire
 from service.tasks.channel import Channel
 

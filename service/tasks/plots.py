@@ -3,7 +3,8 @@
 import time
 from typing import Any
 
-from planning import Deadline, motion_series
+from planning import Deadline
+from planning.api.motion_series import motion_series
 from service.convert.goals import retime_value
 from service.convert.trajectories import trajectory_value
 from service.plots.charts import OF_DISTANCES, draw

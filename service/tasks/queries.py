@@ -5,14 +5,9 @@ from typing import Any
 
 import numpy as np
 
-from planning import (
-    Deadline,
-    assess_configurations,
-    check_configurations,
-    forward_kinematics,
-    funnel_evidence,
-    solve_ik,
-)
+from planning import Deadline, check_configurations, forward_kinematics, solve_ik
+from planning.api.ik import assess_configurations
+from planning.domain.goals.funnel import funnel_evidence
 from planning.errors import (
     ApproachBlocked,
     DeadlineExceeded,

@@ -5,7 +5,9 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from planning import KeptFiles, Scene, SceneDocument, World
+from planning import Scene, World
+from planning.domain.scene.kept_files import KeptFiles
+from planning.world.documents.scene_document import SceneDocument
 from service.errors import SceneNotKept
 
 

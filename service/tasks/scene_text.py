@@ -12,10 +12,10 @@ from itertools import zip_longest
 
 from pydantic import ValidationError
 
-from planning import Scene, SceneDocument, scene_document
+from planning import Scene
 from planning.domain.scene.scene import SceneObject
-from planning.world.documents.scene_document import ObjectDocument
-from planning.world.documents.scene_writer import object_document
+from planning.world.documents.scene_document import ObjectDocument, SceneDocument
+from planning.world.documents.scene_writer import object_document, scene_document
 from service.jobs.json_text import Encoded, encode
 
 _MOST_OBJECTS = 10_000

@@ -8,14 +8,9 @@ from contextlib import ExitStack
 from dataclasses import replace
 from typing import Any
 
-from planning import (
-    Deadline,
-    Sampling,
-    TimedTrajectory,
-    World,
-    sample_plan,
-    unproven_samples,
-)
+from planning import Deadline, TimedTrajectory, World
+from planning.api.sample_motion import sample_plan, unproven_samples
+from planning.domain.curves.sampling import Sampling
 from planning.domain.report.motion_plan import PlanPart
 from planning.errors import InputError
 from planning.world.replay.replay_writer import ShownMotion, replay_html, replay_motions_html

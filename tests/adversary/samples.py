@@ -11,6 +11,8 @@ from typing import Any
 import numpy as np
 
 import planning
+from planning.api.sample_motion import sample_motion
+from planning.domain.curves.sampling import Sampling
 from planning.errors import WayproofError
 from tests.adversary.cases import PATIENCE, Document, Outcome, Setting
 from tests.adversary.clearance import free_motion, held_thing
@@ -86,7 +88,7 @@ def _sample(
 ) -> None:
     longest = question["motion"]["breaks"][-1]
     # Of samples that are evenly apart it is said of these alone.
-    follows = planning.Sampling(**question["sampling"]).follows_pieces
+    follows = Sampling(**question["sampling"]).follows_pieces
     told = _told(outcome, setting, question, question["sampling"], clearance)
     for proof in told.interpolations if told else ():
         outcome.count(f"{proof.kind} proven", proof.proven)
@@ -109,10 +111,10 @@ def _told(
     outcome: Outcome, setting: Setting, question: Document, sampling: Document, clearance: float
 ) -> Any:
     deadline = planning.Deadline.after(PATIENCE, time.process_time)
-    curve, how = setting.curve(question["motion"]), planning.Sampling(**sampling)
+    curve, how = setting.curve(question["motion"]), Sampling(**sampling)
     how_far = {"deadline": deadline, "clearance": clearance}
     try:
-        return planning.sample_motion(setting.world, "r", curve, how, **how_far)
+        return sample_motion(setting.world, "r", curve, how, **how_far)
     except WayproofError as fault:
         outcome.blame("error", f"samples: {type(fault).__name__}: {fault}")
         return None

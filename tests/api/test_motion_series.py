@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import planning
+from planning.api.motion_series import motion_series
 from planning.domain.request.motion_limits import ToolLimit
 from planning.domain.request.options import RetimeOptions
 from planning.world.world import World
@@ -26,7 +27,7 @@ def made_with(
     made = planning.retime_path(
         world, "arm", path, deadline=deadline, options=options, margin=margin
     )
-    series = planning.motion_series(
+    series = motion_series(
         world, "arm", made.trajectory, COUNT, options, margin, distances=distances
     )
     return made, series
@@ -102,7 +103,7 @@ def test_tool_speeds_are_those_of_the_frames_ways(pickup: World) -> None:
 def test_all_but_distances_is_the_same_without_them(pickup: World) -> None:
     made, _ = made_with(pickup, RetimeOptions())
     both = [
-        planning.motion_series(pickup, "arm", made.trajectory, 5, distances=distances)
+        motion_series(pickup, "arm", made.trajectory, 5, distances=distances)
         for distances in (True, False)
     ]
     for name in ("times", "positions", "rates", "efforts", "jumps", "margin", "shares"):

@@ -1,10 +1,7 @@
-"""The doors are real, sorted, and open only what they need."""
+"""The public names of `planning` exist, and importing the package loads no engine."""
 
-import ast
 import subprocess
 import sys
-from importlib import import_module
-from pathlib import Path
 
 import pytest
 
@@ -12,22 +9,13 @@ import planning
 
 
 @pytest.mark.parametrize("name", planning.__all__)
-def test_every_door_opens(name: str) -> None:
+def test_every_public_name_is_that_of_what_it_names(name: str) -> None:
     assert getattr(planning, name).__name__ == name
 
 
-def test_doors_are_sorted_and_listed_once() -> None:
-    assert planning.__all__ == sorted(set(planning.__all__))
-
-
-def test_type_checkers_see_every_door() -> None:
-    """What they see stands apart: modules that nothing imports when the program runs."""
-    tree = ast.parse(Path(planning.__file__).read_text())
-    (block,) = (node for node in tree.body if isinstance(node, ast.If))
-    seen = {alias.name: statement.module for statement in block.body for alias in statement.names}
-    assert sorted(seen) == planning.__all__
-    found = {name: getattr(planning, name) for name in seen}
-    assert {name: getattr(import_module(where), name) for name, where in seen.items()} == found
+def test_public_names_are_sorted_and_no_more_than_a_page() -> None:
+    assert planning.__all__ == sorted(set(planning.__all__)) == dir(planning)
+    assert 50 < len(planning.__all__) < 80
 
 
 def test_importing_planning_loads_no_engine() -> None:
@@ -40,5 +28,5 @@ def test_importing_planning_loads_no_engine() -> None:
 
 
 def test_what_does_not_exist_is_an_attribute_error() -> None:
-    with pytest.raises(AttributeError, match="no attribute 'plann'"):
+    with pytest.raises(AttributeError, match="No planning attribute plann"):
         planning.plann  # noqa: B018

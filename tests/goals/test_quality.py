@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import planning
+from planning.api.ik import assess_configurations
 from planning.domain.geometry.pose import Pose
 from planning.domain.goals.goal import PoseGoal
 from planning.goals.branch import branch_of
@@ -32,7 +33,7 @@ def test_the_eight_branches_of_a_ur_are_its_eight_solutions() -> None:
     world = world_by("ur5e_pickup", "kernel")
     deadline = no_hurry(20.0)
     found = planning.solve_ik(world, "arm", GOAL, deadline=deadline)
-    qualities = planning.assess_configurations(world, "arm", found.positions)
+    qualities = assess_configurations(world, "arm", found.positions)
     turns = np.round(np.remainder(found.positions + 1e-4, 2 * np.pi), 3)
     by_branch: dict[tuple[int, int, int], set[tuple[float, ...]]] = {}
     for q, quality in zip(turns, qualities, strict=True):
@@ -104,7 +105,7 @@ def test_other_arms_have_no_branch() -> None:
     world = world_by("panda_shelf", "kernel")
     group = world.groups[0]
     q = world.positions(group)
-    (quality,) = planning.assess_configurations(world, group.name, q[None])
+    (quality,) = assess_configurations(world, group.name, q[None])
     assert quality.branch is None
     z, p, _ = spherical_arm(np.full(6, 0.4))
     assert branch_of(z, p + np.eye(6, 3, -3) * 0.1) is None
@@ -116,11 +117,9 @@ def test_clearance_is_what_checking_says_and_limit_margins_shrink_to_zero() -> N
     limits = world.limits(group)
     rows = np.random.default_rng(0).uniform(limits.lower / 2, limits.upper / 2, (10, 6))
     verdicts = planning.check_configurations(world, "arm", rows)
-    for quality, verdict in zip(
-        planning.assess_configurations(world, "arm", rows), verdicts, strict=True
-    ):
+    for quality, verdict in zip(assess_configurations(world, "arm", rows), verdicts, strict=True):
         assert quality.clearance == pytest.approx(verdict.nearest.distance, abs=1e-9)
         assert quality.pair == verdict.nearest.bodies
         assert quality.limit_margin >= 0.25 - 1e-9
-    (edge,) = planning.assess_configurations(world, "arm", limits.upper[None])
+    (edge,) = assess_configurations(world, "arm", limits.upper[None])
     assert edge.limit_margin == 0.0

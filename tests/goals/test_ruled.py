@@ -8,7 +8,7 @@ import pytest
 
 import planning
 from planning.domain.geometry.pose import Pose
-from planning.domain.goals.funnel import Funnel, rejections
+from planning.domain.goals.funnel import Funnel, funnel_evidence, rejections
 from planning.domain.goals.goal import GoalPredicate, PoseGoal, PoseTarget, RegionGoal
 from planning.domain.goals.goal_configurations import GoalConfigurations
 from planning.domain.request.constraint import (
@@ -81,7 +81,7 @@ def test_what_breaks_a_constraint_is_counted_and_made_up_for() -> None:
     assert kept.funnel.distinct >= options.max_configurations == len(kept.positions)
     assert kept.funnel.breaking > 0
     assert adds_up(kept.funnel)
-    assert "violate a path constraint" in planning.funnel_evidence(kept.funnel)["summary"]
+    assert "violate a path constraint" in funnel_evidence(kept.funnel)["summary"]
 
 
 def test_a_region_is_reached_where_a_cone_allows() -> None:

@@ -11,6 +11,7 @@ import pytest
 
 import planning
 from planning.api.grow_regions import domain_of
+from planning.api.planners import list_planners
 from planning.domain.goals.goal import ConfigurationGoal
 from planning.domain.planner.regions import RegionOptions, Regions
 from planning.domain.request.constraint import TightLimits
@@ -174,7 +175,7 @@ def test_a_plan_of_what_can_have_no_regions_does_not_ask_for_them():
 
 
 def test_planners_are_listed_with_gcs():
-    cards = {card.name: card for card in planning.list_planners()}
+    cards = {card.name: card for card in list_planners()}
     assert list(cards) == sorted(cards)
     assert [name for name, card in cards.items() if card.needs_regions] == ["GCS"]
     assert {parameter.name for parameter in cards["GCS"].parameters} == {

@@ -8,6 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import planning
+from planning.api.motion_series import motion_series
+from planning.api.retime_path import RetimedPath
 from planning.certify.frames.tool_checks import tool_checks
 from planning.domain.curves.curve import TimedTrajectory
 from planning.domain.curves.path import JointPath
@@ -107,7 +109,7 @@ def test_the_explanation_names_the_frame(pickup: World) -> None:
     assert (explanation.savings[0].limit, explanation.savings[0].where) == ("tool_speed", TOOL)
 
 
-def own(world: World, options: RetimeOptions) -> planning.RetimedPath:
+def own(world: World, options: RetimeOptions) -> RetimedPath:
     q = world.positions(world.group("arm"))
     path = q + np.array([np.zeros(6), np.full(6, 0.2), [0.6, 0.2, 0.1, 0.1, 0.1, 0.1]])
     return planning.retime_path(world, "arm", path, deadline=deadline(), options=options)
@@ -116,7 +118,7 @@ def own(world: World, options: RetimeOptions) -> planning.RetimedPath:
 def test_the_plot_shows_the_use_of_each_by_the_name_of_its_check(pickup: World) -> None:
     options = RetimeOptions(tool_limits=LIMITS, speed_zones=(ZONE,), acceleration_bounds=BOUNDS)
     made = own(pickup, options)
-    used = planning.motion_series(pickup, "arm", made.trajectory, 81, options).utilisation
+    used = motion_series(pickup, "arm", made.trajectory, 81, options).utilisation
     peaks = {
         check.name: check.value / check.bound
         for check in made.certificate.checks
@@ -125,7 +127,7 @@ def test_the_plot_shows_the_use_of_each_by_the_name_of_its_check(pickup: World) 
     assert set(used) - {"velocity", "acceleration", "torque"} == set(peaks)
     for name, peak in {**peaks, "acceleration": 1.0}.items():
         assert 0.95 * peak < used[name].max() <= peak + 1e-3, name
-    plain = planning.motion_series(pickup, "arm", made.trajectory, 3).utilisation
+    plain = motion_series(pickup, "arm", made.trajectory, 3).utilisation
     assert set(plain) == {"velocity", "acceleration", "torque"}
 
 

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import planning
+from planning.api.retime_path import RetimedPath
 from planning.domain.request.deadline import Deadline
 from planning.domain.request.options import CertifyOptions, RetimeOptions
 from planning.errors import NotCertified, ProblemInvalid, UnknownName
@@ -22,7 +23,7 @@ def soon() -> Deadline:
     return no_hurry(30.0)
 
 
-def retimed(world: World, path: np.ndarray, **asked: Any) -> planning.RetimedPath:
+def retimed(world: World, path: np.ndarray, **asked: Any) -> RetimedPath:
     return planning.retime_path(world, "arm", path, deadline=soon(), **asked)
 
 
@@ -73,7 +74,7 @@ def test_a_path_of_ones_own_can_be_asked_for_its_longest_stop(pickup: World) -> 
 
 
 @cache
-def cornered(method: Any, deviation: float) -> tuple[np.ndarray, planning.RetimedPath]:
+def cornered(method: Any, deviation: float) -> tuple[np.ndarray, RetimedPath]:
     """Return a path with two corners, and the motion along it."""
     world = bundled_world("ur5e_pickup")
     path = through(

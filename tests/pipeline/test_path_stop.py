@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import planning
+from planning.api.splice_motion import ProvenMotion
 from planning.domain.curves.curve import TimedTrajectory
 from planning.domain.curves.motion_state import MotionState
 from planning.domain.request.deadline import Deadline
@@ -39,7 +40,7 @@ def run(world: World, options: RetimeOptions) -> TimedTrajectory:
 
 def stopped(
     world: World, running: TimedTrajectory, at: float, options: RetimeOptions | None
-) -> planning.ProvenMotion:
+) -> ProvenMotion:
     return planning.stop_motion(
         world, "arm", running, at, deadline=soon(), options=options, along_path=True
     )

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import planning
+from planning.api.motion_series import motion_series
 from planning.domain.goals.goal import JointGoal
 from planning.domain.report.certificate import Certificate, Check
 from planning.domain.report.motion_plan import MotionPlan
@@ -14,6 +15,7 @@ from planning.domain.request.options import RefineOptions, RetimeOptions, Search
 from planning.domain.request.problem import PlanningProblem
 from planning.domain.robot.payload import Payload
 from planning.errors import ProblemInvalid, RetimingFailed
+from planning.world.documents.scene_writer import scene_document
 from planning.world.mechanics.dynamics import GroupDynamics
 from planning.world.world import World
 from tests.clocks import no_hurry
@@ -94,7 +96,7 @@ def test_what_cannot_be_held_is_refused_with_the_joint() -> None:
 
 def held(mass: float | None) -> World:
     scene = planning.read_scene(planning.bundled_folder("scenes") / "ur5e_pickup.scene.yaml")
-    document = planning.scene_document(scene).model_dump()
+    document = scene_document(scene).model_dump()
     can = next(entry for entry in document["objects"] if entry["name"] == "can")
     can["mass"] = mass
     grasp = planning.AttachObject(
@@ -121,7 +123,7 @@ def test_what_is_held_burdens_in_the_proof_and_in_the_plot() -> None:
             world, "arm", motion, deadline=within(20.0), options=options
         )
         peaks.append(torque_of(found).value)
-        series = planning.motion_series(world, "arm", motion, 31, options)
+        series = motion_series(world, "arm", motion, 31, options)
         plots.append(series.utilisation["torque"].max())
     assert peaks[1] > 1.2 * peaks[0]
     # A point instead of a can: the same weight, a little less inertia.

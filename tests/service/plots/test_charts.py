@@ -8,6 +8,7 @@ from matplotlib.figure import Figure
 from matplotlib.text import Text
 
 import planning
+from planning.api.motion_series import MotionSeries, motion_series
 from planning.domain.request.options import RetimeOptions
 from planning.world.world import World
 from service.plots.charts import CHARTS
@@ -17,7 +18,7 @@ BOUNDS = {"arm::shoulder_pan_joint": (-0.9, 0.6)}
 
 
 @pytest.fixture(scope="module")
-def series(pickup: World) -> planning.MotionSeries:
+def series(pickup: World) -> MotionSeries:
     home = pickup.positions(pickup.group("arm"))
     options = RetimeOptions(velocity_scale=0.2, acceleration_bounds=BOUNDS)
     made = planning.retime_path(
@@ -28,20 +29,20 @@ def series(pickup: World) -> planning.MotionSeries:
         options=options,
         margin=0.02,
     )
-    return planning.motion_series(pickup, "arm", made.trajectory, 51, options=options, margin=0.02)
+    return motion_series(pickup, "arm", made.trajectory, 51, options=options, margin=0.02)
 
 
-def figure_of(name: str, series: planning.MotionSeries) -> Figure:
+def figure_of(name: str, series: MotionSeries) -> Figure:
     figure = Figure()
     CHARTS[name](figure, series)
     return figure
 
 
-def words(name: str, series: planning.MotionSeries) -> str:
+def words(name: str, series: MotionSeries) -> str:
     return " ".join(text.get_text() for text in figure_of(name, series).findobj(Text))
 
 
-def levels(name: str, series: planning.MotionSeries) -> list[set[float]]:
+def levels(name: str, series: MotionSeries) -> list[set[float]]:
     """Return the heights of the limits' lines, by row."""
     return [
         {float(line.get_ydata()[0]) for line in axes.lines if line.get_linestyle() in {"--", ":"}}
@@ -49,9 +50,7 @@ def levels(name: str, series: planning.MotionSeries) -> list[set[float]]:
     ]
 
 
-def test_limits_are_drawn_where_they_were_asked_for(
-    pickup: World, series: planning.MotionSeries
-) -> None:
+def test_limits_are_drawn_where_they_were_asked_for(pickup: World, series: MotionSeries) -> None:
     whole = pickup.limits(series.group)
     velocity = [{-0.2 * limit, 0.2 * limit} for limit in whole.velocity]
     acceleration = [{-limit, limit} for limit in whole.acceleration]
@@ -66,14 +65,14 @@ def test_limits_are_drawn_where_they_were_asked_for(
     assert levels("tool_speed", series) == [set()]
 
 
-def test_the_margin_is_drawn_if_one_is_demanded(series: planning.MotionSeries) -> None:
+def test_the_margin_is_drawn_if_one_is_demanded(series: MotionSeries) -> None:
     assert "margin, 20 mm" in words("clearance", series)
     assert levels("clearance", series) == [{0.0, 20.0}]
     bare = replace(series, margin=0.0, spare=series.clearance)
     assert "margin" not in words("clearance", bare)
 
 
-def test_jerk_without_limit_says_so(series: planning.MotionSeries) -> None:
+def test_jerk_without_limit_says_so(series: MotionSeries) -> None:
     assert "jerk is infinite" in words("jerk", series)
     assert "jerk was not limited" in words("utilisation", series)
     limited = replace(series, options=replace(series.options, method="ruckig"))

@@ -11,6 +11,7 @@ from planning.domain.geometry.shapes import Box, Convex, Cylinder, Shape, Sphere
 from planning.domain.robot.payload import Payload
 from planning.domain.scene.scene import SceneObject
 from planning.errors import SceneInvalid
+from planning.world.documents.scene_writer import scene_document
 from planning.world.loading.mass import spatial_inertia
 from planning.world.mechanics.dynamics import GroupDynamics
 
@@ -72,7 +73,7 @@ def test_what_cannot_weigh_so_is_refused(name: str) -> None:
 
 def test_masses_are_written_as_they_were_read_and_stay_when_it_is_put_down() -> None:
     scene = planning.parse_scene(scene_with(mass=2.5, center_of_mass=[0.0, 0.01, 0.02]))
-    assert planning.parse_scene(planning.scene_document(scene).model_dump()) == scene
+    assert planning.parse_scene(scene_document(scene).model_dump()) == scene
     down = planning.edit_scene(scene, [planning.DetachObject("thing")])
     assert down.objects[0].mass == 2.5
 

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import planning
+from planning.api.motion_series import motion_series
 from planning.domain.curves.interpolation import trajectory_through
 from planning.domain.robot.joints import JointGroup
 from planning.world.mechanics.dynamics import GroupDynamics
@@ -63,7 +64,7 @@ def test_series_agree_with_the_motion_and_its_certificate() -> None:
         np.array([home, home + np.array([0.2, 0.1, 0.0, 0.1, 0.0, 0.3])]),
         deadline=planning.Deadline.after(20.0, _no_time),
     )
-    series = planning.motion_series(world, "arm", timed.trajectory, 101)
+    series = motion_series(world, "arm", timed.trajectory, 101)
     assert series.clearance.min() >= timed.certificate.min_clearance - 1e-3
     used = series.utilisation
     for rate, peak in timed.retime.utilisation.items():
