@@ -129,6 +129,7 @@ from .world.check import check_configurations as check_configurations
 from .world.documents.scene_edit import edit_scene as edit_scene
 from .world.documents.scene_file import parse_scene as parse_scene
 from .world.documents.scene_file import read_scene as read_scene
+from .world.documents.scene_writer import scene_document as scene_document
 from .world.loading.load_world import load_world as load_world
 from .world.mechanics.kinematics import forward_kinematics as forward_kinematics
 from .world.mechanics.simulation import Simulation as Simulation

@@ -6,10 +6,9 @@ from contextlib import contextmanager
 from dataclasses import replace
 from typing import Any
 
-from planning import ModelLibrary, Scene, World, edit_scene, load_world
+from planning import ModelLibrary, Scene, World, edit_scene, load_world, scene_document
 from planning.errors import SceneInvalid
 from planning.world.documents.scene_file import with_line
-from planning.world.documents.scene_writer import scene_document
 from planning.world.files.trial_load import tried
 from service.convert.scene_edits import operation_value
 from service.convert.summaries import scene_wire

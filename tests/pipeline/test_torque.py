@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import planning
+from planning import scene_document
 from planning.api.motion_series import motion_series
 from planning.domain.goals.goal import JointGoal
 from planning.domain.report.certificate import Certificate, Check
@@ -15,7 +16,6 @@ from planning.domain.request.options import RefineOptions, RetimeOptions, Search
 from planning.domain.request.problem import PlanningProblem
 from planning.domain.robot.payload import Payload
 from planning.errors import ProblemInvalid, RetimingFailed
-from planning.world.documents.scene_writer import scene_document
 from planning.world.mechanics.dynamics import GroupDynamics
 from planning.world.world import World
 from tests.clocks import no_hurry

@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 
 import planning
+from planning import scene_document
 from planning.domain.scene.scene import NamedConfiguration
 from planning.errors import SceneInvalid
 from planning.world.documents.scene_file import parse_scene
-from planning.world.documents.scene_writer import scene_document
 from planning.world.world import World
 
 LIMIT = '<limit lower="-2" upper="2" velocity="1" effort="9"/>'

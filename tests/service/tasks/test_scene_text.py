@@ -7,9 +7,16 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from planning import AddObject, MoveObject, Pose, RemoveObject, SetPositions, edit_scene
+from planning import (
+    AddObject,
+    MoveObject,
+    Pose,
+    RemoveObject,
+    SetPositions,
+    edit_scene,
+    scene_document,
+)
 from planning.world.documents.scene_document import SceneDocument
-from planning.world.documents.scene_writer import scene_document
 from service.tasks import scene_text
 from service.tasks.decode import decode_scene
 from service.tasks.scene_text import SceneText, keep_text, kept_text

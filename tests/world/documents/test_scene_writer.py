@@ -6,12 +6,11 @@ import numpy as np
 import pytest
 
 import planning
-from planning import AttachObject, MoveObject, Pose, edit_scene
+from planning import AttachObject, MoveObject, Pose, edit_scene, scene_document
 from planning.domain.geometry.shapes import Convex
 from planning.domain.scene.scene import Scene
 from planning.errors import SceneInvalid
 from planning.world.documents.scene_document import SceneDocument
-from planning.world.documents.scene_writer import scene_document
 
 SCENES = sorted(planning.bundled_folder("scenes").glob("*.scene.yaml"))
 EVERYTHING = planning.parse_scene({

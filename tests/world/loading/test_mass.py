@@ -5,13 +5,13 @@ import pytest
 from pydrake.multibody.tree import SpatialInertia
 
 import planning
+from planning import scene_document
 from planning.domain.curves.interpolation import trajectory_through
 from planning.domain.geometry.pose import Pose
 from planning.domain.geometry.shapes import Box, Convex, Cylinder, Shape, Sphere
 from planning.domain.robot.payload import Payload
 from planning.domain.scene.scene import SceneObject
 from planning.errors import SceneInvalid
-from planning.world.documents.scene_writer import scene_document
 from planning.world.loading.mass import spatial_inertia
 from planning.world.mechanics.dynamics import GroupDynamics
 
